@@ -6,8 +6,10 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from tests import examples
+
 # a machine with other work to do is no failure
-hypothesis.settings.register_profile("unhurried", deadline=None)
+hypothesis.settings.register_profile("unhurried", deadline=None, max_examples=examples(100))
 hypothesis.settings.load_profile("unhurried")
 
 BESIDE = Path(__file__).resolve().parents[2] / "shared"

@@ -127,6 +127,7 @@ def test_growth_meets_its_demands():
     assert (RESULTS / "growth.svg").stat().st_size > 10_000
 
 
+@pytest.mark.slow("a part of a committed table made again")
 def test_a_part_of_the_growth_made_again_agrees():
     """The errors of every tau and of Theo1 for a shorter record, and the memory of one."""
     for _, allan, theo in growth.errors(5000):
@@ -277,6 +278,7 @@ def test_ordinary_least_squares_sees_what_is_not_there():
 
 
 @pytest.mark.parametrize("which", [0, 1])
+@pytest.mark.slow("a part of a committed table made again")
 def test_a_part_of_the_compensation_made_again_agrees(which):
     """The first 10 of the same seeds; each count within the table's share at an error probability of 1e-4."""
     script, records = compensation, 10

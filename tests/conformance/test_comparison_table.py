@@ -43,6 +43,7 @@ def test_white_noise_is_compared_nearly_as_well_as_can_be():
         assert float(row["called different %"]) > float(row["predicted %"]) - 5
 
 
+@pytest.mark.slow("a part of a committed table made again")
 def test_a_part_made_again_agrees():
     """The first 30 pairs: within 5 standard errors of the table's shares."""
     for model in ("N", "NK"):

@@ -5,6 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from tests import all_but
 from tests.reference.dense import covariance as dense
 from tests.reference.dense import quadratic_form, ramp_weights
 from tests.reference.theo import theobr
@@ -69,7 +70,7 @@ def test_of_two_statistics_it_equals_the_full_matrix(mixture):
     assert correlated(np.where(np.eye(m.size, dtype=bool), wanted, C), wanted) < 1e-6
 
 
-@pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev", "htotdev"])
+@pytest.mark.parametrize("name", all_but(["theo1", "pdev", "mtotdev", "htotdev"], ["htotdev"], "full matrices"))
 def test_long_windows_equal_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([2, 16, 64, 150, 240])
@@ -87,6 +88,7 @@ def test_the_longest_window_is_near_the_full_matrix(name):
     assert correlated(covariance(row, model, m, size, 1.0), wanted) < 0.006
 
 
+@pytest.mark.slow("full matrices")
 @pytest.mark.parametrize("mixture", [MIXTURES[4], {"N": 1.0, "B": 0.1}], ids="".join)
 def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
     """The points of theoh that are fitted, and the longest one."""
@@ -97,7 +99,7 @@ def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
     assert correlated(covariance_by_term(rows, model, m, size, 1.0).sum(axis=(2, 3)), wanted) < 0.006
 
 
-@pytest.mark.parametrize("size", [1000, 2000])
+@pytest.mark.parametrize("size", all_but([1000, 2000], [2000], "full matrices"))
 @pytest.mark.parametrize("noise", ["Q", "N", "B", "K"])
 @pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev"])
 def test_what_a_ramp_and_a_noise_add_equals_the_full_matrix(name, noise, size):
@@ -124,7 +126,7 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
         assert correlated(found[..., k], wanted[..., k]) < 1e-3
 
 
-@pytest.mark.parametrize("ramp", [1e-4, 1e-3, 1e-2])
+@pytest.mark.parametrize("ramp", all_but([1e-4, 1e-3, 1e-2], [1e-4, 1e-2], "full matrices"))
 @pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev"])
 def test_beside_a_ramp_reduced_windows_are_near_the_full_matrix(name, ramp):
     row, size, m = al.STATISTICS[name], 1000, np.array([2, 8, 64, 240])
@@ -159,6 +161,7 @@ def test_long_windows_are_near_exact_lag_sums(name, window, terms):
     assert correlated(found, wanted) < 1e-4
 
 
+@pytest.mark.slow("ensemble")
 def test_that_of_a_hybrid_has_the_scatter_of_its_ratio():
     """First order: the derivatives of the literal definition, at a record whose plain variances are as expected."""
     model, size = model_of({"N": 1.0, "K": 0.03}), 300

@@ -98,6 +98,7 @@ def test_a_coefficient_is_made_again():
     assert sum(one["K"][4] for one in found) >= 2
 
 
+@pytest.mark.slow("a part of a committed table made again")
 def test_a_part_is_made_again():
     """Places of the truth of a few records, the numbers of a whole table being shares of many."""
     said = [limits.curves_of(("N+weak K", 256, i)) for i in range(3)]

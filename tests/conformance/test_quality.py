@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from tests import examples
 
 import allanite as al
 from allanite.prepare import inspect
@@ -97,22 +98,24 @@ FAULTS = {
 }
 
 
+@pytest.mark.ensemble
 @pytest.mark.parametrize("name", list(FAULTS))
 @pytest.mark.parametrize("sensor", ["MEMS", "FOG", "RLG"])
 def test_a_fault_is_named(sensor, name):
-    """In at least 9 of 10 records, seeds 1 to 10."""
-    named = 0
-    for seed in range(1, 11):
+    """In at least 9 of 10 records."""
+    named, records = 0, examples(10)
+    for seed in range(1, 1 + records):
         y = clean(sensor, seed)
         FAULTS[name](y, np.random.default_rng(seed))
         named += name.split(",")[0] in inspect(al.Record(y, RATE, "rad/s")).names
-    assert named >= 9
+    assert named >= 0.9 * records
 
 
+@pytest.mark.ensemble
 @pytest.mark.parametrize("sensor", list(SENSORS))
 def test_clean_records_are_let_through(sensor):
-    """At most 2 % of findings are false: 0 or 1 in 60 records, seeds 1 to 60."""
-    found = [inspect(al.Record(clean(sensor, seed), RATE, "rad/s")).names for seed in range(1, 61)]
+    """At most 2 % of findings are false: 0 or 1 in 60 records."""
+    found = [inspect(al.Record(clean(sensor, seed), RATE, "rad/s")).names for seed in range(1, 1 + examples(60))]
     assert sum(bool(names) for names in found) <= 1, [names for names in found if names]
 
 

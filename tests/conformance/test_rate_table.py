@@ -72,6 +72,7 @@ def test_the_page_quotes_the_table():
         ]
 
 
+@pytest.mark.slow("a part of a committed table made again")
 def test_a_part_made_again_agrees():
     """The exact rows, the models that fit, when to average, and the run with seed 1: to the last printed digit."""
     made = [dict(zip(bench.efficiency()[0], row, strict=True)) for row in bench.efficiency()[1]]

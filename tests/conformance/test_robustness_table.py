@@ -66,6 +66,7 @@ def test_every_case_is_there():
         ("heavy tails", "MEMS"),
     ],
 )
+@pytest.mark.slow("a part of a committed table made again")
 def test_faults_made_again_are_named(fault, sensor):
     """In at least 9 of the first 10 records."""
     assert sum(robustness.named((fault, sensor, seed))[0] for seed in range(1, 11)) >= 9

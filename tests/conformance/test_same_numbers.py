@@ -112,6 +112,7 @@ print(json.dumps([one.to_dict() for one in found]))
 """
 
 
+@pytest.mark.slow("processes with other numbers of threads")
 def test_libraries_for_linear_algebra_may_have_any_number_of_threads():
     said = set()
     for threads in ("1", "2", "3"):

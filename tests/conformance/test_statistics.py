@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import examples
 from tests.reference import REFEREES, largest
 from tests.reference.dense import moments, quadratic_form
 from tests.reference.terms import UndefinedError
@@ -44,7 +45,7 @@ def factors_of(name, n):
 
 @pytest.mark.parametrize("name", ROWS)
 @given(data=st.data())
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_every_factor_equals_the_referee(name, data):
     n = data.draw(st.integers(*((RATIO, 130) if al.STATISTICS[name].parts else (4, 60))))
     seed = data.draw(st.integers(0, 2**32 - 1))
@@ -89,7 +90,7 @@ def test_long_records_cross_every_block_border(name):
 
 @pytest.mark.parametrize("name", GAPPED)
 @given(seed=st.integers(0, 10_000), lost=st.integers(1, 6), n=st.integers(20, 90))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 def test_windows_that_touch_a_gap_are_dropped(name, seed, lost, n):
     rng = np.random.default_rng(seed)
     y = rng.standard_normal(n)
@@ -138,7 +139,7 @@ def test_a_constant_changes_nothing(name, constant):
 
 @pytest.mark.parametrize("name", ROWS)
 @given(scale=st.floats(1e-6, 1e6), seed=st.integers(0, 1000))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 def test_scale_and_time_reversal(name, scale, seed):
     y = np.random.default_rng(seed).standard_normal(96)
     factors = [m for m in (1, 2, 8, 32) if m in factors_of(name, 96)]
@@ -302,7 +303,7 @@ def test_every_row_has_confidence_limits(name):
 
 @pytest.mark.parametrize("grid", list(GRIDS))
 @given(largest=st.integers(1, 3_000_000))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 def test_grids(grid, largest):
     m = GRIDS[grid](largest if grid != "all" else min(largest, 1000))
     assert m[0] == 1

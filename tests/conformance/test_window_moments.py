@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import examples
 from tests.reference.dense import moments, quadratic_form
 
 import allanite as al
@@ -236,7 +237,7 @@ def test_bias_of_the_total_deviation(share):
 
 @pytest.mark.parametrize("name", ROWS)
 @given(data=st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 def test_any_record_has_at_least_one_degree_of_freedom(name, data):
     row = al.STATISTICS[name]
     n = int(10 ** data.draw(st.floats(1.1, 9)))

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import thinned
 
 import allanite as al
 from allanite.cli import main
@@ -114,7 +115,7 @@ def test_every_file_has_a_row(recordings):
     assert sorted(there) == sorted(file.name for file in FILES)
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+@pytest.mark.parametrize("file", thinned(FILES, 12, "every recording"), ids=lambda file: file.name)
 def test_what_the_command_says_of_a_file(recordings, file):
     result = CliRunner().invoke(main, ["analyze", str(recordings / file.name), *file.words])
     said = " ".join((result.stdout + " " + result.stderr).split())
@@ -151,7 +152,9 @@ def as_theirs(record, file, unit):
 COMPARED = [(file, unit) for file in FILES for unit in file.compared]
 
 
-@pytest.mark.parametrize(("file", "unit"), COMPARED, ids=lambda value: getattr(value, "name", value))
+@pytest.mark.parametrize(
+    ("file", "unit"), thinned(COMPARED, 8, "every recording"), ids=lambda value: getattr(value, "name", value)
+)
 def test_deviations_are_those_that_others_computed(recordings, file, unit):
     channels, name = file.compared[unit], file.reference or file.name.rpartition("/")[2]
     with (recordings / "reference_oadev.csv").open() as table:

@@ -7,6 +7,7 @@ import lzma
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import all_but
 
 import allanite as al
 from allanite.cli import main
@@ -61,7 +62,7 @@ def test_a_swaying_vehicle_is_no_five_term_model(laser):
         assert "motion" in goodness.verdict or "sway" in goodness.verdict
 
 
-@pytest.mark.parametrize("window", [[], ["--from", "600", "--until", "900"]])
+@pytest.mark.parametrize("window", all_but([[], ["--from", "600", "--until", "900"]], [[]], "the page of two hours"))
 def test_from_the_file_to_the_page(recordings, tmp_path, window):
     page, figure, data = (tmp_path / name for name in ("page.html", "curve.svg", "study.json"))
     command = ["analyze", str(recordings / "psins_lasergyro.imu"), "--channels", "gx,gy,gz", *window]

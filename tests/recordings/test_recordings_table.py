@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import pytest
 from click.testing import CliRunner
+from tests import thinned
 
 from allanite.cli import main
 from allanite.readers.formats.table import READERS
@@ -101,7 +102,9 @@ TABLE = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("row", TABLE, ids=lambda row: f"{row.file}-{row.verb}-{row.options}")
+@pytest.mark.parametrize(
+    "row", thinned(TABLE, 10, "every recording"), ids=lambda row: f"{row.file}-{row.verb}-{row.options}"
+)
 def test_what_is_said_of_a_recording(recordings, row):
     if row.reader not in READERS:
         pytest.skip(f"no reader {row.reader!r}")

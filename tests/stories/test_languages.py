@@ -326,6 +326,7 @@ def printed_words(figure):
     return {line.strip() for text in texts for line in text.get_text().splitlines()} - {""}
 
 
+@pytest.mark.slow("figures of every verb, drawn twice")
 def test_a_figure_on_a_page_has_the_words_of_that_for_print(verb, values):
     for value in values:
         for drawing in drawings(view_of(value).face(value, level_of(value))):

@@ -37,6 +37,7 @@ def lot(tmp_path_factory):
     return CliRunner().invoke(main, list(map(str, words))), paths
 
 
+@pytest.mark.slow("a lot of many files")
 def test_the_units_beyond_a_limit_and_the_bad_file_are_named(lot):
     result, _ = lot
     assert result.exit_code == 4, result.output

@@ -47,6 +47,7 @@ def run(*arguments):
     return CliRunner().invoke(main, ["rate", *map(str, arguments)])
 
 
+@pytest.mark.slow("ensemble")
 def test_which_method(vertical):
     result = run(vertical, *HOW, *NOISE, "--latitude", "55.7936", "--bias", "-0.0948", "--no-times")
     assert result.exit_code == 0, result.stderr
@@ -89,6 +90,7 @@ def test_everything_is_written(vertical, tmp_path):
     assert "--force" in again.stderr
 
 
+@pytest.mark.slow("ensemble")
 def test_the_scatter_against_the_measuring_time_is_a_table(vertical, tmp_path):
     page, numbers = tmp_path / "rate.html", tmp_path / "rate.csv"
     options = ("--methods", "mean,staircase", "--durations", "3,10", "--report", page, "--csv", numbers)

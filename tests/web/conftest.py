@@ -1,8 +1,14 @@
-"""What the tests of the server share: its folder, and a client that came in by the link of the module."""
+"""What the tests of the page share: one server and one browser a session, and a client of the server of a module."""
 
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
 import pytest
 
-from .served import Client
+from .browsing import CHROMIUM, PATIENCE, written
+from .served import Client, served
 
 
 @pytest.fixture(scope="module")
@@ -14,3 +20,71 @@ def folder(tmp_path_factory):
 def client(link):
     with Client(link) as client:
         yield client
+
+
+@pytest.fixture(scope="session")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The link that opens the page, once."""
+    with served(tmp_path_factory.mktemp("cache")) as (_, link):
+        yield link
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    api = pytest.importorskip("playwright.sync_api", reason="the stories of the page need playwright")
+    with api.sync_playwright() as play:
+        one = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield one
+        one.close()
+
+
+@pytest.fixture(scope="session")
+def context(browser: Any, address: str) -> Iterator[Any]:
+    """A browser that has come in by the link; what it asks of other hosts is refused and noted."""
+    one = browser.new_context(viewport={"width": 1280, "height": 900}, accept_downloads=True)
+    one.set_default_timeout(PATIENCE)
+    one.outside = []
+    one.broken = []
+    one.on("request", lambda request: outside(one, request.url))
+    one.on("weberror", lambda error: one.broken.append(str(error.error)))
+    first = one.new_page()
+    first.goto(address)
+    one.address = first.url.partition("#")[0]
+    first.close()
+    yield one
+    one.close()
+
+
+def outside(context: Any, url: str) -> None:
+    if not url.startswith(("http://127.0.0.1:", "data:", "blob:")):
+        context.outside.append(url)
+
+
+@pytest.fixture
+def page(context: Any) -> Iterator[Any]:
+    """The page with nothing in it."""
+    made = context.request.post(f"{context.address}api/workspaces", headers={"Origin": context.address.rstrip("/")})
+    assert made.ok, made.text()
+    one = context.new_page()
+    one.add_init_script("localStorage.clear()")
+    one.goto(f"{context.address}#{made.json()['id']}")
+    one.wait_for_selector("body[data-ready=true]")
+    yield one
+    one.close()
+    assert context.outside == []
+    assert context.broken == []
+
+
+@pytest.fixture(scope="session")
+def six(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Six axes with units in the header."""
+    values = np.random.default_rng(1).normal(size=(20_000, 6)) * [0.1, 0.1, 0.1, 1e-3, 1e-3, 1e-3]
+    return written(tmp_path_factory.mktemp("data") / "six.csv", values)
+
+
+@pytest.fixture(scope="session")
+def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One column without a unit or a rate."""
+    path = tmp_path_factory.mktemp("data") / "bare.txt"
+    np.savetxt(path, np.random.default_rng(2).normal(size=20_000), fmt="%.6g")
+    return path

@@ -1,12 +1,8 @@
 """The page in a browser: what a user does, from the file that is dropped to the command line that repeats it."""
 
 import json
-import os
-import re
-import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,150 +11,16 @@ import pytest
 
 import allanite as al
 
-api = pytest.importorskip("playwright.sync_api", reason="the stories of the page need playwright")
+from .browsing import PATIENCE, SUITE, curves, drag, drop, finished, saved, state, written
+from .served import served
+
+pytest.importorskip("playwright.sync_api", reason="the stories of the page need playwright")
 pytest.importorskip("fastapi", reason="the page needs allanite[web]")
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+pytestmark = SUITE
 
 AXE = Path(__file__).with_name("axe.min.js")
-PATIENCE = 40_000
-"""Milliseconds that a step may take on a machine that is busy."""
-
 HOSTILE = "<img src=x onerror=document.title='broken'>.csv"
-
-
-class Server:
-    """``allanite serve`` in a process of its own, with a cache folder of its own."""
-
-    def __init__(self, cache: Path) -> None:
-        self.cache = cache
-
-    def start(self, *words: str) -> str:
-        command = [sys.executable, "-m", "allanite.cli", "serve", "--no-browser", *words]
-        env = {**os.environ, "XDG_CACHE_HOME": str(self.cache)}
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env)
-        assert self.process.stdout is not None
-        for line in self.process.stdout:
-            if found := re.search(r"http://127\.0\.0\.1:\d+/\?token=\S+", line):
-                return found[0]
-        raise AssertionError("the server ended before it printed its address")
-
-    def kill(self) -> None:
-        self.process.kill()
-        self.process.communicate()
-
-
-@pytest.fixture(scope="module")
-def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The link that opens the page, once."""
-    server = Server(tmp_path_factory.mktemp("cache"))
-    yield server.start()
-    server.kill()
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with api.sync_playwright() as play:
-        one = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield one
-        one.close()
-
-
-@pytest.fixture(scope="module")
-def context(browser: Any, address: str) -> Iterator[Any]:
-    """A browser that has come in by the link; what it asks of other hosts is refused and noted."""
-    one = browser.new_context(viewport={"width": 1280, "height": 900}, accept_downloads=True)
-    one.set_default_timeout(PATIENCE)
-    one.outside = []
-    one.broken = []
-    one.on("request", lambda request: outside(one, request.url))
-    one.on("weberror", lambda error: one.broken.append(str(error.error)))
-    first = one.new_page()
-    first.goto(address)
-    one.address = first.url.partition("#")[0]
-    first.close()
-    yield one
-    one.close()
-
-
-def outside(context: Any, url: str) -> None:
-    if not url.startswith(("http://127.0.0.1:", "data:", "blob:")):
-        context.outside.append(url)
-
-
-@pytest.fixture
-def page(context: Any) -> Iterator[Any]:
-    """The page with nothing in it."""
-    made = context.request.post(f"{context.address}api/workspaces", headers={"Origin": context.address.rstrip("/")})
-    assert made.ok, made.text()
-    one = context.new_page()
-    one.add_init_script("localStorage.clear()")
-    one.goto(f"{context.address}#{made.json()['id']}")
-    one.wait_for_selector("body[data-ready=true]")
-    yield one
-    one.close()
-    assert context.outside == []
-    assert context.broken == []
-
-
-@pytest.fixture(scope="module")
-def six(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Six axes with units in the header."""
-    values = np.random.default_rng(1).normal(size=(20_000, 6)) * [0.1, 0.1, 0.1, 1e-3, 1e-3, 1e-3]
-    return written(tmp_path_factory.mktemp("data") / "six.csv", values)
-
-
-def written(path: Path, values: Any) -> Path:
-    names = ("gx [deg/s]", "gy [deg/s]", "gz [deg/s]", "ax [g]", "ay [g]", "az [g]")[: values.shape[1]]
-    rows = np.column_stack([np.arange(len(values)) / 100.0, values])
-    np.savetxt(path, rows, delimiter=",", header=",".join(("time [s]", *names)), comments="", fmt="%.7g")
-    return path
-
-
-@pytest.fixture(scope="module")
-def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """One column without a unit or a rate."""
-    path = tmp_path_factory.mktemp("data") / "bare.txt"
-    np.savetxt(path, np.random.default_rng(2).normal(size=20_000), fmt="%.6g")
-    return path
-
-
-def drop(page: Any, path: Path) -> None:
-    """Drop a file on the page, as a mouse does."""
-    page.get_by_test_id("choose-file").set_input_files(str(path))
-
-
-def curves(page: Any, count: int = 1) -> None:
-    page.wait_for_selector(f"#curve-plot[data-curves='{count}']")
-
-
-def finished(page: Any, text: str) -> None:
-    """Wait until the command line shows this."""
-    page.wait_for_function(
-        "(text) => document.querySelector('[data-testid=command]')?.textContent.includes(text)", arg=text
-    )
-
-
-def state(page: Any) -> dict[str, Any]:
-    ask = "fetch('/api/workspaces/' + location.hash.slice(1)).then((r) => r.json())"
-    return page.evaluate(ask)
-
-
-def saved(page: Any, form: str) -> str:
-    with page.expect_download() as download:
-        page.get_by_test_id(f"save-{form}").click()
-    return Path(download.value.path()).read_text("utf-8")
-
-
-def test_a_file_is_dropped_and_analyzed(page: Any, six: Path) -> None:
-    drop(page, six)
-    curves(page)
-    assert page.get_by_test_id("tab").all_inner_texts() == ["gx", "gy", "gz", "ax", "ay", "az"]
-    assert page.get_by_test_id("option-rate").get_attribute("placeholder") == "100"
-    assert "100" in page.get_by_test_id("assumed").inner_text()
-    assert int(page.get_by_test_id("trace").get_attribute("data-points")) > 200
-    assert page.get_by_test_id("curve").get_attribute("data-validity") == "explained"
 
 
 def test_a_channel_without_a_name_has_its_curve(page: Any, tmp_path: Path) -> None:
@@ -283,16 +145,6 @@ def test_a_disturbance_is_looked_at_and_cut_with_the_mouse(page: Any, tmp_path: 
     page.wait_for_selector("#curve-plot[data-validity=explained]")
 
 
-def drag(page: Any, box: dict[str, float], start: float, end: float) -> None:
-    """Draw over a part of a chart, from left to right."""
-    middle = box["y"] + box["height"] / 2
-    page.mouse.move(box["x"] + start * box["width"], middle)
-    page.mouse.down()
-    for part in (0.5, 1.0):
-        page.mouse.move(box["x"] + (start + part * (end - start)) * box["width"], middle + part, steps=5)
-    page.mouse.up()
-
-
 def test_export_save_and_repeat_by_the_command_line(page: Any, six: Path, tmp_path: Path) -> None:
     drop(page, six)
     curves(page)
@@ -410,12 +262,10 @@ def test_the_page_speaks(page: Any, six: Path, lang: str, word: str) -> None:
 
 
 def test_a_server_that_was_killed_comes_back_with_the_work(browser: Any, six: Path, tmp_path: Path) -> None:
-    server = Server(tmp_path)
     one = browser.new_page()
     one.set_default_timeout(PATIENCE)
-    try:
-        address = server.start()
-        one.goto(address)
+    with served(tmp_path) as (first, link):
+        one.goto(link)
         one.wait_for_selector("body[data-ready=true]")
         drop(one, six)
         curves(one)
@@ -423,12 +273,12 @@ def test_a_server_that_was_killed_comes_back_with_the_work(browser: Any, six: Pa
         one.wait_for_selector("#curve-plot[data-statistic=mdev]")
         one.wait_for_timeout(500)
         workspace = one.url.partition("#")[2]
-        server.kill()
-        one.goto(server.start())
+        first.kill()
+        first.wait()
+    with served(tmp_path) as (_, link):
+        one.goto(link)
         one.wait_for_selector("body[data-ready=true]")
         one.goto(f"{one.url.partition('#')[0]}#{workspace}")
         one.wait_for_selector("#curve-plot[data-statistic=mdev]")
         assert one.get_by_test_id("file").inner_text() == "six.csv"
-    finally:
-        server.kill()
-        one.close()
+    one.close()

@@ -1,4 +1,3 @@
-# ruff: noqa: F811 - fixtures are taken by their names
 """A stream that is watched on the page: its curve grows, a jump is said, and what was found remains at the end."""
 
 import threading
@@ -9,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .test_browser import address, browser, context, page, pytestmark  # noqa: F401 - fixtures, by name
+from .browsing import SUITE
+
+pytestmark = SUITE
 
 RATE, EACH, PAUSE = 100, 200, 0.1
 """Samples a second of record, samples in a piece, and seconds between pieces: time runs 20 times as fast."""

@@ -1,4 +1,3 @@
-# ruff: noqa: F811 - fixtures are taken by their names
 """Real recordings dropped on the page: what they do not say is asked for beside its control, then they have a curve."""
 
 from pathlib import Path
@@ -6,7 +5,9 @@ from typing import Any
 
 import pytest
 
-from .test_browser import address, browser, context, drop, page, pytestmark, state  # noqa: F401 - fixtures, by name
+from .browsing import SUITE, drop
+
+pytestmark = SUITE
 
 MPU = "mpu6050_static10min/mpu6050_"
 NEEDS: dict[str, dict[str, str]] = {

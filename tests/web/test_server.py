@@ -59,6 +59,7 @@ def test_the_json_is_that_of_the_command_line(client, analyzed, file):
     assert "excluded: 40 s to 60 s" in json.dumps(ours)
 
 
+@pytest.mark.slow("the page without a browser, in full")
 def test_the_saved_recipe_gives_the_same(client, analyzed, file, tmp_path):
     recipe = tmp_path / "recipe.toml"
     recipe.write_bytes(client.get(f"/api/jobs/{analyzed}/save", form="recipe").content)
@@ -76,6 +77,7 @@ def test_words_are_those_of_the_report(client, analyzed):
     assert "случайное блуждание угла" in russian["html"]
 
 
+@pytest.mark.slow("the page without a browser, in full")
 def test_a_cut_makes_the_fit_valid(client, file):
     workspace = client.workspace()
     uploaded = client.upload(workspace, file)
@@ -106,6 +108,7 @@ def test_curves_have_bands_a_model_and_its_terms(client, analyzed):
     assert other["low"][3] < other["deviation"][3] < other["high"][3]
 
 
+@pytest.mark.slow("the page without a browser, in full")
 def test_a_refit_is_what_the_command_line_fits(client, analyzed, file):
     asked = {"channel": "gy", "terms": "NK", "band": [0.1, 40], "statistics": ["oadev"]}
     found = client.post(f"/api/jobs/{analyzed}/refit", asked).json()
@@ -150,6 +153,7 @@ def test_a_file_for_a_filter_is_that_of_the_command_line(client, analyzed, file)
     ("form", "begins"),
     [("report", b"<!DOCTYPE html>"), ("csv", b"channel,"), ("figure.png", b"\x89PNG"), ("coefficients", b"channel,")],
 )
+@pytest.mark.slow("the page without a browser, in full")
 def test_results_are_saved(client, analyzed, form, begins):
     answer = client.get(f"/api/jobs/{analyzed}/save", form=form)
     assert answer.headers["content-disposition"].startswith("attachment; filename=")
@@ -185,6 +189,7 @@ def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, fil
         assert problem["option"] == option
 
 
+@pytest.mark.slow("the page without a browser, in full")
 def test_two_recordings_are_compared(client, file):
     workspace = client.workspace()
     files = [client.upload(workspace, file, name) for name in ("before.csv", "after.csv")]
@@ -198,6 +203,7 @@ def test_two_recordings_are_compared(client, file):
 
 
 @pytest.mark.parametrize("verb", ["spectrum", "dynamic", "deviation"])
+@pytest.mark.slow("the page without a browser, in full")
 def test_a_selection_has_its_spectrum_and_surface(client, file, verb):
     workspace = client.workspace()
     recipe = {"rate": RATE, "start": 80, "until": 180}
@@ -206,6 +212,7 @@ def test_a_selection_has_its_spectrum_and_surface(client, file, verb):
     assert len(client.get(f"/api/jobs/{job}").json()["value"]["channels"]) == 2
 
 
+@pytest.mark.slow("the page without a browser, in full")
 def test_a_stream_is_watched_until_it_is_ended(client, tmp_path):
     path = tmp_path / "growing.txt"
     path.write_text("".join(f"{v:.6f}\n" for v in np.random.default_rng(2).normal(0.0, 2.0, 5000)))
@@ -249,6 +256,7 @@ def test_a_job_is_cancelled_at_once_and_the_next_one_runs(client, file, tmp_path
     assert last[0] == "done"
 
 
+@pytest.mark.slow("the page without a browser, in full")
 def test_a_worker_that_is_killed_is_an_error_in_a_sentence(client, file, tmp_path):
     workspace, job = long_job(client, tmp_path)
     for pid in workers_of(client):
@@ -305,6 +313,7 @@ def descendants(pid):
     return found
 
 
+@pytest.mark.slow("the page without a browser, in full")
 def test_a_server_that_is_killed_goes_on_after_a_restart(tmp_path, file):
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import examples
 from tests.reference.angle import PAPER, PAPER_SUMS, kalman, row
 
 import allanite as al
@@ -144,7 +145,7 @@ def test_square_root_keeps_digits_where_a_covariance_loses_them():
 
 
 @given(cut=st.integers(1, 359), seed=st.integers(0, 100))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 def test_what_is_known_can_be_added_to(cut, seed):
     rng = np.random.default_rng(seed)
     rows, z = rng.standard_normal((360, 5)), rng.standard_normal(360)
@@ -208,6 +209,7 @@ def test_large_known_noise_and_drift_are_noticed(seed):
     assert any("sample 100 " in w for w in al.angle.estimate(z, gimbals).solution.warnings)
 
 
+@pytest.mark.slow("ensemble")
 def test_checks_are_right_as_often_as_they_say():
     """300 records of white noise, seeds 1 to 300: a check at 1 % fails in 0 to 10 (error probability 1e-4 each)."""
     rows = np.column_stack([np.ones(200), np.linspace(-1, 1, 200)])
@@ -388,6 +390,7 @@ def calibrations():
     return [(al.angle.calibrate(measured, reference), known) for measured, reference, known in runs]
 
 
+@pytest.mark.slow("ensemble")
 def test_intervals_of_an_encoder_hold_the_truth(calibrations):
     """Four constants a run: 92 to 98 % (four standard errors are 3.1 %)."""
     inside = []
@@ -407,6 +410,7 @@ def test_limits_of_amplitudes_hold(calibrations):
     assert all(found.found(128) for found, _ in calibrations)
 
 
+@pytest.mark.slow("ensemble")
 def test_a_harmonic_that_is_not_there_is_seldom_found():
     """300 runs, seeds 1 to 300, at 1 %: more than 12 has a probability below 1e-4."""
     found = 0

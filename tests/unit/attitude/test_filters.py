@@ -186,5 +186,6 @@ def test_a_steep_pitch_is_refused_by_angles_and_not_by_quaternions():
     assert math.degrees(found[:, 1].max()) > 89
 
 
+@pytest.mark.slow("speed")
 def test_a_million_samples_take_less_than_three_seconds():
     assert max(benchmark.speeds().values()) < 3

@@ -29,6 +29,7 @@ def units(tmp_path):
     return folder
 
 
+@pytest.mark.slow("a Dask scheduler")
 def test_dask_gives_the_same_bytes(units, tmp_path, address):
     one, other = tmp_path / "one", tmp_path / "other"
     assert len(run_batch(units, one).failed) == 1
@@ -46,6 +47,7 @@ def test_an_error_and_a_lost_worker_belong_to_their_item(address, tmp_path):
     assert done.result
 
 
+@pytest.mark.slow("a Dask scheduler")
 def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
     monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 1)
     with pytest.raises(al.UsageError, match=r"'tcp://127.0.0.1:9' does not answer .*; start one with 'dask scheduler'"):

@@ -60,6 +60,7 @@ def resumed(units, results):
     assert [Path(file.file).name for file in found.failed] == ["bad.csv"]
 
 
+@pytest.mark.slow("processes that are killed")
 def test_a_batch_that_was_killed_goes_on_and_leaves_no_draft(units, plain, tmp_path):
     results = tmp_path / "r"
     process = command(units, results)

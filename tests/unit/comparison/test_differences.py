@@ -109,6 +109,7 @@ def test_a_smoothed_record_and_its_source_are_a_pair():
     assert resemblance((raw, smooth)) > 0.9
 
 
+@pytest.mark.slow("ensemble")
 def test_equal_members_of_a_pair_are_found_different_as_often_as_they_should():
     """In 200 pairs, at 5 %: 2 to 20."""
     pairs = [correlated(seed) for seed in range(200)]

@@ -213,6 +213,7 @@ def test_what_cannot_support_the_job_is_refused():
     assert "1 of 5000 samples are missing" in gap.findings[0].what
 
 
+@pytest.mark.slow("memory of a process of its own")
 def test_a_study_takes_no_more_than_six_times_the_records_memory():
     import tracemalloc
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.fft import dct
+from tests import all_but
 
 from allanite.identification.likelihood import cosine
 from allanite.identification.likelihood.cosine import cosine_transform
@@ -16,7 +17,7 @@ def test_rows_and_columns(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_allclose(cosine_transform(y.copy()), dct(y, norm="ortho"), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("n", [5, 1001, 1002, 2_000_006])
+@pytest.mark.parametrize("n", all_but([5, 1001, 1002, 2_000_006], [2_000_006], "long records"))
 def test_sizes_that_make_no_matrix(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cosine, "LONG", 4)
     assert cosine._rows(n) == 0

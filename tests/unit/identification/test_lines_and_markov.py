@@ -153,6 +153,7 @@ def test_lines_across_gaps():
     assert np.isnan(left).sum() == np.isnan(values).sum()
 
 
+@pytest.mark.slow("ensemble")
 def test_false_lines_are_rare():
     """In 100 records of noise: more than 5 at 1 % each have a probability of 5e-4."""
     fits = [al.identify(record_of(N + B + K, 2**13, seed), terms="NBK") for seed in range(1, 101)]

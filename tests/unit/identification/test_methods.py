@@ -108,6 +108,7 @@ def test_the_bias_ratio_of_a_hybrid_is_divided_out():
     assert theobr["K"].value == pytest.approx(theo1["K"].value, rel=1e-9)
 
 
+@pytest.mark.slow("ensemble")
 def test_standard_errors_of_gls_are_those_of_simulation():
     """60 records: the standard deviation of each value within 45 % of the mean standard error (5 sigma)."""
     model = model_of(N=1.0, B=0.3)

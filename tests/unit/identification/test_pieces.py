@@ -144,6 +144,7 @@ def test_the_spectrum_is_that_expected():
     assert np.abs(deviate).max() < 3.3
 
 
+@pytest.mark.slow("ensemble")
 def test_small_noise_of_the_rate_is_told_between_gaps():
     """Of 1 % lost at random: N to a tenth, and its limits hold the truth."""
     inside = 0

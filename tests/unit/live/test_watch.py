@@ -177,6 +177,7 @@ def test_outliers_are_replaced_counted_and_said(at):
     assert "gaps" not in channel.quality.names
 
 
+@pytest.mark.slow("long streams")
 def test_a_step_is_said_when_it_comes_and_noise_has_none():
     noise = al.simulate(al.N(1, "deg/h*sqrt(s)") + al.B(0.3, "deg/h") + al.K(1, "deg/h/sqrt(h)"), 200_000, 100.0,
                         rng=np.random.default_rng(4))  # fmt: skip
@@ -200,6 +201,7 @@ def test_an_angle_is_watched_as_its_steps():
     np.testing.assert_allclose(channel.fit["N"].value, plain.fit["N"].value, rtol=1e-6)
 
 
+@pytest.mark.slow("long streams")
 def test_it_foretells_when_more_is_known():
     model = al.N(1, "deg/h*sqrt(s)") + al.B(1, "deg/h")
     record = al.simulate(model, 60_000, 10.0, rng=np.random.default_rng(1))

@@ -81,6 +81,7 @@ def test_terms_that_cannot_be_compared_are_named():
         al.selfcheck(pair, 400, 10.0, records=1, rng=np.random.default_rng(1))
 
 
+@pytest.mark.slow("ensemble")
 def test_time_constants_and_sinusoids():
     """Ten records of a strong process and a strong line: both are always found, within 5 standard errors."""
     model = al.parse_model("N 0.1 deg/sqrt(h), GM 30 deg/h 5 s, Sine 30 deg/h 1.3 Hz")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import examples
 
 from allanite.kernels.passing import BLOCK, looked
 from allanite.kernels.robust import HALF, off
@@ -21,11 +22,12 @@ def literal(y):
     return there.size, low, high, max((there == low).sum(), (there == high).sum()), longest
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(
     seed=st.integers(0, 99), size=st.integers(1, 3 * BLOCK), step=st.sampled_from([0.0, 0.5, 2.0]),
     lost=st.lists(st.integers(0, 3 * BLOCK), max_size=4), stuck=st.integers(0, 2 * BLOCK),
 )  # fmt: skip
+@pytest.mark.slow("property of every sample")
 def test_look_is_that_at_each_sample(seed, size, step, lost, stuck):
     y = np.random.default_rng(seed).normal(size=size)
     y = np.round(y / step) * step if step else y

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.fft import dct
 from scipy.ndimage import median_filter
+from tests import all_but
 
 import allanite as al
 from allanite.identification.likelihood.spectrum import spectrum
@@ -143,6 +144,7 @@ def test_wrong_points_of_an_angle_are_lost_and_the_angle_kept():
 
 
 @pytest.mark.parametrize("kind", ["rate", "increment", "angle"])
+@pytest.mark.slow("ensemble")
 def test_shut_gaps_keep_small_noise_under_quantization(kind):
     """400 gaps of 5 samples: an angle tells N as if they were not there, a rate loses most of it."""
     ratios = []
@@ -228,7 +230,10 @@ def test_a_ramp_is_found_at_its_true_times():
     )
 
 
-@pytest.mark.parametrize(("sensor", "count", "length"), [("MEMS", 20, 160), ("FOG", 500, 5), ("RLG", 20, 160)])
+@pytest.mark.parametrize(
+    ("sensor", "count", "length"),
+    all_but([("MEMS", 20, 160), ("FOG", 500, 5), ("RLG", 20, 160)], [("FOG", 500, 5), ("RLG", 20, 160)], "ensemble"),
+)
 def test_gaps_hardly_move_the_coefficients(sensor, count, length):
     """The same 5 records with and without gaps: their mean difference is far below one record's standard error."""
     symbols = "".join(term.symbol for term in SENSORS[sensor])

@@ -84,6 +84,7 @@ def test_intervals_cover(runs, method):
     assert 0.92 <= (np.abs(errors[method]) < 1.959964 * predicted).mean() <= 0.98
 
 
+@pytest.mark.slow("ensemble of simulated gyros")
 def test_the_staircase_of_counts_is_predicted():
     """400 runs of counts; angle noise of a pulse, random walk that dominates."""
     model = al.N(6e-4, "deg/sqrt(h)") + al.Q(math.hypot(0.3, PULSE / math.sqrt(12)), "arcsec")
@@ -143,6 +144,7 @@ def test_under_random_walk_alone_averaging_wins():
 
 
 @pytest.mark.parametrize("run", [0, 1])
+@pytest.mark.slow("ensemble of simulated gyros")
 def test_the_simulated_gl1(gl1, run):
     found = gl1[run]
     deviation = {m: found.scatter(m).deviation for m in found.methods}

@@ -223,6 +223,7 @@ def test_the_model_of_the_gl1_is_that_of_its_counts():
     assert spread == pytest.approx(wanted, rel=0.19)  # 160 differences: 3.4 standard errors
 
 
+@pytest.mark.slow("ensemble")
 def test_lock_in_makes_the_random_walk_that_is_claimed():
     """The kick at a turning point by Runge-Kutta over 2000 phases: rms within 3 % of Omega_L' sqrt(pi / psi'')."""
     K, f = math.radians(0.32795 / 3600), 400.0

@@ -99,6 +99,7 @@ finally:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is in kB on Linux only")
 @pytest.mark.parametrize("name", CASES)
+@pytest.mark.slow("time and memory of processes of their own")
 def test_what_it_takes_and_what_is_said(name, tmp_path):
     make, refused = CASES[name]
     make(tmp_path / name)

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests import ROOT
+from tests import ROOT, examples
 
 SCRIPT = ROOT / "benchmarks" / "fuzz_readers.py"
 spec = importlib.util.spec_from_file_location("fuzz_readers", SCRIPT)
@@ -16,6 +16,7 @@ fuzz = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(fuzz)
 
 
+@pytest.mark.ensemble
 @pytest.mark.parametrize("name", fuzz.SEEDS)
 def test_damaged_files_are_read_or_refused(tmp_path, name):
     if (suffix := Path(name).suffix) in fuzz.IMPORTED:
@@ -25,7 +26,7 @@ def test_damaged_files_are_read_or_refused(tmp_path, name):
     path.write_bytes(data)
     assert fuzz.outcome(path, seed.options) == "read"
     found = set()
-    for k in range(4 if name.endswith(fuzz.CONTAINED) else 120):
+    for k in range(examples(4 if name.endswith(fuzz.CONTAINED) else 120)):
         rng = fuzz.generator(name, k)
         path.write_bytes(fuzz.mutated(rng, data))
         start = time.process_time()

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from tests import examples
 
 from allanite.core.errors import DataError, UsageError
 from allanite.readers import read
@@ -32,7 +33,7 @@ def savez(tmp_path):
     return savez
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     array=arrays.arrays(
         st.sampled_from(["<f8", ">f8", "<f4", "<i2", ">i4", "<i8", "u1", "<u4"]),

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet
+from tests import examples
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -147,7 +148,7 @@ def test_parts_are_the_whole(case, tmp_path):
         assert [(f.name, f.what) for f in findings] == [(f.name, f.what) for f in whole.findings]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 @given(st.lists(st.tuples(st.integers(6000, N - 10), st.integers(1, 400)), max_size=5), st.integers(1100, 12_000))
 def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, rows):
     path = fields(tmp_path_factory.mktemp("gaps"), [(begin, begin + length) for begin, length in holes])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests import examples
 
 from allanite.core.errors import DataError, UsageError
 from allanite.readers import read
@@ -64,7 +65,7 @@ def written(rows, shape):
     return "\ufeff" * shape["bom"] + shape["ends"].join(lines) + shape["ends"] * shape["final"]
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(rows=tables, shape=shapes)
 def test_whatever_the_shape_the_numbers_come_back(write, rows, shape):
     recording = read(write(written(rows, shape)))
@@ -74,7 +75,7 @@ def test_whatever_the_shape_the_numbers_come_back(write, rows, shape):
         assert np.array_equal(record.values, np.array([row[i] for row in rows]))
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     rows=st.lists(st.tuples(*[st.integers(-(2**53) - 1000, 2**53 + 1000)] * 2), min_size=3, max_size=20),
     delimiter=st.sampled_from([",", ";", "\t", " "]),

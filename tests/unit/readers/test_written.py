@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from pyarrow import parquet
 from scipy.io import loadmat, savemat
+from tests import examples
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -80,7 +81,7 @@ COMMON = {"deadline": None, "suppress_health_check": [HealthCheck.function_scope
 
 
 @pytest.mark.parametrize("suffix", [suffix for suffix in WRITERS if suffix not in CONTAINED])
-@settings(max_examples=150, **COMMON)
+@settings(max_examples=examples(150), **COMMON)
 @given(recording=recordings())
 def test_written_and_read_back(tmp_path, suffix, recording):
     al.write(recording, tmp_path / f"a{suffix}", force=True)
@@ -88,7 +89,7 @@ def test_written_and_read_back(tmp_path, suffix, recording):
 
 
 @pytest.mark.parametrize("suffix", CONTAINED[1:])
-@settings(max_examples=10, **COMMON)
+@settings(max_examples=examples(10), **COMMON)
 @given(recording=recordings())
 def test_written_and_read_back_by_a_process(tmp_path, suffix, recording):
     al.write(recording, tmp_path / f"a{suffix}", force=True)
@@ -202,7 +203,7 @@ def plain_csv(values):
 
 
 @pytest.mark.parametrize(("suffix", "pack"), [(".gz", gzip.compress), (".bz2", bz2.compress), (".xz", lzma.compress)])
-@settings(max_examples=20, **COMMON)
+@settings(max_examples=examples(20), **COMMON)
 @given(values=VALUES)
 def test_packed_alone(tmp_path, suffix, pack, values):
     for name in (f"a.csv{suffix}", "nameless"):
@@ -210,7 +211,7 @@ def test_packed_alone(tmp_path, suffix, pack, values):
         assert assert_columns(tmp_path / name, values, rate=10.0).channels == ("gx", "gy", "gz")
 
 
-@settings(max_examples=20, **COMMON)
+@settings(max_examples=examples(20), **COMMON)
 @given(values=VALUES)
 def test_packed_in_an_archive(tmp_path, values):
     with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
@@ -224,7 +225,7 @@ def test_packed_in_an_archive(tmp_path, values):
 
 
 @pytest.mark.parametrize("compress", [False, True])
-@settings(max_examples=4, **COMMON)
+@settings(max_examples=examples(4), **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_matlab_5(tmp_path, compress, values, rate):
     scipy_io = pytest.importorskip("scipy.io")
@@ -247,7 +248,7 @@ def matlab_73(path, content):
         file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\2IM")
 
 
-@settings(max_examples=6, **COMMON)
+@settings(max_examples=examples(6), **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_matlab_73(tmp_path, values, rate):
     text = np.frombuffer("note".encode("utf-16-le"), np.uint16).reshape(1, 4)
@@ -258,7 +259,7 @@ def test_matlab_73(tmp_path, values, rate):
     assert recording[0].rate == rate
 
 
-@settings(max_examples=4, **COMMON)
+@settings(max_examples=examples(4), **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_r_matrices_and_frames(tmp_path, values, rate):
     rdata, pandas = pytest.importorskip("rdata"), pytest.importorskip("pandas")
@@ -270,7 +271,7 @@ def test_r_matrices_and_frames(tmp_path, values, rate):
 
 
 @pytest.mark.parametrize("dtype", ["i2", ">i2", "u1", "<u4", ">i4", "i8", "f4", ">f8"])
-@settings(max_examples=20, **COMMON)
+@settings(max_examples=examples(20), **COMMON)
 @given(data=st.data())
 def test_raw_binary(tmp_path, dtype, data):
     elements = {"allow_infinity": False} if "f" in dtype else {}
@@ -284,7 +285,7 @@ def test_raw_binary(tmp_path, dtype, data):
         assert (record.scale, record.unit, record.kind) == (0.01, "deg/s", "rate")
 
 
-@settings(max_examples=30, **COMMON)
+@settings(max_examples=examples(30), **COMMON)
 @given(counts=arrays.arrays(np.int64, (9, 6), elements=st.integers(-(10**12), 10**12)))
 def test_psins(tmp_path, counts):
     head = "% PSINS\n0 0 -90.6 0 0 0\n34.2 108.9 380 0 8.0 9.7803\n0.1 0.1 0.1 125 125 125\n"

@@ -10,6 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator
+from tests import examples
 
 import allanite as al
 from allanite.reporting import style
@@ -98,7 +99,7 @@ def test_no_words_of_an_analysis_lie_on_others(study):
 NAMES = st.text("abcgxyz_[] 0123456789陀螺", min_size=1, max_size=90).filter(str.strip)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(NAMES, st.floats(3.0, 12.0))
 def test_a_name_of_any_length_leaves_room_for_the_grade(study, name, inches):
     fit = study.channels[0].fit
@@ -185,7 +186,7 @@ EDGES = st.floats(-250, 250).map(lambda x: 10.0**x)
 
 
 @example(ends=[1e249, 1e-231], log=True, across=False)
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(ends=st.lists(EDGES, min_size=2, max_size=2, unique=True), log=st.booleans(), across=st.booleans())
 def test_ticks_are_within_the_view_and_named(ends, log, across):
     side = Side(across=across)
@@ -231,7 +232,7 @@ def test_points_are_where_matplotlib_has_them(scale):
     np.testing.assert_allclose(np.column_stack([across, 1 - down]), expected, atol=1e-9)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(
     st.lists(st.one_of(st.floats(allow_nan=True, allow_infinity=True)), min_size=0, max_size=30),
     st.sampled_from(["linear", "log"]),
@@ -251,7 +252,7 @@ def test_any_values_make_a_figure(values, scale):
     )
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(st.floats(2.0, 12.0), st.floats(1.5, 8.0), st.integers(1, 3), st.integers(1, 3))
 def test_panels_do_not_overlap_and_are_on_the_page(width, height, rows, columns):
     made = chart(width, height)

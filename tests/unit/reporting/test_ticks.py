@@ -107,6 +107,7 @@ def test_ticks_are_drawn_as_one_by_one(make):
     assert not any("Ticks" in type(artist).__name__ for ax in figure.axes for artist in ax.get_children())
 
 
+@pytest.mark.slow("figures, drawn twice")
 def test_figures_of_results():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)") + al.B(1.0, "deg/h"), 20_000, 100.0, rng=np.random.default_rng(1))
     plan = al.plan(al.N(0.1, "deg/sqrt(h)"), 100.0)

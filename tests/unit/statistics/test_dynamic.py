@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import examples
 
 import allanite as al
 from allanite.kernels.dynamic import sliding
@@ -27,7 +28,7 @@ def alone(record, start, samples, surface):
 
 @pytest.mark.parametrize("name", list(al.STATISTICS))
 @given(data=st.data())
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(15), deadline=None)
 def test_every_window_equals_its_own_deviation(name, data):
     n = data.draw(st.integers(110, 300))
     samples = data.draw(st.integers(100, n))

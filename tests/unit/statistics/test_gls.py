@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.fft import dct
 from scipy.linalg import toeplitz
+from tests import thinned
 
 import allanite as al
 from allanite.statistics.moments.gls import FAR, Covariance, autocovariance
@@ -59,7 +60,8 @@ def test_solve_is_the_dense_solution(symbols, n):
 
 
 @pytest.mark.parametrize(
-    ("symbols", "n"), [*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)]
+    ("symbols", "n"),
+    thinned([*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)], 2, "long records"),
 )
 def test_a_million_samples_are_solved(symbols, n):
     given = covariance(symbols, n)

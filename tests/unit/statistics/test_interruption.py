@@ -31,6 +31,7 @@ JOBS = {
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
 @pytest.mark.parametrize("name", JOBS)
+@pytest.mark.slow("interrupted processes")
 def test_an_interruption_is_answered_within_a_second(name):
     job, size = JOBS[name]
     running = subprocess.Popen(

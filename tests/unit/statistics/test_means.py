@@ -130,6 +130,7 @@ def test_another_word_is_refused():
         al.deviation(lossy(), gaps="all")
 
 
+@pytest.mark.slow("many patterns of gaps")
 def test_limits_are_numbers_in_any_pattern():
     """40 of the patterns of benchmarks/gaps.py, which tries 2000."""
     assert [i for i in range(40) if pattern_of(i)] == []

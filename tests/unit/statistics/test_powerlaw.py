@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import examples
 from tests.reference.laws import STRUCTURES
 
 import allanite as al
@@ -117,7 +118,7 @@ def test_pieces_without_two_differences_leave_the_ratio():
 
 
 @given(slope=st.floats(-1, 1), level=st.floats(-1e3, 1e3), scale=st.floats(1e-6, 1e6), seed=st.integers(0, 1000))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 def test_size_bias_and_ramp_do_not_matter(slope, level, scale, seed):
     y = np.random.default_rng(seed).standard_normal(400)
     moved = scale * (y + level + slope * np.arange(400.0))

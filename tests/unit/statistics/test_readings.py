@@ -58,6 +58,7 @@ def test_slopes_go_by_decades_of_seconds():
     assert [slope.end for slope in found.slopes[:-1]] == [slope.start for slope in found.slopes[1:]]
 
 
+@pytest.mark.slow("ensemble")
 def test_intervals_hold_what_is_expected():
     """The deviation at 1 s and the slopes of white noise, in 300 records."""
     held = np.zeros(3)

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
+from tests import examples
 
 import allanite as al
 from allanite.core.model import term
@@ -136,6 +137,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(method, bins):
 
 @pytest.mark.parametrize("method", ALL, ids=str)
 @pytest.mark.parametrize("bins", [None, 5])
+@pytest.mark.slow("ensemble")
 def test_the_degrees_of_freedom_are_those_of_the_scatter(method, bins):
     """2 mean^2 / variance over 1000 records; its standard error is about sqrt(2/1000) = 4.5 %, of every value."""
     density = np.array([al.spectrum(noise(600, seed), method, bins=bins).density for seed in range(1, 1001)])
@@ -146,7 +148,7 @@ def test_the_degrees_of_freedom_are_those_of_the_scatter(method, bins):
 
 
 @given(seed=st.integers(0, 999), scale=st.floats(1e-6, 1e6), rate=st.sampled_from([0.1, 1.0, 250.0]))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 def test_scale_rate_and_bias(seed, scale, rate):
     y = np.random.default_rng(seed).standard_normal(500)
     for method in METHODS:
@@ -158,7 +160,7 @@ def test_scale_rate_and_bias(seed, scale, rate):
 
 
 @given(n=st.integers(100, 3000), bins=st.integers(1, 60))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 def test_bins_are_whole_and_ordered(n, bins):
     for method in METHODS:
         fine, found = al.spectrum(noise(n), method), al.spectrum(noise(n), method, bins=bins)

@@ -45,6 +45,7 @@ def test_every_length_of_a_record(n):
     np.testing.assert_allclose(theo1_sums(x, m)[some], theo1(x, m[some]), rtol=1e-9)
 
 
+@pytest.mark.slow("the definition, at every lag")
 def test_the_bias_ratio_is_that_of_its_definition():
     record = al.Record(np.cumsum(np.random.default_rng(4).standard_normal(30_000)), rate=1.0, unit="deg/h", name="z")
     i = np.arange(30_001 // 30 - 2)

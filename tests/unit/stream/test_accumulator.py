@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import examples
 
 import allanite as al
 from allanite.stream.accumulator import streamable
@@ -80,7 +81,7 @@ places = st.lists(st.integers(1, N - 1), max_size=8).map(sorted)
 
 
 @pytest.mark.parametrize("statistic", streamable())
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12), deadline=None)
 @given(cuts=places, bias=st.sampled_from([0.0, 1e3, -1e6]), ramp=st.sampled_from([0.0, 1e-2]))
 def test_sums_are_those_of_the_record_at_any_chunking(statistic, cuts, bias, ramp):
     made = {"bias": bias, "ramp": ramp}
@@ -88,7 +89,7 @@ def test_sums_are_those_of_the_record_at_any_chunking(statistic, cuts, bias, ram
 
 
 @pytest.mark.parametrize("statistic", streamable())
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12), deadline=None)
 @given(cuts=places, data=st.data())
 def test_parts_merged_in_any_order_are_one_stream(statistic, cuts, data):
     values = noise(bias=50.0)
@@ -112,7 +113,7 @@ def with_holes(holes):
 
 
 @pytest.mark.parametrize("statistic", streamable())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=examples(20), deadline=None)
 @given(cuts=places, holes=holes)
 def test_windows_with_missing_samples_are_omitted(statistic, cuts, holes):
     values = with_holes(holes)
@@ -179,6 +180,7 @@ def test_every_kind_of_samples(kind, unit, scale):
     np.testing.assert_allclose(stream.curve().deviation[:15], batch.deviation, rtol=1e-9)
 
 
+@pytest.mark.slow("ensemble")
 def test_intervals_at_a_stride_hold_the_truth():
     model = al.N(1, "deg/sqrt(h)") + al.K(30, "deg/h/sqrt(h)")
     inside = []

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests import examples
 
 import allanite as al
 from allanite.cli import main
@@ -106,7 +107,7 @@ def test_nothing_is_done_in_silence(file):
     assert "read in parts" in page(study)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=examples(12), deadline=None)
 @given(st.integers(3, 60_000))
 def test_the_length_of_the_parts_does_not_matter(file, samples):
     with pytest.MonkeyPatch.context() as patch:
@@ -226,6 +227,7 @@ print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - base) // 1024)
 """
 
 
+@pytest.mark.slow("memory of a process of its own")
 def test_memory_does_not_grow_with_the_file(tmp_path):
     rng = np.random.default_rng(2)
     for name, size in (("small", 3_000_000), ("large", 24_000_000)):

@@ -11,6 +11,7 @@ import time
 
 import numpy as np
 import pytest
+from tests import all_but
 
 import allanite as al
 from allanite.reporting import page
@@ -145,7 +146,7 @@ shared(work, list(range(8)), count=3)
 """
 
 
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGKILL])
+@pytest.mark.parametrize("by", all_but([signal.SIGINT, signal.SIGKILL], [signal.SIGKILL], "processes that are ended"))
 def test_no_process_is_left_behind(by):
     with subprocess.Popen([sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, text=True) as process:  # fmt: skip

@@ -1,0 +1,195 @@
+"""The documentation site: it is built without a warning, and has a page for every row and word."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import urlencode
+
+import pytest
+from tests import ROOT
+
+import allanite as al
+from allanite.cli import VERBS
+from allanite.comparison.change import OUTCOMES
+from allanite.core.spellings import SPELLINGS
+from allanite.core.units import ATOMS
+
+pytestmark = pytest.mark.slow("builds the documentation site")
+
+DOCS = ROOT / "docs"
+SAMPLE = Path("examples", "tactical_gyro.csv")
+RESULTS = Path("benchmarks", "results")
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The site, built from a copy, so that nothing is written into the checkout."""
+    pytest.importorskip("sphinx", reason="the documentation's tools are not installed here")
+    place = tmp_path_factory.mktemp("docs")
+    shutil.copytree(DOCS, place / "docs", ignore=shutil.ignore_patterns("generated"))
+    (place / "examples").mkdir()
+    shutil.copy(ROOT / SAMPLE, place / SAMPLE)
+    shutil.copytree(ROOT / RESULTS, place / RESULTS)
+    shutil.copy(ROOT / "CHANGELOG.md", place)
+    build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "site"]
+    done = subprocess.run(build, cwd=place, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return place / "site"
+
+
+def text(site, page):
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", (site / page).read_text("utf-8")))
+
+
+def test_every_row_has_its_page(site):
+    for symbol, row in al.TERMS.items():
+        page = text(site, f"generated/terms/{symbol}.html")
+        assert row.title in page
+        assert row.reference.split(";")[0] in page  # the generator adds editions behind the number of a standard
+    for name, row in al.STATISTICS.items():
+        page = text(site, f"generated/statistics/{name}.html")
+        assert row.title in page
+        assert "longest τ" in page
+        assert (site / "_images" / f"{name}.svg").stat().st_size > 5000
+    for index, table in (("terms", al.TERMS), ("statistics", al.STATISTICS)):
+        assert all(row.title in text(site, f"generated/{index}/index.html") for row in table.values())
+
+
+def test_every_verb_and_public_name_is_there(site):
+    command = text(site, "command.html")
+    names = "".join(page.read_text("utf-8") for page in (site / "generated/api").glob("*.html"))
+    for name in VERBS:
+        assert f"Usage: allanite {name} [OPTIONS]" in command
+    for name in dir(al):
+        thing = getattr(al, name)
+        if not name.startswith("_") and callable(thing):
+            assert f'id="allanite.{name}"' in names, name
+    for package in ("angle", "rate", "faults", "prepare", "statistics", "compensation"):
+        for name in public_names(package):
+            assert f'id="allanite.{package}.{name}"' in names, (package, name)
+
+
+def public_names(package):
+    """What the page of a package says that it offers."""
+    sys.path.insert(0, str(DOCS))
+    try:
+        from generate.api import public_names as names
+    finally:
+        sys.path.pop(0)
+    found = names(package)
+    assert len(found) >= 3
+    return found
+
+
+def test_the_verdict_on_a_papers_before_and_after(site):
+    page = (site.parent / "docs" / "generated" / "compensation_paper.md").read_text("utf-8")
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines() if line.startswith("| ")
+    ]
+    found = {row[0]: row for row in rows if row[-1] in OUTCOMES}
+    assert {s: row[-1] for s, row in found.items()} == {
+        "Q": "smaller", "N": "smaller", "B": "not resolvable", "K": "not resolvable", "R": "not resolvable",
+    }  # fmt: skip
+    for symbol, low, high in (("Q", -6.9, -2.4), ("N", -6.6, -6.0)):
+        assert low < float(found[symbol][5].rstrip(" %")) < high
+    assert "67.35 %, and it prints 36.80 %" in page
+    assert "is more than chance" in page
+    assert (site / "_images" / "compensation_paper.svg").stat().st_size > 10_000
+
+
+def test_every_method_has_its_values_and_its_efficiency(site):
+    page = text(site, "methods.html")
+    for name, row in al.METHODS.items():
+        assert page.count(f" {name} ") >= 5
+        assert row.efficiency in page
+    assert (site / "_images" / "methods.svg").stat().st_size > 5000
+
+
+def test_units_are_those_of_the_table(site):
+    page = text(site, "generated/units.html")
+    for name in (*ATOMS, *SPELLINGS):
+        assert f" {name} " in page
+    assert "0.000290888" in page
+
+
+class Links(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.loaded, self.led = [], []
+
+    def handle_starttag(self, tag, attrs):
+        found = dict(attrs)
+        if tag in ("script", "img", "iframe") and "src" in found:
+            self.loaded.append(found["src"])
+        if tag == "link" and found.get("rel") in ("stylesheet", "preload", "icon"):
+            self.loaded.append(found["href"])
+        if tag == "a" and "href" in found:
+            self.led.append(found["href"])
+
+
+def test_nothing_is_loaded_from_a_network_and_every_link_leads_somewhere(site):
+    for page in site.rglob("*.html"):
+        links = Links()
+        links.feed(page.read_text("utf-8"))
+        assert not [url for url in links.loaded if "//" in url], page
+        inner = [url.split("#")[0].split("?")[0] for url in (*links.loaded, *links.led) if "//" not in url]
+        assert not [url for url in inner if url and not (page.parent / url).exists()], page
+
+
+def test_formulas_are_drawn_by_the_browser(site):
+    page = (site / "generated/statistics/oadev.html").read_text("utf-8")
+    assert "<math " in page
+    assert "<munderover>" in page
+    assert "MathJax" not in page
+
+
+WORDS = (
+    "ARW", "VRW", "RRW", "ADEV", "OADEV", "MDEV", "TDEV", "HDEV", "OHDEV", "TOTDEV", "MTOTDEV", "TTOTDEV", "HTOTDEV",
+    "PDEV", "MTIE", "AVAR", "DAVAR", "EDF", "PSD", "ASD", "LSB", "GM", "BI", "TheoH", "flicker", "kalibr", "imu.yaml",
+    "in-run bias stability", "noise density", "citation", "confidence interval", "angle random walk", "allantools",
+    "quantization", "RMS", "fs",
+)  # fmt: skip
+
+
+def indexed(site):
+    """What the site's own search looks words up in: words of texts and of titles."""
+    text = (site / "searchindex.js").read_text("utf-8")
+    index = json.loads(text[text.index("(") + 1 : text.rindex(")")])
+    return set(index["terms"]) | set(index["titleterms"])
+
+
+@pytest.mark.parametrize("words", WORDS)
+def test_the_search_knows_the_fields_words(site, words):
+    snowballstemmer = pytest.importorskip("snowballstemmer")
+    stem, known = snowballstemmer.stemmer("porter").stemWord, indexed(site)
+    for word in re.findall(r"\w+", words.lower()):
+        assert word in STOP or stem(word) in known or word in known, word
+
+
+STOP = {"in"}
+"""Words that the search leaves out."""
+
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
+@pytest.mark.parametrize("words", ["ARW", "in-run bias stability", "kalibr", "citation", "RRW"])
+def test_the_search_finds_them_in_a_browser(site, tmp_path, words):
+    """The page of results as the browser has it after its scripts ran."""
+    address = f"{(site / 'search.html').as_uri()}?{urlencode({'q': words})}"
+    options = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        f"--user-data-dir={tmp_path}",
+        "--virtual-time-budget=9000",
+    ]
+    done = subprocess.run([CHROMIUM, *options, "--dump-dom", address], capture_output=True, text=True, check=False)
+    if not done.stdout:
+        pytest.skip("Chromium does not start here")
+    assert re.search(r"found (one|\d+) page", done.stdout), done.stdout[-2000:]

@@ -1,0 +1,60 @@
+"""The page in a browser, as a user holds it."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+needed = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+SUITE = [needed, pytest.mark.slow("the whole suite of the page in a browser")]
+"""Marks of its modules but the story."""
+
+PATIENCE = 40_000
+"""Milliseconds that a step may take on a machine that is busy."""
+
+
+def written(path: Path, values: Any) -> Path:
+    names = ("gx [deg/s]", "gy [deg/s]", "gz [deg/s]", "ax [g]", "ay [g]", "az [g]")[: values.shape[1]]
+    rows = np.column_stack([np.arange(len(values)) / 100.0, values])
+    np.savetxt(path, rows, delimiter=",", header=",".join(("time [s]", *names)), comments="", fmt="%.7g")
+    return path
+
+
+def drop(page: Any, path: Path) -> None:
+    """Drop a file on the page, as a mouse does."""
+    page.get_by_test_id("choose-file").set_input_files(str(path))
+
+
+def curves(page: Any, count: int = 1) -> None:
+    page.wait_for_selector(f"#curve-plot[data-curves='{count}']")
+
+
+def finished(page: Any, text: str) -> None:
+    """Wait until the command line shows this."""
+    page.wait_for_function(
+        "(text) => document.querySelector('[data-testid=command]')?.textContent.includes(text)", arg=text
+    )
+
+
+def state(page: Any) -> dict[str, Any]:
+    ask = "fetch('/api/workspaces/' + location.hash.slice(1)).then((r) => r.json())"
+    return page.evaluate(ask)
+
+
+def saved(page: Any, form: str) -> str:
+    with page.expect_download() as download:
+        page.get_by_test_id(f"save-{form}").click()
+    return Path(download.value.path()).read_text("utf-8")
+
+
+def drag(page: Any, box: dict[str, float], start: float, end: float) -> None:
+    """Draw over a part of a chart, from left to right."""
+    middle = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + start * box["width"], middle)
+    page.mouse.down()
+    for part in (0.5, 1.0):
+        page.mouse.move(box["x"] + (start + part * (end - start)) * box["width"], middle + part, steps=5)
+    page.mouse.up()
