@@ -1,11 +1,14 @@
-# make demo   the main job on a sample, or on FILE=...
-# make test   everything that must hold
-# make docs   the documentation site
-# Both set up what they need in .venv first; python3 (3.11 or later), pip and make are enough.
+# make demo       the main job on a sample, or on FILE=...
+# make quick      lint, types and the tests of what has changed
+# make test       what must hold after every change
+# make test-all   everything that must hold
+# make docs       the documentation site
+# Each sets up what it needs in .venv first; python3 (3.11 or later), pip and make are enough.
 
 PYTHON  ?= python3
 FILE    ?= examples/tactical_gyro.csv
 ARGS    ?=
+SINCE   ?= HEAD
 OUT     := build/demo
 BIN     := .venv/bin
 PIP     := $(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt
@@ -16,12 +19,14 @@ export FILE
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test lint docs catalogues setup clean
+.PHONY: help demo quick test test-all lint docs catalogues setup clean
 
 help:
 	@echo "make demo              find the noise of an embedded sample"
 	@echo "make demo FILE=path    ... of your own record; options of 'allanite analyze' go into ARGS='--rate 100 --unit deg/s'"
-	@echo "make test              lint, types, layers and all tests"
+	@echo "make quick             lint, types and the tests of the packages that have changed since SINCE=HEAD"
+	@echo "make test              lint, types, layers and the tests that every change has to pass"
+	@echo "make test-all          the same, and then long ensembles, the page in a browser, the site and long processes"
 	@echo "make lint              lint, types and layers only"
 	@echo "make docs              build the documentation site into build/site"
 	@echo "make catalogues        bring the translations of the reports up to date with the source"
@@ -33,11 +38,21 @@ demo: .venv/run
 	@mkdir -p $(OUT)
 	@$(BIN)/allanite analyze --report $(OUT)/report.html --plot $(OUT)/curve.png --force $(ARGS) -- "$$FILE"
 
+PYTEST  := $(THREADS) $(BIN)/python -m pytest -n 2 --dist worksteal -q
+
+quick: .venv/test
+	@$(MAKE) --no-print-directory lint
+	@$(PYTEST) -m "not slow" $$($(BIN)/python tools/changed.py $(SINCE))
+
 # the kernels are compiled beside the checks, which use one processor
 test: .venv/test
 	@$(THREADS) $(BIN)/python tools/kernels.py & made=$$!; \
 	  $(MAKE) --no-print-directory lint || { kill $$made; exit 1; }; wait $$made
-	$(THREADS) $(BIN)/python -m pytest -n 2 --dist worksteal -q
+	$(PYTEST) -m "not slow"
+
+# properties and ensembles are run again, with all their examples
+test-all: test
+	ALLANITE_TESTS=all $(PYTEST) -m "slow or ensemble or hypothesis"
 
 lint: .venv/test
 	$(BIN)/ruff check .

@@ -75,22 +75,44 @@ def test_starting_imports_nothing_heavy():
         assert said.strip() == "[]"
 
 
-def test_continuous_integration_is_make_test():
+def test_continuous_integration_makes_every_test():
     script = ROOT / ".ci" / "run"
-    assert "make test" in script.read_text().splitlines()
+    assert script.read_text().splitlines()[-1].startswith("make test test-all")
     assert os.access(script, os.X_OK)
 
 
 def test_make_alone_says_what_there_is():
     said = make().stdout
-    for target in ("make demo", "make test", "make lint", "make setup", "make clean"):
+    for target in ("make demo", "make quick", "make test", "make test-all", "make lint", "make setup", "make clean"):
         assert target in said
 
 
 def test_the_last_words_of_make_test_are_those_of_pytest():
     recipe = make("-n", "test", "-o", ".venv/test").stdout.splitlines()
-    assert "-m pytest" in recipe[-1]
+    assert recipe[-1].endswith('-m pytest -n 2 --dist worksteal -q -m "not slow"')
     assert all(tool in "\n".join(recipe) for tool in ("ruff check", "ruff format --check", "mypy", "lint-imports"))
+
+
+def test_no_test_is_in_neither_set():
+    """What `make test` leaves out, and what it does with fewer examples, `make test-all` runs."""
+    recipe = make("-n", "test", "test-all", "-o", ".venv/test").stdout.splitlines()
+    assert [line.partition(" -q ")[2] for line in recipe if "-m pytest" in line] == [
+        '-m "not slow"', '-m "slow or ensemble or hypothesis"'
+    ]  # fmt: skip
+    assert recipe[-1].startswith("ALLANITE_TESTS=all ")
+
+
+def test_the_selection_a_change_are_those_of_its_packages():
+    import changed
+
+    found = list(
+        changed.selection(["src/allanite/web/store.py", "src/allanite/kernels/sums.py", "docs/plan.md", "LICENSE"])
+    )
+    assert found == [
+        "tests/unit/test_words.py", "tests/web", "tests/conformance/test_kernels.py", "tests/unit/statistics",
+        "tests/stories/test_docs.py",
+    ]  # fmt: skip
+    assert all((ROOT / path).exists() for path in found)
 
 
 def test_the_demo_takes_any_file_name(tmp_path):
