@@ -1,4 +1,4 @@
-"""What chance does to shares of so many records."""
+"""Shares of so many records in committed tables, and what chance does to them."""
 
 import math
 import re
@@ -7,6 +7,11 @@ import re
 def records(page):
     """Number of records of each cell of a committed table."""
     return int(re.search(r"--records (\d+)", page.head)[1])
+
+
+def first(cell):
+    """The share of a cell that says more."""
+    return float(cell.split()[0])
 
 
 def chance(share, count):

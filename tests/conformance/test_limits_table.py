@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.shares import chance, records
+from tests.shares import chance, first, records
 
 import limits
 
@@ -14,29 +14,13 @@ CURVES = read("limits.md")
 POINTS, CELL = CURVES.rows(), records(CURVES)
 
 
-def covered(point):
-    return float(point["averaged: 95"].split()[0]), float(point["averaged: 68"])
-
-
-def short(points):
-    """Points whose limits at 95 % hold too rarely, and at 68 %, limit chance."""
-    wide = [p for p in points if covered(p)[0] < 93 - chance(93, CELL)]
-    return wide, [p for p in points if covered(p)[1] < 64 - chance(64, CELL)]
-
-
-def of(*statistics):
-    return [p for p in POINTS if p["statistic"] in statistics]
-
-
-def test_averaged_limits_of_every_curve_hold():
+def test_averaged_limits_of_every_curve_hold_and_those_of_the_selected_model_do_not():
+    """93 % and 64 %, but for chance; in the selected model what the averaging is for."""
     assert {p["noise"] for p in POINTS} == set(limits.NOISES)
     assert {p["statistic"] for p in POINTS} == set(limits.STATISTIC)
-    assert short(POINTS) == ([], [])
-
-
-def test_limits_of_the_selected_model_do_not():
-    """What the averaging is for."""
-    assert min(float(p["selected: 95"].split()[0]) for p in of("totdev")) < 85
+    wide, narrow = 93 - chance(93, CELL), 64 - chance(64, CELL)
+    assert [p for p in POINTS if first(p["averaged: 95"]) < wide or float(p["averaged: 68"]) < narrow] == []
+    assert min(first(p["selected: 95"]) for p in POINTS if p["statistic"] == "totdev") < 85
 
 
 COEFFICIENTS = read("coefficients.md")
@@ -52,12 +36,9 @@ ABOVE = {
 """Coefficients that are further off than the bound asks, and why."""
 
 
-def test_every_cell_is_there():
-    assert {row["noise"] for row in TERMS} == set(limits.CELLS)
-
-
 def test_limits_of_coefficients_hold():
     """93 to 97 % and 64 to 72 %, but for chance."""
+    assert {row["noise"] for row in TERMS} == set(limits.CELLS)
     for heading, least, most in (("95", 93, 97), ("68", 64, 72)):
         low, high = least - chance(least, EACH), most + chance(most, EACH)
         assert [row for row in TERMS if not low <= float(row[heading]) <= high] == []
@@ -66,9 +47,8 @@ def test_limits_of_coefficients_hold():
 def test_values_are_nearly_as_good_as_possible():
     """At most 1.15 of the bound, but for chance: 2.6 standard errors of a root mean square."""
     rows = [row for row in TERMS if row["rms"] and float(row["bound, %"]) < 12]
-    most = [1.15 * (1 + 2.6 / math.sqrt(2 * float(row["records"]))) for row in rows]
-    found = zip(rows, most, strict=True)
-    assert {(row["noise"], row["term"]) for row, limit in found if float(row["rms"]) > limit} == set(ABOVE)
+    above = [row for row in rows if float(row["rms"]) > 1.15 * (1 + 2.6 / math.sqrt(2 * float(row["records"])))]
+    assert {(row["noise"], row["term"]) for row in above} == set(ABOVE)
 
 
 def test_absent_terms_are_seldom_claimed():

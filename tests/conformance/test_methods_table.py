@@ -16,13 +16,15 @@ SEEN = [row for row in ROWS if float(row["bound %"]) <= 12]
 """Terms that are well determined."""
 
 
+def where(row):
+    return row["sensor"], row["term"], row["method"]
+
+
 def test_every_term_and_method_is_there():
     terms = [(sensor, str(n), symbol) for n in (2**16, 2**18) for sensor, symbol in CELLS]
-    assert [(r["sensor"], r["n"], r["term"], r["method"]) for r in ROWS] == [
-        (*t, w) for t in terms for w in methods.WAYS
-    ]
-    found = [(r["sensor"], r["term"], r["method"]) for r in CURVES]
-    assert found == [(*cell, way) for cell in CELLS for way in methods.CURVES]
+    found = [(r["sensor"], r["n"], r["term"], r["method"]) for r in ROWS]
+    assert found == [(*term, way) for term in terms for way in methods.WAYS]
+    assert list(map(where, CURVES)) == [(*cell, way) for cell in CELLS for way in methods.CURVES]
 
 
 def test_limits_from_other_curves_cover():
@@ -32,19 +34,15 @@ def test_limits_from_other_curves_cover():
 
 def test_theoh_is_as_good_as_oadev():
     """On the same records, within the standard error of 40: 11 %."""
-    rmse = {(r["sensor"], r["term"], r["method"]): float(r["rmse"]) for r in CURVES}
+    rmse = {where(row): float(row["rmse"]) for row in CURVES}
     assert [cell for cell in CELLS if rmse[*cell, "gls of theoh"] > 1.11 * rmse[*cell, "gls of oadev"]] == []
 
 
 def test_other_curves_come_near_the_bound():
     """Standard error of 40 records: 11 %. Theo1 begins at two samples, where N and Q are hard to tell apart."""
     hard = {("RLG", "N", "gls of theo1"), ("RLG", "N", "gls of theobr")}
-    assert [
-        row
-        for row in CURVES
-        if float(row["bound %"]) <= 12
-        and float(row["rmse"]) > (1.7 if (row["sensor"], row["term"], row["method"]) in hard else 1.4)
-    ] == []
+    near = [row for row in CURVES if float(row["bound %"]) <= 12]
+    assert [row for row in near if float(row["rmse"]) > (1.7 if where(row) in hard else 1.4)] == []
 
 
 FAR = {("RLG", "262144", "Q"): "1.17 of 1.15, with an error of 0.08; the likelihood has 1.14 on the same records"}
@@ -52,13 +50,10 @@ FAR = {("RLG", "262144", "Q"): "1.17 of 1.15, with an error of 0.08; the likelih
 
 
 def test_generalised_least_squares_comes_near_the_bound():
-    beneath_quantization = ("RLG", "N")
-    assert {
-        (row["sensor"], row["n"], row["term"])
-        for row in SEEN
-        if row["method"] == "gls"
-        and float(row["rmse"]) > (1.45 if (row["sensor"], row["term"]) == beneath_quantization else 1.15)
-    } == set(FAR)
+    rows = [row for row in SEEN if row["method"] == "gls"]
+    beneath_quantization = ("RLG", "N", "gls")
+    far = [row for row in rows if float(row["rmse"]) > (1.45 if where(row) == beneath_quantization else 1.15)]
+    assert {(row["sensor"], row["n"], row["term"]) for row in far} == set(FAR)
 
 
 def test_the_efficiency_of_a_method_is_that_of_the_table():
