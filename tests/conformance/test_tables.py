@@ -33,6 +33,8 @@ UNSAID = {
     "fuzz.md": BY_ROW, "fuzz_analysis.md": BY_ROW,  # rows are made one by one, and name their commit and date
 }  # fmt: skip
 
+COLUMNS = {"commit": r"[0-9a-f]{7}", "date": r"\d{4}-\d\d-\d\d"}
+"""What cells below such headings are."""
 NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?")
 BESIDE_NUMBERS = {"<=", ">=", "±", "+-", "/", "..", "-", "ms", "s", "s,", "scatter"}
 NO_FIGURES = {
@@ -85,7 +87,8 @@ def is_figure(cell):
 
 
 def faults(heading, column):
-    """Cells that are text where most are figures, that are not finite, and negative percents."""
+    """Cells that are not what the heading says, text where most are figures, not finite, and negative percents."""
+    yield from (cell for cell in column if not re.fullmatch(COLUMNS.get(heading, ".*"), cell))
     given = [cell for cell in column if cell not in ("", "-")]
     others = [cell for cell in given if not is_figure(cell)]
     yield from others if 2 * len(others) < len(given) else ()
