@@ -13,6 +13,7 @@ if "numpy" not in sys.modules:
 import argparse
 import platform
 import re
+import shlex
 import subprocess
 import time
 from collections.abc import Iterable, Sequence
@@ -94,7 +95,7 @@ def begin(doc: str, **options: object) -> Run:
     asked, code = parser.parse_args(), commit()
     if asked.write and "+" in code and not asked.dirty:
         parser.error(f"{', '.join(CODE)} differ from the commit a table would name: commit them, or give --dirty")
-    words = [f"python benchmarks/{Path(sys.argv[0]).name}"]
+    words = ["python", f"benchmarks/{Path(sys.argv[0]).name}"]
     for name, default in options.items():
         value = getattr(asked, name)
         if isinstance(default, bool):
@@ -102,7 +103,7 @@ def begin(doc: str, **options: object) -> Run:
             continue
         words += [] if isinstance(default, tuple) else [f"--{name}"]
         words += map(str, value) if isinstance(value, list) else [str(value)]
-    return Run(asked, " ".join(words), code, time.perf_counter())
+    return Run(asked, shlex.join(words), code, time.perf_counter())
 
 
 def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

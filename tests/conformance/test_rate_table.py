@@ -13,13 +13,6 @@ TABLE = read("rate.md")
 PAGE = (ROOT / "docs" / "rate_paper.md").read_text(encoding="utf-8")
 
 
-def test_the_table_says_how_it_was_made():
-    head = TABLE.head
-    assert re.search(r"commit [0-9a-f]{7}, \d{4}-\d\d-\d\d", head)
-    assert "command: `python benchmarks/rate.py" in head
-    assert "seeds 1.." in head
-
-
 def test_speed_meets_its_demands():
     assert [row[""] for row in TABLE.rows("Speed")] == ["met", "-", "met", "met"]
 
