@@ -11,6 +11,8 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 
+pytestmark = pytest.mark.slow("a lot of many files")
+
 LIMITS = """
 [limits]
 N = { max = "0.13 deg/sqrt(h)" }
@@ -37,7 +39,6 @@ def lot(tmp_path_factory):
     return CliRunner().invoke(main, list(map(str, words))), paths
 
 
-@pytest.mark.slow("a lot of many files")
 def test_the_units_beyond_a_limit_and_the_bad_file_are_named(lot):
     result, _ = lot
     assert result.exit_code == 4, result.output

@@ -87,22 +87,17 @@ def test_make_alone_says_what_there_is():
         assert target in said
 
 
-def test_the_last_words_of_make_test_are_those_of_pytest():
-    recipe = make("-n", "test", "-o", ".venv/test").stdout.splitlines()
-    assert recipe[-1].endswith('-m pytest -n 2 --dist worksteal -q -m "not slow"')
-    assert all(tool in "\n".join(recipe) for tool in ("ruff check", "ruff format --check", "mypy", "lint-imports"))
-
-
-def test_no_test_is_in_neither_set():
+def test_the_last_words_of_make_test_are_those_of_pytest_and_no_test_is_in_neither_set():
     """What `make test` leaves out, and what it does with fewer examples, `make test-all` runs."""
     recipe = make("-n", "test", "test-all", "-o", ".venv/test").stdout.splitlines()
+    assert all(tool in "\n".join(recipe) for tool in ("ruff check", "ruff format --check", "mypy", "lint-imports"))
     assert [line.partition(" -q ")[2] for line in recipe if "-m pytest" in line] == [
         '-m "not slow"', '-m "slow or ensemble or hypothesis"'
     ]  # fmt: skip
     assert recipe[-1].startswith("ALLANITE_TESTS=all ")
 
 
-def test_the_selection_a_change_are_those_of_its_packages():
+def test_the_tests_of_a_change_are_those_of_its_packages():
     import changed
 
     found = list(

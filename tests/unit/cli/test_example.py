@@ -4,6 +4,7 @@ import re
 
 import pytest
 from click.testing import CliRunner
+from tests import thinned
 
 from allanite.cli import VERBS, main
 from allanite.cli.example import EXAMPLES
@@ -34,7 +35,7 @@ def test_the_commands_are_verbs(paper):
     assert all(line.split()[0] == "allanite" and line.split()[1] in VERBS for line in lines)
 
 
-@pytest.mark.parametrize("paper", EXAMPLES)
+@pytest.mark.parametrize("paper", thinned(EXAMPLES, 2, "every example whole"))
 def test_an_example_writes_its_files(paper, tmp_path, monkeypatch):
     row = EXAMPLES[paper]
     shorter = []

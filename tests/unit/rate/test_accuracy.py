@@ -159,6 +159,7 @@ def test_the_simulated_gl1(gl1, run):
     assert found.drift == ""
 
 
+@pytest.mark.slow("ensemble of simulated gyros")
 def test_the_warm_up_shows(gl1):
     found = gl1[2]
     assert "the rate drifts" in found.drift

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import thinned
 
 pytest.importorskip("rosbags", reason="pip install 'allanite[ros]'")
 
@@ -53,7 +54,7 @@ def theirs(path):
     return np.array([row[:2] for row in rows]), np.array([row[2:] for row in rows])
 
 
-@pytest.mark.parametrize(("form", "compression"), EVERY)
+@pytest.mark.parametrize(("form", "compression"), thinned(EVERY, 4, "every compression of every form"))
 def test_samples_are_those_of_rosbags(tmp_path, form, compression):
     frames = ["imu", "imu_link", "a", "", "base"]
     start = 1_700_000_000_999_999_990
@@ -406,7 +407,10 @@ def test_progress_is_told_while_a_bag_is_read(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("form", "compression", "share"), [*((*how, 0.6) for how in EVERY), *((form, "", 0.99) for form in FORMS)]
+    ("form", "compression", "share"),
+    thinned(
+        [*((*how, 0.6) for how in EVERY), *((form, "", 0.99) for form in FORMS)], 5, "every compression of every form"
+    ),
 )
 def test_a_bag_that_was_cut_off_is_refused_in_words(tmp_path, form, compression, share):
     path = write(tmp_path, form, [imu_topic(form, VALUES)], compression=compression)

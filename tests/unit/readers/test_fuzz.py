@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests import ROOT, examples
+from tests import ALL, ROOT, examples
 
 SCRIPT = ROOT / "benchmarks" / "fuzz_readers.py"
 spec = importlib.util.spec_from_file_location("fuzz_readers", SCRIPT)
@@ -25,12 +25,13 @@ def test_damaged_files_are_read_or_refused(tmp_path, name):
     data, path = seed.make(), tmp_path / name
     path.write_bytes(data)
     assert fuzz.outcome(path, seed.options) == "read"
-    found = set()
-    for k in range(examples(4 if name.endswith(fuzz.CONTAINED) else 120)):
+    found, contained = set(), name.endswith(fuzz.CONTAINED)  # in a process of its own
+    count = (4 if ALL else 1) if contained else examples(120)
+    for k in range(count):
         rng = fuzz.generator(name, k)
         path.write_bytes(fuzz.mutated(rng, data))
         start = time.process_time()
         found.add(said := fuzz.outcome(path, fuzz.options_of(rng, seed.options)))
         assert said in ("read", "refused"), (name, k)
         assert time.process_time() - start < fuzz.SLOW, (name, k)
-    assert "refused" in found
+    assert "refused" in found or (contained and not ALL)
