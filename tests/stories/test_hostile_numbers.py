@@ -5,7 +5,6 @@ import os
 import subprocess
 import sys
 
-import h5py
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -14,6 +13,8 @@ from pyarrow import parquet
 
 import allanite as al
 from allanite.cli import main
+
+h5py = pytest.importorskip("h5py")
 
 RNG = np.random.default_rng(1)
 SAMPLES = RNG.normal(size=4000)

@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from distributed import LocalCluster
 from tests.unit.batch.tasks import deadly, doubled
 
 import allanite as al
 from allanite.batch.cluster import Dask
 from allanite.batch.records import run_batch
 from allanite.cli import main
+
+LocalCluster = pytest.importorskip("distributed").LocalCluster
 
 
 @pytest.fixture(scope="module")

@@ -6,15 +6,16 @@ import sys
 import time
 from pathlib import Path
 
-import duckdb
 import numpy as np
-import pandas as pd
-import polars as pl
 import pytest
 
 import allanite as al
 from allanite.batch.records import run_batch
 from allanite.batch.store import Store
+
+duckdb = pytest.importorskip("duckdb")
+pd = pytest.importorskip("pandas")
+pl = pytest.importorskip("polars")
 
 COUNT = 8
 

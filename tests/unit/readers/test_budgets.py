@@ -5,13 +5,14 @@ import subprocess
 import sys
 import zipfile
 
-import h5py
 import numpy as np
 import pyarrow as pa
 import pytest
 from pyarrow import parquet
 
 import allanite as al
+
+h5py = pytest.importorskip("h5py")
 
 NUMBERS = np.random.default_rng(1).normal(size=(3000, 2))
 TEXT = "gx [deg/s],gy [rad/s]\n" + "\n".join(f"{x:.3f},{y:.3f}" for x, y in NUMBERS)

@@ -4,7 +4,6 @@ import subprocess
 import sys
 import zipfile
 
-import h5py
 import numpy as np
 import pytest
 
@@ -12,6 +11,8 @@ import allanite as al
 from allanite.core.errors import DataError, UsageError
 from allanite.readers.formats.table import READERS, reader_named
 from allanite.readers.sandbox import guard
+
+h5py = pytest.importorskip("h5py")
 
 RNG = np.random.default_rng(3)
 GYRO, ACC = RNG.normal(size=(60, 3)), RNG.normal(size=(40, 3))

@@ -1,13 +1,14 @@
 """Tables of pandas, polars and pyarrow: the same recording as the CSV with these headers."""
 
 import numpy as np
-import pandas as pd
-import polars as pl
 import pyarrow as pa
 import pytest
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
+
+pd = pytest.importorskip("pandas")
+pl = pytest.importorskip("polars")
 
 RNG = np.random.default_rng(5)
 COUNT = 50

@@ -3,7 +3,6 @@
 import hashlib
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -20,6 +19,8 @@ from allanite.readers.formats.table import READERS, reader_named
 from allanite.readers.memory import bytes_of
 from allanite.readers.parts import demand_memory, opened, whole_findings
 from allanite.readers.sandbox.source import digest_of
+
+h5py = pytest.importorskip("h5py")
 
 N = 30_000
 RATE = 100.0

@@ -5,7 +5,6 @@ import gzip
 import lzma
 import zipfile
 
-import h5py
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -19,6 +18,8 @@ import allanite as al
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.readers.formats.table import WRITERS
+
+h5py = pytest.importorskip("h5py")
 
 UNITS = {
     "rate": ["deg/s", "rad/s", "deg/h", "g", "m/s^2", "ug", "1"],
