@@ -97,6 +97,7 @@ FLICKER = NoiseTerm(
     increments=_flicker_increments,
     spectrum=_flicker_spectrum,
     dct=_flicker_dct,
+    dct_error=4e-3,
     density=r"S(f) = \frac{B^2}{2 \pi f}",
     origin="Flicker noise of electronics, of the discharge in a ring laser, and of systems with many relaxation times: "
     "a power spectral density that increases as 1/f towards low frequencies, so that every decade of time "

@@ -108,7 +108,8 @@ class NoiseTerm:
     slope : float
         Slope of log Allan deviation against log tau.
     read_at : float
-        The asymptote, a straight line of that slope, has the value of the coefficient at this tau (in units of time).
+        The asymptote, a straight line of that slope, has the value of the coefficient at this tau (in units of time);
+        1 where it has not at any, or where that depends on the rate.
     level : float
         Allan variance of the term at tau = 1 for a coefficient of 1.
     structure : t -> D(t)
@@ -122,6 +123,8 @@ class NoiseTerm:
     spectrum : (f, tau0) -> two-sided spectral density of the sampled rate, its mean over each tau0, aliases included.
         For 0 < f <= 1 / (2 tau0).
     dct : (k, n) -> variance of the k-th coefficient of the orthonormal DCT-II of n rates.
+    dct_error : float
+        Relative error of `dct` for 60 rates and more, at most, where it is an approximation.
     edge : float
         Variance that the first and the last rate have beyond that, of white angle noise.
     ends : float
@@ -179,6 +182,7 @@ class NoiseTerm:
     increments: Callable[[FloatArray], FloatArray]
     spectrum: Callable[[FloatArray, float], FloatArray]
     dct: Callable[[FloatArray, int], FloatArray]
+    dct_error: float = 0.0
     edge: float = 0.0
     ends: float = 0.0
     waveform: Callable[[int], FloatArray] | None = None

@@ -57,7 +57,7 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         waveform=waveform,
         periodic=True,
         parameters=(
-            Parameter("frequency", say("frequency"), "Hz", least=0.0, letter="f", typical=0.02),
+            Parameter("frequency", say("frequency"), "Hz", least=0.0, letter="f", typical=0.02, time=-1.0),
             Parameter("phase", say("phase"), "rad", default=0.0, typical=0.0),
         ),
         shape=(frequency, phase),
