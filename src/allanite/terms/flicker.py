@@ -85,6 +85,8 @@ FLICKER = NoiseTerm(
     symbol="B",
     title=say("bias instability"),
     meaning=say("flicker (1/f) noise of the rate; the Allan deviation has a floor at 0.664 B"),
+    quantity_title=say("flicker of the {quantity}"),
+    quantity_meaning=say("flicker (1/f) noise; the Allan deviation has a floor at 0.664 B"),
     formula=r"\sigma^2(\tau) = (2 \ln 2 / \pi) B^2",
     reference="IEEE Std 952",
     power=0.0,
