@@ -59,6 +59,7 @@ lint: .venv/test
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+	@$(BIN)/python tools/catalogues.py --check
 
 docs: .venv/test
 	@$(THREADS) $(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from allanite.core.language import Phrase
+from allanite.reporting.language import speaking, tr
+
 ROOT = Path(__file__).resolve().parents[1]
 """Folder of the project."""
 
@@ -39,3 +42,9 @@ def all_but(cases, slow, why):
 def _slow(case, why):
     values = case if type(case) is tuple else (case,)  # a named one is a row
     return pytest.param(*getattr(case, "values", values), id=getattr(case, "id", None), marks=pytest.mark.slow(why))
+
+
+def translated(phrase: Phrase, lang: str) -> str:
+    """A phrase as a report in this language shows it: in English, if it is not translated."""
+    with speaking(lang):
+        return str(tr(phrase))

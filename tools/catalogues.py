@@ -1,4 +1,9 @@
-"""Collect what reports say from the source, and bring the translations up to date: ``make catalogues``."""
+"""Collect what reports say from the source, and bring the translations up to date: ``make catalogues``.
+
+    python tools/catalogues.py [--check] [LANG ...]
+
+With --check nothing is written, and how many sentences of a language are shown in English is printed.
+"""
 
 import io
 import re
@@ -44,6 +49,11 @@ def stored(lang: str) -> Catalog:
         return read_po(file, locale=lang)
 
 
+def languages() -> list[str]:
+    """The languages that have a catalogue."""
+    return sorted(path.stem for path in LOCALE.glob("*.po"))
+
+
 def renewed(lang: str, found: Catalog) -> Catalog:
     """The same with the templates that were found; of one that has changed, the old translation is kept as fuzzy."""
     catalogue = stored(lang)
@@ -81,14 +91,21 @@ def unfinished(catalogue: Catalog) -> list[Message]:
     return [message for message in catalogue if message.id and (message.fuzzy or not all(strings(message)))]
 
 
+def english(catalogue: Catalog) -> str:
+    """How much of a language is shown in English, in a line; nothing if all of it is translated."""
+    left = len(unfinished(catalogue))
+    return (left and f"{catalogue.locale}: {left} sentence{'s are' if left > 1 else ' is'} shown in English") or ""
+
+
 def main() -> None:
-    """Write the catalogues, and say what is left to translate."""
+    """Write the catalogues, or leave them as they are, and say what is left to translate."""
+    words = [word for word in sys.argv[1:] if word != "--check"]
     found = templates()
-    for lang in sys.argv[1:] or sorted(path.stem for path in LOCALE.glob("*.po")):
+    for lang in words or languages():
         catalogue = renewed(lang, found)
-        LOCALE.mkdir(exist_ok=True)
-        (LOCALE / f"{lang}.po").write_text(text_of(catalogue), encoding="utf-8")
-        print(f"{lang}: {len(catalogue)} templates, {len(unfinished(catalogue))} to translate or to check")
+        if "--check" not in sys.argv:
+            (LOCALE / f"{lang}.po").write_text(text_of(catalogue), encoding="utf-8")
+        print(english(catalogue) or f"{lang}: all {len(catalogue)} sentences are translated")
 
 
 if __name__ == "__main__":

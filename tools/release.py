@@ -4,7 +4,7 @@
 
 The bill of materials (CycloneDX, JSON) lists the wheel and all that it needs, with the versions of constraints.txt,
 as they are installed into an environment of its own. benchmarks/environments.py tries the wheel with other versions,
-tools/advisories.py looks the versions up in a folder of advisories.
+tools/advisories.py looks the versions up in a folder of advisories. Every sentence of the reports has to be translated.
 """
 
 import hashlib
@@ -23,6 +23,14 @@ PLOTLY = ROOT / "src" / "allanite" / "web" / "static" / "plotly-basic.min.js"
 def run(*words: object, folder: Path = ROOT) -> None:
     """Run a command that has to succeed."""
     subprocess.run([str(word) for word in words], cwd=folder, check=True)  # noqa: S603  our own words
+
+
+def untranslated() -> list[str]:
+    """A line for each language in which something of the source would be shown in English."""
+    import catalogues
+
+    found = catalogues.templates()
+    return [line for lang in catalogues.languages() if (line := catalogues.english(catalogues.renewed(lang, found)))]
 
 
 def built(folder: Path) -> tuple[Path, Path]:
@@ -76,6 +84,8 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     if any(folder.iterdir()):
         sys.exit(f"{folder} is not empty; give another folder, or remove what is in it")
+    if left := untranslated():
+        sys.exit("; ".join(left) + ": run make catalogues, and translate them")
     archive, wheel = built(folder)
     name = archive.name.removesuffix(".tar.gz")
     bill = materials(wheel, folder / f"{name}.cdx.json")

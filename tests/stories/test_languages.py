@@ -280,7 +280,7 @@ def pseudo(monkeypatch):
 
 def test_every_verb_is_run():
     # example runs the others, batch shows nothing
-    assert [verb for verb in VERBS if verb not in ("example", "batch", "serve")] == list(RUNS)
+    assert {verb for verb in VERBS if verb not in ("example", "batch", "serve")} == set(RUNS)
 
 
 @pytest.fixture(scope="module", params=RUNS)

@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 from tests import ROOT
 
+import allanite as al
 from allanite.cli import VERBS, main
 
 SCHEMA = json.loads((ROOT / "docs" / "static" / "results.schema.json").read_text("utf-8"))
@@ -116,6 +117,7 @@ def test_output_is_what_the_schema_says(desk, run):
     written = json.loads((desk / "out.json").read_text("utf-8"))
     (root,) = [one for one in SCHEMA["anyOf"] if one["$ref"].endswith(f"/{written['type']}")]
     assert faults(written, root) == []
+    assert type(al.from_dict(written)).__name__ == written["type"]
 
 
 def test_what_breaks_the_schema_is_found():

@@ -139,12 +139,13 @@ def test_the_same_refusal_in_python_and_at_the_command_line(tmp_path):
     assert "rate=100" not in said
 
 
-def test_every_verb_is_in_one_group_and_its_summary_is_not_cut():
-    assert sorted(verb for verbs in GROUPS.values() for verb in verbs) == sorted(VERBS)
+def test_every_verb_is_listed_in_one_group_and_its_summary_is_not_cut():
+    assert sum(map(len, GROUPS.values())) == len(VERBS)
     shown = CliRunner().invoke(main, ["--help"]).stdout
     assert shown.count("...") == 1  # of the usage
     assert all(f"{heading}:" in shown for heading in GROUPS)
     for verb in VERBS:
+        assert f"\n  {verb} " in shown
         text = CliRunner().invoke(main, [verb, "--help"]).stdout
         summary = text.split("\n\n")[1].strip()
         assert len(summary) <= 45, (verb, summary)

@@ -9,8 +9,10 @@ import time
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import translated
 
 from allanite.cli import main
+from allanite.core.language import say
 
 from .served import Client, served
 
@@ -74,7 +76,7 @@ def test_words_are_those_of_the_report(client, analyzed):
     assert "style=" not in one["html"]
     assert [seen["at"] for seen in one["findings"] if seen["name"] == "gaps"] == [[40.0, 60.0]]
     russian = client.get(f"/api/jobs/{analyzed}", lang="ru").json()["channels"][0]
-    assert "случайное блуждание угла" in russian["html"]
+    assert translated(say("angle random walk"), "ru") in russian["html"]
 
 
 @pytest.mark.slow("the page without a browser, in full")

@@ -6,7 +6,7 @@ import os
 import shlex
 import sys
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
@@ -45,9 +45,10 @@ class Failure(click.ClickException):
 class Front(click.Group):
     """A group of verbs that ends with a message and the documented exit codes, never with a traceback."""
 
-    def __init__(self, *args: Any, verbs: Mapping[str, str], groups: Mapping[str, Sequence[str]], **extra: Any) -> None:
+    def __init__(self, *args: Any, groups: Mapping[str, Mapping[str, str]], **extra: Any) -> None:
         super().__init__(*args, **extra)
-        self.verbs, self.groups = verbs, groups
+        self.groups = groups
+        self.verbs = {verb: command for verbs in groups.values() for verb, command in verbs.items()}
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The verbs, in the order of their table."""

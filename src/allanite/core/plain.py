@@ -53,6 +53,7 @@ _MODULES: dict[str, str] = {
     "core.model": "Model Term",
     "core.header": "Header",
     "core.readings": "Means Reading Readings Slope",
+    "core.record": "Recording",
     "core.residuals": "Check Residuals Shared",
     "core.scope": "LowPass Scope",
     "core.spectrum": "Spectrum",
@@ -87,6 +88,7 @@ _MODULES: dict[str, str] = {
     "study.modelled": "RecordingPlans SelfChecks StateSpaces",
     "study.modelling": "PlanSettings SelfCheckSettings StateSpaceSettings",
     "study.survey": "Densities Deviations Measured Survey Windows",
+    "study.theory": "TheorySettings",
 }
 
 TYPES: dict[str, str] = {name: module for module, names in _MODULES.items() for name in names.split()}

@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
-from .units import SIGNALS, Signal, signal_with, unit_of
+from allanite.terms import TERMS
+
+from .units import SIGNALS, Signal, signal_with, times, unit_of
 
 
 def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
@@ -22,15 +24,21 @@ def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
             return unit
     for unit in wanted:
         if unit_of(unit).dimension == signal.dimension and unit != signal.sheet[0]:
-            return _carried(unit, power)
+            return f"{unit}/sqrt(Hz)" if power == 0.5 else times(unit, power)  # white noise as a density
     return signal.sheet[power]
 
 
-def _carried(unit: str, power: float) -> str:
-    """The unit of a signal times time to a power, as it is written: deg/s becomes deg/s^2."""
-    if unit.endswith("/s") and power in (1, -1):
-        return unit.removesuffix("/s") + ("" if power == 1 else "/s^2")
-    return unit + {1: "*s", 0.5: "/sqrt(Hz)", 0: "", -0.5: "/sqrt(s)", -1: "/s"}[power]
+def showing(unit: str) -> list[Signal]:
+    """The signals of which a coefficient has this unit.
+
+    Examples
+    --------
+    >>> [signal.name for signal in showing("deg/s")], showing("deg^3")
+    (['gyro', 'angle'], [])
+    """
+    dimension = unit_of(unit).dimension
+    found = (signal_with(dimension, power, values=True) for power in {row.power for row in TERMS.values()})
+    return sorted(filter(None, found), key=SIGNALS.index)
 
 
 def readable_unit(unit: str) -> str:
@@ -41,5 +49,5 @@ def readable_unit(unit: str) -> str:
     >>> readable_unit("rad/s"), readable_unit("m/s^2"), readable_unit("deg/s")
     ('deg/h', 'ug', 'deg/s')
     """
-    sheets = (signal.sheet[power] for signal in SIGNALS for power, si in signal.si.items() if si == unit)
+    sheets = (signal.sheet[row.power] for signal in SIGNALS for row in TERMS.values() if signal.si[row.power] == unit)
     return next(sheets, unit)

@@ -188,6 +188,43 @@ def convert(value: float, unit: str, to: str) -> float:
     return value * (source.factor / target.factor)
 
 
+class Units(dict[float, str]):
+    """The units of a signal times time to a power, by the power: those that are named, others as they are written.
+
+    Examples
+    --------
+    >>> units = Units("deg/h", "h", {1: "arcsec"})
+    >>> units[1], units[0.5], units[0], units[-1.5]
+    ('arcsec', 'deg/sqrt(h)', 'deg/h', 'deg/h^2.5')
+    """
+
+    def __init__(self, unit: str, second: str = "s", named: dict[float, str] | None = None) -> None:
+        super().__init__(named or {})
+        self.unit, self.second = unit, second
+
+    def __missing__(self, power: float) -> str:
+        return times(self.unit, power, self.second)
+
+
+def times(unit: str, power: float, second: str = "s") -> str:
+    """A unit times time to a power; `second` is the unit of the time.
+
+    Examples
+    --------
+    >>> times("rad/s", -1.5), times("m/s^2", 1), times("V", 0.5), times("1", 1), times("s", -0.5), times("ug", -1, "h")
+    ('rad/s^2.5', 'm/s', 'V*sqrt(s)', 's', 'sqrt(s)', 'ug/h')
+    """
+    per = re.fullmatch(rf"(.+?)/{second}(?:\^([\d.]+))?", unit)
+    head, before = (per[1], -float(per[2] or 1)) if per else ("1", 1.0) if unit == second else (unit, 0.0)
+    size = abs(before + power)
+    time = {0.0: "", 0.5: f"sqrt({second})", 1.0: second}.get(size, f"{second}^{size:g}")
+    if not time:
+        return head
+    if before + power < 0:
+        return f"{head}/{time}"
+    return time if head == "1" else f"{head}*{time}"
+
+
 @dataclass(frozen=True)
 class Signal:
     """A type of sensor output: its SI unit, what it and its integral are called, and its other units.
@@ -204,8 +241,8 @@ class Signal:
     unit: str
     quantity: str
     integral: str
-    si: dict[float, str]
-    sheet: dict[float, str]
+    si: Units
+    sheet: Units
     inertial: bool = False
     density: tuple[str, ...] = ()
     kind: str = "rate"
@@ -221,39 +258,30 @@ class Signal:
 
 
 def _plain(
-    name: str, unit: str, quantity: str, *, sheet: str = "", units: tuple[str, ...] = (), kind: str = "rate"
+    name: str, unit: str, quantity: str, *, sheet: str = "", named: dict[float, str] | None = None, kind: str = "rate"
 ) -> Signal:
-    """A signal whose noise has no data-sheet units of its own, but those of `sheet` times time.
-
-    `units` are the units of the signal times time to the powers 1 to -1, where they are not to be spelled out.
-    """
-    sheet = sheet or unit
-    named = ((f"{u}*s", f"{u}*sqrt(s)", u, f"{u}/sqrt(s)", f"{u}/s") for u in (unit, sheet))
-    si, shown = (dict(zip((1, 0.5, 0, -0.5, -1), units or own, strict=True)) for own in named)
+    """A signal whose noise has no data-sheet units of its own, but those of `sheet` times time."""
+    si, shown = (Units(u, "s", named) for u in (unit, sheet or unit))
     integral = say("integrated {quantity}", quantity=quantity)
-    return Signal(name, unit, quantity, integral, si, shown, density=(f"{sheet}/sqrt(Hz)",), kind=kind)
+    return Signal(name, unit, quantity, integral, si, shown, density=(f"{sheet or unit}/sqrt(Hz)",), kind=kind)
 
 
 SIGNALS = (
     Signal(
         "gyro", "rad/s", say("rate"), say("angle"),
-        {1: "rad", 0.5: "rad/sqrt(s)", 0: "rad/s", -0.5: "rad/s^1.5", -1: "rad/s^2"},
-        {1: "arcsec", 0.5: "deg/sqrt(h)", 0: "deg/h", -0.5: "deg/h/sqrt(h)", -1: "deg/h^2"},
+        Units("rad/s"),
+        Units("deg/h", "h", {1: "arcsec", -0.5: "deg/h/sqrt(h)"}),
         inertial=True,
         density=("deg/s/sqrt(Hz)", "deg/h/sqrt(Hz)"),
     ),
     Signal(
         "accelerometer", "m/s^2", say("acceleration"), say("velocity"),
-        {1: "m/s", 0.5: "m/s^1.5", 0: "m/s^2", -0.5: "m/s^2.5", -1: "m/s^3"},
-        {1: "m/s", 0.5: "m/s/sqrt(h)", 0: "ug", -0.5: "ug/sqrt(h)", -1: "ug/h"},
+        Units("m/s^2"),
+        Units("ug", "h", {1: "m/s", 0.5: "m/s/sqrt(h)"}),
         inertial=True,
         density=("ug/sqrt(Hz)", "m/s^2/sqrt(Hz)"),
     ),
-    Signal(
-        "dimensionless", "1", say("signal"), say("time"),
-        {1: "s", 0.5: "sqrt(s)", 0: "1", -0.5: "1/sqrt(s)", -1: "1/s"},
-        {1: "s", 0.5: "sqrt(s)", 0: "1", -0.5: "1/sqrt(s)", -1: "1/s"},
-    ),
+    Signal("dimensionless", "1", say("signal"), say("time"), Units("1"), Units("1")),
     _plain("current", "A", say("current")),
     _plain("voltage", "V", say("voltage")),
     _plain("temperature", "K", say("temperature")),
@@ -261,9 +289,9 @@ SIGNALS = (
     _plain("flux density", "T", say("flux density")),
     _plain("pressure", "Pa", say("pressure")),
     _plain("angle", "rad", say("angle"), sheet="arcsec", kind="value"),
-    _plain("velocity", "m/s", say("velocity"), units=("m", "m/sqrt(s)", "m/s", "m/s^1.5", "m/s^2"), kind="value"),
-    _plain("time", "s", say("time"), units=("s^2", "s^1.5", "s", "sqrt(s)", "1"), kind="value"),
-    _plain("frequency", "Hz", say("frequency"), units=("1", "1/sqrt(s)", "Hz", "Hz/sqrt(s)", "Hz/s"), kind="value"),
+    _plain("velocity", "m/s", say("velocity"), kind="value"),
+    _plain("time", "s", say("time"), kind="value"),
+    _plain("frequency", "Hz", say("frequency"), named={1: "1", 0.5: "1/sqrt(s)"}, kind="value"),
 )  # fmt: skip
 
 

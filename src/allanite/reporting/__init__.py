@@ -43,7 +43,7 @@ def plot(
     force : bool
         Overwrite an existing file.
     lang : str
-        Language of the words: "en", "ru" or "zh".
+        Language of the words, a code of `reporting.language.LANGUAGES` such as "en" or "ru".
 
     Returns
     -------
@@ -94,7 +94,7 @@ def report(value: Any, path: PathLike, *, level: float | None = None, force: boo
     force : bool
         Overwrite an existing file.
     lang : str
-        Language of the page: "en", "ru" or "zh". Names, units, numbers and the stored data are the same in all.
+        Language of the page, as in `plot`. Names, units, numbers and the stored data are the same in all.
 
     Raises
     ------

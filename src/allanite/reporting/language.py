@@ -16,7 +16,7 @@ from allanite.core.errors import UsageError
 from allanite.core.language import Catalogue, translate
 
 LANGUAGES = {"en": "English", "ru": "русский", "zh": "中文"}
-"""Codes of the languages, and their names in themselves; each but English has a catalogue, ``locale/<code>.po``."""
+"""Codes of the languages, and their names in themselves; the catalogue of each but English is ``locale/<code>.po``."""
 
 ENGLISH = "en"
 
@@ -25,7 +25,7 @@ _SPOKEN: ContextVar[str] = ContextVar("_SPOKEN", default=ENGLISH)
 
 @cache
 def catalogue(lang: str) -> Catalogue:
-    """The translations into a language; what is not translated yet stays English.
+    """The translations into a language; what is not translated yet stays English, all of it without a catalogue.
 
     Raises
     ------
@@ -35,14 +35,15 @@ def catalogue(lang: str) -> Catalogue:
     if lang not in LANGUAGES:
         known = ", ".join(f"{code} ({name})" for code, name in LANGUAGES.items())
         raise UsageError(f"unknown language {lang!r}; reports are written in {known}")
-    if lang == ENGLISH:
+    path = files("allanite.reporting") / "locale" / f"{lang}.po"
+    if not path.is_file():
         return gettext.NullTranslations()
     # for this alone, and only where it is wanted
     from babel.messages.mofile import write_mo
     from babel.messages.pofile import read_po
 
     compiled = io.BytesIO()
-    with (files("allanite.reporting") / "locale" / f"{lang}.po").open("rb") as file:
+    with path.open("rb") as file:
         write_mo(compiled, read_po(file, locale=lang))
     compiled.seek(0)
     return gettext.GNUTranslations(compiled)

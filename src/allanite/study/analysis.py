@@ -13,7 +13,7 @@ from allanite.core.language import say
 from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
-from allanite.core.units import signal_with, unit_of
+from allanite.core.shown import showing
 from allanite.core.wording import spelled
 from allanite.identification.checks.shared import shared
 from allanite.readers.parts import PartsReader
@@ -169,8 +169,7 @@ def demand_shown(recipe: Recipe, channels: Iterable[Channel]) -> None:
     """Refuse a unit of the recipe in which no coefficient of any channel can be shown."""
     signals = {channel.record.signal.name: channel.record.signal for channel in channels}
     for unit in recipe.to or ():
-        dimension = unit_of(unit).dimension
-        if not any(s is signal_with(dimension, p, values=True) for s in signals.values() for p in s.si):
+        if not any(signal.name in signals for signal in showing(unit)):
             units = ", ".join(signal.sheet[0] for signal in signals.values())
             wanted = spelled("--to", "to=")
             raise UsageError(f"no channel has a coefficient in {unit!r} ({wanted}); the channels are in {units}")

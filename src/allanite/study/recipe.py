@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from allanite.core.errors import UsageError
 from allanite.core.ranges import demand_pieces, demand_ranges
 from allanite.core.scope import Band, demand_band
-from allanite.core.units import SIGNALS, signal_with, unit_of
+from allanite.core.shown import showing
 from allanite.meaning.devices import device
 from allanite.prepare.outliers import demand_choice
 from allanite.readers.memory import bytes_of
@@ -152,8 +152,7 @@ class Recipe:
 
 def _demand_shown(unit: str) -> None:
     """Refuse a unit in which no coefficient can be shown."""
-    dimension = unit_of(unit).dimension
-    if not any(signal_with(dimension, power, values=True) for power in SIGNALS[0].si):
+    if not showing(unit):
         raise UsageError(f"no noise coefficient has the unit {unit!r}; give one of the signal, as deg/s or m/s^2, or "
                          "of a coefficient, as deg/s/sqrt(Hz)")  # fmt: skip
 

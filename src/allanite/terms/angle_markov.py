@@ -56,6 +56,10 @@ def angle_markov(T: float) -> NoiseTerm:
             "dimensionless": say("Gauss-Markov noise of the time"),
         },
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the angle, with a time constant T"),
+        quantity_title=say("Gauss-Markov noise of the integrated {quantity}"),
+        quantity_meaning=say(
+            "exponentially correlated (first-order Gauss-Markov) noise of the integral, with a time constant T"
+        ),
         formula=r"\sigma^2(\tau) = (s^2 / \tau^2) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T))",
         reference=say(
             "a first-order Markov process of the angle; structure function 2 s^2 (1 - exp(-t/T)), s the RMS angle"

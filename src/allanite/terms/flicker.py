@@ -85,6 +85,8 @@ FLICKER = NoiseTerm(
     symbol="B",
     title=say("bias instability"),
     meaning=say("flicker (1/f) noise of the rate; the Allan deviation has a floor at 0.664 B"),
+    quantity_title=say("flicker of the {quantity}"),
+    quantity_meaning=say("flicker (1/f) noise; the Allan deviation has a floor at 0.664 B"),
     formula=r"\sigma^2(\tau) = (2 \ln 2 / \pi) B^2",
     reference="IEEE Std 952",
     power=0.0,
@@ -97,6 +99,7 @@ FLICKER = NoiseTerm(
     increments=_flicker_increments,
     spectrum=_flicker_spectrum,
     dct=_flicker_dct,
+    dct_error=4e-3,
     density=r"S(f) = \frac{B^2}{2 \pi f}",
     origin="Flicker noise of electronics, of the discharge in a ring laser, and of systems with many relaxation times: "
     "a power spectral density that increases as 1/f towards low frequencies, so that every decade of time "

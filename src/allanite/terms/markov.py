@@ -20,6 +20,7 @@ def gauss_markov(T: float) -> NoiseTerm:
         symbol="GM",
         title=say("Gauss-Markov noise"),
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the rate, with a time constant T"),
+        quantity_meaning=say("exponentially correlated (first-order Gauss-Markov) noise with a time constant T"),
         formula=r"\sigma^2(\tau) = (2 s^2 T / \tau) (1 - (T / 2 \tau) (3 - 4 \exp(-\tau/T) + \exp(-2 \tau/T)))",
         reference=say("IEEE Std 952; s is the RMS rate, q = s sqrt(2/T) the driving noise"),
         power=0.0,

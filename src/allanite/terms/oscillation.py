@@ -119,9 +119,12 @@ def oscillation_block(size: float, shape: tuple[float, ...], h: float) -> Block:
     whole = np.zeros((6, 6))  # Van Loan (1978), with the integral of the rate as a third state
     whole[:2, :2], whole[2, 0] = -F, -1.0
     whole[:2, 3:5], whole[3:5, 3:5], whole[3, 5] = Qc, F.T, 1.0
-    found = expm(whole * h)
+    halvings = max(0, math.ceil(math.log2(2 * (1 + z) * w * h)))  # over a long interval exp(-F h) would overflow
+    found = expm(whole * h / 2**halvings)
     Phi = found[3:, 3:].T
     Q = Phi @ found[:3, 3:]
+    for _ in range(halvings):
+        Phi, Q = Phi @ Phi, Phi @ Q @ Phi.T + Q
     mean = np.diag([1.0, 1.0, 1 / h])
     return Block(
         names=(

@@ -13,6 +13,9 @@ FloatArray = NDArray[np.float64]
 WHITE = -0.5
 """Slope of white rate noise."""
 
+FAR = 1e15
+"""A time, in sample intervals, that is long beside any time constant."""
+
 LONGEST = 0.1
 """Share of a record up to which a time constant can be distinguished from a random walk."""
 
@@ -103,12 +106,18 @@ class NoiseTerm:
         Names, description, LaTeX formula (Allan variance) and source; the title is that for a gyro.
     titles : {name of a signal: title}
         Where it is called otherwise.
+    quantity_title : str
+        What it is called where the signal is not the output of an inertial sensor, such as a voltage: a template with
+        its {quantity}.
+    quantity_meaning : str
+        Its description there, if it differs.
     power : float
         The coefficient is a signal times time to this power.
     slope : float
         Slope of log Allan deviation against log tau.
     read_at : float
-        The asymptote, a straight line of that slope, has the value of the coefficient at this tau (in units of time).
+        The asymptote, a straight line of that slope, has the value of the coefficient at this tau (in units of time);
+        1 where it has not at any, or where that depends on the rate.
     level : float
         Allan variance of the term at tau = 1 for a coefficient of 1.
     structure : t -> D(t)
@@ -122,6 +131,8 @@ class NoiseTerm:
     spectrum : (f, tau0) -> two-sided spectral density of the sampled rate, its mean over each tau0, aliases included.
         For 0 < f <= 1 / (2 tau0).
     dct : (k, n) -> variance of the k-th coefficient of the orthonormal DCT-II of n rates.
+    dct_error : float
+        Relative error of `dct` for 60 rates and more, at most, where it is an approximation.
     edge : float
         Variance that the first and the last rate have beyond that, of white angle noise.
     ends : float
@@ -179,6 +190,7 @@ class NoiseTerm:
     increments: Callable[[FloatArray], FloatArray]
     spectrum: Callable[[FloatArray, float], FloatArray]
     dct: Callable[[FloatArray, int], FloatArray]
+    dct_error: float = 0.0
     edge: float = 0.0
     ends: float = 0.0
     waveform: Callable[[int], FloatArray] | None = None
@@ -201,8 +213,16 @@ class NoiseTerm:
     block: Callable[[float, tuple[float, ...], float], Block] | None = None
     substitute: str = ""
     titles: Mapping[str, str] = field(default_factory=dict)
+    quantity_title: str = ""
+    quantity_meaning: str = ""
 
     @property
     def scatters(self) -> bool:
         """Whether it takes part in the scatter of an estimate: noise, and a ramp, whose product with noise does."""
         return not (self.periodic or self.transient)
+
+    @property
+    def growth(self) -> float:
+        """Exponent with which D grows at long times; of flicker it is a little more than 2, for its logarithm."""
+        D = self.structure(FAR * np.array([1.0, 2.0]))
+        return float(np.log2(D[1] / D[0]))

@@ -42,6 +42,7 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         symbol="Sine",
         title=say("sinusoid"),
         meaning=say("a sinusoid of the rate, with an amplitude and a frequency"),
+        quantity_meaning=say("a sinusoid, with an amplitude and a frequency"),
         formula=r"\sigma^2(\tau) = A^2 \sin^4(\pi f \tau) / (\pi f \tau)^2",
         reference=say("IEEE Std 952; the mean over all phases"),
         power=0.0,
@@ -57,7 +58,7 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
         waveform=waveform,
         periodic=True,
         parameters=(
-            Parameter("frequency", say("frequency"), "Hz", least=0.0, letter="f", typical=0.02),
+            Parameter("frequency", say("frequency"), "Hz", least=0.0, letter="f", typical=0.02, time=-1.0),
             Parameter("phase", say("phase"), "rad", default=0.0, typical=0.0),
         ),
         shape=(frequency, phase),

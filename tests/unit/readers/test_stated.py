@@ -5,10 +5,12 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests import translated
 
 import allanite as al
 from allanite.cli import main
 from allanite.core.errors import UsageError
+from allanite.core.language import say
 from allanite.readers import read
 
 NOISE = np.random.default_rng(1).standard_normal((400, 4)).round(4)
@@ -146,5 +148,7 @@ def test_both_warnings_are_shown_by_the_report(write, tmp_path):
     result = CliRunner().invoke(main, [*command, "--method", "slopes"])
     assert result.exit_code == 0, result.output
     text = page.read_text()
-    assert "по запросу используется единица deg/s" in text
-    assert "отношение 2" in text
+    unit = "unit {unit} is used as requested, but according to the file it is {theirs} for {columns}"
+    said = translated(say(unit, unit="deg/s", theirs="|", columns=""), "ru")
+    assert said.partition("|")[0] in text
+    assert translated(say("a factor of {factor:.4g} apart", factor=2), "ru") in text

@@ -108,7 +108,7 @@ def _demand_stationary(row: Statistic, terms: Sequence[NoiseTerm]) -> None:
 
 def _stationary(order: int, term: NoiseTerm) -> bool:
     """Whether differences of the angle of this order are stationary: a deterministic term needs two."""
-    return order > 1 if term.waveform is not None else term.power > 1 - order
+    return order > 1 if term.waveform is not None else term.growth < 2 * order
 
 
 def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:

@@ -100,5 +100,5 @@ export function speak(lang) {
   for (const node of document.querySelectorAll("[data-label]:not(td):not(th)")) node.setAttribute("aria-label", t(node.dataset.label));
 }
 
-export const t = (key) => WORDS[key]?.[spoken] ?? key;
+export const t = (key) => WORDS[key]?.[spoken] ?? WORDS[key]?.[0] ?? key;
 export const keysOfWords = () => Object.keys(WORDS);
