@@ -4,19 +4,11 @@ import math
 
 import numpy as np
 
-from .compiling import swift_part
+from .allan import dot
+from .compiling import swift_part, swift_shared
 
 ROUNDING = 1e-15
 ALIKE = 1 - 1e-11
-
-
-@swift_part
-def dot(a, b):  # type: ignore[no-untyped-def]
-    """Sum of the products."""
-    total = 0.0
-    for i in range(a.size):
-        total += a[i] * b[i]
-    return total
 
 
 @swift_part
@@ -79,7 +71,9 @@ def _taken(G, j, passive):  # type: ignore[no-untyped-def]
 @swift_part
 def _steepest(G, c, x, passive):  # type: ignore[no-untyped-def]
     """The column not in use along which the sum of squares falls fastest, -1 if there is none."""
-    best, most = -1, 1e-12 * np.abs(c).max()
+    best, most = -1, 0.0
+    for j in range(c.size):
+        most = max(most, 1e-12 * abs(c[j]))
     for j in range(c.size):
         slope = c[j] - dot(G[j], x)
         if not passive[j] and slope > most and not _taken(G, j, passive):
@@ -107,28 +101,29 @@ def _nnls(G, c, x):  # type: ignore[no-untyped-def]
 
     By Lawson and Hanson, and Bro and de Jong; what is positive in the first x is in use from the beginning.
     """
-    passive = x > 0
+    passive = np.zeros(x.size, np.bool_)
+    for j in range(x.size):
+        passive[j] = x[j] > 0
     for j in range(x.size):
         if passive[j] and _taken(G, j, passive):
             passive[j], x[j] = False, 0.0
     for _ in range(10 * x.size):
-        while passive.any():
-            leaving = _towards(x, _solve(G, c, passive), passive)
-            if leaving < 0:
-                break
+        leaving = _towards(x, _solve(G, c, passive), passive)
+        while leaving >= 0:
             passive[leaving], x[leaving] = False, 0.0
+            leaving = _towards(x, _solve(G, c, passive), passive)
         best = _steepest(G, c, x, passive)
         if best < 0:
             break
         passive[best] = True
 
 
-@swift_part
+@swift_shared
 def weighted_nnls(columns, power, weight, first):  # type: ignore[no-untyped-def]
     """Theta >= 0 with the least sum of weight (power - columns theta)^2, shape (p,), sought from a first one."""
     p = first.size
-    G, c, size = np.empty((p, p)), np.empty(p), np.empty(p)
-    weighted = np.empty(power.size)
+    G, c, size = np.zeros((p, p)), np.zeros(p), np.zeros(p)
+    weighted, x = np.zeros(power.size), np.zeros(p)
     for a in range(p):
         for i in range(power.size):
             weighted[i] = weight[i] * columns[a, i]
@@ -136,7 +131,8 @@ def weighted_nnls(columns, power, weight, first):  # type: ignore[no-untyped-def
         c[a] = dot(weighted, power) / size[a]
         for b in range(a):
             G[a, b] = G[b, a] = dot(weighted, columns[b]) / (size[a] * size[b])
-        G[a, a] = 1.0
-    x = first * size
+        G[a, a], x[a] = 1.0, first[a] * size[a]
     _nnls(G, c, x)
-    return x / size
+    for a in range(p):
+        x[a] /= size[a]
+    return x
