@@ -17,14 +17,14 @@ from functools import partial
 
 from numba import njit
 
-_numba = partial(njit, cache=True, nogil=True, no_cfunc_wrapper=True)
+_numba = partial(njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 _inner = partial(_numba, no_cpython_wrapper=True)
-_swift = {"error_model": "numpy", "fastmath": {"reassoc", "nsz", "contract"}}
+_swift = partial(_numba, fastmath={"reassoc", "nsz", "contract"})
 
 kernel = _numba()
 inner = _inner()
 shared = _numba(forceinline=True)
 part = _inner(forceinline=True)
-swift = _numba(**_swift)
-swift_shared = _numba(forceinline=True, **_swift)
-swift_part = _inner(forceinline=True, **_swift)
+swift = _swift()
+swift_shared = _swift(forceinline=True)
+swift_part = _swift(forceinline=True, no_cpython_wrapper=True)

@@ -5,13 +5,13 @@ import math
 import numpy as np
 
 from .allan import dot
-from .compiling import swift_part, swift_shared
+from .compiling import inner, swift_shared
 
 ROUNDING = 1e-15
 ALIKE = 1 - 1e-11
 
 
-@swift_part
+@inner
 def cholesky(G):  # type: ignore[no-untyped-def]
     """Put the lower root of G in its place; of a pivot at least its rounding is left."""
     for j in range(G.shape[0]):
@@ -24,7 +24,7 @@ def cholesky(G):  # type: ignore[no-untyped-def]
         G[j, j] = math.sqrt(max(pivot, ROUNDING * G[j, j]))
 
 
-@swift_part
+@inner
 def forward(root, b):  # type: ignore[no-untyped-def]
     """Put root^-1 b in the place of b."""
     for j in range(b.size):
@@ -33,7 +33,7 @@ def forward(root, b):  # type: ignore[no-untyped-def]
         b[j] /= root[j, j]
 
 
-@swift_part
+@inner
 def backward(root, b):  # type: ignore[no-untyped-def]
     """Put root'^-1 b in the place of b."""
     for j in range(b.size - 1, -1, -1):
@@ -42,7 +42,7 @@ def backward(root, b):  # type: ignore[no-untyped-def]
         b[j] /= root[j, j]
 
 
-@swift_part
+@inner
 def _solve(G, c, passive):  # type: ignore[no-untyped-def]
     """G x = c on the passive set, zero elsewhere."""
     q = c.size
@@ -59,7 +59,7 @@ def _solve(G, c, passive):  # type: ignore[no-untyped-def]
     return x
 
 
-@swift_part
+@inner
 def _taken(G, j, passive):  # type: ignore[no-untyped-def]
     """Whether a column is another one in use except for its size."""
     found = False
@@ -68,20 +68,22 @@ def _taken(G, j, passive):  # type: ignore[no-untyped-def]
     return found
 
 
-@swift_part
+@inner
 def _steepest(G, c, x, passive):  # type: ignore[no-untyped-def]
     """The column not in use along which the sum of squares falls fastest, -1 if there is none."""
     best, most = -1, 0.0
     for j in range(c.size):
         most = max(most, 1e-12 * abs(c[j]))
     for j in range(c.size):
-        slope = c[j] - dot(G[j], x)
+        slope = c[j]
+        for k in range(x.size):
+            slope -= G[j, k] * x[k]
         if not passive[j] and slope > most and not _taken(G, j, passive):
             best, most = j, slope
     return best
 
 
-@swift_part
+@inner
 def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
     """Move x to what is wanted, or as far as nothing falls below zero; the one that is zero there first, or -1."""
     step, leaving = 1.0, -1
@@ -95,7 +97,7 @@ def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
     return leaving
 
 
-@swift_part
+@inner
 def _nnls(G, c, x):  # type: ignore[no-untyped-def]
     """Minimum of x'Gx/2 - c'x over x >= 0, for a G with unit diagonal, in the place of a first x.
 

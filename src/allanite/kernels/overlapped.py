@@ -20,6 +20,9 @@ BLOCK = 1024
 TILE = 1 << 17
 """Samples that are processed for one averaging factor after the other."""
 
+NEAR = TILE // 4
+"""Averaging factors from which rows reach beyond a tile."""
+
 
 @swift_part
 def _four_rows(x, m, order, at, count):  # type: ignore[no-untyped-def]
@@ -113,7 +116,7 @@ def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
     """
     done = np.zeros(m.size, np.int64)
     short = m.size if order == 1 else min(m.size, (_below(m, ROWS) + 3) // 4 * 4)
-    near = _below(m, TILE // 4)
+    near = _below(m, NEAR)
     for tile in range(0, size, TILE):
         end = min(tile + TILE, size)
         for start in range(tile, end, BLOCK):

@@ -190,6 +190,14 @@ def _towards(theta, held, columns, completed):  # type: ignore[no-untyped-def]
 
 
 @swift_part
+def _moved(theta, move, step):  # type: ignore[no-untyped-def]
+    moved = np.zeros(theta.size)
+    for j in range(theta.size):
+        moved[j] = max(theta[j] + step * move[j], 0.0)
+    return moved
+
+
+@swift_part
 def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
     """Length of this step along the one before, over its length; 0 after none."""
     size = along = 0.0
@@ -207,29 +215,27 @@ def minimise(theta, held, columns, data):  # type: ignore[no-untyped-def]
     L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: from two of them the sum of all
     is known.
     """
-    m, nothing = _expectation(columns, theta, held), np.zeros(held.size)
-    best, found = _evaluated(m, data)
-    if best == np.inf or theta.size == 0:
-        return theta, best
-    before = nothing
-    for _ in range(ITERATIONS):
-        weight, move = _towards(theta, held, columns, _completed(m, found, data)[:4])
-        shift = _expectation(columns, move, nothing)
-        step = _stretch(theta, move, _rate(weight, before, shift))
-        least, trial, close = np.inf, theta, CONVERGED + ROUNDING * abs(best)
-        while step > SMALLEST_STEP:
-            trial = np.zeros(theta.size)
-            for j in range(theta.size):
-                trial[j] = max(theta[j] + step * move[j], 0.0)
-            m = _expectation(columns, trial, held)
-            least, found = _evaluated(m, data)
-            if least <= best + close:
-                break
+    nothing = np.zeros(held.size)
+    trial, move, shift, before = theta, theta, nothing, nothing
+    best, step, left = np.inf, 0.0, ITERATIONS
+    while True:
+        m = _expectation(columns, trial, held)
+        least, found = _evaluated(m, data)
+        close = CONVERGED + ROUNDING * abs(best)
+        if not least <= best + close:
             step = min(step / 2, 1.0)
-        if not least < best:
+            if step <= SMALLEST_STEP:
+                break
+        elif not least < best:
             break
-        before = shift if step == 1.0 else nothing
-        gain, theta, best = best - least, trial, least
-        if gain < close:
-            break
+        else:
+            before = shift if step == 1.0 else nothing
+            gain, theta, best = best - least, trial, least
+            if gain < close or left == 0 or theta.size == 0:
+                break
+            left -= 1
+            weight, move = _towards(theta, held, columns, _completed(m, found, data)[:4])
+            shift = _expectation(columns, move, nothing)
+            step = _stretch(theta, move, _rate(weight, before, shift))
+        trial = _moved(theta, move, step)
     return theta, best
