@@ -99,15 +99,6 @@ def _add_short(sums, x, m, order, span):  # type: ignore[no-untyped-def]
             j += 1
 
 
-@part
-def _below(m, limit):  # type: ignore[no-untyped-def]
-    """How many m, ascending, are below a limit."""
-    count = 0
-    while count < m.size and m[count] < limit:
-        count += 1
-    return count
-
-
 @shared
 def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
     """Add the squared differences of order 1 to 3 at every i < size for every m[j], ascending, as far as x reaches.
@@ -115,8 +106,11 @@ def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
     Rows are taken four at a time; what is left of them when a tile ends goes with the next one.
     """
     done = np.zeros(m.size, np.int64)
-    short = m.size if order == 1 else min(m.size, (_below(m, ROWS) + 3) // 4 * 4)
-    near = _below(m, NEAR)
+    short = near = 0
+    for j in range(m.size):
+        short += m[j] < ROWS
+        near += m[j] < NEAR
+    short = m.size if order == 1 else min(m.size, (short + 3) // 4 * 4)
     for tile in range(0, size, TILE):
         end = min(tile + TILE, size)
         for start in range(tile, end, BLOCK):

@@ -185,7 +185,7 @@ class Likelihood(Portable):
         """Theta >= 0 at the minimum of L, and L; what is not `moving` is held."""
         from allanite.kernels.whittle import minimise
 
-        held = (theta[~moving, None] * self.columns[~moving]).sum(axis=0)
+        held = np.where(moving, 0.0, theta) @ self.columns
         found = theta.copy()
         found[moving], best = minimise(theta[moving], held, self.columns[moving], self.data)
         return found, float(best)
