@@ -12,6 +12,7 @@ from contextlib import suppress
 from importlib import import_module
 
 from numba.core import event
+from numba.core.sigutils import normalize_signature
 
 _X, _M, _COLUMNS = "float64[::1]", "int64[::1]", "float64[:, ::1]"
 _DATA = f"Tuple(({_X}, {_X}, float64[:, :, ::1], {_COLUMNS}))"
@@ -46,10 +47,13 @@ def ready(compiling: Callable[[], None], *, alone: bool) -> None:
         Without another process.
     """
     begun = _Begun(compiling, alone)
-    with event.install_listener("numba:compile", begun):
-        _load(HERE)
-        begun.wait()
-        _load(THERE)
+    try:
+        with event.install_listener("numba:compile", begun):
+            load(HERE)
+            begun.wait()
+            load(THERE)
+    finally:
+        begun.end()
 
 
 class _Begun(event.Listener):  # type: ignore[misc]
@@ -62,29 +66,37 @@ class _Begun(event.Listener):  # type: ignore[misc]
     def on_start(self, _: event.Event) -> None:
         """Called when the compiling of a kernel or part begins."""
         self.compiling()
-        if not self.alone and self.other is None:
+        if not self.alone:
+            self.alone = True
             quiet = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
             with suppress(OSError):
                 # -P: a module in the current folder may have the name of one of ours
                 self.other = subprocess.Popen([sys.executable, "-P", "-m", __name__], **quiet)  # noqa: S603  no shell
-            self.alone = True
 
     def on_end(self, _: event.Event) -> None:
         """Nothing is to be done."""
 
     def wait(self) -> None:
-        """Wait for the other process."""
+        """Wait for the other process, which is not started any more."""
+        self.alone = True
         while self.other is not None and self.other.poll() is None:
             self.compiling()
-            time.sleep(0.05)
+            time.sleep(0.02)
+
+    def end(self) -> None:
+        """Leave no process behind; what is compiled is written in one step, or not at all."""
+        if self.other is not None:
+            self.other.kill()
+            self.other.wait()
 
 
-def _load(kernels: dict[str, str]) -> None:
+def load(kernels: dict[str, str]) -> None:
     """Load or compile kernels, in this order."""
     for name, types in kernels.items():
         module, _, kernel = name.partition(".")
-        getattr(import_module(f"allanite.kernels.{module}"), kernel).compile(types)
+        # as types, by which calls find the code in the cache, too
+        getattr(import_module(f"allanite.kernels.{module}"), kernel).compile(normalize_signature(types)[0])
 
 
 if __name__ == "__main__":
-    _load(THERE)
+    load(THERE)

@@ -49,7 +49,8 @@ def cut(x, start, degree, summed, out):  # type: ignore[no-untyped-def]
     if summed:
         running_sum(x[start : start + out.size - 1], out)
     else:
-        out[:] = x[start : start + out.size] - x[start]
+        for i in range(out.size):
+            out[i] = x[start + i] - x[start]
     flatten(out, degree)
 
 
