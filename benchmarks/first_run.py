@@ -77,7 +77,8 @@ def python(arguments: list[str], home: Path, **more: str) -> tuple[str, float, f
     environment = known | {"PYTHONPATH": str(home), "NUMBA_CACHE_DIR": str(home / "kernels")} | more
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     start, before = time.perf_counter(), os.times()
-    found = subprocess.run([sys.executable, "-P", *arguments], env=environment, capture_output=True, check=True, text=True)
+    command = [sys.executable, "-P", *arguments]
+    found = subprocess.run(command, env=environment, capture_output=True, check=True, text=True)
     wall, after = time.perf_counter() - start, os.times()
     used = after.children_user - before.children_user + after.children_system - before.children_system
     return found.stdout, wall, used

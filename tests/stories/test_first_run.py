@@ -41,7 +41,8 @@ print(json.dumps([said, used, [str(channel.fit.model) for channel in study.chann
 def python(cache, *arguments):
     """What a process of its own prints, with this cache of kernels."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
-    return subprocess.run([sys.executable, *arguments], env=environment, capture_output=True, text=True)
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture(scope="module")

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
+from subprocess import DEVNULL
 
 from numba.core import event
 from numba.core.sigutils import normalize_signature
@@ -56,7 +57,7 @@ def ready(compiling: Callable[[], None], *, alone: bool) -> None:
         begun.end()
 
 
-class _Begun(event.Listener):  # type: ignore[misc]
+class _Begun(event.Listener):
     """Starts the other process when something has to be compiled."""
 
     def __init__(self, compiling: Callable[[], None], alone: bool) -> None:
@@ -68,10 +69,11 @@ class _Begun(event.Listener):  # type: ignore[misc]
         self.compiling()
         if not self.alone:
             self.alone = True
-            quiet = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
             with suppress(OSError):
                 # -P: a module in the current folder may have the name of one of ours
-                self.other = subprocess.Popen([sys.executable, "-P", "-m", __name__], **quiet)  # noqa: S603  no shell
+                self.other = subprocess.Popen(  # noqa: S603  our own program, and no shell
+                    [sys.executable, "-P", "-m", __name__], stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL
+                )
 
     def on_end(self, _: event.Event) -> None:
         """Nothing is to be done."""
@@ -94,8 +96,9 @@ def load(kernels: dict[str, str]) -> None:
     """Load or compile kernels, in this order."""
     for name, types in kernels.items():
         module, _, kernel = name.partition(".")
-        # as types, by which calls find the code in the cache, too
-        getattr(import_module(f"allanite.kernels.{module}"), kernel).compile(normalize_signature(types)[0])
+        arguments, _ = normalize_signature(types)  # type: ignore[no-untyped-call]
+        # by these, and not by their text, a call finds the code in the cache
+        getattr(import_module(f"allanite.kernels.{module}"), kernel).compile(arguments)
 
 
 if __name__ == "__main__":
