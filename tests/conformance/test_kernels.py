@@ -1,14 +1,17 @@
 """A kernel gives the same bits whatever was compiled or loaded before it: see `allanite.kernels.compiling`."""
 
+import ast
 import importlib
 import os
 import pkgutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from numba.core.dispatcher import Dispatcher
 
+import allanite
 from allanite import kernels
 
 
@@ -40,6 +43,23 @@ def reorders(kernel):
 def test_parts_with_sums_in_any_order_are_inlined(name):
     for part in called(KERNELS[name]):
         assert part.targetoptions.get("forceinline") or not reorders(part), part.py_func.__name__
+
+
+def imported():
+    """(file, name) of what is imported from the kernels by the rest of the package."""
+    for file in Path(allanite.__file__).parent.rglob("*.py"):
+        if file.parent.name == "kernels":
+            continue
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and "kernels." in (node.module or ""):
+                yield from ((file.name, f"{node.module.rpartition('.')[2]}.{one.name}") for one in node.names)
+
+
+def test_what_python_calls_has_a_wrapper():
+    """Without one, the process ends."""
+    names = [pair for pair in imported() if pair[1] in KERNELS]
+    assert len(names) > 30
+    assert [pair for pair in names if KERNELS[pair[1]].targetoptions.get("no_cpython_wrapper")] == []
 
 
 PROGRAM = """

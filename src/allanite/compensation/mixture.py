@@ -162,8 +162,6 @@ def _grid(
     likelihood: Likelihood, slow: list[int], axes: list[FloatArray], best: FloatArray
 ) -> tuple[list[FloatArray], list[float]]:
     """The other terms at their most likely values, and 2 L, at all combinations of the slow ones."""
-    from allanite.kernels.whittle import minimise
-
     moving = np.ones(best.size, dtype=bool)
     moving[slow] = False
     thetas, values = [], []
@@ -175,7 +173,7 @@ def _grid(
         if not likelihood.expectation(start).min() > 0:
             continue  # no noise at all
         if moving.any():
-            start, _ = minimise(start, moving, likelihood.columns, likelihood.data)
+            start, _ = likelihood.moved(start, moving)
         thetas.append(start)
         values.append(2 * likelihood.value(start))
     return thetas, values

@@ -1,6 +1,7 @@
 """What is done to samples before their transform, and to its coefficients after it, in one pass each."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .compiling import swift, swift_part
 
@@ -38,12 +39,9 @@ def _largest(bits):  # type: ignore[no-untyped-def]
 
 
 @swift
-def binned(c, edges):  # type: ignore[no-untyped-def]
-    """Mean and largest square of c[a:b] between neighbouring edges, its index, sums of even and of odd indices.
-
-    Shapes (edges - 1,), the indices as floats; no bin is empty.
-    """
-    result, bits = np.zeros((5, edges.size - 1)), c.view(np.int64)
+def _binned(c, bits, edges):  # type: ignore[no-untyped-def]
+    """See `binned`; `bits` are those of c as integers."""
+    result = np.zeros((5, edges.size - 1))
     for j in range(edges.size - 1):
         at, most = edges[j], np.int64(0)
         for start in range(edges[j], edges[j + 1], BLOCK):
@@ -61,6 +59,14 @@ def binned(c, edges):  # type: ignore[no-untyped-def]
         result[1, j] = c[at] * c[at]
         result[2, j] = at
     return result
+
+
+def binned(c: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Mean and largest square of c[a:b] between neighbouring edges, its index, sums of even and of odd indices.
+
+    Shapes (edges - 1,), the indices as floats; no bin is empty.
+    """
+    return np.asarray(_binned(c, c.view(np.int64), edges))
 
 
 @swift

@@ -6,13 +6,25 @@ A kernel that another one calls is compiled twice: by itself, and once more with
 runs depends on which was loaded first, and in reordered sums they differ in the last digit. So a kernel with such sums,
 its own or those of a kernel that it calls, is a part if another kernel calls it: parts are inlined, and what a caller
 computes does not depend on what was compiled or loaded before (tests/conformance/test_kernels.py).
+
+Most of the time of compiling goes into types and wrappers, not into loops. What only kernels call, `inner` and parts,
+has no wrapper for Python: called from there it ends the process. What Python calls as well is `shared`. An array
+expression, an assignment to a slice or a function of numpy brings code for every shape and error with it: in kernels
+that a first run compiles, loops are written instead (docs/speed.md).
 """
+
+from functools import partial
 
 from numba import njit
 
-FAST = {"reassoc", "nsz", "contract"}
+_numba = partial(njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+_inner = partial(_numba, no_cpython_wrapper=True)
+_swift = partial(_numba, fastmath={"reassoc", "nsz", "contract"})
 
-kernel = njit(cache=True, nogil=True)
-part = njit(cache=True, nogil=True, forceinline=True)
-swift = njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST)
-swift_part = njit(cache=True, nogil=True, error_model="numpy", fastmath=FAST, forceinline=True)
+kernel = _numba()
+inner = _inner()
+shared = _numba(forceinline=True)
+part = _inner(forceinline=True)
+swift = _swift()
+swift_shared = _swift(forceinline=True)
+swift_part = _swift(forceinline=True, no_cpython_wrapper=True)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from .compiling import kernel, part, swift_part
+from .compiling import inner, kernel, part, swift_part
 
 PART = 256
 """Neighbouring coefficients that are made together."""
@@ -39,7 +39,7 @@ def _turn(row, fine, coarse):  # type: ignore[no-untyped-def]
             part[2 * i], part[2 * i + 1] = x * re - y * im, x * im + y * re
 
 
-@kernel
+@inner
 def _angles(step, count):  # type: ignore[no-untyped-def]
     """Cosines and sines of -step i, shape (2, count)."""
     table = np.empty((2, count))
@@ -81,7 +81,7 @@ def _four(near, far, turn, base, out):  # type: ignore[no-untyped-def]
         down[last - i], over[i] = tr * xr - ti * xi, -(tr * xi + ti * xr)
 
 
-@kernel
+@inner
 def _gather(Z, step, t, scale, out):  # type: ignore[no-untyped-def]
     """Column t of every step-th row, real and imaginary parts."""
     column = Z[::step, 2 * t : 2 * t + 2]

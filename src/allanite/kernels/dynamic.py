@@ -44,7 +44,10 @@ def windowed(x, m, count, order, step):  # type: ignore[no-untyped-def]
             # the last block only ends a window: what follows its head may lie beyond the record
             if b + 1 < windows + f:
                 blocks[b] = heads[b] + squares(x, m[j], order, b * step + rest, (b + 1) * step)
-        result[:, j] = heads[f:]
+        for w in range(windows):
+            result[w, j] = heads[f + w]
         if f:
-            result[:, j] += sliding(blocks[: windows + f - 1], f)
+            sums = sliding(blocks[: windows + f - 1], f)
+            for w in range(windows):
+                result[w, j] += sums[w]
     return result

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compiling import kernel
+from .compiling import inner, kernel
 
 
 @kernel
@@ -15,7 +15,7 @@ def largest_range(x, m):  # type: ignore[no-untyped-def]
     return result
 
 
-@kernel
+@inner
 def _one(x, m, high, low):  # type: ignore[no-untyped-def]
     """Two queues of places that may still become the window's maximum and minimum (Lemire 2006)."""
     most = 0.0

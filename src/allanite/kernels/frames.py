@@ -3,7 +3,7 @@
 import numpy as np
 
 from .allan import dot
-from .compiling import kernel, part, swift_part
+from .compiling import kernel, part, shared, swift_part
 from .summed import running_sum
 
 STRETCH = 1024
@@ -43,13 +43,14 @@ def flatten(z, degree):  # type: ignore[no-untyped-def]
     _less(z, zero / n - bend * t2 / n, first / t2, bend)
 
 
-@part
+@shared
 def cut(x, start, degree, summed, out):  # type: ignore[no-untyped-def]
     """The points of a frame into out: x, or its running sum, from `start` on, less their polynomial."""
     if summed:
         running_sum(x[start : start + out.size - 1], out)
     else:
-        out[:] = x[start : start + out.size] - x[start]
+        for i in range(out.size):
+            out[i] = x[start + i] - x[start]
     flatten(out, degree)
 
 

@@ -4,22 +4,14 @@ import math
 
 import numpy as np
 
-from .compiling import swift_part
+from .allan import dot
+from .compiling import inner, swift_shared
 
 ROUNDING = 1e-15
 ALIKE = 1 - 1e-11
 
 
-@swift_part
-def dot(a, b):  # type: ignore[no-untyped-def]
-    """Sum of the products."""
-    total = 0.0
-    for i in range(a.size):
-        total += a[i] * b[i]
-    return total
-
-
-@swift_part
+@inner
 def cholesky(G):  # type: ignore[no-untyped-def]
     """Put the lower root of G in its place; of a pivot at least its rounding is left."""
     for j in range(G.shape[0]):
@@ -32,7 +24,7 @@ def cholesky(G):  # type: ignore[no-untyped-def]
         G[j, j] = math.sqrt(max(pivot, ROUNDING * G[j, j]))
 
 
-@swift_part
+@inner
 def forward(root, b):  # type: ignore[no-untyped-def]
     """Put root^-1 b in the place of b."""
     for j in range(b.size):
@@ -41,7 +33,7 @@ def forward(root, b):  # type: ignore[no-untyped-def]
         b[j] /= root[j, j]
 
 
-@swift_part
+@inner
 def backward(root, b):  # type: ignore[no-untyped-def]
     """Put root'^-1 b in the place of b."""
     for j in range(b.size - 1, -1, -1):
@@ -50,7 +42,7 @@ def backward(root, b):  # type: ignore[no-untyped-def]
         b[j] /= root[j, j]
 
 
-@swift_part
+@inner
 def _solve(G, c, passive):  # type: ignore[no-untyped-def]
     """G x = c on the passive set, zero elsewhere."""
     q = c.size
@@ -67,7 +59,7 @@ def _solve(G, c, passive):  # type: ignore[no-untyped-def]
     return x
 
 
-@swift_part
+@inner
 def _taken(G, j, passive):  # type: ignore[no-untyped-def]
     """Whether a column is another one in use except for its size."""
     found = False
@@ -76,18 +68,22 @@ def _taken(G, j, passive):  # type: ignore[no-untyped-def]
     return found
 
 
-@swift_part
+@inner
 def _steepest(G, c, x, passive):  # type: ignore[no-untyped-def]
     """The column not in use along which the sum of squares falls fastest, -1 if there is none."""
-    best, most = -1, 1e-12 * np.abs(c).max()
+    best, most = -1, 0.0
     for j in range(c.size):
-        slope = c[j] - dot(G[j], x)
+        most = max(most, 1e-12 * abs(c[j]))
+    for j in range(c.size):
+        slope = c[j]
+        for k in range(x.size):
+            slope -= G[j, k] * x[k]
         if not passive[j] and slope > most and not _taken(G, j, passive):
             best, most = j, slope
     return best
 
 
-@swift_part
+@inner
 def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
     """Move x to what is wanted, or as far as nothing falls below zero; the one that is zero there first, or -1."""
     step, leaving = 1.0, -1
@@ -101,34 +97,35 @@ def _towards(x, wanted, passive):  # type: ignore[no-untyped-def]
     return leaving
 
 
-@swift_part
+@inner
 def _nnls(G, c, x):  # type: ignore[no-untyped-def]
     """Minimum of x'Gx/2 - c'x over x >= 0, for a G with unit diagonal, in the place of a first x.
 
     By Lawson and Hanson, and Bro and de Jong; what is positive in the first x is in use from the beginning.
     """
-    passive = x > 0
+    passive = np.zeros(x.size, np.bool_)
+    for j in range(x.size):
+        passive[j] = x[j] > 0
     for j in range(x.size):
         if passive[j] and _taken(G, j, passive):
             passive[j], x[j] = False, 0.0
     for _ in range(10 * x.size):
-        while passive.any():
-            leaving = _towards(x, _solve(G, c, passive), passive)
-            if leaving < 0:
-                break
+        leaving = _towards(x, _solve(G, c, passive), passive)
+        while leaving >= 0:
             passive[leaving], x[leaving] = False, 0.0
+            leaving = _towards(x, _solve(G, c, passive), passive)
         best = _steepest(G, c, x, passive)
         if best < 0:
             break
         passive[best] = True
 
 
-@swift_part
+@swift_shared
 def weighted_nnls(columns, power, weight, first):  # type: ignore[no-untyped-def]
     """Theta >= 0 with the least sum of weight (power - columns theta)^2, shape (p,), sought from a first one."""
     p = first.size
-    G, c, size = np.empty((p, p)), np.empty(p), np.empty(p)
-    weighted = np.empty(power.size)
+    G, c, size = np.zeros((p, p)), np.zeros(p), np.zeros(p)
+    weighted, x = np.zeros(power.size), np.zeros(p)
     for a in range(p):
         for i in range(power.size):
             weighted[i] = weight[i] * columns[a, i]
@@ -136,7 +133,8 @@ def weighted_nnls(columns, power, weight, first):  # type: ignore[no-untyped-def
         c[a] = dot(weighted, power) / size[a]
         for b in range(a):
             G[a, b] = G[b, a] = dot(weighted, columns[b]) / (size[a] * size[b])
-        G[a, a] = 1.0
-    x = first * size
+        G[a, a], x[a] = 1.0, first[a] * size[a]
     _nnls(G, c, x)
-    return x / size
+    for a in range(p):
+        x[a] /= size[a]
+    return x

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from .compiling import kernel
+from .compiling import inner, kernel
 
 DEFINITION = 128
 """Type of the messages that define types: the type and its length are their first two bytes."""
 
 
-@kernel
+@inner
 def message_at(data, at, lengths):  # type: ignore[no-untyped-def]
     """Length of the message at a position; 0 if there is none, or if what follows it is not one either.
 

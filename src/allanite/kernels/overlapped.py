@@ -6,9 +6,10 @@ second-level cache holds; averaging factors whose rows reach beyond a tile read 
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .allan import squares
-from .compiling import kernel, part, swift_part
+from .compiling import part, shared, swift_part
 
 ROWS = 256
 """Averaging factors from which rows are long enough."""
@@ -18,6 +19,9 @@ BLOCK = 1024
 
 TILE = 1 << 17
 """Samples that are processed for one averaging factor after the other."""
+
+NEAR = TILE // 4
+"""Averaging factors from which rows reach beyond a tile."""
 
 
 @swift_part
@@ -95,15 +99,18 @@ def _add_short(sums, x, m, order, span):  # type: ignore[no-untyped-def]
             j += 1
 
 
-@part
+@shared
 def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
     """Add the squared differences of order 1 to 3 at every i < size for every m[j], ascending, as far as x reaches.
 
     Rows are taken four at a time; what is left of them when a tile ends goes with the next one.
     """
     done = np.zeros(m.size, np.int64)
-    short = m.size if order == 1 else min(m.size, (np.searchsorted(m, ROWS) + 3) // 4 * 4)
-    near = np.searchsorted(m, TILE // 4)
+    short = near = 0
+    for j in range(m.size):
+        short += m[j] < ROWS
+        near += m[j] < NEAR
+    short = m.size if order == 1 else min(m.size, (short + 3) // 4 * 4)
     for tile in range(0, size, TILE):
         end = min(tile + TILE, size)
         for start in range(tile, end, BLOCK):
@@ -117,8 +124,7 @@ def add_overlapped(sums, x, m, order, size):  # type: ignore[no-untyped-def]
         sums[j] += rows(x, m[j], order, done[j], min(size, x.size - order * m[j]))
 
 
-@kernel
-def overlapped(x, m, order):  # type: ignore[no-untyped-def]
+def overlapped(x: NDArray[np.float64], m: NDArray[np.int64], order: int) -> NDArray[np.float64]:
     """Sum of the squared differences of order 1 to 3 at every i for every m[j], ascending, shape of m."""
     sums = np.zeros(m.size)
     add_overlapped(sums, x, m, order, x.size)

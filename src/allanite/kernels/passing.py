@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compiling import kernel, swift_part
+from .compiling import inner, kernel, swift_part
 
 BLOCK = 2048
 """Samples that are looked at together, while the cache has them."""
@@ -42,7 +42,7 @@ def _sum(y):  # type: ignore[no-untyped-def]
     return total
 
 
-@kernel
+@inner
 def _extreme(y, low, high):  # type: ignore[no-untyped-def]
     """How many values do not lie between the limits."""
     count = 0
@@ -51,7 +51,7 @@ def _extreme(y, low, high):  # type: ignore[no-untyped-def]
     return count
 
 
-@kernel
+@inner
 def _equal(a, b):  # type: ignore[no-untyped-def]
     count = 0
     for i in range(b.size):
@@ -59,7 +59,7 @@ def _equal(a, b):  # type: ignore[no-untyped-def]
     return count
 
 
-@kernel
+@inner
 def _finite(y):  # type: ignore[no-untyped-def]
     count = 0
     for i in range(y.size):
@@ -67,7 +67,7 @@ def _finite(y):  # type: ignore[no-untyped-def]
     return count
 
 
-@kernel
+@inner
 def _lowest(y, sign, low, count):  # type: ignore[no-untyped-def]
     """The smallest finite value times the sign so far, and how often it occurred."""
     for i in range(y.size):
@@ -78,7 +78,7 @@ def _lowest(y, sign, low, count):  # type: ignore[no-untyped-def]
     return low, count
 
 
-@kernel
+@inner
 def _runs(y, before, run, longest):  # type: ignore[no-untyped-def]
     """Length of the last run of neighbours equal to the one before, and of the longest."""
     for i in range(y.size):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compiling import kernel
+from .compiling import kernel, part
 
 HALF = 15
 """Neighbours on either side."""
@@ -37,7 +37,7 @@ def off(y, limit, part):  # type: ignore[no-untyped-def]
     return found[:count].copy()
 
 
-@kernel
+@part
 def _bends(y, first, bends):  # type: ignore[no-untyped-def]
     """How far samples from the first on are off both neighbours together; at an end the one counts twice."""
     n, size = y.size, bends.size
@@ -52,7 +52,7 @@ def _bends(y, first, bends):  # type: ignore[no-untyped-def]
         bends[size - 1] = abs((y[n - 1] - y[n - 2]) + (y[n - 1] - y[n - 2]))
 
 
-@kernel
+@part
 def _beyond(y, i, most):  # type: ignore[no-untyped-def]
     """Whether a sample is more than that off the median of the 31 around it."""
     width = 2 * HALF + 1

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .allan import squares
-from .compiling import kernel, part, swift_part
+from .compiling import inner, part, swift_part
 from .ladder import BAND, FIRST, HOP, OCTAVE, UPPER
 
 MANY = 128
@@ -67,7 +67,7 @@ def _four(x, m, order, start, stop):  # type: ignore[no-untyped-def]
     return p, q, r, s
 
 
-@kernel
+@inner
 def _points(row, k):  # type: ignore[no-untyped-def]
     """The angle, or its running sum, between the cells of a row, less what differences take away."""
     n = row.shape[1]
@@ -90,7 +90,7 @@ def _points(row, k):  # type: ignore[no-untyped-def]
     return x
 
 
-@kernel
+@inner
 def _summed(cells, mean, x):  # type: ignore[no-untyped-def]
     """Running sums of the cells less their mean: four at a time, so that one addition waits for another once."""
     total, whole = 0.0, cells.size - cells.size % 4

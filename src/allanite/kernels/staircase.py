@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compiling import kernel, swift_part
+from .compiling import inner, kernel, swift_shared
 
 FEW = 6
 """Undecided samples of a box at which its cells are counted out, one by one."""
@@ -20,7 +20,7 @@ DEEPEST = 200
 """Levels of boxes: two for each halving of both sides, from any size to the finest."""
 
 
-@swift_part
+@swift_shared
 def misfit(e, x, right, corner):  # type: ignore[no-untyped-def]
     """Sum over i of (e - floor(x + p (1 - right) + q right))^2 at corner = (p, q)."""
     total = 0.0
@@ -53,7 +53,7 @@ def compass(samples, step, finest):  # type: ignore[no-untyped-def]
     return p, q, best
 
 
-@kernel
+@inner
 def _bound(samples, box, part, out):  # type: ignore[no-untyped-def]
     """Split the samples `part` by whether their step is decided within a box.
 
@@ -81,7 +81,7 @@ def _bound(samples, box, part, out):  # type: ignore[no-untyped-def]
     return decided, least, middle, count
 
 
-@kernel
+@inner
 def _lines(samples, box, part):  # type: ignore[no-untyped-def]
     """The lines p (1 - right) + q right = at on which the undecided samples step up, and the misfits on either side."""
     e, x, right = samples
@@ -96,7 +96,7 @@ def _lines(samples, box, part):  # type: ignore[no-untyped-def]
     return r, at, low.sum(), gain
 
 
-@kernel
+@inner
 def _about(lines, p, q):  # type: ignore[no-untyped-def]
     """Least misfit of the cells that meet in a point.
 
@@ -119,7 +119,7 @@ def _about(lines, p, q):  # type: ignore[no-untyped-def]
     return total + least
 
 
-@kernel
+@inner
 def _along(lines, box, side):  # type: ignore[no-untyped-def]
     """Least misfit along a side of the box (0, 1: p = p0, p1; 2, 3: q = q0, q1), and where."""
     r, at, total, gain = lines
@@ -142,7 +142,7 @@ def _along(lines, box, side):  # type: ignore[no-untyped-def]
     return (least, fixed, where) if side < 2 else (least, where, fixed)
 
 
-@kernel
+@inner
 def _cells(lines, box):  # type: ignore[no-untyped-def]
     """Least misfit in a box of sides below 1, exactly: a cell touches its border or has a corner where lines meet."""
     r, at = lines[0], lines[1]
@@ -166,7 +166,7 @@ def _cells(lines, box):  # type: ignore[no-untyped-def]
     return least, best_p, best_q
 
 
-@kernel
+@inner
 def _room(store, needed):  # type: ignore[no-untyped-def]
     """`store`, or a larger one with the same beginning."""
     if needed <= store.size:
@@ -176,7 +176,7 @@ def _room(store, needed):  # type: ignore[no-untyped-def]
     return larger
 
 
-@kernel
+@inner
 def _half(box, upper):  # type: ignore[no-untyped-def]
     """One half of a box, cut across its longer side."""
     p0, p1, q0, q1 = box
@@ -187,7 +187,7 @@ def _half(box, upper):  # type: ignore[no-untyped-def]
     return (p0, p1, cut, q1) if upper else (p0, p1, q0, cut)
 
 
-@kernel
+@inner
 def _nearer_half(box, p, q):  # type: ignore[no-untyped-def]
     """1 if a point lies on the side of the upper half, else 0."""
     p0, p1, q0, q1 = box

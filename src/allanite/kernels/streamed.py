@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .compiling import kernel, swift_part
+from .compiling import inner, kernel, swift_part
 from .ladder import LEVELS
 from .squared import read
 
@@ -45,7 +45,7 @@ def _less(values, constant, result):  # type: ignore[no-untyped-def]
     return total
 
 
-@kernel
+@inner
 def _joined(before, after):  # type: ignore[no-untyped-def]
     row = np.empty((before.shape[0], before.shape[1] + after.shape[1]))
     row[:, : before.shape[1]] = before
@@ -53,7 +53,7 @@ def _joined(before, after):  # type: ignore[no-untyped-def]
     return row
 
 
-@kernel
+@inner
 def _extend(state, k, cells):  # type: ignore[no-untyped-def]
     """Add cells to the first ones of a level, as long as there is room."""
     have = state.filled[k, 0]
@@ -63,7 +63,7 @@ def _extend(state, k, cells):  # type: ignore[no-untyped-def]
         state.filled[k, 0] = have + more
 
 
-@kernel
+@inner
 def _keep(state, k, row):  # type: ignore[no-untyped-def]
     """Keep the last cells of a row."""
     size = min(state.tail.shape[2], row.shape[1])
@@ -71,7 +71,7 @@ def _keep(state, k, row):  # type: ignore[no-untyped-def]
     state.filled[k, 1] = size
 
 
-@kernel
+@inner
 def _paired(state, k, cells, where, first):  # type: ignore[no-untyped-def]
     """The cells of the next level, behind room for where[1] others; empty without any. What has no partner waits.
 
@@ -106,7 +106,7 @@ def _paired(state, k, cells, where, first):  # type: ignore[no-untyped-def]
     return pairs
 
 
-@kernel
+@inner
 def _halved(cells, pairs):  # type: ignore[no-untyped-def]
     for i in range(pairs.size):
         pairs[i] = cells[2 * i] + cells[2 * i + 1]
@@ -166,7 +166,7 @@ def apart(state, other):  # type: ignore[no-untyped-def]
     _add(state, other)
 
 
-@kernel
+@inner
 def _add(state, other):  # type: ignore[no-untyped-def]
     state.sums[:] += other.sums
     state.counts[:] += other.counts

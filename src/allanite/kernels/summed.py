@@ -5,7 +5,7 @@ A running sum of the whole record would lose (record / window)^1.5 to ^2.5 digit
 
 import numpy as np
 
-from .compiling import kernel, swift_part
+from .compiling import inner, kernel, swift_part
 from .overlapped import add_overlapped
 
 REACH = 8
@@ -15,7 +15,7 @@ SHORT, LONG = 512, 64
 """Length of a segment: at least, and over its smallest averaging factor."""
 
 
-@kernel
+@inner
 def running_sum(x, S):  # type: ignore[no-untyped-def]
     """S[0] = 0, S[k+1] = S[k] + x[k] less the line through the first and the last point, k < x.size.
 
@@ -48,7 +48,7 @@ def running_sum(x, S):  # type: ignore[no-untyped-def]
         S[i + 1] = total
 
 
-@kernel
+@inner
 def group_end(m, first):  # type: ignore[no-untyped-def]
     """Index after the last averaging factor that shares segments with m[first]."""
     stop = first

@@ -18,7 +18,7 @@ that of a frame of a few windows, less a parabola, which V does not hold: little
 import numpy as np
 
 from .allan import dot
-from .compiling import kernel, part, swift_part
+from .compiling import inner, kernel, part, swift_part
 from .frames import cut
 from .reflected import one_by_one
 
@@ -75,7 +75,7 @@ def _squares(P, m, count):  # type: ignore[no-untyped-def]
     return total
 
 
-@kernel
+@inner
 def _products(P, place, count):  # type: ignore[no-untyped-def]
     """Sum over n < count and j = 0 .. width of P[n+j] P[n+j+lag], place = lag, width."""
     lag, width = place
@@ -105,7 +105,7 @@ def _mirrored(P, sums, place, count):  # type: ignore[no-untyped-def]
     return total - dot(P[s + w : s + w + count], every[s : s + count])
 
 
-@kernel
+@inner
 def _ranges(m):  # type: ignore[no-untyped-def]
     """Ranges of j, and factors[range, power of j, k], that Q(P, p_k) consists of."""
     ranges = np.array([[0, 3 * m], [0, 2 * m], [m, 3 * m], [0, m], [2 * m, 3 * m]])
@@ -125,7 +125,7 @@ def _ranges(m):  # type: ignore[no-untyped-def]
     return ranges, factors
 
 
-@kernel
+@inner
 def _own(ranges, factors, m):  # type: ignore[no-untyped-def]
     """Q(p_k, p_l), shape (3, 3)."""
     own = np.zeros((3, 3))

@@ -9,8 +9,9 @@ import math
 
 import numpy as np
 
+from .allan import dot
 from .compiling import swift, swift_part
-from .leastsquares import ROUNDING, backward, cholesky, dot, forward, weighted_nnls
+from .leastsquares import ROUNDING, backward, cholesky, forward, weighted_nnls
 
 NOTHING = 1e-250
 SMALLEST_STEP = 1e-4
@@ -28,9 +29,10 @@ def _add(total, factor, row):  # type: ignore[no-untyped-def]
 
 
 @swift_part
-def expectation(columns, theta):  # type: ignore[no-untyped-def]
-    """M, shape (bins + finite directions,)."""
-    m = np.zeros(columns.shape[1])
+def _expectation(columns, theta, held):  # type: ignore[no-untyped-def]
+    """M, shape (bins + finite directions,), of which `held` is the part of other terms."""
+    m = np.zeros(held.size)
+    _add(m, 1.0, held)
     for j in range(theta.size):
         if theta[j] != 0.0:
             _add(m, theta[j], columns[j])
@@ -41,7 +43,7 @@ def expectation(columns, theta):  # type: ignore[no-untyped-def]
 def _normal_matrix(m, UU, Uc):  # type: ignore[no-untyped-def]
     """Lower half of U' M^-1 U, and U' M^-1 c."""
     r, n = Uc.shape
-    G, b, inverse = np.zeros((r, r)), np.empty(r), np.empty(n)
+    G, b, inverse = np.zeros((r, r)), np.zeros(r), np.zeros(n)
     for i in range(n):
         inverse[i] = 1.0 / m[i]
     for j in range(r):
@@ -60,7 +62,7 @@ def _directions(m, data):  # type: ignore[no-untyped-def]
     G, b = _normal_matrix(m, data[2], data[3])
     r, n = data[3].shape
     loose = r - (m.size - n)
-    own = np.empty((2, r - loose))
+    own = np.zeros((2, r - loose))
     part = 0.0
     for j in range(loose, r):
         own[0, j - loose], own[1, j - loose] = b[j], G[j, j]
@@ -84,26 +86,19 @@ def _directions(m, data):  # type: ignore[no-untyped-def]
 @swift_part
 def _solved(root, b):  # type: ignore[no-untyped-def]
     """Eta and V."""
-    eta, V = b.copy(), np.eye(b.size)
+    eta, V = np.zeros(b.size), np.zeros(root.shape)
+    for j in range(b.size):
+        eta[j], V[j, j] = b[j], 1.0
+        forward(root, V[j])
+        backward(root, V[j])
     backward(root, eta)
-    for row in V:
-        forward(root, row)
-        backward(root, row)
     return eta, V
-
-
-@swift
-def directions(theta, columns, data):  # type: ignore[no-untyped-def]
-    """Estimates eta of the directions, their covariance V, and their part of 2 L."""
-    root, b, _, part = _directions(expectation(columns, theta), data)
-    eta, V = _solved(root, b)
-    return eta, V, part
 
 
 @swift_part
 def _logarithms(x):  # type: ignore[no-untyped-def]
     """Ln x for positive normal x, several at a time: x = 2^e f with f within sqrt(2) of 1, ln f by artanh's series."""
-    bits, rest, result = x.view(np.int64), np.empty(x.size, np.int64), np.empty(x.size)
+    bits, rest, result = x.view(np.int64), np.zeros(x.size, np.int64), np.zeros(x.size)
     f = rest.view(np.float64)
     for i in range(x.size):
         e = (bits[i] - ROOT_HALF) >> 52
@@ -134,23 +129,19 @@ def _plain(m, power, count):  # type: ignore[no-untyped-def]
 
 
 @swift_part
-def _evaluated(theta, columns, data):  # type: ignore[no-untyped-def]
-    """L, infinite where the expectation is not positive; m and what `_directions` found."""
-    m = expectation(columns, theta)
+def _evaluated(m, data):  # type: ignore[no-untyped-def]
+    """L, infinite where the expectation is not positive, and what `_directions` found."""
     plain = _plain(m, data[0], data[1])
     found = _directions(m, data)
-    return (0.5 * (plain + found[3]) if plain < np.inf else np.inf), m, found
-
-
-@swift
-def value(theta, columns, data):  # type: ignore[no-untyped-def]
-    """L; infinite where the expectation is not positive."""
-    return _evaluated(theta, columns, data)[0]
+    return (0.5 * (plain + found[3]) if plain < np.inf else np.inf), found
 
 
 @swift_part
 def _completed(m, found, data):  # type: ignore[no-untyped-def]
-    """See `completed`."""
+    """Power, expectation, the part of it that is not the terms', and count; eta and V.
+
+    The first four are those of the bins and then of the directions.
+    """
     power, count, UU, Uc = data
     root, b, own, _ = found
     eta, V = _solved(root, b)
@@ -159,18 +150,21 @@ def _completed(m, found, data):  # type: ignore[no-untyped-def]
         _add(more, -2 * eta[j], Uc[j])
         for k in range(j + 1):
             _add(more, (eta[j] * eta[k] + V[j, k]) * (1.0 if k == j else 2.0), UU[j, k])
-    full, rest, weight = np.empty(m.size), np.zeros(m.size), np.ones(m.size)
+    full, whole, rest, weight = np.zeros(m.size), np.zeros(m.size), np.zeros(m.size), np.zeros(m.size)
     for i in range(n):
-        full[i], weight[i] = power[i] + more[i] / count[i], count[i]
-    full[n:], rest[n:] = own[0] ** 2, own[1]
-    return full, m + rest, rest, weight
+        full[i], whole[i], weight[i] = power[i] + more[i] / count[i], m[i], count[i]
+    for i in range(m.size - n):
+        full[n + i], whole[n + i], weight[n + i] = own[0, i] * own[0, i], m[n + i] + own[1, i], 1.0
+        rest[n + i] = own[1, i]
+    return full, whole, rest, weight, eta, V
 
 
 @swift
-def completed(theta, columns, data):  # type: ignore[no-untyped-def]
-    """Power, expectation, the part of it that is not the terms', and count: of the bins and then of the directions."""
-    _, m, found = _evaluated(theta, columns, data)
-    return _completed(m, found, data)
+def evaluated(theta, columns, data):  # type: ignore[no-untyped-def]
+    """L, infinite where the expectation is not positive; the directions' part of 2 L; what `_completed` gives."""
+    m = _expectation(columns, theta, np.zeros(columns.shape[1]))
+    least, found = _evaluated(m, data)
+    return least, found[3], _completed(m, found, data)
 
 
 @swift_part
@@ -183,37 +177,65 @@ def _stretch(theta, move, rate):  # type: ignore[no-untyped-def]
     return step
 
 
-@swift
-def minimise(theta, moving, columns, data):  # type: ignore[no-untyped-def]
-    """Theta >= 0 at the least L, and L: Fisher scoring with step halving; only the moving ones leave their start.
+@swift_part
+def _towards(theta, held, columns, completed):  # type: ignore[no-untyped-def]
+    """Step of Fisher scoring: weight of the bins and directions, and the way theta moves."""
+    power, expected, rest, count = completed
+    weight, wanted = np.zeros(held.size), np.zeros(held.size)
+    for i in range(held.size):
+        weight[i], wanted[i] = count[i] / (expected[i] * expected[i]), power[i] - rest[i] - held[i]
+    move = weighted_nnls(columns, wanted, weight, theta)
+    _add(move, -1.0, theta)
+    return weight, move
 
-    Nothing moves where L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: from two of
-    them the sum of all is known.
+
+@swift_part
+def _moved(theta, move, step):  # type: ignore[no-untyped-def]
+    moved = np.zeros(theta.size)
+    for j in range(theta.size):
+        moved[j] = max(theta[j] + step * move[j], 0.0)
+    return moved
+
+
+@swift_part
+def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
+    """Length of this step along the one before, over its length; 0 after none."""
+    size = along = 0.0
+    for i in range(weight.size):
+        size += weight[i] * (before[i] * before[i])
+        along += weight[i] * (before[i] * shift[i])
+    return along / size if size > 0 else 0.0
+
+
+@swift
+def minimise(theta, held, columns, data):  # type: ignore[no-untyped-def]
+    """Theta >= 0 at the least L, and L: Fisher scoring with step halving.
+
+    `theta` and `columns` are those of the terms that move, `held` is the expectation of the others. Nothing moves where
+    L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: from two of them the sum of all
+    is known.
     """
-    best, m, found = _evaluated(theta, columns, data)
-    if best == np.inf or not moving.any():
-        return theta, best
-    held = expectation(columns, np.where(moving, 0.0, theta))
-    own, before = columns[moving], np.zeros(m.size)
-    for _ in range(ITERATIONS):
-        power, expected, rest, count = _completed(m, found, data)
-        weight = count / expected**2
-        move = -theta * moving
-        move[moving] += weighted_nnls(own, power - rest - held, weight, theta[moving])
-        shift = expectation(columns, move)
-        size = dot(weight, before**2)
-        step = _stretch(theta, move, dot(weight, before * shift) / size) if size > 0 else 1.0
-        least, close = np.inf, CONVERGED + ROUNDING * abs(best)
-        while step > SMALLEST_STEP:
-            trial = np.maximum(theta + step * move, 0.0)
-            least, m, found = _evaluated(trial, columns, data)
-            if least <= best + close:
-                break
+    nothing = np.zeros(held.size)
+    trial, move, shift, before = theta, theta, nothing, nothing
+    best, step, left = np.inf, 0.0, ITERATIONS
+    while True:
+        m = _expectation(columns, trial, held)
+        least, found = _evaluated(m, data)
+        close = CONVERGED + ROUNDING * abs(best)
+        if not least <= best + close:
             step = min(step / 2, 1.0)
-        if not least < best:
+            if step <= SMALLEST_STEP:
+                break
+        elif not least < best:
             break
-        before = shift if step == 1.0 else 0.0 * shift
-        gain, theta, best = best - least, trial, least
-        if gain < close:
-            break
+        else:
+            before = shift if step == 1.0 else nothing
+            gain, theta, best = best - least, trial, least
+            if gain < close or left == 0 or theta.size == 0:
+                break
+            left -= 1
+            weight, move = _towards(theta, held, columns, _completed(m, found, data)[:4])
+            shift = _expectation(columns, move, nothing)
+            step = _stretch(theta, move, _rate(weight, before, shift))
+        trial = _moved(theta, move, step)
     return theta, best

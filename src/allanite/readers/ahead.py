@@ -99,6 +99,11 @@ class Later(Generic[T]):
         self._thread = threading.Thread(target=copy_context().run, args=(run,), daemon=True)
         self._thread.start()
 
+    def within(self, seconds: float) -> bool:
+        """Whether it is there, after waiting so long for it."""
+        self._thread.join(seconds)
+        return not self._thread.is_alive()
+
     def __call__(self) -> T:
         """Wait for it."""
         self._thread.join()

@@ -10,7 +10,7 @@ from .row import FloatArray, IntArray, Statistic, binomial_window
 def _first(x: FloatArray, m: IntArray) -> FloatArray:
     from allanite.kernels.overlapped import overlapped
 
-    return overlapped(x, m, 1)  # type: ignore[no-any-return]
+    return overlapped(x, m, 1)
 
 
 def _largest(x: FloatArray, m: IntArray) -> FloatArray:

@@ -181,7 +181,7 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
     def work(seen: Inspected) -> Channel:
         return _channel(seen.record, seen.quality, recipe)
 
-    with importing(IDENTIFICATION), in_parts(source, recipe) as reader:
+    with importing(IDENTIFICATION, kernels=recipe.method == "whittle"), in_parts(source, recipe) as reader:
         if reader is not None:
             return _analyzed_in_parts(reader, recipe, progress)
         return run(Study, source, recipe, work, Channel.refused, progress=progress)

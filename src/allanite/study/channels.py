@@ -26,6 +26,7 @@ from allanite.readers.sandbox.progress import told
 
 from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
+from .meanwhile import imported
 from .provenance import provenance_of
 from .recipe import READING, Recipe
 from .shares import how_many, shared
@@ -144,6 +145,7 @@ def each_channel(
     def begun(i: int) -> None:
         tell(f"{doing} {channels[i][0]}", (i + 0.3) / (len(channels) + 0.3))
 
+    imported(progress)
     with one_thread():
         seen = _on_bodies(shared(inspected, channels, count=count, known=every))
         results = shared(lambda one: _result(one, work, refused, fatal), seen, count=count, known=every, begun=begun)

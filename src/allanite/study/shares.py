@@ -45,6 +45,11 @@ def how_many(items: int = _MOST, samples: int = 0) -> int:
     return max(1, min(wanted, items)) if forks else 1
 
 
+def alone() -> bool:
+    """Whether all is to be done in this process."""
+    return (_processes.get() or _processors()) == 1
+
+
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 

@@ -2,11 +2,18 @@
 
 import numpy as np
 import pytest
+from numba import njit
 
-from allanite.kernels.reflected import one_by_one
+from allanite.kernels import reflected
 from allanite.kernels.total import SHORT, modified_total
 
 N = 3000
+
+
+@njit
+def one_by_one(x, m):
+    """The part of that name, which has no wrapper for Python."""
+    return reflected.one_by_one(x, m)
 
 
 def angle(kind, seed=1):

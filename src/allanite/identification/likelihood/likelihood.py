@@ -114,17 +114,13 @@ class Likelihood(Portable):
 
     def directions(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, float]:
         """Estimates eta, their covariance V and the directions' part of 2 L."""
-        from allanite.kernels.whittle import directions
-
-        eta, V, part = directions(np.asarray(theta, dtype=np.float64), self.columns, self.data)
+        _, part, (*_, eta, V) = self._evaluated(theta)
         back = np.argsort(self._order)
         return eta[back], V[np.ix_(back, back)], float(part)
 
     def value(self, theta: FloatArray) -> float:
         """L at `theta`; infinite where the expectation is not positive."""
-        from allanite.kernels.whittle import value
-
-        return float(value(np.asarray(theta, dtype=np.float64), self.columns, self.data))
+        return float(self._evaluated(theta)[0])
 
     def completed(self, theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """What the terms are to explain: power, its expectation, the part of that which is not theirs, and the count.
@@ -132,10 +128,16 @@ class Likelihood(Portable):
         First the bins, given the directions; then each direction of finite W, whose generalized least-squares estimate
         is one observation of variance W + (its error variance).
         """
-        from allanite.kernels.whittle import completed
-
-        power, m, rest, count = completed(np.asarray(theta, dtype=np.float64), self.columns, self.data)
+        power, m, rest, count, *_ = self._evaluated(theta)[2]
         return power, m, rest, count
+
+    def _evaluated(self, theta: FloatArray) -> tuple[float, float, tuple[FloatArray, ...]]:
+        from allanite.kernels.whittle import evaluated
+
+        found: tuple[float, float, tuple[FloatArray, ...]] = evaluated(
+            np.asarray(theta, dtype=np.float64), self.columns, self.data
+        )
+        return found
 
     def gradient(self, theta: FloatArray) -> FloatArray:
         """dL/dtheta, shape (p,)."""
@@ -168,17 +170,24 @@ class Likelihood(Portable):
         -------
         (theta, L)
         """
-        from allanite.kernels.whittle import minimise
-
         theta = np.where(free, self._start(free) if start is None else start, 0.0)
         moving = free.copy()
         if fixed is not None:
             moving[fixed[0]] = False
             theta[fixed[0]] = fixed[1]
-        found, best = minimise(theta, moving, self.columns, self.data)
+        found, best = self.moved(theta, moving)
         if best == np.inf and start is not None:  # it lies outside: let every free term in
             theta = np.where(moving, np.maximum(theta, self._start(free)), theta)
-            found, best = minimise(theta, moving, self.columns, self.data)
+            found, best = self.moved(theta, moving)
+        return found, best
+
+    def moved(self, theta: FloatArray, moving: BoolArray) -> tuple[FloatArray, float]:
+        """Theta >= 0 at the minimum of L, and L; what is not `moving` is held."""
+        from allanite.kernels.whittle import minimise
+
+        held = np.where(moving, 0.0, theta) @ self.columns
+        found = theta.copy()
+        found[moving], best = minimise(theta[moving], held, self.columns[moving], self.data)
         return found, float(best)
 
     @cached_property

@@ -1,0 +1,80 @@
+"""The first run after an installation: what is compiled, in how many variants, and what the bar says meanwhile."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from allanite.kernels.ahead import HERE, THERE
+from allanite.study.meanwhile import PREPARING
+
+SAMPLE = Path(__file__).parents[2] / "examples" / "tactical_gyro.csv"
+
+COMPILED = 42
+"""Kernels and parts that the sample needs, each for one set of types; more of them make the first run longer."""
+
+PROGRAM = """
+import json, sys
+from numba.core.dispatcher import Dispatcher
+from allanite.kernels import ahead
+from allanite.study.analysis import analyze
+from allanite.study.shares import processes
+
+if "on demand" in sys.argv:
+    ahead.load = lambda kernels: None
+said = []
+with processes(1 if "on demand" in sys.argv else 2):
+    study = analyze(sys.argv[1], progress=lambda what, _: said.append(what))
+used = [
+    f"{name.removeprefix('allanite.kernels.')}.{kernel}"
+    for name, module in sys.modules.items() if name.startswith("allanite.kernels.")
+    for kernel, found in vars(module).items()
+    if isinstance(found, Dispatcher) and found.py_func.__module__ == name and found.stats.cache_hits
+]
+print(json.dumps([said, used, [str(channel.fit.model) for channel in study.channels]]))
+"""
+
+
+def python(cache, *arguments):
+    """What a process of its own prints, with this cache of kernels."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """(what is said, kernels in use, models), and kernels in the cache after it: of a first run and two more."""
+    cache, found = tmp_path_factory.mktemp("kernels"), []
+    for how in ("ahead", "ahead", "on demand"):
+        done = python(cache, "-c", PROGRAM, str(SAMPLE), how)
+        assert done.returncode == 0, done.stderr
+        found.append((*json.loads(done.stdout), len(list(cache.rglob("*.nbc")))))
+    return found
+
+
+def test_the_bar_says_so_in_the_first_run_only(runs):
+    assert [PREPARING in said for said, *_ in runs] == [True, False, False]
+    assert runs[0][0][-1] == runs[1][0][-1] == "done"
+
+
+def test_nothing_is_compiled_twice_or_in_vain(runs):
+    assert [count for *_, count in runs] == [COMPILED] * 3
+
+
+def test_what_is_compiled_ahead_is_what_the_analysis_calls(runs):
+    assert sorted(runs[2][1]) == sorted({**HERE, **THERE})
+
+
+def test_the_results_are_the_same(runs):
+    assert runs[0][2] == runs[1][2] == runs[2][2]
+
+
+def test_a_mistake_does_not_wait_for_the_kernels(tmp_path):
+    done = python(tmp_path / "kernels", "-m", "allanite.cli", "analyze", str(tmp_path / "missing.csv"))
+    assert done.returncode == 3
+    assert "missing.csv" in done.stderr
+    assert len(list(tmp_path.rglob("*.nbc"))) < COMPILED // 2
