@@ -16,13 +16,13 @@ PAGE = ROOT / "docs" / "tests.md"
 HEAD = """# Tests
 
 `make quick` checks the code and runs the tests of the packages that have changed: it is for every few minutes of work.
-`make test` runs {quick} cases that every change has to pass: grids over the tables and the verbs, anchors, papers, real
-recordings, security, the examples of README and documentation, and the story of the page in a browser. `make test-all`
-then runs the {slow} cases listed here, and runs {again} cases again with more: properties with five times as many examples,
-and ensembles with five times as many records. Continuous integration runs both.
+`make test` runs the {quick} cases that every change has to pass: grids over the tables and the verbs, anchors, papers,
+real recordings, security, the examples of README and documentation, and the story of the page in a browser.
+`make test-all` then runs the {slow} cases listed here, and {again} cases again with more: properties with five times as
+many examples, and ensembles with five times as many records. Continuous integration runs both.
 
-A test says itself why it is here, by its mark: `@pytest.mark.slow("why")`, or a case of a grid by `thinned` or `all_but`
-(tests/\\_\\_init\\_\\_.py). This page is written by `python tools/sets.py`.
+A test says itself why it is here, by its mark: `@pytest.mark.slow("why")`, or a case of a grid by `thinned` or
+`all_but` of `tests`. This page is written by `python tools/sets.py`.
 
 | tests | cases | why they are in `make test-all` alone |
 |---|---|---|
