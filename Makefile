@@ -33,7 +33,7 @@ demo: .venv/run
 	@mkdir -p $(OUT)
 	@$(BIN)/allanite analyze --report $(OUT)/report.html --plot $(OUT)/curve.png --force $(ARGS) -- "$$FILE"
 
-# the kernels are compiled beside the checks, which use one processor
+# the kernels are compiled by two processes beside the checks, which use one processor
 test: .venv/test
 	@$(THREADS) $(BIN)/python tools/kernels.py & made=$$!; \
 	  $(MAKE) --no-print-directory lint || { kill $$made; exit 1; }; wait $$made
