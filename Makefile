@@ -40,14 +40,15 @@ demo: .venv/run
 
 PYTEST  := $(THREADS) $(BIN)/python -m pytest -n 2 --dist worksteal -q
 
-quick: .venv/test
-	@$(MAKE) --no-print-directory lint
+LINT    := $(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports --no-cache && \
+  $(BIN)/python tools/catalogues.py --check
+
+quick: lint
 	@$(PYTEST) -m "not slow" $$($(BIN)/python tools/changed.py $(SINCE))
 
-# the kernels are compiled beside the checks, which use one processor
+# the kernels are compiled by two processes beside the checks, which use one processor
 test: .venv/test
-	@$(THREADS) $(BIN)/python tools/kernels.py & made=$$!; \
-	  $(MAKE) --no-print-directory lint || { kill $$made; exit 1; }; wait $$made
+	@$(THREADS) $(BIN)/python tools/kernels.py & made=$$!; { $(LINT); } || { kill $$made; exit 1; }; wait $$made
 	$(PYTEST) -m "not slow"
 
 # properties and ensembles are run again, with all their examples
@@ -55,11 +56,7 @@ test-all: test
 	ALLANITE_TESTS=all $(PYTEST) -m "slow or ensemble or hypothesis"
 
 lint: .venv/test
-	$(BIN)/ruff check .
-	$(BIN)/ruff format --check .
-	$(BIN)/mypy
-	$(BIN)/lint-imports --no-cache
-	@$(BIN)/python tools/catalogues.py --check
+	@$(LINT)
 
 docs: .venv/test
 	@$(THREADS) $(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site
