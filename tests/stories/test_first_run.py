@@ -11,6 +11,8 @@ import pytest
 from allanite.kernels.ahead import HERE, THERE
 from allanite.study.meanwhile import PREPARING
 
+pytestmark = pytest.mark.slow("compiles the kernels in three processes")
+
 SAMPLE = Path(__file__).parents[2] / "examples" / "tactical_gyro.csv"
 
 COMPILED = 42
