@@ -213,8 +213,7 @@ allanite("analyze z.csv --lang xx", 2)""", ("de: ", "sentences are shown in Engl
     "sentence": ({}, (
         ("reporting/views/jobs.py", "    record = channel.record\n",
          '    parts = [Note(say("first at {time:.1f} s", time=0.0)), *parts]\n'),), """
-import catalogues, sys; sys.argv.append("--check")
-catalogues.main()
+import catalogues, sys; sys.argv.append("--check"); catalogues.main()
 allanite("analyze z.csv --lang ru")""", ("ru: 1 sentence is shown in English", "first at 0.0 s", "блуждание")),
 }  # fmt: skip
 """The rows of the guide: new files, lines that are there with what is put behind each, a use, and what that prints."""
