@@ -14,6 +14,8 @@ from babel.messages.catalog import Catalog, Message
 from babel.messages.extract import extract_from_dir
 from babel.messages.pofile import read_po, write_po
 
+from allanite.reporting.language import ENGLISH, LANGUAGES
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "allanite"
 LOCALE = PACKAGE / "reporting" / "locale"
@@ -50,8 +52,8 @@ def stored(lang: str) -> Catalog:
 
 
 def languages() -> list[str]:
-    """The languages that have a catalogue."""
-    return sorted(path.stem for path in LOCALE.glob("*.po"))
+    """The languages that have, or get, a catalogue."""
+    return sorted(set(LANGUAGES) - {ENGLISH})
 
 
 def renewed(lang: str, found: Catalog) -> Catalog:

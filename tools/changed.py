@@ -13,8 +13,12 @@ from pathlib import Path, PurePosixPath
 ROOT = Path(__file__).resolve().parents[1]
 ALWAYS = "tests/unit/test_words.py"
 """Quick, and about every file."""
-BESIDE = {"kernels": ("tests/conformance/test_kernels.py", "tests/unit/statistics")}
-"""Tests of packages that have no folder of their own."""
+BESIDE = {
+    "kernels": ("tests/conformance/test_kernels.py", "tests/unit/statistics"),
+    "statistics": ("tests/reference", "tests/conformance/test_statistics.py"),
+    "terms": ("tests/conformance/test_noise_terms.py", "tests/unit/reporting/test_colors.py"),
+}
+"""Tests outside of the folder of a package: of all rows of its table, or of a package without a folder."""
 
 
 def changed(commit: str) -> list[str]:
@@ -33,8 +37,8 @@ def selection(paths: Iterable[str], there: Path = ROOT) -> Iterator[str]:
 
     Examples
     --------
-    >>> sorted(selection(["src/allanite/web/store.py", "tests/anchors/test_sp1065.py", "tests/reference/allan.py"]))
-    ['tests/anchors/test_sp1065.py', 'tests/conformance', 'tests/unit/test_words.py', 'tests/web']
+    >>> sorted(selection(["src/allanite/web/store.py", "tests/reference/allan.py"]))
+    ['tests/conformance/test_statistics.py', 'tests/reference', 'tests/unit/test_words.py', 'tests/web']
     """
     yield ALWAYS
     for path in map(PurePosixPath, paths):
@@ -43,7 +47,7 @@ def selection(paths: Iterable[str], there: Path = ROOT) -> Iterator[str]:
                 yield from BESIDE.get(room, ())
                 yield from (f"tests/{kind}{room}" for kind in ("unit/", "") if (there / f"tests/{kind}{room}").is_dir())
             case ("tests", "reference", *_):
-                yield "tests/conformance"
+                yield from BESIDE["statistics"]
             case ("tests", *_, name) if name.startswith("test_"):
                 yield str(path)
             case ("README.md",):

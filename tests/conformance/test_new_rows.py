@@ -104,6 +104,19 @@ def test_a_new_statistic_has_limits(name, noise):
     assert np.all(np.diff(curve.edf) < 0)
 
 
+@pytest.mark.parametrize("name", ["fdev", "wdev"])
+def test_a_new_statistic_in_sliding_windows_and_in_parts(name, tmp_path):
+    record = simulated(al.N(0.1, "deg/sqrt(h)"), 600)
+    surface = al.dynamic(record, name, window=200.0, step=200.0)
+    alone = al.deviation(record.with_values(record.values[200:400], ""), name, m=surface.m.tolist())
+    np.testing.assert_allclose(surface.variance[1], alone.variance, rtol=1e-10)
+    np.save(tmp_path / "z.npy", record.values)
+    line = [str(tmp_path / "z.npy"), "--rate", "1", "--unit", "rad/s", "--statistic", name, "--memory", "1kB"]
+    done = CliRunner().invoke(main, ["deviation", *line])
+    assert done.exit_code == 2
+    assert f"no {name!r}: choose one of oadev, mdev" in done.output
+
+
 @pytest.mark.parametrize("method", ["gls", "nnls"])
 @pytest.mark.parametrize("name", ["fdev", "wdev"])
 def test_a_new_statistic_is_read_by_fits(name, method):

@@ -164,8 +164,8 @@ class Statistic:
 
     @property
     def sliding(self) -> bool:
-        """Whether it is a mean of squared differences of the angle at every sample, which windows of a record share."""
-        return self.overlapped and self.differences > 1 and not self.summed
+        """Whether windows of a record share its squares: those of second or third differences at every sample."""
+        return self.overlapped and self.differences in (2, 3) and not self.summed
 
     @property
     def readable(self) -> bool:

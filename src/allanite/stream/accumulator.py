@@ -15,21 +15,21 @@ from allanite.core.record import Record
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 
-from .sums import Sums
+from .sums import TAIL, Sums
 
 WAITING = 320
 """Samples that wait until there are more: what comes in short chunks is added together."""
 
 
 def streamable() -> tuple[str, ...]:
-    """Statistics that can be computed of a stream: means of squared differences at every sample.
+    """Statistics that can be computed of a stream: means of squared second or third differences at every sample.
 
     Examples
     --------
     >>> streamable()
     ('oadev', 'mdev', 'tdev', 'ohdev', 'haar')
     """
-    return tuple(name for name, row in STATISTICS.items() if row.overlapped and row.differences > 1)
+    return tuple(name for name, row in STATISTICS.items() if row.overlapped and row.differences in TAIL)
 
 
 class Accumulator:

@@ -24,9 +24,12 @@ from .channels import Progress, Source, demand_result
 from .gathering import WHOLE, Gathering
 from .inspection import BLOCK, Inspection
 from .provenance import provenance_of
-from .recipe import READING, Recipe
+from .recipe import READING, SELECTING, Recipe
 
 Result = TypeVar("Result")
+
+TAKEN = ("start", "until", "outliers", "memory")
+"""Keys that select samples and are done here too; the others need the whole record."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +61,7 @@ def in_parts(source: Source, recipe: Recipe) -> Iterator[PartsReader | None]:
 
 def _demand_choices(recipe: Recipe) -> None:
     """Refuse what needs the whole record."""
-    for name in ("average", "exclude", "quiet_window", "ranges"):
+    for name in (*(key for key in SELECTING if key not in TAKEN), "ranges"):
         if getattr(recipe, name) is not None:
             option = f"--{name.replace('_', '-')}"
             raise UsageError(

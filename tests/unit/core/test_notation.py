@@ -32,7 +32,7 @@ def test_what_is_printed_is_understood():
     ("text", "words"),
     [
         ("", "nothing in '' is not a noise term"),
-        ("X 3 deg/h", "a term is a symbol .Q, F, N, B, K, R, W, GM, GMA, GM2, Sine."),
+        ("X 3 deg/h", rf"a term is a symbol .{', '.join(al.TERMS)}."),
         ("N 3", "N must be followed by a number and a unit"),
         ("N three deg", "expected a number instead of 'three'"),
         ("N 1 deg/h", "is not a unit of N"),

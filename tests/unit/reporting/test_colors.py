@@ -1,6 +1,6 @@
 """Colours of the terms: distinct to every eye, and readable as text."""
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -24,6 +24,9 @@ DISTINCT = 15.0
 
 READABLE = 4.5
 """Least contrast of text, WCAG 2.1 AA."""
+
+PAPER = {"light": "#FFFFFF", "dark": style.DARK["#ffffff"]}
+"""Color of the ground."""
 
 
 def linear(color):
@@ -49,22 +52,35 @@ def shown(ground):
     return {"data": data} | {s: row.color if ground == "light" else row.dark for s, row in TERMS.items()}
 
 
+def difference(one, other, vision):
+    return np.linalg.norm(lab(one, vision) - lab(other, vision))
+
+
+def free(ground, symbol):
+    """Colours that could be that of a term: those farthest from the others, and readable."""
+    others = [color for name, color in shown(ground).items() if name != symbol]
+    steps = [f"{level:02X}" for level in range(0, 256, 51)]
+    could = [f"#{''.join(rgb)}" for rgb in product(steps, repeat=3)]
+    could = [color for color in could if contrast(color, PAPER[ground]) >= READABLE]
+    far = {color: min(difference(color, o, vision) for o in others for vision in VISIONS) for color in could}
+    return sorted((color for color in far if far[color] >= DISTINCT), key=far.get)[:-4:-1]
+
+
 @pytest.mark.parametrize("vision", VISIONS)
 @pytest.mark.parametrize("ground", ["light", "dark"])
 def test_no_two_lines_have_the_same_colour_to_any_eye(ground, vision):
     for (one, a), (other, b) in combinations(shown(ground).items(), 2):
-        assert np.linalg.norm(lab(a, vision) - lab(b, vision)) >= DISTINCT, (one, other)
+        assert difference(a, b, vision) >= DISTINCT, (one, other, f"free colors: {', '.join(free(ground, other))}")
 
 
 @pytest.mark.parametrize("ground", ["light", "dark"])
 def test_the_colours_can_be_read_as_text(ground):
-    paper = "#FFFFFF" if ground == "light" else style.DARK["#ffffff"]
     for name, color in shown(ground).items():
-        assert contrast(color, paper) >= READABLE, name
+        assert contrast(color, PAPER[ground]) >= READABLE, name
 
 
 def test_no_two_terms_have_the_same_dashes():
-    assert len({row.dash for row in TERMS.values()}) == len(TERMS)
+    assert not [(a, b) for a, b in combinations(TERMS, 2) if TERMS[a].dash == TERMS[b].dash]
 
 
 def test_every_colour_of_a_figure_has_one_for_a_dark_ground():

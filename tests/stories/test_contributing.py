@@ -1,0 +1,249 @@
+"""What CONTRIBUTING.md says of additions: each is made in a copy of the package, in the places it lists, and used."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+from tests import ROOT
+
+GUIDE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+ROWS = re.findall(r"^\| ([^|]+) \| (.+) \|$", GUIDE.partition("## Adding things")[2], re.MULTILINE)
+PLACES = {row: re.findall(r"`([^` ]+)`", places) for row, places in ROWS}
+
+BEFORE = """
+import json, shlex
+from pathlib import Path
+import numpy as np
+from click.testing import CliRunner
+import allanite as al
+from allanite.cli import main
+def allanite(line, code=0):
+    done = CliRunner().invoke(main, shlex.split(line))
+    print(" ".join(done.output.split()))
+    assert done.exit_code == code, (line, done)
+def simulated(model, n=4096):
+    return al.simulate(model, n, 1.0, rng=np.random.default_rng(1), name="gz")
+al.write(simulated(al.N(0.1, "deg/sqrt(h)")), "z.csv")
+"""
+"""What every process begins with."""
+
+FOURTH = """
+import numpy as np
+from allanite.core.language import say
+from .row import Statistic, binomial_window, constant
+def sums(x, m):
+    each = (x[4*s:] - 4 * x[3*s:-s] + 6 * x[2*s:-2*s] - 4 * x[s:-3*s] + x[:-4*s] for s in m.tolist())
+    return np.array([np.sum(np.square(d)) for d in each])
+FDEV = Statistic(
+    name="fdev", title=say("fourth-difference deviation"), formula="x", reference="a paper", meaning="Changes.",
+    use="Here.", limits="None.", cost="Low.", order=4, norm=constant(20.0), span=(4, 0), sums=sums,
+    window=binomial_window(4), differences=4)
+"""
+
+RELAXATION = """
+from dataclasses import replace
+from allanite.core.language import say
+from .markov import SHORTEST, gauss_markov, markov_block
+from .row import time_constant
+def relaxation(T):  # Gauss-Markov noise whose RMS is the coefficient times T^1.5
+    base, size = gauss_markov(T), T**3
+    return replace(
+        base, symbol="RR", title=say("driven relaxation"), meaning=say("a rate that relaxes, by what drives it"),
+        power=-1.5, structure=lambda t: size * base.structure(t), summed=lambda t: size * base.summed(t),
+        derivative=lambda order, t: size * base.derivative(order, t), increments=lambda h: size * base.increments(h),
+        spectrum=lambda f, tau0: size * tau0**3 * base.spectrum(f, tau0), dct=lambda k, n: size * base.dct(k, n),
+        parameters=(replace(time_constant(20.0, SHORTEST), default=20.0),), quantity_meaning="", color="#123456",
+        shaped=lambda shape, rate: relaxation(shape[0] * rate),
+        block=lambda q, shape, h: markov_block(q * shape[0] ** 1.5, shape[0], h))
+RELAXED = relaxation(1.0)
+"""
+
+TONES = """
+import numpy as np
+from allanite.readers.columns.arrays import column
+from allanite.readers.columns.table import Table
+TITLE = "tones of a recorder"
+def sniff(head, suffix):
+    return head.startswith(b"TONES ")
+def read(path, options):
+    with open(path, encoding="ascii") as file:
+        rate, values = float(file.readline().split()[1]), np.array([float(line) for line in file])
+    return Table((column("gz [deg/s]", values, 1),), rate=rate, rate_source="its first line").recording(options)
+"""
+
+PILOT = """
+from allanite.core.language import say
+from allanite.exporting.layouts import Lines
+from allanite.exporting.target import DENSITY, Target, pair
+PILOT = Target(name="pilot", title=say("settings of Pilot"), fields=pair("gyro_noise", "accel_noise", *DENSITY),
+               forms={".cfg": Lines("{name} = {value}")}, source="manual of Pilot, section 3: two-sided densities")
+"""
+
+EXTENT = """
+from dataclasses import dataclass
+from allanite.core.header import Header
+from allanite.core.plain import Value
+from .channels import run
+from .job import Job
+@dataclass(frozen=True, repr=False)
+class Extent(Value):
+    record: Header
+    low: float = 0.0
+    high: float = 0.0
+    alerts: tuple[str, ...] = ()
+    refusal: str = ""
+@dataclass(frozen=True, eq=False, repr=False)
+class Extents(Job[Extent]):
+    _channel = Extent
+def extents(source, recipe, progress=None):
+    def work(seen):
+        return Extent(seen.record.header, float(min(seen.record.values)), float(max(seen.record.values)), seen.alerts)
+    def refused(seen, why):
+        return Extent(seen.record.header, refusal=why)
+    return run(Extents, source, recipe, work, refused, progress=progress)
+"""
+
+VERB = """
+import click
+from .deliver import carry_out, outputs, recipe_of
+from .options import RECORDING, options
+@click.command()
+@options("file", *RECORDING, "report", "csv", "json", "lang", "force", "quiet")
+def extent(file, **choices):
+    "Show the least and the greatest sample."
+    out = outputs(choices, [file, choices["recipe"]])
+    from allanite.study.extent import extents
+    carry_out(lambda tell: extents(file, recipe_of(choices), tell), out)
+"""
+
+VIEW = """
+from allanite.core.language import say
+from allanite.reporting.sheet import Table, columns
+from . import View
+from .jobs import channel_sheet, job_face, source_of
+def rows(job, level):
+    return ["channel", "least", "greatest"], [[c.record.name, c.low, c.high] for c in job]
+def face(job, level):
+    heads = columns(say("least"), say("greatest"), left=0)
+    sheets = [channel_sheet(c, [Table(heads, [[f"{c.low:.3g}", f"{c.high:.3g}"]])]) for c in job]
+    return job_face(job, (say("Extent of {source}", source=source_of(job)), say("least and greatest samples")), sheets)
+EXTENTS = View(face, rows=rows)
+"""
+
+ADDITIONS = {
+    "statistic": ({"statistics/fourth.py": FOURTH}, (
+        ("statistics/table.py", "from .extremes import MTIE, TIERMS\n", "from .fourth import FDEV\n"),
+        ("statistics/table.py", "PDEV, HAAR, MTIE, TIERMS),\n", "        FDEV,\n")), """
+allanite("analyze z.csv --statistic fdev --report page.html --quiet")
+assert "fourth-difference deviation" in Path("page.html").read_text("utf-8")
+allanite("deviation z.csv --statistic fdev")
+allanite("explain fdev")
+print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference deviation", "<Curve", "a paper")),
+    "noise term": ({"terms/relaxation.py": RELAXATION}, (
+        ("terms/__init__.py", "RATE_RANDOM_WALK, ramp_coefficients\n", "from .relaxation import RELAXED\n"),
+        ("terms/__init__.py", "        OSCILLATION,\n", "        RELAXED,\n"),
+        ("core/model.py", '("F", "GMA", "GM2", "W"))\n', 'RR = constructor("RR")\n'),
+        ("__init__.pyi", "from .core.model import R as R\n", "from .core.model import RR as RR\n")), """
+assert al.RR(1, "rad/s^2.5").shape == (20.0,) and "RR" in dir(al)
+record = simulated(al.parse_model(str(al.N(0.1, "deg/sqrt(h)") + al.RR(2e-6, "rad/s^2.5"))), 8192)
+assert abs(al.identify(record, terms="N,RR")["RR"].value / 2e-6 - 1) < 0.3
+al.write(record, "rr.csv")
+allanite("analyze rr.csv --terms N,RR --to rad/s^2.5 --report page.html")
+assert "driven relaxation" in Path("page.html").read_text("utf-8")
+allanite("simulate made.csv --model 'RR 1 rad/s^2.5' --rate 1 --samples 9")""", ("driven relaxation", "RR = ")),
+    "format": ({"readers/formats/tones.py": TONES}, (
+        ("readers/formats/table.py", '    "kfgins": "kfgins",\n', '    "tones": "tones",\n'),), r"""
+values = simulated(al.N(0.1, "deg/sqrt(h)")).values
+Path("a.tones").write_text("\n".join(["TONES 50", *(f"{v:.9g}" for v in values)]))
+allanite("info a.tones")
+Path("b.bin").write_bytes(bytes(100))
+allanite("info b.bin", 3)""", ("rate 50.0 Hz from its first line", "; tones of a recorder;")),
+    "target of export": ({"exporting/targets/pilot.py": PILOT}, (
+        ("exporting/table.py", "from .targets.pegasus import PEGASUS\n", "from .targets.pilot import PILOT\n"),
+        ("exporting/table.py", '    "pegasus": PEGASUS,\n', '    "pilot": PILOT,\n')), """
+allanite("export --model 'N 0.1 deg/sqrt(h)' --model 'N 60 ug/sqrt(Hz)' --to pilot --output pilot.cfg")
+print(Path("pilot.cfg").read_text("utf-8"))
+allanite("convert --from pilot pilot.cfg")
+allanite("explain pilot")
+allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
+    "verb, result": ({"study/extent.py": EXTENT, "cli/extent.py": VERB, "reporting/views/extent.py": VIEW}, (
+        ("cli/__init__.py", '    "Learn": {', '"extent": "extent.extent", '),
+        ("core/plain.py", '    "study.analysis": "Channel Study",\n', '    "study.extent": "Extent Extents",\n'),
+        ("reporting/views/__init__.py", '    "Lot": "lot.LOT",\n', '    "Extents": "extent.EXTENTS",\n')), """
+allanite("--help")
+allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
+assert "Extent of z.csv" in Path("page.html").read_text("utf-8")
+assert Path("out.csv").read_text("utf-8").startswith("channel,least,greatest")
+found = al.from_dict(json.loads(Path("out.json").read_text("utf-8")))
+al.report(found, "again.html")
+print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.csv")["gz"].values[10:].min())""",
+        ("extent Show the least and the greatest sample.", "least greatest", "Extents 10.0 True")),
+    "choice of a recipe": ({}, (
+        ("study/recipe.py", 'SELECTING = ("average", ', '"settle", '),
+        ("study/recipe.py", '_NUMBERS = ("rate", "scale", ', '"settle", '),
+        ("study/recipe.py", "    average: float | None = None\n", "    settle: float | None = None\n"),
+        ("cli/options.py", 'means over this time."),\n',
+         '    "settle": click.option("--settle", type=float, help="Time to leave out."),\n'),
+        ("cli/options.py", 'SELECTING = ("average", ', '"settle", '),
+        ("study/channels.py", "(recipe.exclude) if recipe.exclude else ())\n",
+         "    whole = trim(whole, recipe.settle, None)\n")), """
+Path("recipe.toml").write_text("settle = 96.0")
+for line in ("--settle 96", "--recipe recipe.toml"):
+    allanite(f"info z.csv {line} --json out.json --force")
+    assert json.loads(Path("out.json").read_text("utf-8"))["recipe"]["settle"] == 96
+for recipe in (al.Recipe(settle=96.0), al.Recipe.load("recipe.toml")):
+    print("samples:", al.analyze("z.csv", recipe).channels[0].record.size)
+allanite("info --help")
+np.save("z.npy", np.zeros(4096))
+allanite("analyze z.npy --rate 1 --unit deg/h --settle 96 --memory 1kB", 2)
+allanite("plan --sensor fog --rate 1 --settle 96", 2)""",
+        ("4000 samples", "\nsamples: 4000\nsamples: 4000\n", "--settle FLOAT Time", "no --settle: omit it",
+         "--settle applies to a recording")),
+    "language": ({}, (
+        ("reporting/language.py", 'LANGUAGES = {"en": "English", ', '"de": "Deutsch", '),
+        ("web/static/words.js", 'const ORDER = ["en", "ru", "zh"', ', "de"')), """
+import catalogues
+catalogues.main()
+assert 'msgid "angle random walk"' in (catalogues.LOCALE / "de.po").read_text("utf-8")
+allanite("analyze z.csv --lang de")
+allanite("analyze z.csv --lang xx", 2)""", ("de: ", "sentences are shown in English", "random walk", "de (Deutsch)")),
+    "sentence": ({}, (
+        ("reporting/views/jobs.py", "    record = channel.record\n",
+         '    parts = [Note(say("first at {time:.1f} s", time=0.0)), *parts]\n'),), """
+import catalogues, sys; sys.argv.append("--check"); catalogues.main()
+allanite("analyze z.csv --lang ru")""", ("ru: 1 sentence is shown in English", "first at 0.0 s", "блуждание")),
+}  # fmt: skip
+"""The rows of the guide: new files, lines that are there with what is put behind each, a use, and what that prints."""
+
+
+def test_the_guide_is_short_and_every_path_in_it_exists():
+    assert len(GUIDE.splitlines()) <= 70
+    assert set(PLACES) == {row for rows in ADDITIONS for row in rows.split(", ")}
+    named = [name for name in re.findall(r"`([\w./-]+)`", GUIDE) if re.search(r"/|\.(py|pyi|toml|md|js)$", name)]
+    rooms = ("tests/conformance", "tests/reference", "tests/stories", "src/allanite", ".")
+    assert [name for name in named if not any((ROOT / room / name).exists() for room in rooms)] == []
+
+
+@pytest.mark.slow("additions in copies of the package")
+@pytest.mark.parametrize("rows", ADDITIONS)
+def test_an_addition_needs_the_places_of_the_guide_and_no_other(rows, tmp_path):
+    (files, lines, use, said), listed = ADDITIONS[rows], [place for row in rows.split(", ") for place in PLACES[row]]
+    package, rest = tmp_path / "src" / "allanite", shutil.ignore_patterns("*.pyc")  # compiled kernels are copied too
+    shutil.copytree(ROOT / "src" / "allanite", package, ignore=rest)
+    shutil.copytree(ROOT / "tools", tmp_path / "tools", ignore=rest)
+    for path, text in files.items():
+        assert f"{os.path.dirname(path)}/" in listed, path
+        (package / path).write_text(text, "utf-8")
+    for path, line, more in lines:
+        assert path in listed or rows == "sentence", path
+        before, *behind = (package / path).read_text("utf-8").split(line)
+        assert len(behind) == 1, (path, line)
+        (package / path).write_text(f"{before}{line}{more}{behind[0]}", "utf-8")
+    around = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (package.parent, tmp_path / "tools")))}
+    words = [sys.executable, "-c", BEFORE + use]
+    done = subprocess.run(words, cwd=tmp_path, env=around, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert [words for words in said if words not in done.stdout] == [], done.stdout
