@@ -1,16 +1,33 @@
 """Where real recordings and published tables are, for the tests that use them."""
 
+import gc
 import os
 from pathlib import Path
 
 import hypothesis
 import pytest
 
-from tests import examples
+from tests import ALL, examples
 
 # a machine with other work to do is no failure
 hypothesis.settings.register_profile("unhurried", deadline=None, max_examples=examples(100))
 hypothesis.settings.load_profile("unhurried")
+
+WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")[2:]
+
+
+def pytest_configure():
+    """Give each worker of `make test` a processor of its own: jobs then fork no helpers that only wait for each other."""
+    if WORKER and not ALL and hasattr(os, "sched_getaffinity"):
+        there = sorted(os.sched_getaffinity(0))
+        os.sched_setaffinity(0, {there[int(WORKER) % len(there)]})
+
+
+def pytest_collection_finish():
+    """Leave thousands of collected tests to themselves: collecting garbage would go through them again and again."""
+    gc.collect()
+    gc.freeze()
+
 
 BESIDE = Path(__file__).resolve().parents[2] / "shared"
 

@@ -121,7 +121,7 @@ def test_every_file_has_a_row(recordings):
     assert sorted(there) == sorted(file.name for file in FILES)
 
 
-@pytest.mark.parametrize("file", thinned(FILES, 8, "every recording"), ids=lambda file: file.name)
+@pytest.mark.parametrize("file", thinned(FILES, 6, "every recording"), ids=lambda file: file.name)
 def test_what_the_command_says_of_a_file(recordings, file):
     result = CliRunner().invoke(main, ["analyze", str(recordings / file.name), *file.words])
     said = " ".join((result.stdout + " " + result.stderr).split())

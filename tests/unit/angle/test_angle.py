@@ -401,6 +401,7 @@ def test_intervals_of_an_encoder_hold_the_truth(calibrations):
     assert 0.919 <= np.mean(inside) <= 0.981
 
 
+@pytest.mark.slow("ensemble")
 def test_limits_of_amplitudes_hold(calibrations):
     """95 % of 200 within 88 to 99.5 %: error probability 1e-4 each."""
     limits = np.array([found.interval(128) for found, _ in calibrations])

@@ -340,6 +340,7 @@ def test_the_command_without_a_recording():
         assert said in done.output
 
 
+@pytest.mark.slow("scenarios of ten minutes")
 def test_scenarios_are_shown():
     done = run(*NOISE, "--scenarios", "--gyro-bias", "10 deg/h")
     assert done.exit_code == 0, done.output

@@ -210,6 +210,7 @@ def command(*arguments):
     return [sys.executable, "-c", "from allanite.cli import main; main()", *arguments]
 
 
+@pytest.mark.slow("a process of its own")
 def test_a_reader_that_has_seen_enough_is_no_error(file):
     read, wrote = os.pipe()
     os.close(read)

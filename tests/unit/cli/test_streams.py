@@ -13,7 +13,7 @@ import time
 
 import numpy as np
 import pytest
-from tests import all_but
+from tests import thinned
 
 import allanite as al
 
@@ -56,7 +56,7 @@ def test_a_stream_that_takes_nothing_is_named_and_the_other_output_is_written(fi
 
 
 @linux
-@pytest.mark.parametrize("megabytes", [200, 600, 1000, 2400])
+@pytest.mark.parametrize("megabytes", thinned([200, 600, 1000, 2400], 1, "a process each"))
 def test_too_small_an_address_space_is_named_before_the_work(file, megabytes):
     done = shell(f"ulimit -v {megabytes}000; {PROGRAM} analyze {file}")
     assert done.returncode == 3
@@ -99,7 +99,7 @@ def test_a_full_folder_for_copies_is_not_blamed_on_the_file(file, tmp_path):
 
 
 @linux
-@pytest.mark.parametrize("suffix", ["csv", "npz", "parquet", "h5", "mat"])
+@pytest.mark.parametrize("suffix", thinned(["csv", "npz", "parquet", "h5", "mat"], 2, "a process each"))
 def test_a_file_that_may_not_become_so_large_is_named(tmp_path, suffix):
     target = tmp_path / f"x.{suffix}"
     done = shell(f"ulimit -f 8; {PROGRAM} simulate {target} --sensor mems --rate 20 --samples 20000")
@@ -140,6 +140,7 @@ def test_names_do_not_drive_the_terminal(tmp_path):
 
 
 @linux
+@pytest.mark.slow("a process of its own")
 def test_a_name_that_is_no_text_is_kept_as_its_escape(file, tmp_path):
     odd = tmp_path / "a\udcffb.csv"
     odd.write_bytes(file.read_bytes())
@@ -172,8 +173,9 @@ def test_packed_streams_are_read_whole_and_nothing_else_behind_them(file, tmp_pa
 @linux
 @pytest.mark.parametrize(
     ("number", "code"),
-    all_but([(signal.SIGTERM, 143), (signal.SIGHUP, 129)], [(signal.SIGHUP, 129)], "processes that are ended"),
+    [(signal.SIGTERM, 143), (signal.SIGHUP, 129)],
 )
+@pytest.mark.slow("processes that are ended")
 def test_a_program_that_is_ended_leaves_nothing(tmp_path, number, code):
     rate = 90 * np.random.default_rng(1).standard_normal(400_000)
     text = "gx [deg/h]\n" + "".join(f"{value:.6f}\n" for value in rate.tolist())

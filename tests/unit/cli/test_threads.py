@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests import all_but
 
 from allanite.cli import main
 
@@ -26,8 +25,9 @@ def output(*arguments):
 
 @pytest.mark.parametrize(
     "verb",
-    all_but(["analyze", "info", "deviation", "spectrum"], ["info", "deviation", "spectrum"], "three processes each"),
+    ["analyze", "info", "deviation", "spectrum"],
 )
+@pytest.mark.slow("three processes each")
 def test_json_is_the_same(verb, file):
     found = {output(verb, file, "--json", "-", *threads) for threads in ([], ["--threads", 1], ["--threads", 3])}
     assert len(found) == 1

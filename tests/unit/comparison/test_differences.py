@@ -141,6 +141,7 @@ def test_raw_and_corrected_readings_are_compared_as_a_pair():
     assert alone.p > 0.01
 
 
+@pytest.mark.slow("ensemble")
 def test_a_length_that_would_do_is_named_and_does():
     model = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
     change = al.compare(simulated(1, model, 2048), simulated(2, model, 2048))["K"]

@@ -9,7 +9,14 @@ from allanite.identification.likelihood import cosine
 from allanite.identification.likelihood.cosine import cosine_transform
 
 
-@pytest.mark.parametrize("n", [4, 8, 12, 16, 30, 36, 60, 100, 128, 1000, 1024, 7200, 30_030, 131_072, 360_000])
+@pytest.mark.parametrize(
+    "n",
+    all_but(
+        [4, 8, 12, 16, 30, 36, 60, 100, 128, 1000, 1024, 7200, 30_030, 131_072, 360_000],
+        [131_072, 360_000],
+        "long records",
+    ),
+)
 def test_rows_and_columns(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cosine, "LONG", 4)
     assert cosine._rows(n) > 0

@@ -108,6 +108,7 @@ def test_through_a_terminal_moved_unplugged_and_ended(tmp_path):
     assert "gaps" in {one["name"] for one in study["channels"][0]["quality"]["findings"]}
 
 
+@pytest.mark.slow("long streams")
 def test_datagrams_and_interruption(tmp_path):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
@@ -127,6 +128,7 @@ def test_datagrams_and_interruption(tmp_path):
     assert curve.read_text().startswith("channel,statistic,m")
 
 
+@pytest.mark.slow("long streams")
 def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     path, values = tmp_path / "log.csv", np.random.default_rng(2).normal(size=(20_000, 2))
     stamps = np.arange(20_000) / 100.0

@@ -169,6 +169,7 @@ def test_the_warm_up_shows(gl1):
     assert -0.015 < found.errors[found.methods.index("optimal"), 0] / ARCSEC < -0.004
 
 
+@pytest.mark.slow("ensemble of simulated gyros")
 def test_ratios_know_that_both_methods_saw_the_same_data(gl1):
     ratios = {(r.first, r.second): r for r in gl1[0].ratios()}
     assert len(ratios) == 15

@@ -35,6 +35,7 @@ def test_it_has_a_page_for_the_text_and_one_for_each_figure(study, made):
     assert pages(made) == 1 + page(study).count('<svg role="img"')
 
 
+@pytest.mark.slow("two reports as PDF")
 def test_the_same_result_makes_the_same_bytes(study, made):
     assert document(study, command=COMMAND) == made
     assert b"/CreationDate" not in made

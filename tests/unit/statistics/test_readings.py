@@ -88,6 +88,7 @@ def test_lost_readings_do_not_end_the_curve():
     assert found.minimum.tau > whole.minimum.tau / 2
 
 
+@pytest.mark.slow("long records")
 def test_lost_readings_in_every_mean_end_nothing_but_the_means():
     y = np.random.default_rng(8).standard_normal(60_000)
     y[::50] = np.nan

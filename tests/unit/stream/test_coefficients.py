@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from tests import thinned
 
 import allanite as al
 from allanite.planning.sensors import sensor
@@ -17,7 +18,9 @@ def stream_of(record, parts=1):
     return stream
 
 
-@pytest.mark.parametrize(("name", "rate", "terms"), [("mems", 100.0, "NBK"), ("fog", 1.0, "QNBKR")])
+@pytest.mark.parametrize(
+    ("name", "rate", "terms"), thinned([("mems", 100.0, "NBK"), ("fog", 1.0, "QNBKR")], 1, "ensemble")
+)
 def test_as_accurate_as_the_bound(name, rate, terms):
     model, errors = sensor(name), []
     for seed in range(24):

@@ -197,6 +197,7 @@ def run(*words):
     return result.exit_code, " ".join((result.stdout + result.stderr).split())
 
 
+@pytest.mark.slow("a process that reads in parts")
 def test_the_command_line_takes_the_option(file, tmp_path):
     how = ("--rate", "100", "--unit", "deg/h", "--memory", "100kB")
     code, said = run("analyze", file, *how, "--json", tmp_path / "s.json", "--report", tmp_path / "s.html")

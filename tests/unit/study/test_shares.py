@@ -110,6 +110,7 @@ def results(recording, count):
         return study.to_dict(), re.sub(r"gzip;base64,[^\"]*", "", text), text
 
 
+@pytest.mark.slow("several processes")
 def test_a_study_and_its_page_are_the_same_bit_for_bit(recording):
     (one, _, whole), *others = (results(recording, count) for count in (1, 2, 3))
     for other, _, page_of in others:
