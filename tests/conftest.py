@@ -17,7 +17,7 @@ WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")[2:]
 
 
 def pytest_configure():
-    """Give each worker of `make test` a processor of its own: jobs then fork no helpers that only wait for each other."""
+    """Give each worker of `make test` a processor of its own: jobs then fork no helpers that wait for each other."""
     if WORKER and not ALL and hasattr(os, "sched_getaffinity"):
         there = sorted(os.sched_getaffinity(0))
         os.sched_setaffinity(0, {there[int(WORKER) % len(there)]})
@@ -27,6 +27,11 @@ def pytest_collection_finish():
     """Leave thousands of collected tests to themselves: collecting garbage would go through them again and again."""
     gc.collect()
     gc.freeze()
+
+
+def pytest_unconfigure():
+    """Let libraries find at the end what they have made."""
+    gc.unfreeze()
 
 
 BESIDE = Path(__file__).resolve().parents[2] / "shared"
