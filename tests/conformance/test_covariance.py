@@ -71,6 +71,7 @@ def test_of_two_statistics_it_equals_the_full_matrix(mixture):
 
 
 @pytest.mark.parametrize("name", all_but(["theo1", "pdev", "mtotdev", "htotdev"], ["htotdev"], "full matrices"))
+@pytest.mark.slow("full matrices")
 def test_long_windows_equal_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([2, 16, 64, 150, 240])
@@ -80,6 +81,7 @@ def test_long_windows_equal_the_full_matrix(name):
 
 
 @pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev", "htotdev"])
+@pytest.mark.slow("full matrices")
 def test_the_longest_window_is_near_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
     m = np.array([16, 240, row.largest(size)])

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from matplotlib.text import Text
-from tests import ALL
 
 import allanite as al
 from allanite.attitude import FILTERS
@@ -27,6 +26,8 @@ from allanite.reporting.views import level_of, view_of
 from allanite.statistics import STATISTICS
 from allanite.study.shares import Work, made
 from allanite.terms import TERMS
+
+pytestmark = pytest.mark.slow("what every verb shows, in other letters: releases ask for translations")
 
 LETTERS = {ord(latin): ord("а") + i for i, latin in enumerate("abcdefghijklmnopqrstuvwxyz")}
 LETTERS |= {ord(chr(latin).upper()): ord(chr(other).upper()) for latin, other in LETTERS.items()}
@@ -134,8 +135,7 @@ def shown(value, monkeypatch, drawn):
         parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
-        words = lambda drawing: found.extend(words_of(drawing.draw()) if ALL else ())  # noqa: E731 - short
-        monkeypatch.setattr(html, "_picture", lambda drawing, lang: words(drawing))
+        monkeypatch.setattr(html, "_picture", lambda drawing, lang: found.extend(words_of(drawing.draw())))
         monkeypatch.setattr(html, "drawer", lambda pictures: lambda drawing: "")
         found += Shown(made(html.render(replace(face, command="allanite"), Work.one(lambda: b"x")))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
@@ -306,13 +306,11 @@ def values(verb, files):
         yield found
 
 
-@pytest.mark.ensemble
 def test_nothing_that_a_verb_shows_is_left_in_english(verb, values, pseudo, monkeypatch):
-    """Figures, too, in `make test-all`."""
     found = left(
         part
         for one, line in zip(values, RUNS[verb], strict=True)
-        for part in shown(one, monkeypatch, ALL and verb != "info" and "--start" not in line)
+        for part in shown(one, monkeypatch, verb != "info" and "--start" not in line)
     )
     assert not found, f"{verb}: {len(found)} lines have words that are not translated:\n" + "\n".join(found)
 
@@ -330,7 +328,6 @@ def printed_words(figure):
     return {line.strip() for text in texts for line in text.get_text().splitlines()} - {""}
 
 
-@pytest.mark.slow("figures of every verb, drawn twice")
 def test_a_figure_on_a_page_has_the_words_of_that_for_print(verb, values):
     for value in values:
         for drawing in drawings(view_of(value).face(value, level_of(value))):

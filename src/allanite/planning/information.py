@@ -16,6 +16,7 @@ which by Woodbury's formula takes sums over k alone, and those are taken at a fe
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -68,6 +69,13 @@ class Grid:
         self.U = np.column_stack([end * (1 - odd), end * odd, ramp * odd])
 
 
+@cache
+def _nodes() -> tuple[FloatArray, FloatArray]:
+    """Nodes and weights of Gauss's rule between 0 and 1."""
+    v, weight = np.polynomial.legendre.leggauss(200)
+    return (v + 1) / 2, weight / 2
+
+
 def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
     """Covariance of the coefficients 1 .. block of n rates, except for its diagonal, shape (block, block).
 
@@ -77,8 +85,7 @@ def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
 
     is the correlation of the two cosines at the distance u. It is zero for white noise and for random walks.
     """
-    v, weight = np.polynomial.legendre.leggauss(200)
-    v, weight = (v + 1) / 2, weight / 2
+    v, weight = _nodes()
     u = v**2  # a logarithm at u = 0 becomes smooth
     c = 2 * v * weight * row.derivative(2, n * u)
     k = np.arange(1.0, block + 1)

@@ -155,9 +155,9 @@ def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
     "arguments",
     thinned(
         [
-            ("before.csv", "after.csv", "--channels", "x", "--against", "y", "--terms", "QNK", "--band", "0.1,40"),
-            ("before.csv", "--part", "25", "--until", "40", "--level", "0.9", "--outliers", "keep"),
-            ("before.csv", "after.csv", "third.csv", "--statistic", "ohdev", "--taus", "0.1,1", "--quiet-window", "30"),
+            ["before.csv", "after.csv", "--channels", "x", "--against", "y", "--terms", "QNK", "--band", "0.1,40"],
+            ["before.csv", "--part", "25", "--until", "40", "--level", "0.9", "--outliers", "keep"],
+            ["before.csv", "after.csv", "third.csv", "--statistic", "ohdev", "--taus", "0.1,1", "--quiet-window", "30"],
         ],
         1,
         "two runs each",

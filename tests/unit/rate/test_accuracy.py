@@ -182,6 +182,7 @@ def test_ratios_know_that_both_methods_saw_the_same_data(gl1):
     assert wide.high / wide.low > 1.3
 
 
+@pytest.mark.slow("ensemble of simulated gyros")
 def test_the_limits_of_the_scatter(gl1):
     """94 intervals: 68 % within 7.3 %."""
     scatter = gl1[0].scatter("mean", 0.68)

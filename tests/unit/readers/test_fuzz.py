@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from tests import ALL, ROOT, examples
+from tests import ALL, ROOT, examples, thinned
 
 SCRIPT = ROOT / "benchmarks" / "fuzz_readers.py"
 spec = importlib.util.spec_from_file_location("fuzz_readers", SCRIPT)
@@ -17,7 +17,7 @@ spec.loader.exec_module(fuzz)
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("name", fuzz.SEEDS)
+@pytest.mark.parametrize("name", thinned(fuzz.SEEDS, 13, "damaged files of every format"))
 def test_damaged_files_are_read_or_refused(tmp_path, name):
     if (suffix := Path(name).suffix) in fuzz.IMPORTED:
         pytest.importorskip(fuzz.IMPORTED[suffix])

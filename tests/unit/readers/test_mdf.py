@@ -10,6 +10,8 @@ import allanite as al
 from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
 
+pytestmark = pytest.mark.slow("files that a library of a second start time reads")
+
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
     asammdf = pytest.importorskip("asammdf")

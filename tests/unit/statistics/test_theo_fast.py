@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests import thinned
 
 import allanite as al
 from allanite.kernels.theo import theo1
@@ -21,7 +22,7 @@ def angle(kind, n, seed=1):
     return np.concatenate(([0.0], np.cumsum(y - y[0])))
 
 
-@pytest.mark.parametrize("kind", list(KINDS))
+@pytest.mark.parametrize("kind", thinned(KINDS, 2, "the definition, at every factor"))
 def test_every_even_averaging_factor_equals_its_definition(kind):
     x = angle(kind, 4500)
     m = 2 * np.arange(1, 2251)
