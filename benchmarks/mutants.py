@@ -5,7 +5,7 @@
 Each fault is planted into a copy of the package; `--list` only shows them. The tests that run its line are those of the
 file `--lines`, which is made by running all tests under coverage if it is not there. Nearest tests come first: those of
 its room, then all others that run the line, then what is left of its room. Lines that run when a module is imported,
-and those that no test is seen to run, have all tests. Compiled lines have the tests of what uses kernels.
+and those that no test is seen to run, have all tests. Compiled lines have the tests of what uses their kernel.
 A fault is found if a test fails, or does not end in `--limit` seconds, and passes without the fault. `make test` runs
 the tests without the marker; a fault that they miss goes to those with it.
 What has been found out stands in `--outcomes`, where a run that was interrupted goes on; `--keep` takes over what was
@@ -26,7 +26,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -34,11 +34,7 @@ from typing import Any
 import covering
 from planted import EQUIVALENT, KINDS, PACKAGE, Fault, drawn, rooms
 
-COMPILED = [f"tests/unit/{room}/" for room in ("statistics", "stream", "identification", "attitude", "live", "prepare")]
-COMPILED += ["tests/conformance/", "tests/anchors/"]
-"""Tests of what uses kernels."""
-
-NEAR = {"kernels": tuple(COMPILED), "web": ("tests/web/",)}
+NEAR = {"web": "tests/web/"}
 """Where tests of a room are, if not in the folder of tests/unit with its name."""
 
 WHOLE = 20
@@ -75,11 +71,10 @@ class Tests:
 
     def of(self, fault: Fault, fast: bool) -> list[str]:
         """The tests of a set that meet a fault, nearest first."""
-        present = self.present[fast]
-        near = NEAR.get(fault.room, (f"tests/unit/{fault.room}/",))
-        close = [one for one in present if one.startswith(near)]
         if fault.room == "kernels":
-            return _nearest(close, fault)
+            return self._of_kernel(fault, fast)
+        present, near = self.present[fast], NEAR.get(fault.room, f"tests/unit/{fault.room}/")
+        close = [one for one in present if one.startswith(near)]
         by_line = self.lines.of(fault.file)
         running = set().union(*(by_line.get(line, ()) for line in fault.lines))
         if not running or not fault.called:
@@ -87,6 +82,17 @@ class Tests:
             return _unique(_nearest(close, fault), (one for one in present if one in whole), present)
         listed = [one for one in present if one in running]
         return _unique(_nearest((one for one in listed if one.startswith(near)), fault), listed, close)
+
+    def _of_kernel(self, fault: Fault, fast: bool) -> list[str]:
+        """The tests of what uses a kernel, those of its first users in front."""
+        parts = []
+        for path in users(fault):
+            running = set().union(*self.lines.of(path).values())
+            room = f"tests/unit/{path.partition('/')[0]}/"
+            both = [one for one in self.present[fast] if one in running]
+            parts.append([one for one in both if one.startswith(room)])
+            parts.append(both)
+        return _unique(*parts[::2], *parts[1::2])
 
     def failed(self, tests: Sequence[str], source: Path, fast: bool) -> str:
         """The first test that fails with the package of a folder but not with ours; empty if none does."""
@@ -157,6 +163,26 @@ def _nearest(tests: Iterable[str], fault: Fault) -> list[str]:
     """Tests of the module first."""
     stem = Path(fault.file).stem.strip("_")
     return sorted(tests, key=lambda one: stem not in Path(one.partition("::")[0]).stem)
+
+
+def users(fault: Fault) -> list[str]:
+    """Files that import the module of a kernel, or a kernel that does."""
+    texts = {path.relative_to(PACKAGE).as_posix(): path.read_text("utf-8") for path in sorted(PACKAGE.rglob("*.py"))}
+    found, new = list[str](), [Path(fault.file).stem]
+    seen = set(new)
+    while new:
+        names = "|".join(new)
+        new = []
+        for file, text in texts.items():
+            inside = file.startswith("kernels/")
+            if re.search(rf"from {'[.]' if inside else '[.]*(allanite[.])?kernels[.]'}({names}) import", text):
+                name = Path(file).stem
+                if not inside:
+                    found.append(file)
+                elif name not in seen:
+                    seen.add(name)
+                    new.append(name)
+    return list(dict.fromkeys(found))
 
 
 def copied(fault: Fault, folder: Path) -> Path:
@@ -253,7 +279,8 @@ def main() -> None:
     left = [one for one in faults if one.fault.key not in outcomes]
     kept.parent.mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(asked.jobs) as pool, kept.open("a", encoding="utf-8") as file:
-        for outcome in pool.map(lambda one: one.outcome(tests, run.commit), left):
+        for done in as_completed([pool.submit(one.outcome, tests, run.commit) for one in left]):
+            outcome = done.result()
             outcomes[outcome["fault"]] = outcome
             print(json.dumps(outcome, ensure_ascii=False), file=file, flush=True)
             print(*outcome.values(), sep=" | ", flush=True)

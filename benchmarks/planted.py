@@ -28,10 +28,18 @@ UNORDERED |= {"isinstance", "issubclass"}
 ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow)
 
 EQUIVALENT: dict[str, str] = {
-    "compensation/mixture.py _reach: … = float(best[which]) + 3 / math.sqrt(likelihood.… → … = float(best[which]) + 6 / math.sqrt(likelihood.…": "only where a search begins: it ends where 2 L has risen by REACH, and at most 1.6 times as far, in both",
-    "comparison/contrast.py Contrast._solve: …nside, share = outside, 3 * share → …nside, share = outside, 6 * share": "only the steps by which a root is bracketed: it is the same within its tolerance",
-    "kernels/leastsquares.py weighted_nnls: c[a] = dot(weighted, power) / size[a] → c[a] = dot(power, weighted) / size[a]": "the product of two vectors is the same in either order",
-    "terms/oscillation.py modes: … - 1) > CRITICAL else 1 - CRITICAL → … - 1) > CRITICAL else 1 + CRITICAL": "on the other side of critical damping, as near to it as the tolerance says",
+    "compensation/mixture.py _reach: … = float(best[which]) + 3 / math.sqrt(likelihood.… → "
+    "… = float(best[which]) + 6 / math.sqrt(likelihood.…": "only where a search begins: it ends where 2 L has "
+    "risen by REACH, and at most 1.6 times as far, in both",
+    "comparison/contrast.py Contrast._solve: …nside, share = outside, 3 * share → "
+    "…nside, share = outside, 6 * share": "only the steps by which a root is bracketed: it is"
+    " the same within its tolerance",
+    "comparison/sinusoids.py _amplitude: …np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.… → "
+    "…np.arange(rates.size) + 1.0) / rates.size) ** 2, 0.…": "a window that is shifted by half a sample",
+    "kernels/leastsquares.py weighted_nnls: c[a] = dot(weighted, power) / size[a] → "
+    "c[a] = dot(power, weighted) / size[a]": "the product of two vectors is the same in either order",
+    "terms/oscillation.py modes: … - 1) > CRITICAL else 1 - CRITICAL → "
+    "… - 1) > CRITICAL else 1 + CRITICAL": "on the other side of critical damping, as near to it as the tolerance says",
 }
 """Faults that change nothing that can be observed, and why; the next of their room and kind is taken instead."""
 
