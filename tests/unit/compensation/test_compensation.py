@@ -127,6 +127,13 @@ def test_every_kind_of_record_is_corrected_alike(kind):
     assert corrected.kind == ("increment" if kind == "count" else kind)
 
 
+def test_a_channel_that_is_read_with_an_angle_has_the_means_of_the_intervals():
+    found = compensate(gyro(5, 1e-5 * TEMP.values), TEMP, ["temp"])
+    angle = channel(np.cumsum(1e-5 * TEMP.values), "rad", "z", kind="angle")
+    ends, middle = (al.Recording((channel(v),)) for v in (TEMP.values, (TEMP.values[1:] + TEMP.values[:-1]) / 2))
+    np.testing.assert_allclose(found.rate_error(angle, ends), found.rate_error(angle, middle), rtol=1e-12)
+
+
 def test_what_was_saved_corrects_in_the_same_way(tmp_path):
     record = gyro(6, 1e-5 * TEMP.values + 1e-6 * (TEMP.values - 20) ** 2)
     found = compensate(record, TEMP, ["temp"], derivative_of=["temp"], degree=2, lags=(60.0,), trend=True)

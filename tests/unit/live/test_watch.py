@@ -127,6 +127,15 @@ def test_datagrams_and_interruption(tmp_path):
     assert curve.read_text().startswith("channel,statistic,m")
 
 
+def test_what_a_short_stream_lacks_is_reported(tmp_path):
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(np.random.default_rng(3).normal(size=20)))
+    watch = Watch(str(path), al.Recipe(rate=RATE, unit="deg/h"), WatchSettings(idle=0.1))
+    for _ in watch.events():
+        pass
+    assert watch.report().startswith("column 1: 0 s; 0 samples are too few for noise coefficients")
+
+
 def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     path, values = tmp_path / "log.csv", np.random.default_rng(2).normal(size=(20_000, 2))
     stamps = np.arange(20_000) / 100.0
