@@ -4,8 +4,8 @@
 
 Each fault is planted into a copy of the package; `--list` only shows them. The tests that run its line are those of the
 file `--lines`, which is made by running all tests under coverage if it is not there. Nearest tests come first: those of
-its room, then all others that run the line, then what is left of its room. Lines that run when a module is imported,
-and those that no test is seen to run, have all tests. Compiled lines have the tests of what uses their kernel.
+its room, then all others that run the line, then what is left of its room. Lines that no test is seen to run have the
+tests of their file; those that run when a module is imported have all tests, and kernels have those of their users.
 A fault is found if a test fails, or does not end in `--limit` seconds, and passes without the fault. `make test` runs
 the tests without the marker; a fault that they miss goes to those with it.
 What has been found out stands in `--outcomes`, where a run that was interrupted goes on; `--keep` takes over what was
@@ -79,7 +79,8 @@ class Tests:
         running = set().union(*(by_line.get(line, ()) for line in fault.lines))
         if not running or not fault.called:
             whole = set().union(*by_line.values())
-            return _unique(_nearest(close, fault), (one for one in present if one in whole), present)
+            beside = [one for one in present if one in whole]
+            return _unique(_nearest(close, fault), beside, present if not (beside and fault.called) else ())
         listed = [one for one in present if one in running]
         return _unique(_nearest((one for one in listed if one.startswith(near)), fault), listed, close)
 
