@@ -6,8 +6,8 @@ Each fault is planted into a copy of the package; `--list` only shows them. The 
 file `--lines`, which is made by running all tests under coverage if it is not there. Nearest tests come first: those of
 its room, then all others that run the line, then what is left of its room. Lines that no test is seen to run have the
 tests of their file; those that run when a module is imported have all tests, and kernels have those of their users.
-A fault is found if a test fails, or does not end in `--limit` seconds, and passes without the fault. `make test` runs
-the tests without the marker; a fault that they miss goes to those with it.
+A fault is found if a test fails twice, or does not end in `--limit` seconds, and passes without the fault. `make test`
+runs the tests without the marker; a fault that they miss goes to those with it.
 What has been found out stands in `--outcomes`, where a run that was interrupted goes on; `--keep` takes over what was
 found with other commits. Fault k of a seed is always the same unless the package is changed in its room.
 """
@@ -96,17 +96,19 @@ class Tests:
         return _unique(*parts[::2], *parts[1::2])
 
     def failed(self, tests: Sequence[str], source: Path, fast: bool) -> str:
-        """The first test that fails with the package of a folder but not with ours; empty if none does."""
+        """The first test that fails with the package of a folder, again too, but not with ours; empty if none does."""
+        passed = set[str]()
         while True:
-            tests = [one for one in tests if one not in self.failing]
+            tests = [one for one in tests if one not in self.failing | passed]
             by = self._first(tests, source, fast)
             if not by or by not in tests:
                 return by
             with self._once:
-                if not self._first([by], PACKAGE.parent, fast):
-                    return by
-                self.failing.add(by)
-            print(f"fails without a fault: {by}", flush=True)
+                sound = not self._first([by], PACKAGE.parent, fast)
+            if sound and self._first([by], source, fast):
+                return by
+            (passed if sound else self.failing).add(by)
+            print(f"fails {'once only' if sound else 'without a fault'}: {by}", flush=True)
 
     def _first(self, tests: Sequence[str], source: Path, fast: bool) -> str:
         """The first of some tests that fails, or what else went wrong."""

@@ -12,7 +12,7 @@ import io
 import re
 import tokenize
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -261,23 +261,29 @@ def order(faults: Iterable[Fault], seed: int) -> list[Fault]:
     return sorted(faults, key=lambda fault: hashlib.sha256(f"{seed} {fault.key}".encode()).digest())
 
 
-def drawn(count: int, seed: int, left_out: Mapping[str, str] | None = None) -> Iterator[tuple[Fault, int]]:
+def drawn(count: int, seed: int, left_out: Container[str] | None = None) -> Iterator[tuple[Fault, int]]:
     """So many faults, and which one of its room and kind each is: rooms and kinds take turns.
 
     A room without a fault of the kind has one of the next kind. Those of `left_out` are passed over.
     """
-    left_out = EQUIVALENT if left_out is None else left_out
-    pools: dict[tuple[str, str], list[tuple[int, Fault]]] = {}
-    for room in rooms():
-        faults = [fault for path in sorted((PACKAGE / room).rglob("*.py")) for fault in found(path)]
-        for kind in KINDS:
-            pool = order((fault for fault in faults if fault.kind == kind), seed)
-            pools[room, kind] = [(k, fault) for k, fault in enumerate(pool, 1) if fault.key not in left_out]
+    left_out, every = EQUIVALENT if left_out is None else left_out, rooms()
+    pools: dict[str, dict[str, list[tuple[int, Fault]]]] = {}
     for i in range(count):
-        room = rooms()[i % len(rooms())]
+        room = every[i % len(every)]
+        if room not in pools:
+            pools[room] = _pools(room, seed, left_out)
         turns = [KINDS[(i + k) % len(KINDS)] for k in range(len(KINDS))]
-        pool = next((pools[room, kind] for kind in turns if pools[room, kind]), None)
+        pool = next((pools[room][kind] for kind in turns if pools[room][kind]), None)
         if pool is None:
             raise ValueError(f"no fault is left in {room}")
         k, fault = pool.pop(0)
         yield fault, k
+
+
+def _pools(room: str, seed: int, left_out: Container[str]) -> dict[str, list[tuple[int, Fault]]]:
+    """The faults of a room by kind, numbered in their order."""
+    faults, pools = [fault for path in sorted((PACKAGE / room).rglob("*.py")) for fault in found(path)], {}
+    for kind in KINDS:
+        ordered = order((fault for fault in faults if fault.kind == kind), seed)
+        pools[kind] = [(k, fault) for k, fault in enumerate(ordered, 1) if fault.key not in left_out]
+    return pools

@@ -379,3 +379,17 @@ def test_a_channel_of_another_kind_goes_along():
     found = compensate(gyro(16, 1e-6 * (TEMP.values - 20)), increments, ["dv"])
     assert re.search("per m/s", found.to_dict()["effects"][0]["unit"])
     assert found["dv"].low < 1e-6 < found["dv"].high
+
+
+def test_the_figure_shows_means_of_the_rate_over_minutes(tmp_path):
+    path, record = tmp_path / "hour.npz", gyro(5, 1e-5 * TEMP.values)
+    al.write(al.Recording((record, TEMP)), path)
+    study = al.compensate_file(path, settings=al.CompensationSettings(regressors=("temp",)))
+    axes = al.plot(study).axes[1]
+    before, after, taken = (line.get_xydata() for line in axes.lines)
+    assert axes.get_xlabel() == "time (min)"
+    assert "means of 9 s" in axes.get_ylabel()
+    np.testing.assert_allclose(before[:, 0], (np.arange(400) + 0.5) * 9 / 60)
+    np.testing.assert_allclose(before[:, 1] - after[:, 1], taken[:, 1], atol=1e-9)
+    means = np.degrees(record.values).reshape(400, 9).mean(axis=1) * 3600
+    np.testing.assert_allclose(np.diff(before[:, 1]), np.diff(means), atol=1e-6)
