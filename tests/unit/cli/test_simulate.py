@@ -1,5 +1,6 @@
 """``allanite simulate``: every format, every fault, what is refused."""
 
+import contextlib
 import json
 
 import numpy as np
@@ -79,6 +80,17 @@ def test_a_rounded_rate_is_in_the_unit_of_its_step(tmp_path):
     record = al.read(path)[0]
     assert record.unit == "deg/s"
     np.testing.assert_array_equal(record.values / 0.0625, np.rint(record.values / 0.0625))
+
+
+def test_progress_is_the_share_of_the_channels_that_are_made(tmp_path, monkeypatch):
+    told = []
+    bar = contextlib.nullcontext(lambda _, share: told.append(share))
+    monkeypatch.setattr("allanite.cli.simulate.progress", lambda _: bar)
+    done = run(tmp_path / "a.npz", "--sensor", "mems", "--rate", 10, "--samples", 200, "--channels", 10)
+    assert done.exit_code == 0, done.stderr
+    assert len(told) == 10
+    assert told == sorted(told)
+    assert 0 <= told[0] < 0.5 < told[-1] <= 1
 
 
 def test_accelerometers_have_their_names_and_units(tmp_path):

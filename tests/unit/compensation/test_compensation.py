@@ -381,15 +381,26 @@ def test_a_channel_of_another_kind_goes_along():
     assert found["dv"].low < 1e-6 < found["dv"].high
 
 
-def test_the_figure_shows_means_of_the_rate_over_minutes(tmp_path):
-    path, record = tmp_path / "hour.npz", gyro(5, 1e-5 * TEMP.values)
-    al.write(al.Recording((record, TEMP)), path)
-    study = al.compensate_file(path, settings=al.CompensationSettings(regressors=("temp",)))
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "hour.npz"
+    al.write(al.Recording((gyro(5, 1e-5 * TEMP.values), TEMP)), path)
+    return al.compensate_file(path, settings=al.CompensationSettings(regressors=("temp",)))
+
+
+def test_a_study_that_was_stored_has_no_samples_to_write(study):
+    assert study.corrected.channels == ("z",)
+    again = al.from_dict(json.loads(json.dumps(study.to_dict())))
+    with pytest.raises(al.DataError, match="no channel was corrected: there is nothing to write"):
+        _ = again.corrected
+
+
+def test_the_figure_shows_means_of_the_rate_over_minutes(study):
     axes = al.plot(study).axes[1]
     before, after, taken = (line.get_xydata() for line in axes.lines)
     assert axes.get_xlabel() == "time (min)"
     assert "means of 9 s" in axes.get_ylabel()
     np.testing.assert_allclose(before[:, 0], (np.arange(400) + 0.5) * 9 / 60)
     np.testing.assert_allclose(before[:, 1] - after[:, 1], taken[:, 1], atol=1e-9)
-    means = np.degrees(record.values).reshape(400, 9).mean(axis=1) * 3600
+    means = np.degrees(gyro(5, 1e-5 * TEMP.values).values).reshape(400, 9).mean(axis=1) * 3600
     np.testing.assert_allclose(np.diff(before[:, 1]), np.diff(means), atol=1e-6)
