@@ -58,6 +58,17 @@ def test_all_faults_at_once(tmp_path):
     assert list(al.read(path)[0].history) == steps
 
 
+def test_a_low_pass_is_of_first_order_unless_told_otherwise(tmp_path):
+    made = []
+    for filtered in ("20 Hz", "20 Hz 1", "20 Hz 2"):
+        path = tmp_path / f"{filtered}.npz"
+        done = run(path, "--sensor", "mems", "--rate", 100, "--samples", 200, "--low-pass", filtered)
+        assert done.exit_code == 0, done.stderr
+        made.append(al.read(path)[0].values)
+    np.testing.assert_array_equal(made[0], made[1])
+    assert np.ptp(made[0] - made[2]) > 0
+
+
 def test_a_noise_profile_as_text_and_as_a_file(tmp_path):
     usual = ("--model", "N 0.01 deg/sqrt(h)", "--rate", 100, "--samples", 5000)
     (tmp_path / "profile.csv").write_text("time,factor\n0,1\n10,3\n40,1\n", "utf-8")

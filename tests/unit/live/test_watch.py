@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -67,6 +68,22 @@ def checked(study, err, *, size):
     N = next(one for one in channel["fit"]["terms"] if one["symbol"] == "N")
     assert N["shown"]["value"] == pytest.approx(1 / np.sqrt(RATE) / 60, rel=0.03)
     assert channel["curves"][0]["deviation"][0] == pytest.approx(np.deg2rad(1 / 3600), rel=0.03)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="select on a pipe")
+def test_a_line_without_an_other_end_is_gone(monkeypatch):
+    """A pipe stands in for the line."""
+    serial = pytest.importorskip("serial", reason="the extra 'live'")
+    ends = os.pipe()
+    port = SimpleNamespace(fd=ends[0], close=lambda: os.close(ends[0]))
+    monkeypatch.setattr(serial, "Serial", lambda *_, **__: port)
+    tap = opened("/dev/null", 9600)
+    os.write(ends[1], b"1.5\n")
+    assert (tap.take(1.0), tap.take(0.0)) == (b"1.5\n", b"")
+    os.close(ends[1])
+    with pytest.raises(OSError, match="the device is gone"):
+        tap.take(1.0)
+    tap.close()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a pseudo-terminal")
