@@ -122,10 +122,10 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
     row, size, terms = al.STATISTICS[name], 2**16, [al.TERMS[s] for s in "NBK"]
     m = row.step * 2 ** np.arange(0, 14, 3)
     wanted = crossed([row] * m.size, m, size, terms)
-    monkeypatch.setattr(ramped, "MOST", 2**14)
+    monkeypatch.setattr(ramped, "MOST", 2**12)
     found = crossed([row] * m.size, m, size, terms)
     for k in range(len(terms)):
-        assert correlated(found[..., k], wanted[..., k]) < 1e-3
+        assert 0 < correlated(found[..., k], wanted[..., k]) < 2e-3
 
 
 @pytest.mark.parametrize("ramp", all_but([1e-4, 1e-3, 1e-2], [1e-4, 1e-2], "full matrices"))

@@ -347,6 +347,13 @@ def test_a_record_is_corrected_in_its_own_unit():
     assert corrected.history == ("corrected: harmonics 128, 256 of the angle",)
 
 
+def test_a_harmonic_is_a_sine_with_an_amplitude_and_a_phase():
+    found = al.angle.Harmonics.of({1: (3e-3, -1e-3), 2: (-2e-3, 0.5e-3)})
+    angle = np.linspace(0.0, 7.0, 50)
+    parts = zip(found.orders, found.amplitude, found.phase, strict=True)
+    np.testing.assert_allclose(sum(size * np.sin(k * angle + at) for k, size, at in parts), found.at(angle), atol=1e-15)
+
+
 @pytest.mark.parametrize(("kind", "unit"), [("rate", "deg/s"), ("increment", "arcsec"), ("angle", "m/s")])
 def test_only_angles_are_corrected(kind, unit):
     record = al.Record(np.arange(5.0), rate=1.0, unit=unit, kind=kind, name="x")

@@ -1,5 +1,6 @@
 """``allanite simulate``: every format, every fault, what is refused."""
 
+import contextlib
 import json
 
 import numpy as np
@@ -57,6 +58,17 @@ def test_all_faults_at_once(tmp_path):
     assert list(al.read(path)[0].history) == steps
 
 
+def test_a_low_pass_is_of_first_order_unless_told_otherwise(tmp_path):
+    made = []
+    for filtered in ("20 Hz", "20 Hz 1", "20 Hz 2"):
+        path = tmp_path / f"{filtered}.npz"
+        done = run(path, "--sensor", "mems", "--rate", 100, "--samples", 200, "--low-pass", filtered)
+        assert done.exit_code == 0, done.stderr
+        made.append(al.read(path)[0].values)
+    np.testing.assert_array_equal(made[0], made[1])
+    assert np.ptp(made[0] - made[2]) > 0
+
+
 def test_a_noise_profile_as_text_and_as_a_file(tmp_path):
     usual = ("--model", "N 0.01 deg/sqrt(h)", "--rate", 100, "--samples", 5000)
     (tmp_path / "profile.csv").write_text("time,factor\n0,1\n10,3\n40,1\n", "utf-8")
@@ -79,6 +91,17 @@ def test_a_rounded_rate_is_in_the_unit_of_its_step(tmp_path):
     record = al.read(path)[0]
     assert record.unit == "deg/s"
     np.testing.assert_array_equal(record.values / 0.0625, np.rint(record.values / 0.0625))
+
+
+def test_progress_is_the_share_of_the_channels_that_are_made(tmp_path, monkeypatch):
+    told = []
+    bar = contextlib.nullcontext(lambda _, share: told.append(share))
+    monkeypatch.setattr("allanite.cli.simulate.progress", lambda _: bar)
+    done = run(tmp_path / "a.npz", "--sensor", "mems", "--rate", 10, "--samples", 200, "--channels", 10)
+    assert done.exit_code == 0, done.stderr
+    assert len(told) == 10
+    assert told == sorted(told)
+    assert 0 <= told[0] < 0.5 < told[-1] <= 1
 
 
 def test_accelerometers_have_their_names_and_units(tmp_path):

@@ -127,6 +127,13 @@ def test_every_kind_of_record_is_corrected_alike(kind):
     assert corrected.kind == ("increment" if kind == "count" else kind)
 
 
+def test_a_channel_that_is_read_with_an_angle_has_the_means_of_the_intervals():
+    found = compensate(gyro(5, 1e-5 * TEMP.values), TEMP, ["temp"])
+    angle = channel(np.cumsum(1e-5 * TEMP.values), "rad", "z", kind="angle")
+    ends, middle = (al.Recording((channel(v),)) for v in (TEMP.values, (TEMP.values[1:] + TEMP.values[:-1]) / 2))
+    np.testing.assert_allclose(found.rate_error(angle, ends), found.rate_error(angle, middle), rtol=1e-12)
+
+
 def test_what_was_saved_corrects_in_the_same_way(tmp_path):
     record = gyro(6, 1e-5 * TEMP.values + 1e-6 * (TEMP.values - 20) ** 2)
     found = compensate(record, TEMP, ["temp"], derivative_of=["temp"], degree=2, lags=(60.0,), trend=True)
@@ -372,3 +379,28 @@ def test_a_channel_of_another_kind_goes_along():
     found = compensate(gyro(16, 1e-6 * (TEMP.values - 20)), increments, ["dv"])
     assert re.search("per m/s", found.to_dict()["effects"][0]["unit"])
     assert found["dv"].low < 1e-6 < found["dv"].high
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "hour.npz"
+    al.write(al.Recording((gyro(5, 1e-5 * TEMP.values), TEMP)), path)
+    return al.compensate_file(path, settings=al.CompensationSettings(regressors=("temp",)))
+
+
+def test_a_study_that_was_stored_has_no_samples_to_write(study):
+    assert study.corrected.channels == ("z",)
+    again = al.from_dict(json.loads(json.dumps(study.to_dict())))
+    with pytest.raises(al.DataError, match="no channel was corrected: there is nothing to write"):
+        _ = again.corrected
+
+
+def test_the_figure_shows_means_of_the_rate_over_minutes(study):
+    axes = al.plot(study).axes[1]
+    before, after, taken = (line.get_xydata() for line in axes.lines)
+    assert axes.get_xlabel() == "time (min)"
+    assert "means of 9 s" in axes.get_ylabel()
+    np.testing.assert_allclose(before[:, 0], (np.arange(400) + 0.5) * 9 / 60)
+    np.testing.assert_allclose(before[:, 1] - after[:, 1], taken[:, 1], atol=1e-9)
+    means = np.degrees(gyro(5, 1e-5 * TEMP.values).values).reshape(400, 9).mean(axis=1) * 3600
+    np.testing.assert_allclose(np.diff(before[:, 1]), np.diff(means), atol=1e-6)

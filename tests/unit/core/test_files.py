@@ -31,6 +31,13 @@ def test_a_missing_folder_and_a_folder_are_named(tmp_path):
         demand_writable(tmp_path, force=True)
 
 
+def test_a_folder_that_may_not_be_written_is_named(tmp_path, monkeypatch):
+    """The system is stood in for: root may write everywhere."""
+    monkeypatch.setattr("allanite.core.files.os.access", lambda *_: False)
+    with pytest.raises(UsageError, match=f"the folder '{tmp_path}' is not writable"):
+        demand_writable(tmp_path / "page.html")
+
+
 def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "page.html"
     path.write_bytes(b"old")

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -69,6 +70,22 @@ def checked(study, err, *, size):
     assert channel["curves"][0]["deviation"][0] == pytest.approx(np.deg2rad(1 / 3600), rel=0.03)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="select on a pipe")
+def test_a_line_without_an_other_end_is_gone(monkeypatch):
+    """A pipe stands in for the line."""
+    serial = pytest.importorskip("serial", reason="the extra 'live'")
+    ends = os.pipe()
+    port = SimpleNamespace(fd=ends[0], close=lambda: os.close(ends[0]))
+    monkeypatch.setattr(serial, "Serial", lambda *_, **__: port)
+    tap = opened("/dev/null", 9600)
+    os.write(ends[1], b"1.5\n")
+    assert (tap.take(1.0), tap.take(0.0)) == (b"1.5\n", b"")
+    os.close(ends[1])
+    with pytest.raises(OSError, match="the device is gone"):
+        tap.take(1.0)
+    tap.close()
+
+
 @pytest.mark.skipif(os.name == "nt", reason="a pseudo-terminal")
 def test_through_a_terminal_moved_unplugged_and_ended(tmp_path):
     pytest.importorskip("serial", reason="the extra 'live'")
@@ -126,6 +143,15 @@ def test_datagrams_and_interruption(tmp_path):
         err = said + ended(watch, signal.SIGINT)
     checked(json.loads(result.read_text()), err, size=40_000)
     assert curve.read_text().startswith("channel,statistic,m")
+
+
+def test_what_a_short_stream_lacks_is_reported(tmp_path):
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(np.random.default_rng(3).normal(size=20)))
+    watch = Watch(str(path), al.Recipe(rate=RATE, unit="deg/h"), WatchSettings(idle=0.1))
+    for _ in watch.events():
+        pass
+    assert watch.report().startswith("column 1: 0 s; 0 samples are too few for noise coefficients")
 
 
 @pytest.mark.slow("long streams")

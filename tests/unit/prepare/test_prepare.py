@@ -107,6 +107,15 @@ def test_the_quiet_window_is_the_quiet_one():
             quiet_window(both, length)
 
 
+def test_small_steps_of_the_mean_are_motion():
+    """Where blocks differ by more than their noise it is not as quiet as where there is a little more of that."""
+    y = 0.01 * np.tile([-1.0, 1.0], 30_000)
+    y[:30_000] += 0.015 * (np.arange(30_000) // 100 % 2)
+    y[30_000:] *= 1.1
+    window = quiet_window(al.Recording((al.Record(y, 100.0, "deg/s", name="x"),)), 120.0)
+    assert window["x"].start >= 299
+
+
 def test_runs_of_true():
     mask = np.array([True, True, False, True, False, False, True])
     assert stretches(mask).tolist() == [[0, 2], [3, 4], [6, 7]]

@@ -1,6 +1,7 @@
 """Files read in parts: the samples, rate, names, notes and findings of the same file read as a whole."""
 
 import hashlib
+import os
 from pathlib import Path
 
 import numpy as np
@@ -147,6 +148,16 @@ def test_parts_are_the_whole(case, tmp_path):
         assert beat.start == whole[0].start
         assert notes == whole.notes
         assert [(f.name, f.what) for f in findings] == [(f.name, f.what) for f in whole.findings]
+
+
+@pytest.mark.parametrize("case", ["one column", "columns one after the other", "raw"])
+def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path):
+    make, choices = CASES[case]
+    path = make(tmp_path)
+    with opened(path, "1kB", choices) as reader:
+        os.truncate(path, os.stat(path).st_size - 100)
+        with pytest.raises(DataError, match="ends in the middle of its numbers"):
+            list(reader.pieces(4096))
 
 
 @settings(max_examples=examples(25), deadline=None)

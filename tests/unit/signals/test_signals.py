@@ -187,12 +187,13 @@ def test_clipped_readings_are_counted_and_refused_above_a_thousandth(full_scale,
     assert "clipped" in {f.name for f in found.findings}
 
 
-def test_both_ends_of_a_converter_count_as_clipped():
+@pytest.mark.parametrize("unit", ["V", "1"], ids=["volts", "codes"])
+def test_both_ends_of_a_converter_count_as_clipped(unit):
     stage = al.Stage("ADC", 3, 4.0, "V")
-    ends = al.Record([-4, -3, -2, -1, 0, 1, 2, 3] * 2, 1.0, "V")
+    ends = al.Record([-4, -3, -2, -1, 0, 1, 2, 3] * 2, 1.0, unit)
     with pytest.raises(al.DataError, match="4 of 16 samples"):
         rate_from_current(ends, 1.0, sense=1.0, stage=stage)
-    inner = al.Record([-3, -2, -1, 0, 1, 2] * 2, 1.0, "V")
+    inner = al.Record([-3, -2, -1, 0, 1, 2] * 2, 1.0, unit)
     assert rate_from_current(inner, 1.0, sense=1.0, stage=stage).size == 12
 
 

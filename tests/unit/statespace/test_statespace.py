@@ -60,6 +60,7 @@ EXACT = {
     "QK": "Q 0.3 rad, K 0.02 rad/s^1.5",
     "NKR": "N 1 rad/sqrt(s), K 0.02 rad/s^1.5, R 1e-3 rad/s^2",
     "GM": "N 0.2 rad/sqrt(s), GM 1 rad/s 3 s, GM 2 rad/s 300 s",
+    "GMA": "N 0.2 rad/sqrt(s), GMA 0.3 rad 3 s",
     "Sine": "N 1 rad/sqrt(s), Sine 0.4 rad/s 0.11 Hz",
     "all": "Q 0.3 rad, N 1 rad/sqrt(s), K 0.02 rad/s^1.5, R 1e-3 rad/s^2, GM 1 rad/s 3 s, Sine 0.4 rad/s 0.11 Hz",
 }

@@ -4,10 +4,13 @@ import pickle
 
 import numpy as np
 import pytest
+from scipy.fft import dct
 from tests import thinned
 
 import allanite as al
 from allanite.planning.sensors import sensor
+from allanite.prepare.gaps import gaps_between
+from allanite.stream.coefficients import Ladder
 from allanite.stream.lapped import basis, folded
 
 
@@ -86,6 +89,16 @@ def test_too_little_and_nothing_are_refused():
         stream.fit()
     with pytest.raises(al.UsageError, match="unknown term"):
         stream.fit("X")
+
+
+def test_the_variance_of_coefficients_under_angle_noise_is_that_of_its_matrix():
+    """Its differences over cells, whose sums are divided by the root of the width."""
+    n, width = 40, 8
+    none = np.zeros(n - 1, np.int64)
+    ladder = Ladder(n - 1, width, gaps_between(np.arange(n)), none, none, np.ones(n - 1))
+    change = dct(np.diff(np.eye(n + 1), axis=0) / np.sqrt(width), axis=0, norm="ortho")
+    wanted = np.sum(change**2, axis=1)[1:]
+    np.testing.assert_allclose(ladder.row(al.TERMS["Q"], ladder.cells, np.arange(1.0, n)), wanted, rtol=1e-10)
 
 
 def test_the_basis_is_orthogonal_but_for_its_means_and_folding_is_the_same():

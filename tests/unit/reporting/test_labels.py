@@ -1,0 +1,34 @@
+"""Where the labels of lines stand."""
+
+import numpy as np
+import pytest
+
+from allanite.reporting.figures.labels import ENOUGH, Box, freedom, place
+
+NOTHING = np.empty((0, 2))
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "wanted"),
+    [((0.5, 0.5), 0.0), ((0.5, 0.56), 1.2), ((0.5, 0.44), 1.2), ((0.61, 0.52), 1.1), ((0.9, 0.9), ENOUGH)],
+)
+def test_points_are_as_far_from_a_label_as_they_are_outside_it(obstacle, wanted):
+    """1 is its edge."""
+    label = Box(0.5, 0.5, 0.2, 0.1)
+    assert freedom(label, np.array([(0.95, 0.05), obstacle]), ()) == pytest.approx(wanted)
+
+
+def test_labels_keep_a_wider_distance_from_each_other():
+    label, touching = Box(0.5, 0.5, 0.2, 0.1), Box(0.5, 0.6, 0.2, 0.1)
+    assert freedom(label, NOTHING, ()) == ENOUGH
+    assert freedom(label, NOTHING, [touching]) == pytest.approx(1.0)
+    assert freedom(label, NOTHING, [touching._replace(y=0.55)]) == pytest.approx(-0.5)
+
+
+@pytest.mark.parametrize("side", [1, -1], ids=["above", "below"])
+def test_a_label_stands_on_the_side_of_its_line_where_nothing_is(side):
+    x = np.linspace(0.1, 0.9, 81)
+    points = np.concatenate([np.column_stack([x, np.full(x.size, y)]) for y in (0.5, 0.5 + 0.05 * side)])
+    label = place(np.array([(0.5, 0.5)]), (0.2, 0.06), points, ())
+    assert side * (label.y - 0.5) < -0.04
+    assert label.x == pytest.approx(0.5)

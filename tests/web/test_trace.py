@@ -1,0 +1,49 @@
+"""The trace of a channel: the extremes of stretches, as many as asked for, wherever the window is."""
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.web.trace import build, window
+
+VALUES = np.random.default_rng(1).normal(size=300_000)
+RATE = 100.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("trace")
+    build(place, al.Recording((al.Record(VALUES, RATE, "deg/h", name="gx"),)), "as it is")
+    return place
+
+
+@pytest.mark.parametrize(("start", "stretches", "size"), [(0, 500, 2), (280_000, 500, 2), (250_000, 400, 40)])
+def test_a_window_has_the_extremes_and_middles_of_its_stretches(folder, start, stretches, size):
+    stop = start + stretches * size
+    found = window(folder, "gx", start / RATE, stop / RATE, stretches)
+    parts = VALUES[start:stop].reshape(stretches, size)
+    if size < 16:
+        np.testing.assert_allclose(found["t"], (start + size * (np.arange(stretches) + 0.5)) / RATE)
+        np.testing.assert_allclose(found["low"], parts.min(axis=1), rtol=1e-5)
+        np.testing.assert_allclose(found["high"], parts.max(axis=1), rtol=1e-5)
+    # longer ones begin and end between those of a level
+    assert len(found["t"]) == stretches
+    assert min(found["low"]) == pytest.approx(parts.min(), rel=1e-5)
+    assert max(found["high"]) == pytest.approx(parts.max(), rel=1e-5)
+    assert np.all(np.diff(found["t"]) > 0)
+
+
+def test_few_samples_are_shown_as_they_are(folder):
+    found = window(folder, "gx", 10.0, 10.5, 100)
+    assert found["low"] == found["high"]
+    np.testing.assert_allclose(found["low"], VALUES[1000:1050], rtol=1e-5)
+    np.testing.assert_allclose(found["t"], np.arange(1000, 1050) / RATE)
+
+
+def test_the_whole_has_every_extreme(folder):
+    found = window(folder, "gx", None, None, 1000)
+    assert 500 < len(found["t"]) <= 1000
+    assert min(found["low"]) == pytest.approx(VALUES.min(), rel=1e-5)
+    assert max(found["high"]) == pytest.approx(VALUES.max(), rel=1e-5)
+    assert found["t"][0] == pytest.approx(1.5, abs=1.5)
+    assert found["t"][-1] == pytest.approx(2998.5, abs=1.5)
