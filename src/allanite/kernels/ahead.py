@@ -19,7 +19,7 @@ _X, _M, _COLUMNS = "float64[::1]", "int64[::1]", "float64[:, ::1]"
 _DATA = f"Tuple(({_X}, {_X}, float64[:, :, ::1], {_COLUMNS}))"
 
 THERE = {
-    "whittle.evaluated": f"({_X}, {_COLUMNS}, {_DATA})",
+    "whittle.evaluated": f"({_X}, {_X}, {_COLUMNS}, {_DATA})",
     "whittle.minimise": f"({_X}, {_X}, {_COLUMNS}, {_DATA})",
 }
 """What the other process compiles: kernel and types of its arguments."""

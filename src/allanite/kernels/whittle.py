@@ -160,9 +160,9 @@ def _completed(m, found, data):  # type: ignore[no-untyped-def]
 
 
 @swift
-def evaluated(theta, columns, data):  # type: ignore[no-untyped-def]
+def evaluated(theta, held, columns, data):  # type: ignore[no-untyped-def]
     """L, infinite where the expectation is not positive; the directions' part of 2 L; what `_completed` gives."""
-    m = _expectation(columns, theta, np.zeros(columns.shape[1]))
+    m = _expectation(columns, theta, held)
     least, found = _evaluated(m, data)
     return least, found[3], _completed(m, found, data)
 

@@ -64,7 +64,7 @@ def _masks(found: Found) -> tuple[tuple[float, float], ...]:
 
 
 def _filter(found: Found) -> LowPass | None:
-    part, rate = found.part, found.seen.rate
+    part, rate = found.shaped, found.seen.rate
     if part.filter is None:
         return None
     low, high = limits(part, part.filter, CONFIDENT)
@@ -74,7 +74,8 @@ def _filter(found: Found) -> LowPass | None:
 
 def expected_power(found: Found) -> FloatArray:
     """Power of the terms in every bin, without a filter, shape (bins,)."""
-    m = found.chosen.likelihood.expectation(found.chosen.theta) / found.part.gain[found.used]
+    part, likelihood = found.part, found.chosen.likelihood
+    m = (likelihood.expectation(found.chosen.theta) - likelihood.added) / part.passed[found.used]
     if found.used.all():
         return m
     rest = found.part.but(used=np.ones_like(found.used))
@@ -94,11 +95,11 @@ def _with_shapes(found: Found, columns: FloatArray) -> FloatArray:
 
 
 def _levels(found: Found) -> FloatArray:
-    """The gain of the filter where the fit reads; elsewhere what was observed, smoothed."""
+    """The gain of the filter, with what is added, where the fit reads; elsewhere what was observed, smoothed."""
     ratio = found.seen.power / expected_power(found)
     around = surroundings(ratio * found.seen.count).sum(axis=1) / surroundings(found.seen.count).sum(axis=1)
     known = np.where(found.seen.count > WELL_KNOWN, ratio, around)
-    return np.where(found.used, found.part.gain, known)
+    return np.where(found.used, found.part.passed + found.part.added / expected_power(found), known)
 
 
 def largest_misfit(found: Found) -> float:

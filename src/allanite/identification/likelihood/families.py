@@ -15,6 +15,7 @@ from allanite.core.record import Record
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
+from .evidence import rises_to_top
 from .law import AKAIKE, Law, law, traces
 from .portion import Portion, portion
 from .selection import PENALTY, Profile, Subset, select, subsets
@@ -27,6 +28,9 @@ SLOW = 30.0
 
 DISTINGUISHABLE = 2.0
 """Difference of the Akaike criterion below which two models describe a record equally well."""
+
+NEVER = 1e9
+"""Penalty of angle noise where the spectrum does not rise."""
 
 EVIDENCE = 12.0
 """What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for replacing
@@ -67,6 +71,11 @@ class Found(Portable):
         return self.part.used
 
     @property
+    def shaped(self) -> Portion:
+        """The portion, with the shape that was found of the last term."""
+        return self.part.shaped(self.chosen.constants)
+
+    @property
     def base(self) -> Portion:
         """The portion without a Gauss-Markov term that was not requested."""
         rival = self.search is not None and not self.search.asked
@@ -80,8 +89,7 @@ class Found(Portable):
             return [*elsewhere, *self.every] or [self.chosen]
         if self.counts:
             return [*elsewhere, *self.every, *self.search.around(self.markov)]
-        explains = _explains(self.markov, self.part)
-        return [*elsewhere, *(self.search.around(self.markov) if explains else []), *self.every]
+        return [*elsewhere, *self.search.around(self.markov), *self.every]
 
     @cached_property
     def full(self) -> Subset:
@@ -109,6 +117,11 @@ class Found(Portable):
     def profile(self, which: int) -> Profile:
         """Profile of the likelihood of one theta, nothing omitted that could take its place."""
         return Profile(self.everything, which)
+
+    @property
+    def score(self) -> float:
+        """2 L of the chosen subset and the penalties of its terms."""
+        return self.chosen.score(penalties(self.part))
 
     @property
     def slowest(self) -> int:
@@ -143,8 +156,9 @@ class Found(Portable):
         part = self.chosen.likelihood
         share = part.S[:, : len(self.noise)] / part.expectation(self.chosen.theta)[:, None]
         dominated = part.count @ (share / share.max(axis=0)) ** 2
-        edge = np.array([TERMS[symbol].edge for symbol in self.noise])
+        edge = np.array([TERMS[symbol].edge > 0 for symbol in self.noise])
         found = np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
+        found[edge] += NEVER * (not rises_to_top(self.part))
         if self.search is not None and not self.search.asked:
             found[-1] += EVIDENCE - 2 * AKAIKE
         return found
@@ -172,7 +186,7 @@ class Found(Portable):
             return []
         if self.search.symbol not in {TERMS[symbol].substitute for symbol in TERMS}:
             return [subset for subset in (self.plain, self.markov) if subset is not None]
-        penalty = penalties(self.noise)
+        penalty = penalties(self.part)
         both = replace(self.search, may=np.ones(len(self.noise), dtype=bool), shortest=0.0)
         found = [self.flicker, self.markov or self.search.best(penalty), both.best(penalty), self.search.pair()]
         there = [subset for subset in found if subset is not None]
@@ -187,11 +201,11 @@ def flicker_in(symbols: Sequence[str]) -> int | None:
     return next((i for i, symbol in enumerate(symbols) if TERMS[symbol].substitute), None)
 
 
-def penalties(noise: Sequence[str]) -> FloatArray:
+def penalties(part: Portion) -> FloatArray:
     """What each term must gain in 2 L to be selected, a term with a shape the last of them, shape (p,)."""
-    penalty = np.full(len(noise), PENALTY)
-    penalty[-1] = EVIDENCE + ANYWHERE * max(len(TERMS[noise[-1]].parameters) - 1, 0)
-    return penalty
+    rows = [TERMS[symbol] for symbol in part.noise]
+    shaped = [EVIDENCE + ANYWHERE * (len(row.parameters) - 1) if row.parameters else PENALTY for row in rows]
+    return np.array(shaped) + NEVER * np.array([row.edge > 0 for row in rows]) * (not rises_to_top(part))
 
 
 def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
@@ -213,8 +227,11 @@ def looked(seen: Spectrum, symbols: Sequence[str], band: tuple[float, float] | N
 def fitted(part: Portion, *, rival: bool, shortest: float = SLOW) -> Found:
     """Fit every subset of the terms of a portion; see `look`.
 
-    `shortest` is the least time constant, in samples, of a Gauss-Markov term that was not requested.
+    `shortest` is the least time constant, in samples, of a Gauss-Markov term that was not requested; beside resonances
+    it is longer than the period of the lowest, so that it does not stand in for their skirts.
     """
+    if part.excess is not None and shortest:
+        shortest = max(shortest, 2 * math.pi / part.excess.lowest)
     asked = [symbol for symbol in part.noise if TERMS[symbol].parameters]
     noise = [symbol for symbol in part.noise if symbol not in asked]
     if len(asked) > 1:
@@ -223,8 +240,8 @@ def fitted(part: Portion, *, rival: bool, shortest: float = SLOW) -> Found:
         )
     flicker = flicker_in(noise)
     if not asked and not (rival and flicker is not None):
-        every = subsets(part.likelihood, must=part.must)
-        best = select(every)
+        every = subsets(part.likelihood)
+        best = select(every, penalties(part))
         return Found(part, noise, every, best, None, best, None)
     markov = asked[0] if asked else TERMS[noise[flicker or 0]].substitute
     return _with_markov(part.among((*noise, markov)), 0.0 if asked else shortest, asked=bool(asked))
@@ -237,7 +254,7 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
     needs as much evidence once more.
     """
-    penalty = penalties(part.noise)
+    penalty = penalties(part)
     other = np.array([not TERMS[symbol].substitute for symbol in part.noise])
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
@@ -256,15 +273,13 @@ def _explains(subset: Subset, part: Portion) -> bool:
 
 def _with_markov(part: Portion, shortest: float, *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not requested, it stands in the place of flicker."""
-    noise, penalty = list(part.noise), penalties(part.noise)
-    may = np.array([asked or not TERMS[symbol].substitute for symbol in noise])
+    noise, penalty = list(part.noise), penalties(part)
+    may = np.ones(len(noise), dtype=bool)
     kind = Shapes if len(TERMS[noise[-1]].parameters) > 1 else Search
     search = kind(part.likelihood, part, may, shortest, noise[-1], asked)
-    every = subsets(part.likelihood, must=part.must, may=~search.must) if len(noise) > 1 else []
+    every = subsets(part.likelihood, may=~search.must) if len(noise) > 1 else []
     plain = select(every, penalty) if every else None
-    markov = search.best(penalty) if asked or search.coarse.aic - CLOSE < _least_aic(every) else None
-    if markov and not asked and markov.aic > _least_aic(every) - DISTINGUISHABLE:
-        markov = None
+    markov = search.best(penalty)
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
     if plain and markov and best is markov and not (asked or _believed(plain, markov, part)):
         best = plain

@@ -7,15 +7,18 @@ factor.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.language import say
 
-NARROWEST = 0.004
-"""The lowest cut-off frequency that is looked for, cycles per sample."""
+NARROWEST, HIGHEST = 0.004, 0.5
+"""The lowest and the highest cut-off frequency that is looked for, cycles per sample: a record does not show others."""
+
+AVERAGED, TWICE = 0.443, 0.3189
+"""Cut-off of a moving average, and of one behind another, times the number of samples."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +30,24 @@ class Filter:
     title : str
     gain : (frequency, cut-off) -> power
         Both in cycles per sample; the frequency is an array. 1 at zero frequency.
-    widest : float
-        The highest cut-off that is looked for; sampling folds what is above 0.5.
+    starts : array
+        Cut-offs at which the search begins, the highest first: between their ends the cut-off is looked for.
     """
 
     title: str
     gain: Callable[[FloatArray, float], FloatArray]
-    widest: float = 0.9
+    starts: FloatArray = field(default_factory=lambda: _octaves(HIGHEST))
+
+    @property
+    def widest(self) -> float:
+        """The highest cut-off that is looked for."""
+        return float(self.starts[0])
+
+
+def _octaves(highest: float) -> FloatArray:
+    """Cut-offs an octave apart."""
+    found = highest * 2.0 ** -np.arange(0.0, 7.0)
+    return np.asarray(found[found > NARROWEST])
 
 
 def _sampled_one_pole(f: FloatArray, cutoff: float) -> FloatArray:
@@ -84,15 +98,20 @@ def _from_lags(r: FloatArray) -> Callable[[FloatArray], FloatArray]:
 
 
 def _moving_average(f: FloatArray, cutoff: float) -> FloatArray:
-    """The mean over 0.443 / cut-off samples, a whole number or not."""
-    length = max(0.4430 / cutoff, 1.0)
+    """The mean over `AVERAGED` / cut-off samples, a whole number or not."""
+    length = max(AVERAGED / cutoff, 1.0)
     h = np.arange(1, math.ceil(length))
     return _from_lags(1 - h / length)(f)
 
 
+def _averaged_twice(f: FloatArray, cutoff: float) -> FloatArray:
+    """Two moving averages of samples, one behind the other, each over `TWICE` / cut-off of them."""
+    return _moving_average(f, AVERAGED / TWICE * cutoff) ** 2
+
+
 def _bartlett(f: FloatArray, cutoff: float) -> FloatArray:
     """Two moving averages, one behind the other: a triangular window."""
-    length = 0.3189 / cutoff
+    length = TWICE / cutoff
     x = np.arange(1, math.ceil(2 * length)) / length
     r = np.where(x < 1, 4 - 6 * x**2 + 3 * x**3, (2 - x) ** 3) / 4
     return _from_lags(r)(f)
@@ -102,9 +121,10 @@ FILTERS: dict[str, Filter] = {
     "rc": Filter(say("1st-order low-pass"), _sampled_one_pole),
     "averaged rc": Filter(say("1st-order low-pass, averaged over each sample"), _averaged_one_pole),
     "butterworth": Filter(say("2nd-order low-pass"), _sampled_two_poles),
-    "bilinear 1": Filter(say("digital 1st-order low-pass"), _digital(1), widest=0.45),
-    "bilinear 2": Filter(say("digital 2nd-order low-pass"), _digital(2), widest=0.45),
-    "average": Filter(say("moving average"), _moving_average),
-    "bartlett": Filter(say("moving average of a moving average (Bartlett window)"), _bartlett),
+    "bilinear 1": Filter(say("digital 1st-order low-pass"), _digital(1), _octaves(0.45)),
+    "bilinear 2": Filter(say("digital 2nd-order low-pass"), _digital(2), _octaves(0.45)),
+    "average": Filter(say("moving average"), _moving_average, AVERAGED / np.arange(1.0, 33.0)),
+    "average twice": Filter(say("moving average of a moving average"), _averaged_twice, TWICE / np.arange(1.0, 33.0)),
+    "bartlett": Filter(say("continuous moving average of a moving average (Bartlett window)"), _bartlett),
 }
 """Filters that are tried; the cut-off frequency of each is the only unknown."""

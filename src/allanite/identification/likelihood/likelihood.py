@@ -37,6 +37,8 @@ class Likelihood(Portable):
         Variance along each direction with theta = 1.
     flat : bool array, shape (r,)
         Directions of any size (W is not used).
+    added : array, shape (bins,), or 0
+        Expected power that is known: m = S theta + added.
     """
 
     S: FloatArray
@@ -46,6 +48,7 @@ class Likelihood(Portable):
     Uc: FloatArray
     W: FloatArray
     flat: BoolArray
+    added: FloatArray | float = 0.0
 
     def only(self, bins: BoolArray) -> "Likelihood":
         """The likelihood of some of the bins; a direction of which they hold nothing is dropped."""
@@ -59,6 +62,7 @@ class Likelihood(Portable):
             Uc=Uc[:, held],
             W=self.W[held],
             flat=self.flat[held],
+            added=self.added if isinstance(self.added, float) else self.added[bins],
         )
 
     def behind(self, gain: FloatArray, mean: float) -> "Likelihood":
@@ -91,7 +95,7 @@ class Likelihood(Portable):
 
     def expectation(self, theta: FloatArray) -> FloatArray:
         """Expected power m of the bins, without the directions."""
-        return np.asarray(self.S @ theta)
+        return np.asarray(self.S @ theta + self.added)
 
     @cached_property
     def data(self) -> tuple[FloatArray, ...]:
@@ -105,6 +109,13 @@ class Likelihood(Portable):
         bins, terms = self.S.shape
         found = np.empty((terms, bins + np.count_nonzero(~self.flat)))
         found[:, :bins], found[:, bins:] = self.S.T, self.W[~self.flat].T
+        return found
+
+    @cached_property
+    def _held(self) -> FloatArray:
+        """What is known of the expectation, as the kernels take it; the directions have no part in it."""
+        found = np.zeros(self.columns.shape[1])
+        found[: self.power.size] = self.added
         return found
 
     @cached_property
@@ -135,7 +146,7 @@ class Likelihood(Portable):
         from allanite.kernels.whittle import evaluated
 
         found: tuple[float, float, tuple[FloatArray, ...]] = evaluated(
-            np.asarray(theta, dtype=np.float64), self.columns, self.data
+            np.asarray(theta, dtype=np.float64), self._held, self.columns, self.data
         )
         return found
 
@@ -146,7 +157,7 @@ class Likelihood(Portable):
 
     def information(self, theta: FloatArray) -> FloatArray:
         """Expected information of theta with the directions unknown, shape (p, p)."""
-        m = self.S @ theta
+        m = self.expectation(theta)
         _, V, _ = self.directions(theta)
         X = self.S / m[:, None]
         UU = self.UU.reshape(m.size, V.size)
@@ -185,7 +196,7 @@ class Likelihood(Portable):
         """Theta >= 0 at the minimum of L, and L; what is not `moving` is held."""
         from allanite.kernels.whittle import minimise
 
-        held = np.where(moving, 0.0, theta) @ self.columns
+        held = self._held + np.where(moving, 0.0, theta) @ self.columns
         found = theta.copy()
         found[moving], best = minimise(theta[moving], held, self.columns[moving], self.data)
         return found, float(best)

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
@@ -15,6 +17,9 @@ from .filters import FILTERS
 from .likelihood import Likelihood
 from .spectrum import Spectrum
 from .whittle import likelihood, table_column, with_warm_up
+
+if TYPE_CHECKING:
+    from .resonances import Excess
 
 LOWEST = 1e-9
 """Gain of a bin in the stop band, at least."""
@@ -53,8 +58,10 @@ class Portion(Portable):
         Allowed for by `trust`: RMS over cells of the spectrum, as a share of the power.
     warm : float, optional
         Time constant of a warm-up, in samples, whose size is left open.
-    kept : tuple of str
-        Terms that are never omitted, whatever they gain.
+    excess : Excess, optional
+        Resonances, whose power is added to that of the terms.
+    shape : tuple of float
+        Of the last term, if it is known, where a filter is tuned.
     """
 
     seen: Spectrum
@@ -65,12 +72,8 @@ class Portion(Portable):
     trust: FloatArray | None = None
     misfit: float = 0.0
     warm: float | None = None
-    kept: tuple[str, ...] = ()
-
-    @property
-    def must(self) -> BoolArray:
-        """Which terms are never omitted, shape (terms of noise,)."""
-        return np.array([symbol in self.kept for symbol in self.noise])
+    excess: "Excess | None" = None
+    shape: tuple[float, ...] = ()
 
     @cached_property
     def whole(self) -> Likelihood:
@@ -86,9 +89,18 @@ class Portion(Portable):
         return self.whole.only(self.used)
 
     @cached_property
-    def gain(self) -> FloatArray:
+    def passed(self) -> FloatArray:
         """Gain of the filter in each bin, 1 without one, shape (bins,)."""
         return np.ones(self.used.size) if self.filter is None else self.filter.gain(self.seen)
+
+    @cached_property
+    def added(self) -> FloatArray:
+        """Power that is no part of the terms: of resonances, and of a rounding behind a filter, shape (bins,).
+
+        Without a filter the rounding of a rate is white noise like any other; the filter lowers that of the sensor only.
+        """
+        rounding = self.seen.rounding * (1 - self.passed)
+        return rounding if self.excess is None else rounding + self.excess.power
 
     @cached_property
     def likelihood(self) -> Likelihood:
@@ -96,12 +108,20 @@ class Portion(Portable):
         found = self.unfiltered
         if self.filter is not None:
             count = self.seen.count
-            found = found.behind(self.gain[self.used], float(self.gain @ count / count.sum()))
-        return found if self.trust is None else found.trusted(self.trust[self.used])
+            found = found.behind(self.passed[self.used], float(self.passed @ count / count.sum()))
+        if self.added.any():
+            found = replace(found, added=self.added[self.used])
+        for share in (self.trust, None if self.excess is None else self.excess.trust(self.seen.count)):
+            found = found if share is None else found.trusted(share[self.used])
+        return found
+
+    def known(self, shape: tuple[float, ...]) -> Likelihood:
+        """The likelihood where the shape of the last term is known; without one, as it is."""
+        return self.likelihood.with_column(-1, self.column(self.noise[-1], shape)) if shape else self.likelihood
 
     def column(self, symbol: str, shape: tuple[float, ...]) -> FloatArray:
         """Expected power of a term in the bins that are read."""
-        return np.asarray((table_column(symbol, self.seen, shape) * self.gain)[self.used])
+        return np.asarray((table_column(symbol, self.seen, shape) * self.passed)[self.used])
 
     def but(self, used: BoolArray | None = None, filter: Tuned | None = None) -> "Portion":  # noqa: A002
         """The same spectrum, read elsewhere or behind a filter, with full trust."""
@@ -120,6 +140,10 @@ class Portion(Portable):
         if other.used is self.used:
             other.__dict__["unfiltered"] = self.unfiltered
         return other
+
+    def shaped(self, shape: tuple[float, ...]) -> "Portion":
+        """The same where the shape of the last term is known."""
+        return self._lent(replace(self, shape=shape))
 
     def among(self, noise: tuple[str, ...]) -> "Portion":
         """The same with other terms of noise."""

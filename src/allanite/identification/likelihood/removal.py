@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.fit import Line
 from allanite.core.language import say_count
 from allanite.core.record import Record
@@ -9,14 +10,16 @@ from allanite.prepare.gaps import known_rates
 
 from .families import Found
 from .lines import Wave, levels, suspected, waves_of
+from .scope import behind_filter
 
 
 def without_lines(record: Record, found: Found, band: tuple[float, float] | None) -> tuple[tuple[Line, ...], Record]:
     """The sinusoids of a record whose noise was looked at, and the rest of it; the record itself if there are none."""
-    seen = found.seen
-    m = np.full(seen.power.size, np.nan)
-    m[found.used] = found.chosen.likelihood.expectation(found.chosen.theta)
-    level = levels(seen, np.where(np.isfinite(m), m, seen.power))
+    seen, level = found.seen, _level(found)
+    if not suspected(seen, level, found.used):
+        return (), record
+    # between the lobes of a filter the noise is low, and what is at their tops is no line
+    level = _level(behind_filter(found.base))
     if not suspected(seen, level, found.used):
         return (), record
     rates = known_rates(record)
@@ -31,6 +34,13 @@ def without_lines(record: Record, found: Found, band: tuple[float, float] | None
         for wave, s in zip(waves, scale, strict=True)
     )
     return tuple(sorted(lines, key=lambda line: line.frequency)), _less(record, waves)
+
+
+def _level(found: Found) -> FloatArray:
+    """The power of the noise in every bin."""
+    m = found.seen.power.copy()
+    m[found.used] = found.chosen.likelihood.expectation(found.chosen.theta)
+    return levels(found.seen, m)
 
 
 def _less(record: Record, waves: list[Wave]) -> Record:

@@ -17,22 +17,23 @@ import numpy as np
 from allanite.core.arrays import BoolArray
 from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .described import expected_power, largest_misfit
 from .families import Found, fitted
-from .humps import humps
+from .evidence import falls, rises_before, shows_corner
 from .portion import Portion, Tuned
+from .resonances import excess
 from .selection import Subset
 from .spectrum import FEWEST
-from .tuning import FALL, falls, left_open, octave_levels, tuning
+from .tuning import Tuning, left_open, tuning
 from .warmup import WarmUp, without_warm_up
 
-MASKED = 0.25
-"""Share of the bins that may be omitted as humps."""
+MASKED = 0.5
+"""Share of the bins that resonances may hide."""
 
-LOOKS = 4
-"""Fits without the humps, whose model shows how far their skirts reach."""
+FLOOR = 0.8
+"""Share of the power of an octave that the white noise has where it is seen."""
 
 ENOUGH, DECADES = 1000, 1.5
 """Coefficients, and decades of frequency, that a band must hold: a test of fewer has no power."""
@@ -46,11 +47,17 @@ SMALL, LARGE = 0.03, 0.1
 NEARLY = 8.0
 """Factor by which the highest frequency may be lowered before a small misfit is accepted instead."""
 
-RISE = 1.5
-"""Ratio of the highest level of the power to the lowest below it, by which a strong angle noise is seen."""
+FALL = 0.1
+"""Share of the highest level of the power that must be missing at the top of what is read."""
 
-HIGH = 3.0
-"""Height of a hump, over the model, from which a band below it is read instead of both sides."""
+RATHER = 0.05
+"""The lowest cut-off of a filter that has angle noise before it, cycles per sample."""
+
+RETUNED, SETTLED = 3, 0.1
+"""Times that a cut-off is tuned again beside Gauss-Markov noise, until that gains less than this in 2 L."""
+
+OSCILLATION, DAMPED = "GM2", 0.1
+"""The term of a damped oscillation, and the damping ratio from which it is a loop and no resonance."""
 
 WRONG = 0.5
 """Misfit of a cell beyond chance, as a share of the power, from which a model is not a description of it."""
@@ -72,10 +79,15 @@ def scoped(found: Found, *, rival: bool, free: bool = True) -> Found:
     """
     if explains(found):
         return found
-    for candidate in _candidates(found, rival) if free else _quick(found.base, rival):
+    for candidate in _candidates(found.base, rival) if free else _quick(found.base, rival):
         if explains(candidate):
             return candidate
     return found
+
+
+def behind_filter(part: Portion) -> Found:
+    """What is behind a filter, if the record shows one, whether it explains the spectrum or not."""
+    return next(_behind(part, rival=False), None) or fitted(part, rival=False)
 
 
 def steady(found: Found, signal: Signal, *, rival: bool, free: bool) -> tuple[WarmUp | None, Found]:
@@ -94,100 +106,149 @@ def explains(found: Found) -> bool:
     return goodness(found.seen, found.full.likelihood, found.full.theta, found.used).explained
 
 
-def _candidates(found: Found, rival: bool) -> Iterator[Found]:
-    """Ways to read the spectrum, the one that omits least first."""
-    whole, best = found.base, found
-    for best in chain(_behind(whole, rival), _quick(whole, rival), _behind_angle(whole, rival)):
-        yield best
-    for source in (found, best):
-        for best in _masked(source, whole, rival):
-            yield best
-    last = best.base
-    yield from _bands(last, rival, NEARLY)
-    yield from _approximately(last, rival, SMALL)
-    yield from _bands(last, rival)
-    yield from _approximately(last, rival, LARGE)
+def _candidates(whole: Portion, rival: bool) -> Iterator[Found]:
+    """Ways to read the spectrum: all of it before a part of it, without a filter before behind one."""
+    yield from _whole(whole, rival)
+    masked: list[Portion] = []
+    for candidate in _masked(whole, rival):
+        if not any(candidate.part.excess is part.excess for part in masked):
+            masked.append(candidate.base.but())
+        yield candidate
+    parts = [*reversed(masked), whole]
+    for part in parts:
+        yield from _bands(part, rival, NEARLY)
+    yield from _approximately(parts[0], rival, SMALL)
+    for part in parts:
+        yield from _bands(part, rival)
+    yield from _approximately(parts[0], rival, LARGE)
 
 
-def _masked(source: Found, whole: Portion, rival: bool) -> Iterator[Found]:
-    """Without the humps of a fit, then behind a filter too; a high one, or one at the top, ends a band instead."""
-    out = humps(source) & whole.used
-    for _ in range(LOOKS):
-        masked = whole.but(used=whole.used & ~out)
-        if not 0 < out.sum() <= MASKED * out.size:
-            return
-        found = fitted(masked, rival=rival)
-        further = humps(found) & whole.used
-        if not (further & ~out).any():
-            break
-        out |= further
-    if not _quiet(found, masked.used):
-        return
-    if out[-1] or _high(found, out) > HIGH:
-        # the skirts of a high one reach far
-        yield from _bands(masked, rival, NEARLY)
-        return
-    yield found
-    yield from _behind(masked, rival)
-    yield from _behind_angle(masked, rival)
+def _whole(part: Portion, rival: bool) -> Iterator[Found]:
+    """All that is read, behind a filter or with a term that is seldom there."""
+    yield from _behind(part, rival)
+    if rival and part.excess is None:
+        yield fitted(part, rival=rival, shortest=0.0)
+    yield from _behind_angle(part, rival)
+    if rival and part.excess is None:
+        yield from _oscillating(part)
 
 
-def _high(found: Found, out: BoolArray) -> float:
-    """The highest power that is omitted, over that of the model."""
-    return float((found.seen.power / (expected_power(found) * found.part.gain))[out].max())
+def _oscillating(part: Portion) -> Iterator[Found]:
+    """With a damped oscillation; a resonance, which is hardly damped, is vibration and no term."""
+    found = fitted(part.among((*part.noise, OSCILLATION)), rival=False)
+    if found.chosen.constants and found.chosen.constants[-1] > DAMPED:
+        yield found
+
+
+def _masked(whole: Portion, rival: bool) -> Iterator[Found]:
+    """Beside resonances, without the frequencies that they hide, then behind a filter too.
+
+    Resonances are looked for above the floor of the terms; behind the filter that describes what falls beside them;
+    and above a floor of any shape, then behind the filter that is found beside those.
+    """
+    part, best = whole, behind_filter(whole).part
+    for smooth, start in ((False, whole), (False, best), (True, whole), (False, None)):
+        part = start or part
+        loud, through = excess(part, smooth=smooth) or (None, None)
+        if loud is None or (loud.hidden & part.used).sum() > MASKED * whole.used.size:
+            continue
+        masked = replace(whole.but(used=part.used & ~loud.hidden), excess=loud)
+        rate = masked if through is None else masked.among(_rates(whole)).but(filter=through)
+        found = fitted(rate, rival=rival)
+        if not _quiet(found, masked.used):
+            continue
+        for found in (found, *_whole(masked, rival)):
+            if found.part.filter is not None:
+                part = whole.but(used=found.used | (loud.hidden & part.used), filter=found.part.filter)
+            if shows_floor(found):
+                yield found
+
+
+def shows_floor(found: Found) -> bool:
+    """Whether an octave at least shows the white noise of the model, if there is any, rather than what is added."""
+    which = [i for i, symbol in enumerate(found.noise) if TERMS[symbol].slope == WHITE]
+    likelihood, theta = found.chosen.likelihood, found.chosen.theta
+    white = likelihood.S[:, which] @ theta[which]
+    total, count = likelihood.expectation(theta), found.seen.count[found.used]
+    octave = np.floor(np.log2(found.seen.first[found.used])).astype(int)
+    share = np.bincount(octave, white * count) / np.maximum(np.bincount(octave, total * count), np.finfo(float).tiny)
+    return not white.any() or bool((share[np.bincount(octave, count) >= ENOUGH] > FLOOR).any())
 
 
 def _quiet(found: Found, used: BoolArray, *, bare: bool = False) -> bool:
     """Whether what is not read has less than half of the power beyond the model's: else the sensor was not at rest."""
     seen, part = found.seen, found.part
-    m = expected_power(found) * part.gain
+    m = expected_power(found) * part.passed
     if bare:  # the angle noise, which a band does not see, excuses nothing above one that begins above zero
         angle = [i for i, symbol in enumerate(found.noise) if TERMS[symbol].edge]
-        m = m - part.whole.S[:, angle] @ found.chosen.theta[angle] * part.gain
+        m = m - part.whole.S[:, angle] @ found.chosen.theta[angle] * part.passed
     excess = np.maximum(seen.power - m, 0) * seen.count
     return float(excess[~used].sum()) < LOUD * float(m @ seen.count)
 
 
 def _behind(part: Portion, rival: bool) -> Iterator[Found]:
     """Behind a filter, which hides the angle noise."""
-    rate = part.among(tuple(symbol for symbol in part.noise if not TERMS[symbol].edge))
+    rate = part.among(_rates(part))
     if rate.noise and falls(part) > FALL:
         yield from _tuned(rate, rival)
 
 
-def _quick(part: Portion, rival: bool) -> Iterator[Found]:
-    """With Gauss-Markov noise as quick as the samples allow, where no filter explains what falls with frequency."""
-    if rival:
-        yield fitted(part, rival=rival, shortest=0.0)
+def _rates(part: Portion) -> tuple[str, ...]:
+    """The terms without angle noise."""
+    return tuple(symbol for symbol in part.noise if not TERMS[symbol].edge)
 
 
 def _behind_angle(part: Portion, rival: bool) -> Iterator[Found]:
     """Behind a filter, with angle noise that is so strong that the power rises before it falls."""
-    levels = octave_levels(part)
-    rises = levels.max() > RISE * levels[: max(1, len(levels) // 2)].min()
-    if any(TERMS[symbol].edge for symbol in part.noise) and (rises or falls(part) > 3 * FALL):
-        yield from _tuned(part, rival)
+    angle = [i for i, symbol in enumerate(part.noise) if TERMS[symbol].edge]
+    if angle and rises_before(part):
+        yield from (found for found in _tuned(part, rival, lowest=RATHER) if found.chosen.theta[angle].all())
 
 
-def _tuned(part: Portion, rival: bool) -> Iterator[Found]:
+def _tuned(part: Portion, rival: bool, lowest: float = 0.0) -> Iterator[Found]:
+    """Behind the filter that describes the record best, if the record shows it: see `evidence`.
+
+    With angle noise the power may stay level beyond a corner, but the rise to it must be seen: the cut-off is at least
+    `lowest`, in cycles per sample.
+    """
     tuned = tuning(part)
     # what leaks into the stop band of a filter, or is added behind it, is no part of the model
     open_ = part.used & (tuned.filters[0].gain(part.seen) > STOP)
     if tuned.believed and not open_[part.used].all():
         part = part.but(used=open_)
         tuned = tuning(part)
-    if tuned.believed:
-        found = fitted(part.but(filter=tuned.filters[0]), rival=rival)
-        yield replace(found, elsewhere=partial(_elsewhere, others=tuned.likely[1:]))
+    if not tuned.believed:
+        return
+    found = _through(part, tuned, rival)
+    for _ in range(RETUNED):  # the cut-off was tuned without Gauss-Markov noise, which may have taken its place
+        if found.search is None or found.markov is None:
+            break
+        again = _through(part, tuning(found.part.shaped(found.markov.constants)), rival)
+        if again.score > found.score - SETTLED:
+            break
+        found = again
+    best = found.part.filter
+    if best is not None and best.cutoff > lowest and (lowest or shows_corner(part, best)):
+        yield found
+
+
+def _through(part: Portion, tuned: Tuning, rival: bool) -> Found:
+    found = fitted(part.but(filter=tuned.filters[0]), rival=rival)
+    return replace(found, elsewhere=partial(_elsewhere, others=tuned.likely[1:]))
 
 
 def _elsewhere(found: Found, others: tuple[Tuned, ...]) -> list[Subset]:
     """Subsets at the other cut-offs, and with the other filters, that the likelihood leaves open."""
-    part = found.part
+    part, chosen = found.shaped, found.chosen
     assert part.filter is not None  # noqa: S101 - it was tuned
-    near = [s for s in found.every if s.value < found.plain.value + REMOTE]
-    parts = [part.but(filter=one).likelihood for one in (*left_open(part, part.filter), *others)]
-    return [Subset(one, s.free, *one.minimise(s.free, s.theta)) for one in parts for s in near]
+    every = [*found.every, *([found.markov] if found.markov else [])]
+    near = [s for s in every if s.value < chosen.value + REMOTE]
+    return [
+        Subset(likelihood, s.free, *likelihood.minimise(s.free, s.theta), s.constants)
+        for filter in (*left_open(part, part.filter), *others)
+        for s in near
+        for likelihood in [part.but(filter=filter).known(s.constants)]
+    ]
 
 
 def _approximately(part: Portion, rival: bool, most: float) -> Iterator[Found]:
@@ -199,7 +260,8 @@ def _approximately(part: Portion, rival: bool, most: float) -> Iterator[Found]:
 
 
 def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found]:
-    """In a band of frequencies: the widest in which all terms together explain the spectrum, and what is left of it.
+    """In a band of frequencies: of those in which all terms together explain the spectrum, the one that tells most of
+    the white noise, and what is left of it.
 
     A band that just passes the test holds at its ends what leaks in from beyond, less than the test sees but more than
     the standard errors: the ends are moved inwards by an octave.
@@ -219,17 +281,16 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
         likelihood = part.but(used=used).likelihood
         theta, _ = likelihood.minimise(np.ones(likelihood.S.shape[1], dtype=bool))
         if goodness(part.seen, likelihood, theta, used).p >= PASSES:
-            # the angle noise, and the foot of what is above, may lie just below what a selection sees
-            angle = tuple(symbol for symbol in part.noise if TERMS[symbol].edge)
-            found = fitted(replace(part.but(used=final), kept=angle), rival=rival)
+            found = fitted(part.but(used=final), rival=rival)
             if _quiet(found, final, bare=low > 0):
                 yield found
 
 
 def _spans(part: Portion) -> list[tuple[float, float]]:
-    """Bands of half-octave ends, Hz, the widest in octaves first."""
-    half, lowest = part.seen.rate / 2, part.seen.rate / (2 * part.seen.size)
-    octaves = math.log2(part.seen.size)
+    """Bands of half-octave ends, Hz, those that tell most of the white noise first: of its coefficients most."""
+    seen = part.seen
+    half, lowest = seen.rate / 2, seen.rate / (2 * seen.size)
+    octaves = math.log2(seen.size)
     highs = half * 2.0 ** -np.arange(0.0, octaves, 0.5)
     lows = [0.0, *(lowest * 2.0 ** np.arange(2.0, octaves))]
     spans = [(float(low), float(high)) for low in lows for high in highs if 4 * low < high]

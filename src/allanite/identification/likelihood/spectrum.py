@@ -15,6 +15,7 @@ from allanite.core.language import say, say_count
 from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.prepare.gaps import Gaps, gaps_between, joined
+from allanite.prepare.rounding import grid
 from allanite.statistics.moments.lags import sum_nodes
 from allanite.terms import NoiseTerm, ramp_coefficients
 
@@ -81,6 +82,8 @@ class Spectrum(Portable):
         The record's unit of rate in SI.
     times : array, shape (at most 4096,)
         With gaps, times of remaining samples, in the middles of equal blocks of them, in samples; otherwise empty.
+    rounding : float
+        Power of the rounding of a rate to a known step, 0 if there is none.
     pieces : Parts, optional
         How pieces are read, between gaps or of a stream, where the whole record holds the low frequencies only.
     """
@@ -100,6 +103,7 @@ class Spectrum(Portable):
     unit_factor: float
     times: FloatArray
     pieces: Parts | None = None
+    rounding: float = 0.0
 
     def frequency(self, k: FloatArray | IntArray) -> FloatArray:
         """Frequency of coefficient k, Hz."""
@@ -185,7 +189,17 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
             values[how.low :] = better[how.low :]
     np.maximum(power, ROUNDING * float(power.mean()), out=power)
     first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
-    return Spectrum(n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how)
+    return Spectrum(
+        n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how,
+        rounding=_rounding(record),
+    )  # fmt: skip
+
+
+def _rounding(record: Record) -> float:
+    """Variance of the rounding error of a rate, in the record's unit squared; 0 if there is no grid."""
+    if record.kind == "angle":
+        return 0.0
+    return grid(record.values[np.isfinite(record.values)])[1] ** 2 / 12
 
 
 def transformed(left: IntArray) -> FloatArray:

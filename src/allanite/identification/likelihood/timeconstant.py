@@ -105,7 +105,7 @@ class Search(Portable):
     def best(self, penalty: FloatArray) -> Subset | None:
         """The best subset with the term; None if it is not in it."""
         fine = self.refined(self.coarse.constants)
-        first = select(subsets(fine.likelihood, must=self.always, may=self.may, constants=fine.constants), penalty)
+        first = select(subsets(fine.likelihood, must=self.must, may=self.may, constants=fine.constants), penalty)
         found = self.refined(fine.constants, first.free)
         return found if found.theta[-1] > 0 else None
 
@@ -113,11 +113,6 @@ class Search(Portable):
     def must(self) -> BoolArray:
         """The term alone."""
         return np.asarray(np.arange(self.may.size) == self.may.size - 1)
-
-    @property
-    def always(self) -> BoolArray:
-        """The term, and what is never omitted."""
-        return self.must | self.part.must
 
     def limits(self, best: Subset, drop: float) -> tuple[tuple[float, float], ...]:
         """For each parameter the values at which 2 L has risen by `drop`, the terms following."""
@@ -150,7 +145,7 @@ class Search(Portable):
 
     def beside(self, shapes: list[Shape], prior: float) -> list[Subset]:
         """All subsets that hold the term, at each of the shapes."""
-        every = (s for k in shapes for s in subsets(self.at(k), must=self.always, constants=k))
+        every = (s for k in shapes for s in subsets(self.at(k), must=self.must, constants=k))
         return [replace(s, prior=prior) for s in every]
 
     def pair(self) -> Subset:

@@ -14,9 +14,6 @@ from .portion import Portion, Tuned
 EVIDENCE = 15.0
 """What a filter must gain in 2 L: for its cut-off, and for being one of several that are tried."""
 
-FALL = 0.1
-"""Share of the highest level of the power that must be missing at the top of what is read."""
-
 SAME = 4.0
 """Filters that lose less than this in 2 L describe the record as well as the best one."""
 
@@ -28,9 +25,6 @@ NEAR = 3
 
 ALIKE = 1e-3
 """Cut-offs that differ by less than this in 2 L are alike."""
-
-GRID = 7
-"""Cut-offs an octave apart at which the search of one filter begins."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +46,12 @@ class Tuning:
 
 
 def least(part: Portion, through: Tuned | None, start: FloatArray | None = None) -> tuple[float, FloatArray]:
-    """2 L with all terms free behind a filter, except for Gauss-Markov noise beside others, and their thetas."""
-    behind = part.but(filter=through).likelihood
-    plain = np.array([not TERMS[symbol].parameters for symbol in part.noise])  # a time constant is not known yet
-    theta, value = behind.minimise(plain if plain.any() else ~plain, start)
+    """2 L with all terms free behind a filter, and their thetas; Gauss-Markov noise only with a shape that is known."""
+    behind = part.but(filter=through).known(part.shape)
+    free = np.array([not TERMS[symbol].parameters for symbol in part.noise])
+    if part.shape or not free.any():
+        free[:] = True
+    theta, value = behind.minimise(free, start)
     return 2 * value, theta
 
 
@@ -78,8 +74,7 @@ def _tuned(part: Portion, row: str) -> tuple[float, float]:
         found, start = least(part, Tuned(row, math.exp(x)), start)
         return found
 
-    widest = FILTERS[row].widest
-    grid = [math.log(c) for c in widest * 2.0 ** -np.arange(0.0, GRID) if c > NARROWEST]
+    grid = np.log(FILTERS[row].starts)
     values = np.array([value(x) for x in grid])
     at = int(np.flatnonzero(values < values.min() + ALIKE)[-1])  # wide ones all let everything pass
     ends = grid[min(at + 1, len(grid) - 1)], grid[max(at - 1, 0)]
@@ -113,24 +108,3 @@ def left_open(part: Portion, best: Tuned) -> list[Tuned]:
     low, high = limits(part, best, OPEN)
     cutoffs = (*np.geomspace(low, best.cutoff, NEAR + 1)[:-1], *np.geomspace(high, best.cutoff, NEAR + 1)[:-1])
     return [Tuned(best.row, float(c)) for c in cutoffs]
-
-
-def octave_levels(part: Portion) -> FloatArray:
-    """Median power of the octaves of what is read, the highest last; those of few coefficients are omitted."""
-    seen, used = part.seen, part.used & (part.seen.count >= 4)
-    if not used.any():
-        return np.ones(1)
-    octave = np.floor(np.log2(seen.first[used][-1] / seen.first[used])).astype(int)
-    there = [octave == j for j in range(octave.max(), -1, -1)]
-    return np.array([np.median(seen.power[used][one]) for one in there if one.any()])
-
-
-def falls(part: Portion) -> float:
-    """Share of the power that is missing at the top of what is read: by raw levels, which no model bends.
-
-    Less than the highest level of the upper octaves; beside a hump that is omitted, whose skirts rise above the noise,
-    less than the lowest.
-    """
-    levels = octave_levels(part)
-    upper = levels[len(levels) // 2 :]
-    return 1 - float(levels[-1] / (upper.max() if part.used.all() else upper[:-2].min(initial=upper[0])))

@@ -1,0 +1,92 @@
+"""Evidence for a filter and for angle noise in the levels of the spectrum itself, which no model bends.
+
+Two components that cancel, a filter and angle noise behind it, explain any spectrum. Neither is believed unless the
+median power of the octaves shows it: the fall beyond a filter's corner, the rise of angle noise.
+"""
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+
+from .portion import Portion, Tuned
+
+FEWEST = 4
+"""Coefficients of a bin that takes part."""
+
+LEAST = 1e-9
+"""Level over the highest that is told from none."""
+
+MEDIAN = 1.25
+"""Standard error of a median over that of the mean."""
+
+SURE = 2.0
+"""Standard errors by which a fall or a rise must exceed zero."""
+
+CORNER, SEEN = 0.8, 0.5
+"""Gain below which an octave lies beyond a filter's corner; share of the filter's fall, in the logarithm, that is seen."""
+
+RISE = 1.5
+"""Ratio of the highest level of the upper octaves to one below it, from which angle noise may stand before a filter."""
+
+REACH = 4
+"""Octaves below the highest level in which that lower level lies."""
+
+Octaves = tuple[FloatArray, FloatArray]
+
+
+def octaves(part: Portion, values: FloatArray | None = None) -> Octaves:
+    """Logarithms of the median level in the octaves of what is read, and their standard errors; the highest last."""
+    seen, used = part.seen, part.used & (part.seen.count >= FEWEST)
+    if not used.any():
+        return np.zeros(1), np.full(1, np.inf)
+    first, count = seen.first[used], seen.count[used]
+    level = (seen.power - part.added if values is None else values)[used]
+    octave = np.floor(np.log2(first[-1] / first)).astype(int)
+    there = [one for j in range(octave.max(), -1, -1) if (one := octave == j).any()]
+    middle = np.array([np.median(level[one]) for one in there])
+    error = MEDIAN * np.sqrt([2 / count[one].sum() for one in there])
+    return np.log(np.maximum(middle, LEAST * middle.max())), error
+
+
+def falls(part: Portion) -> float:
+    """Share of the power that is missing in the top octave.
+
+    Less than the highest level of the upper octaves; beside a hump that is omitted, whose skirts rise above the noise,
+    less than the lowest.
+    """
+    level, _ = octaves(part)
+    upper = level[level.size // 2 :]
+    return 1 - float(np.exp(level[-1] - (upper.max() if part.used.all() else upper[:-2].min(initial=upper[0]))))
+
+
+def shows_corner(part: Portion, filter: Tuned) -> bool:  # noqa: A002
+    """Whether the power falls beyond the corner of a filter, up to the top of what is read, as the filter says."""
+    (level, error), (gain, _) = octaves(part), octaves(part, filter.gain(part.seen))
+    beyond = np.flatnonzero(gain < np.log(CORNER))
+    if gain.size < 2 or not beyond.size:
+        return False
+    start = min(int(beyond[0]), gain.size - 2)
+    fall, doubt = float(level[-1] - level[start]), SURE * float(np.hypot(error[-1], error[start]))
+    return fall + doubt < 0 and fall - doubt < SEEN * float(gain[-1] - gain[start])
+
+
+def rises_before(part: Portion) -> bool:
+    """Whether the power rises, by a factor of `RISE` at least, to the highest level of the upper octaves."""
+    level, _ = octaves(part)
+    half = level.size // 2
+    top = half + int(level[half:].argmax())
+    return bool(level[top] > np.log(RISE) + level[max(top - REACH, 0) : top].min(initial=np.inf))
+
+
+def rises_to_top(part: Portion) -> bool:
+    """Whether the top octave is above one of the octaves below it, beyond chance: angle noise cannot be otherwise.
+
+    Behind a filter and beside resonances, whose powers are not known as well, it must be above by a factor of `RISE`.
+    """
+    level, error = octaves(part)
+    below = slice(max(level.size - 1 - REACH, 0), level.size - 1)
+    rise = level[-1] - level[below]
+    least = SURE * np.hypot(error[-1], error[below])
+    if part.excess is not None or part.filter is not None:
+        least = np.maximum(least, np.log(RISE))
+    return bool((rise > least).any())
