@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import allanite as al
-from allanite.compensation import compensate, gain_on
+from allanite.compensation import FitSettings, compensate, gain_on
 from allanite.core.units import convert
 from allanite.statistics.moments.gls import Covariance
 
@@ -32,6 +32,8 @@ SIZE, STEP = 3600, 0.0625
 RATE = convert(1.0, "deg/h", "rad/s")
 EFFECTS = {"temp": 20.0 * RATE, "d temp/dt": 2000.0 * RATE}
 """Rate per degC, and per degC/s."""
+FIT = FitSettings(least=1.0)
+"""One record of some hundreds would be refused, for too few effective samples."""
 
 HEADINGS = (
     "noise", "temperature", "regressor", "false %", "ordinary %", "noise known %", "within 95 % limits", "bias / sd",
@@ -105,10 +107,10 @@ def run_one(job: tuple[Cell, int]) -> np.ndarray:
     rng = np.random.default_rng(seed)
     gyro, along = recording(cell, rng, effect=False)
     X = _regressors(along["temp"])
-    plain = compensate(gyro, along, ["temp"], derivative_of=["temp"])
+    plain = compensate(gyro, along, ["temp"], derivative_of=["temp"], settings=FIT)
     false = [[plain[label].p < 0.05 for label in EFFECTS], np.abs(ordinary(gyro.values, X)) > 1.96]
     false.append(np.abs(known(cell, gyro.values, X)) > 1.96)
-    found = compensate(*recording(cell, rng, effect=True), ["temp"], derivative_of=["temp"])
+    found = compensate(*recording(cell, rng, effect=True), ["temp"], derivative_of=["temp"], settings=FIT)
     effects = [found[label] for label in EFFECTS]
     within = [e.low < EFFECTS[e.label] < e.high for e in effects]
     off = [(e.value - EFFECTS[e.label]) / e.standard_error for e in effects]
