@@ -1,7 +1,9 @@
 """What a comparison says beside the coefficients: sinusoids, averaging times, pairs, and lengths that would do."""
 
 import json
+import math
 import pickle
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +12,7 @@ import pytest
 import allanite as al
 from allanite.comparison.paired import paired_homogeneity, paired_law, resemblance
 from allanite.comparison.sinusoids import Amplitude, LineContrast
+from allanite.reporting.views.comparison import change_of
 
 RATE = 100.0
 WHITE = al.N(1, "deg/sqrt(h)")
@@ -52,6 +55,10 @@ def test_a_sinusoid_of_one_record_is_looked_for_in_the_other(order):
     (line,) = lines(found)
     assert line.outcome == {1: "larger", -1: "smaller"}[order]
     assert {line.before.status, line.after.status} == {"absent", "identified"}
+    low, high = line.interval()
+    assert low <= line.percent <= high
+    if order == -1:
+        assert "Sine at 12 Hz -100 % (-100 to -" in found.verdict
     assert found.pairs[0].changed
     # the sinusoids are taken out of the noise, and the curves have them
     assert "no change of the noise" not in found.verdict
@@ -141,18 +148,47 @@ def test_raw_and_corrected_readings_are_compared_as_a_pair():
     assert alone.p > 0.01
 
 
+def test_the_length_that_would_do_hardly_depends_on_chance():
+    """It was that of the estimates, of which some are nearly zero: from twice to thousands of times these records."""
+    model = al.N(0.3, "deg/sqrt(h)") + al.B(3, "deg/h") + al.K(50, "deg/h/sqrt(h)") + al.R(3e3, "deg/h^2")
+    changes = [al.compare(simulated(s, model, 4096), simulated(s + 50, model, 4096)).terms for s in range(5)]
+    for symbol in "BKR":
+        needed = [c.needed for found in changes for c in found if c.symbol == symbol and c.needed]
+        assert max(needed) < 8 * min(needed)
+
+
+def test_the_numbers_of_a_row_agree():
+    """A change of percents of percents is written without lost powers of ten; beside a limit there is none."""
+    ramp = al.R(3e5, "deg/h^2")
+    found = al.compare(simulated(1, NB + ramp), simulated(2, NB + ramp))
+    first, second = (al.compare(simulated(s), simulated(t))["K"] for s, t in ((1, 2), (3, 4)))
+    for change in (found["R"], first, second):
+        size, interval = change_of(change, 0.95)
+        assert (size == "-") == (change.before.value is None or change.after.value is None)
+        low, high = change.interval()
+        if math.isfinite(high) and low > -100:
+            assert [float(v) for v in re.findall(r"[-+][\d.]+(?:e-?\d+)?", interval)] == pytest.approx(
+                [low, high], rel=0.1
+            )
+
+
 @pytest.mark.slow("ensemble")
 def test_a_length_that_would_do_is_named_and_does():
     model = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
     change = al.compare(simulated(1, model, 2048), simulated(2, model, 2048))["K"]
     assert change.outcome == "not resolvable"
     assert 2048 / RATE < change.needed < 3600
+    # a walk as large as its limit, and half of it
+    limit = max(e.upper for e in (change.before, change.after))
+    walks = [al.Term("K", size, change.signal) for size in (limit, limit / 2)]
+    models = [al.Model((al.N(0.3, "deg/sqrt(h)"), walk)) for walk in walks]
     n = round(change.needed * RATE)
-    longer = [al.compare(simulated(10 + 2 * i, model, n), simulated(11 + 2 * i, model, n))["K"] for i in range(4)]
-    assert sum(found.outcome == "not resolvable" for found in longer) <= 1
-    m = n // 8
-    shorter = [al.compare(simulated(30 + 2 * i, model, m), simulated(31 + 2 * i, model, m))["K"] for i in range(3)]
-    assert sum(found.outcome == "not resolvable" for found in shorter) >= 2
+    found = {
+        size: [al.compare(*(simulated(10 * i + j, m, size) for j, m in enumerate(models)))["K"].p for i in range(1, 5)]
+        for size in (n, n // 8)
+    }
+    assert sum(p < 0.05 for p in found[n]) >= 3
+    assert sum(p < 0.05 for p in found[n // 8]) <= 1
 
 
 def test_reading_both_files_is_told(tmp_path):
