@@ -61,7 +61,7 @@ def about_line(values: FloatArray, trend: FloatArray) -> FloatArray:
 
     Examples
     --------
-    >>> about_line(np.array([-1.0, -0.5, 1.5]), np.array([[-1.0], [0.0], [1.0]])).tolist()
+    >>> about_line(np.array([-1.0, -0.5, 1.5]), np.array([[-1.0], [0.0], [1.0]])).round(9).tolist()
     [0.25, -0.5, 0.25]
     """
     Q, _ = np.linalg.qr(trend)
