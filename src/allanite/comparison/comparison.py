@@ -166,8 +166,8 @@ class Pair(Value):
             [say("unchanged within their intervals: {coefficients}", coefficients=join(", ", same))] if same else []
         )
         longer = say(
-            "not resolvable in these records, but in longer ones, where a coefficient as large as its limit changes by "
-            "a factor of 2: {coefficients}",
+            "not resolvable in these records, but in longer ones: {coefficients}, where a coefficient as large as its "
+            "limit changes by a factor of 2",
             coefficients=join(", ", open_),
         )
         return join("; ", [*parts, longer] if open_ else parts)

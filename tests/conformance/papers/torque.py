@@ -46,7 +46,7 @@ TOLD = (
     Told("3.1 sources", "analyze before.npz --device mscsg", "the analogue-to-digital converter of the coil current"),
     Told("3.2 remedies", "analyze before.npz --device mscsg", "a controller that suppresses vibration"),
     Told("how long for B, K and R", "compare before.npz after.npz",
-         "a coefficient as large as its limit changes by a factor of 2: B (at"),
+         "not resolvable in these records, but in longer ones: B (at"),
     Told("a line that has gone", "compare line.npz clean.npz", "Sine at 0.02005 Hz -100 % (-100 to"),
 )  # fmt: skip
 
