@@ -26,8 +26,8 @@ from .spool import Spool, spooled
 from .status import DONE, OPEN
 from .store import Store
 
-FEWEST = 6
-"""Values below which there is neither a trend nor an outlying unit."""
+TREND = 6
+"""Values from which on there is a trend."""
 
 SHARE = 0.1
 """Share of the values below the lower and above the upper quantile of a distribution."""
@@ -118,11 +118,13 @@ def read_lot(results: PathLike, limits: Specification | PathLike | None = None) 
     choices = json.loads(about[b"recipe"])
     batch = Batch(units, choices, choices["level"], wanted, (), {"allanite": about[b"allanite"].decode()})
     found = _values(batch, {row["file"]: row for row in rows})
+    distributions = tuple(_distribution(of, ones) for of, ones in found)
+    tested = [each for each, known in zip(found, distributions, strict=True) if known.tested]
     return Lot(
         batch,
-        tuple(_distribution(of, ones) for of, ones in found),
+        distributions,
         tuple(trend for of, ones in found for trend in _trends(of, ones)),
-        tuple(one for of, ones in found for one in _outlying(of, ones)),
+        tuple(one for of, ones in tested for one in _outlying(of, ones)),
     )
 
 
@@ -169,14 +171,11 @@ def _trends(of: _Of, ones: Sequence[_Value]) -> Iterator[Trend]:
     for along in (TEMPERATURE, DATE):
         at = np.array([getattr(one, along) for one in ones])
         there = np.isfinite(at)
-        if there.sum() >= FEWEST and np.ptp(at[there]) > 0:
+        if there.sum() >= TREND and np.ptp(at[there]) > 0:
             yield Trend(*of, along, at[there], value[there], *slope_of(at[there], value[there]))
 
 
 def _outlying(of: _Of, ones: Sequence[_Value]) -> Iterator[Outlying]:
     value = np.array([one.value for one in ones])
-    size = np.abs(value)
-    if len(ones) < FEWEST or not size.all():
-        return
-    for i in outliers(np.log(size)):
+    for i in outliers(np.log(np.abs(value))):
         yield Outlying(*of, ones[i].file, ones[i].value, float(np.median(value)))

@@ -13,6 +13,8 @@ from .manifest import DATE
 DAY = 86400.0
 FALSE_ALARM = 0.05
 """Probability that a coefficient of a uniform lot has an outlying unit, or shows a trend."""
+FEWEST = 4
+"""Values from which on there are quantiles and outlying units; of three one would have to be 47 deviations away."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -23,6 +25,11 @@ class Distribution(Coefficient):
     low: float
     median: float
     high: float
+
+    @property
+    def tested(self) -> bool:
+        """Whether units were tested for being outlying, by the logarithms of their values."""
+        return self.values.size >= FEWEST and bool(self.values.all())
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -73,6 +80,19 @@ def slope_of(at: FloatArray, value: FloatArray) -> tuple[float, float, float]:
     fit = stats.linregress((at - at.mean()) / scale, value)
     half = float(stats.t.ppf(1 - FALSE_ALARM / 2, at.size - 2)) * fit.stderr
     return fit.slope / scale, (fit.slope - half) / scale, (fit.slope + half) / scale
+
+
+def detectable(count: int) -> float:
+    """Distance of one of several values from the mean of the others, in their standard deviations, of an outlier.
+
+    Examples
+    --------
+    >>> [round(detectable(count)) for count in (4, 6, 10)]
+    [10, 5, 4]
+    """
+    from scipy import stats
+
+    return float(stats.t.isf(FALSE_ALARM / (2 * count), count - 2)) * math.sqrt(count / (count - 1))
 
 
 def outliers(values: FloatArray) -> list[int]:

@@ -194,7 +194,8 @@ OPTIONS: dict[str, Decorator] = {
         help="Noise of a sample."),
     "angle trend": click.option("--trend", type=int, default=0, show_default=True,
         help="Degree of a polynomial drift estimated jointly."),
-    "trend": click.option("--trend", is_flag=True, help="Estimate a linear drift jointly; it is not removed."),
+    "trend": click.option("--trend/--no-trend", default=True, show_default=True,
+                          help="Estimate a linear drift beside the regressors; it is not removed."),
     "target": click.option("--to", "target", metavar="TARGET",
         help="Program that reads the file: kalibr, vins-mono, px4, ...; 'allanite explain' lists them.  "
         "[default: datasheet]"),

@@ -24,11 +24,12 @@ RESOLVED = 2.0
 """If the interval of a ratio contains this factor or its inverse, the record does not resolve the coefficient."""
 
 OUTCOMES = {
-    "smaller": say("the coefficient is smaller afterwards, with the adjusted p-value"),
-    "larger": say("the coefficient is larger afterwards, with the adjusted p-value"),
+    "smaller": say("the coefficient is smaller in the second record, with the adjusted p-value"),
+    "larger": say("the coefficient is larger in the second record, with the adjusted p-value"),
     "no change": say("no significant change, and a change by a factor of 2 is excluded by the interval"),
     "not resolvable": say(
-        "no significant change, but a change by a factor of 2 is not excluded either: a longer record would decide"
+        "no significant change, but a change by a factor of 2 is not excluded either: a longer record would decide. "
+        "The length that is named is that for a coefficient as large as its upper limit"
     ),
 }
 """What each outcome means."""
@@ -76,7 +77,8 @@ class Change(Value):
     frequency : float or None
         Frequency of a sinusoid, Hz.
     needed : float or None
-        Length of each record, s, needed to detect a change by a factor of 2, if these records do not resolve it.
+        Length of each record, s, needed to detect a change by a factor of 2 of a coefficient that is as large as its
+        upper limit, if these records do not resolve it.
     """
 
     _keys: ClassVar = {"adjusted": "p_holm"}
@@ -190,8 +192,11 @@ def changes_of(
 def told(change: Change) -> str:
     """A significant change in a few words: ``N -6.29 % (-6.46 to -6.12 %)``."""
     low, high = change.interval(1 - change.alpha)
-    if not math.isfinite(change.ratio):
-        return say("{coefficient} is detected only afterwards", coefficient=change.label)
+    found = [e.value is not None for e in (change.before, change.after)]
+    if found == [False, True]:
+        return say("{coefficient} is detected only in the second record", coefficient=change.label)
+    if found == [True, False] and change.frequency is None:
+        return say("{coefficient} is detected only in the first record", coefficient=change.label)
     if TERMS[change.symbol].waveform is not None and change.ratio < 0:
         return say("{coefficient} has changed its sign", coefficient=change.symbol)
     if not (math.isfinite(low) and math.isfinite(high)):

@@ -166,7 +166,9 @@ class Pair(Value):
             [say("unchanged within their intervals: {coefficients}", coefficients=join(", ", same))] if same else []
         )
         longer = say(
-            "not resolvable in these records, but in longer ones: {coefficients}", coefficients=join(", ", open_)
+            "not resolvable in these records, but in longer ones: {coefficients}, where a coefficient as large as its "
+            "limit changes by a factor of 2",
+            coefficients=join(", ", open_),
         )
         return join("; ", [*parts, longer] if open_ else parts)
 
@@ -229,8 +231,6 @@ def _open(change: Change) -> str:
     """What is not resolved, and from which length of the records on it would be."""
     if change.needed is None:
         return change.label
-    if math.isinf(change.needed):
-        return say("{coefficient} (of no practical length)", coefficient=change.label)
     return say("{coefficient} (at {length} or more)", coefficient=change.label, length=duration(change.needed))
 
 

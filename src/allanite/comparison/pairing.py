@@ -1,6 +1,5 @@
 """Two records of a channel become a pair: the verdict, the change of each coefficient, the ratio of the variances."""
 
-import math
 from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, cast
@@ -51,9 +50,10 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
     joined = join_records(records, recipe)
     both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *seen.alerts)
     changes = _changes(both, (first, second), recipe.level, tuple(line_contrasts(records, (first, second))))
-    sizes = zip(both.symbols, both.chosen.theta.tolist(), strict=True)
-    common = [both.term(symbol, math.sqrt(size)) for symbol, size in sizes if size > 0]
-    changes = with_needed(changes, common, min(r.rate for r in records), min(r.size for r in records))
+    each = partly_common(both, both.symbols)
+    largest = {symbol: max(found[symbol] for found in each) for symbol in both.symbols}
+    noise = [both.term(symbol, size) for symbol, size in largest.items() if size > 0]
+    changes = with_needed(changes, noise, min(r.rate for r in records), min(r.size for r in records))
     alike = resemblance(records)
     alerts = (*alerts, _paired(alike)) if alike > ALIKE else alerts
     ratios = None

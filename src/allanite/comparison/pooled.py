@@ -30,13 +30,13 @@ class PooledTerm(Value):
     Attributes
     ----------
     value : float
-        The coefficient that all runs have in common, SI; 0 where they show none.
+        The coefficient that all runs have in common, SI, with its sign for a ramp; 0 where they show none.
     limits : level -> (low, high)
         Interval of the common coefficient, if there is one.
     runs : tuple of Estimate
         Estimates of each run by itself.
     between : float
-        Standard deviation of the runs' coefficients, over the common one; NaN where that is 0.
+        Standard deviation of the runs' coefficients, over the common one; NaN where that may be 0.
     within : float
         The same to be expected of runs of equal sensors, from the standard errors.
     statistic, dof, p, adjusted
@@ -141,7 +141,12 @@ class PooledChannel(Value):
 
     @property
     def alike(self) -> bool:
-        """Whether the runs differ by no more than chance."""
+        """Whether the runs differ by no more than chance, in their noise and in their ramps."""
+        ramps = (t for t in self.terms if TERMS[t.symbol].waveform is not None)
+        return self._one_noise and all(t.adjusted > self.alpha for t in ramps)
+
+    @property
+    def _one_noise(self) -> bool:
         return self.test is not None and self.test.p > self.alpha
 
     @property
@@ -150,13 +155,13 @@ class PooledChannel(Value):
         if self.refusal or self.test is None:
             return say("not pooled: {reason}", reason=self.refusal)
         runs, p = len(self.fits), chance(self.test.p)
-        if self.alike and not self.apart:
-            return say("one noise model describes all {runs} runs ({p})", runs=runs, p=p)
-        if self.alike:
+        if self._one_noise and not self.apart:
+            first: str = say("one noise model describes all {runs} runs ({p})", runs=runs, p=p)
+        elif self._one_noise:
             first = say("one noise model describes the {runs} runs ({p})", runs=runs, p=p)
         else:
             first = say("the {runs} runs do not have the same noise ({p})", runs=runs, p=p)
-        parts: list[str] = [first]
+        parts = [first]
         if self.apart:
             runs_apart = join(", ", [join("", (name, f" ({chance(p)})")) for name, p in self.apart.items()])
             parts += [say("different from the others: {runs}", runs=runs_apart), self._remaining]

@@ -1,7 +1,7 @@
 """From the records of several runs to a pooled channel: common coefficients, scatter, outlying runs."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -16,13 +16,15 @@ from allanite.core.record import Record
 from allanite.identification.likelihood.selection import standard_error
 from allanite.study.channels import Inspected
 from allanite.study.recipe import Recipe
+from allanite.terms import TERMS
 
 from .change import alpha_of, holm
-from .contrast import homogeneity, outlying, spread
+from .contrast import chi_square, homogeneity, outlying, spread
 from .joining import join_records
 from .joint import Joint
 from .likelihoods import least
 from .pooled import PooledChannel, PooledTerm
+from .ramps import CommonRamp, ramp_law
 from .ratio import shared_curves
 
 
@@ -64,28 +66,53 @@ def refuse_pool(seen: Inspected, why: str) -> PooledChannel:
 
 
 def _terms(together: Joint, fits: Sequence[Fit]) -> tuple[PooledTerm, ...]:
+    found = [*_noise_terms(together, fits), *_ramp_terms(together, fits)]
+    return tuple(replace(t, adjusted=p) for t, p in zip(found, holm([term.p for term in found]), strict=True))
+
+
+def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
     alone, _ = least(together.only(together.chosen.free))
-    found = [spread(together, i) for i in range(len(together.symbols))]
-    adjusted = holm([p for _, p in found])
-    terms = []
-    for i, (symbol, (statistic, p)) in enumerate(zip(together.symbols, found, strict=True)):
+    for i, symbol in enumerate(together.symbols):
+        statistic, p = spread(together, i)
         between, within = _scatter(together, i, alone)
-        terms.append(
-            PooledTerm(
-                symbol,
-                together.signal,
-                value=math.sqrt(together.chosen.theta[i]),
-                limits=Remembered(partial(together.limits, i)),
-                runs=tuple(fit[symbol] for fit in fits),
-                between=between,
-                within=within,
-                statistic=statistic,
-                dof=len(fits) - 1,
-                p=p,
-                adjusted=adjusted[i],
-            )
+        yield PooledTerm(
+            symbol,
+            together.signal,
+            value=math.sqrt(together.chosen.theta[i]),
+            limits=Remembered(partial(together.limits, i)),
+            runs=tuple(fit[symbol] for fit in fits),
+            between=between,
+            within=within,
+            statistic=statistic,
+            dof=len(fits) - 1,
+            p=p,
+            adjusted=p,
         )
-    return tuple(terms)
+
+
+def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
+    """Ramps are no part of the noise model: each run has its own, and these are compared."""
+    laws = [law for law in (ramp_law(together, i) for i in range(len(fits))) if law is not None]
+    if len(laws) < len(fits):
+        return
+    common = CommonRamp(laws)
+    known = common.limits(0.95)[0] * common.limits(0.95)[1] > 0
+    size = abs(common.value) if known else math.nan
+    p = chi_square(common.chi_square, common.dof)
+    for symbol in (e.symbol for e in fits[0] if TERMS[e.symbol].waveform is not None):
+        yield PooledTerm(
+            symbol,
+            together.signal,
+            value=common.value,
+            limits=Remembered(common.limits),
+            runs=tuple(fit[symbol] for fit in fits),
+            between=float(common.values.std(ddof=1)) / size,
+            within=float(np.sqrt(np.mean(common.errors**2))) / size,
+            statistic=common.chi_square,
+            dof=common.dof,
+            p=p,
+            adjusted=p,
+        )
 
 
 def _scatter(together: Joint, which: int, alone: Sequence[FloatArray]) -> tuple[float, float]:

@@ -1,11 +1,13 @@
 """The ramps of two records: signed, each with the law that what hides it leaves."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.limits import quantile
 from allanite.identification.likelihood.selection import Profile, Subset
 from allanite.terms import TERMS
 
@@ -27,6 +29,11 @@ class RampLaw:
     def value(self) -> float:
         """The mean."""
         return float(self.weight @ self.centre)
+
+    @property
+    def error(self) -> float:
+        """The standard deviation."""
+        return math.sqrt(float(self.weight @ (self.spread**2 + (self.centre - self.value) ** 2)))
 
     def minus(self, other: "RampLaw", factor: float = 1.0) -> "RampLaw":
         """The law of this ramp less `factor` times another."""
@@ -97,3 +104,41 @@ class RampContrast:
                 step *= 2
             ends.append(float(brentq(inside, best, best + sign * step, rtol=1e-6)))
         return ends[0], ends[1]
+
+
+@dataclass(frozen=True, eq=False)
+class CommonRamp:
+    """What the ramps of several records have in common: their mean, weighted by their variances."""
+
+    laws: Sequence[RampLaw]
+
+    @property
+    def values(self) -> FloatArray:
+        """The ramp of each record."""
+        return np.array([law.value for law in self.laws])
+
+    @property
+    def errors(self) -> FloatArray:
+        """Standard deviations."""
+        return np.array([law.error for law in self.laws])
+
+    @property
+    def value(self) -> float:
+        """The mean."""
+        return float(np.average(self.values, weights=self.errors**-2))
+
+    @property
+    def chi_square(self) -> float:
+        """Chi-square of one ramp in all records."""
+        return float((((self.values - self.value) / self.errors) ** 2).sum())
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom of chi-square."""
+        return len(self.laws) - 1
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Limits of the common ramp, wider where the ramps scatter more than they should (R. T. Birge, 1932)."""
+        wider = max(1.0, self.chi_square / self.dof)
+        half = quantile((1 + level) / 2) * math.sqrt(wider / float((self.errors**-2).sum()))
+        return self.value - half, self.value + half

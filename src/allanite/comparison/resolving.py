@@ -20,34 +20,36 @@ LONGEST = 365 * 86400.0
 """Length, s, beyond which none is named."""
 
 
-def with_needed(changes: Sequence[Change], common: Sequence[Term], rate: float, size: int) -> tuple[Change, ...]:
+def with_needed(changes: Sequence[Change], noise: Sequence[Term], rate: float, size: int) -> tuple[Change, ...]:
     """The changes, those that are not resolved with the length at which a change by a factor of 2 would be.
+
+    The coefficient is taken to be as large as its upper limit: an estimate of what is not resolved may be anything down
+    to zero, and the length for it anything up to infinity.
 
     Parameters
     ----------
     changes : sequence of Change
-    common : sequence of Term
-        The noise of both records; of a term that is not in it the best guess counts, or half its limit.
+    noise : sequence of Term
+        What may be in both records.
     rate : float
         Sampling rate, Hz.
     size : int
         Samples of the shorter record.
     """
     return tuple(
-        replace(c, needed=_needed(c, common, rate, size)) if c.outcome == "not resolvable" else c for c in changes
+        replace(c, needed=_needed(c, noise, rate, size)) if c.outcome == "not resolvable" else c for c in changes
     )
 
 
-def _needed(change: Change, common: Sequence[Term], rate: float, size: int) -> float | None:
-    """Length of each record, s; None where no length of a practical kind does it, or nothing is known of the term."""
-    terms = [t for t in common if t.symbol == change.symbol]
-    if not terms:
-        sizes = [e.median or e.upper / 2 for e in (change.before, change.after) if e.upper]
-        if not sizes or any(t.row.waveform is not None for t in terms):
-            return None
-        shape = next((e.shape for e in (change.before, change.after) if e.shape), ())
-        terms = [Term(change.symbol, min(sizes), change.signal, shape)]
-    model = Model((*(t for t in common if t.symbol != change.symbol), *terms))
+def _needed(change: Change, noise: Sequence[Term], rate: float, size: int) -> float | None:
+    """Length of each record, s; None where these would do or no practical length does, or no limit is known."""
+    estimates = [e for e in (change.before, change.after) if e.upper]
+    if not estimates or change.frequency is not None:
+        return None
+    largest = max(estimates, key=lambda e: e.upper or 0.0)
+    shape = next((t.shape for t in noise if t.symbol == change.symbol), largest.shape)
+    own = Term(change.symbol, largest.upper or 0.0, change.signal, shape)
+    model = Model((*(t for t in noise if t.symbol != change.symbol), own))
     if not any(t.row.waveform is None for t in model):
         return None
     wanted = math.log(RESOLVED) / (math.sqrt(2) * (quantile(1 - change.alpha / 2) + quantile(LIKELY)))
@@ -58,6 +60,6 @@ def _needed(change: Change, common: Sequence[Term], rate: float, size: int) -> f
             # between two lengths it falls as a power of the length
             back = math.log(wanted / error) / math.log(before / error) if math.isfinite(before) else 0.0
             length = float(n / STEP**back / rate)
-            return length if length <= LONGEST else None
+            return length if size / rate < length <= LONGEST else None
         before, n = error, n * STEP
     return None

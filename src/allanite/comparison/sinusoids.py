@@ -76,9 +76,10 @@ class LineContrast:
         a = self.first.value**2 - (z * self.first.error) ** 2
         b, c = self.first.value * self.second.value, self.second.value**2 - (z * self.second.error) ** 2
         root = math.sqrt(max(b * b - a * c, 0.0))
-        if a > 0:
-            return max((b - root) / a, 0.0), (b + root) / a
-        return (max(c / (b + root), 0.0) if c > 0 else 0.0), math.inf
+        # of an amplitude that is none, zero is the best guess, and belongs to the interval
+        if a > 0 and self.first.found:
+            return max((b - root) / a, 0.0) if self.second.found else 0.0, (b + root) / a
+        return (max(c / (b + root), 0.0) if c > 0 and self.second.found else 0.0), math.inf
 
 
 def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[LineContrast]:

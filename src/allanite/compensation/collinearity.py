@@ -1,10 +1,12 @@
-"""Whether the whitened columns of a regression can be separated from each other and from a ramp."""
+"""Whether the whitened columns of a regression can be separated from each other, and from a ramp that is left out."""
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.language import join, say
+from allanite.core.language import Phrase, join, say
 from allanite.core.wording import spelled
 from allanite.identification.likelihood.likelihood import Likelihood
 
@@ -14,8 +16,11 @@ from .restricted import FloatArray
 CONDITION = 30.0
 """Scaled condition number above which coefficients cannot be separated (Belsley, Kuh, Welsch 1980)."""
 
-TRENDING = 0.9
-"""Share of a ramp explained by the regressors above which they are confounded with it."""
+TRENDING = 0.5
+"""Share of a ramp explained by the regressors from which on they are confounded with it."""
+
+LARGE = 3.0
+"""Standard errors from which on an effect is beyond doubt."""
 
 
 class Collinearity(NamedTuple):
@@ -26,8 +31,8 @@ class Collinearity(NamedTuple):
     notes: tuple[str, ...]
 
 
-def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray) -> Collinearity:
-    """Collinearity of the columns of a design under the noise theta."""
+def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray, symbols: str) -> Collinearity:
+    """Collinearity of the columns of a design under the noise theta of some terms."""
     A = information(likelihood, theta)
     size = np.sqrt(np.diag(A))
     values = np.linalg.eigvalsh(A / np.outer(size, size))
@@ -46,17 +51,7 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray) -> C
                 worst=worst or say("spread over all"),
             )
         )
-    ramp = _of_ramp(design, likelihood.expectation(theta), A)
-    if ramp > TRENDING:
-        notes.append(
-            say(
-                "the regressors have a trend: they explain {percent:.3g} % of a linear drift, so that a rate ramp R "
-                "cannot be separated from their effect in this record ({option} estimates one jointly); a record in "
-                "which they return to their initial values would separate them",
-                percent=100 * ramp,
-                option=spelled("--trend", "trend=True"),
-            )
-        )
+    notes += [] if design.trend else _without_ramp(design, theta, symbols)
     return Collinearity(condition, inflation, tuple(notes))
 
 
@@ -66,12 +61,29 @@ def information(likelihood: Likelihood, theta: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("bij,b->ij", likelihood.UU[:, flat][:, :, flat], 1 / likelihood.expectation(theta)))
 
 
-def _of_ramp(design: Design, m: FloatArray, A: FloatArray) -> float:
-    """Share of a ramp that the columns explain, whitened; 0 where time is one of them."""
-    if len(design.taken) < len(design.regressors):
-        return 0.0
-    # the ramp takes the place of the rates: its products with the columns are all that is wanted
-    seen = design.likelihood("N", y=np.linspace(-1.0, 1.0, design.y.size))
-    b = (1 / m) @ seen.Uc[:, np.flatnonzero(seen.flat)]
-    whole = float((1 / m) @ (seen.count * seen.power))
-    return float(b @ np.linalg.solve(A, b) / whole)
+def _without_ramp(design: Design, theta: FloatArray, symbols: str) -> Iterator[Phrase]:
+    """What leaving a ramp out does to the other columns."""
+    share, t = _of_ramp(design, theta, symbols)
+    if share > TRENDING:
+        why = say(
+            "the regressors have a trend: they explain {percent:.3g} % of a linear drift, so that a rate ramp R would "
+            "be taken for their effect",
+            percent=100 * share,
+        )
+    elif abs(t) > LARGE:
+        why = say(
+            "the record shows a rate ramp R beside the regressors ({t:.3g} standard errors): part of it is taken for "
+            "their effect",
+            t=abs(t),
+        )
+    else:
+        return
+    yield join("; ", (why, say("omit {option}", option=spelled("--no-trend", "trend=False"))))
+
+
+def _of_ramp(design: Design, theta: FloatArray, symbols: str) -> tuple[float, float]:
+    """Share of a ramp that the columns explain, whitened, and the ramp beside them over its standard error."""
+    ramp = np.linspace(-1.0, 1.0, design.y.size)
+    seen = replace(design, X=np.column_stack((design.X, ramp))).likelihood(symbols)
+    eta, V, _ = seen.directions(theta)
+    return 1 - 1 / float(V[-1, -1] * information(seen, theta)[-1, -1]), float(eta[-1] / np.sqrt(V[-1, -1]))

@@ -71,6 +71,11 @@ class Design:
         return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
 
     @property
+    def trend(self) -> list[int]:
+        """The column of a trend, if there is one."""
+        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
+
+    @property
     def count(self) -> int:
         """Samples that count."""
         return sum(b - a for a, b in self.stretches)
@@ -152,8 +157,6 @@ def _regressors(
         yield Regressor(name, channels[name].unit, channels[name].centre), False
     for name in settings.derivative_of:
         yield Regressor(name, channels[name].unit, smooth=settings.fit.smooth), False
-    if settings.trend:
-        yield Regressor(TREND, "s"), False
     for name in settings.regressors:
         unit, centre, _ = channels[name]
         yield from ((Regressor(name, unit, centre, power), True) for power in range(2, settings.degree + 1))
@@ -161,6 +164,8 @@ def _regressors(
             if round(lag * record.rate) < 1:
                 raise UsageError(f"a lag of {lag:g} s is shorter than the sample interval of {record.interval:g} s")
             yield Regressor(name, unit, centre, lag=lag), True
+    if settings.trend:
+        yield Regressor(TREND, "s"), False
 
 
 def _measured(name: str, record: Record, along: Recording) -> _Channel:
@@ -213,4 +218,14 @@ def _demand_different(design: Design, used: NDArray[np.bool_]) -> None:
     share = np.abs(vectors[:, 0])
     names = [label for label, part in zip(design.labels, share, strict=True) if part > 0.05]
     listed = join(", ", [join("", ("'", name, "'")) for name in names])
+    if share[design.trend].max(initial=0.0) > 0.05:
+        raise DataError(
+            say(
+                "{regressors} are collinear: the effect of a regressor that follows a straight line cannot be "
+                "separated from a rate ramp R; record until it returns to its initial value, or attribute the whole "
+                "drift to it with {option}",
+                regressors=listed,
+                option=spelled("--no-trend", "trend=False"),
+            )
+        )
     raise DataError(say("the regressors {regressors} are collinear: omit one of them", regressors=listed))

@@ -15,7 +15,7 @@ from allanite.terms import TERMS
 
 from .collinearity import collinearity
 from .design import Design, design
-from .gain import Gain
+from .gain import Gain, about_line
 from .mixture import mixture
 from .regression import Regression
 from .restricted import FloatArray
@@ -37,7 +37,7 @@ def compensate(
     degree: int = 1,
     lags: Sequence[float] = (),
     derivative_of: Sequence[str] = (),
-    trend: bool = False,
+    trend: bool = True,
     settings: FitSettings = USUAL,
 ) -> Regression:
     """Estimate the part of a record that depends on other channels: temperature, displacement, flux or any other.
@@ -62,7 +62,8 @@ def compensate(
     derivative_of : sequence of str
         Channels whose time derivative is a regressor.
     trend : bool
-        Estimate a linear drift jointly; it is not removed.
+        Estimate a linear drift beside the regressors; it is not removed. Without it a rate ramp R would be taken for
+        the effect of a regressor that rises or falls.
     settings : FitSettings
         Noise terms, window of rates, blocks, gaps.
 
@@ -123,10 +124,10 @@ def compensate(
 
 
 def _held(whole: Design, blocks: Sequence[Fold], kept: list[int]) -> Gain:
-    """Mean squares of the held-back blocks."""
-    taken = [i for i in kept if i in whole.taken]
-    before, after = np.array([fold.squares(taken, kept) for fold in blocks]).sum(axis=0)
-    return Gain(float(before) / whole.count, float(after) / whole.count, 0.0)
+    """Mean squares of the held-back blocks, less a trend alone, and less all columns."""
+    trend = [i for i in kept if i in whole.trend]
+    before, after = (sum(fold.squares(columns) for fold in blocks) for columns in (trend, kept))
+    return Gain(before / whole.count, after / whole.count, 0.0)
 
 
 def _regression(
@@ -143,7 +144,7 @@ def _regression(
     # the bins of the spectrum lose digits where an effect is many thousand times the noise: most of it is removed
     seen = part.likelihood(settings.symbols, y=part.y - part.X @ first)
     theta, mean, found = mixture(seen, settings.symbols)
-    alike = collinearity(part, seen, theta)
+    alike = collinearity(part, seen, theta, settings.symbols)
     inside = _inside(part, seen, theta, found.values + first)
     effective = _effective(part, seen, theta)
     if effective < settings.least * len(part.taken):
@@ -190,7 +191,7 @@ def _demand_noise(part: Design, record: Record) -> None:
             say(
                 "{regressors} explain {name!r} completely: no noise remains. Is the record, or something derived from "
                 "it, among the regressors?",
-                regressors=join(", ", [join("", ("'", label, "'")) for label in part.labels]),
+                regressors=join(", ", [join("", ("'", part.labels[i], "'")) for i in part.taken]),
                 name=record.name,
             )
         )
@@ -198,13 +199,17 @@ def _demand_noise(part: Design, record: Record) -> None:
 
 def _plain(part: Design) -> FloatArray:
     """Ordinary least squares, each stretch about its own mean."""
-    Z = np.concatenate([part.X[a:b] - part.X[a:b].mean(axis=0) for a, b in part.stretches])
-    z = np.concatenate([part.y[a:b] - part.y[a:b].mean() for a, b in part.stretches])
+    Z, z = (_centred(part, of) for of in (part.X, part.y))
     return np.asarray(np.linalg.lstsq(Z, z, rcond=None)[0])
 
 
+def _centred(part: Design, of: FloatArray) -> FloatArray:
+    """Each stretch about its own mean."""
+    return np.concatenate([of[a:b] - of[a:b].mean(axis=0) for a, b in part.stretches])
+
+
 def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArray) -> Gain:
-    """Mean squares of the fitted record.
+    """Mean squares of the fitted record, about a straight line where a trend is one of the columns.
 
     Generalized least squares of columns with S = X'X take, where there is no dependence, tr(VS) off the sum of squares
     of the noise.
@@ -212,13 +217,11 @@ def _inside(part: Design, seen: Likelihood, theta: FloatArray, values: FloatArra
     taken = part.taken
     flat = np.flatnonzero(seen.flat)[taken]
     V = seen.directions(theta)[1][np.ix_(flat, flat)]
-    S = seen.UU[:, flat][:, :, flat].sum(axis=0)
-    before = after = 0.0
-    for a, b in part.stretches:
-        left = part.y[a:b] - part.X[a:b][:, taken] @ values[taken]
-        before += float(((part.y[a:b] - part.y[a:b].mean()) ** 2).sum())
-        after += float(((left - left.mean()) ** 2).sum())
-    return Gain(before / part.count, after / part.count, float(np.trace(V @ S)) / part.count)
+    trend = _centred(part, part.X[:, part.trend])
+    X, y = (about_line(_centred(part, of), trend) for of in (part.X[:, taken], part.y))
+    left = y - X @ values[taken]
+    sums = float(y @ y), float(left @ left), float(np.trace(V @ X.T @ X))
+    return Gain(*(total / part.count for total in sums))
 
 
 def _effective(part: Design, seen: Likelihood, theta: FloatArray) -> float:

@@ -3,12 +3,18 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from allanite.core.arrays import FloatArray
 from allanite.core.plain import Value
 
 
 @dataclass(frozen=True, repr=False)
 class Gain(Value):
-    """Mean squares of the rate about its mean, before and after a correction, SI.
+    """Mean squares of the rate before and after a correction, SI.
+
+    They are about the mean; where a linear drift was estimated beside the regressors, about a straight line, since the
+    correction leaves a drift.
 
     Attributes
     ----------
@@ -48,3 +54,15 @@ class Gain(Value):
     def met(self) -> bool | None:
         """Whether the reduction lies within its interval; None if there is none."""
         return None if self.low is None or self.high is None else self.low <= self.reduction <= self.high
+
+
+def about_line(values: FloatArray, trend: FloatArray) -> FloatArray:
+    """Centred values, shape (n,) or (n, p), less their projection on the columns of `trend`, if there are any.
+
+    Examples
+    --------
+    >>> about_line(np.array([-1.0, -0.5, 1.5]), np.array([[-1.0], [0.0], [1.0]])).round(9).tolist()
+    [0.25, -0.5, 0.25]
+    """
+    Q, _ = np.linalg.qr(trend)
+    return np.asarray(values - Q @ (Q.T @ values))

@@ -18,13 +18,17 @@ from allanite.core.record import Record, Recording
 from allanite.core.units import Signal
 from allanite.statistics.moments.gls import Covariance
 
-from .gain import Gain
+from .collinearity import LARGE, TRENDING
+from .gain import Gain, about_line
 from .mixture import Mixture
 from .regressor import Effect, Regressor
 from .restricted import FloatArray
 
 WITHIN = 1.959964
 """Standard errors of 95 % limits."""
+
+CHI_SQUARE = WITHIN**2
+"""Twice a log-likelihood ratio that one coefficient reaches by chance in one record of twenty."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,9 +89,34 @@ class Regression(Correction):
 
     @property
     def significant(self) -> bool:
-        """Whether the variance reduction and at least one effect are significant."""
-        found = any(self.effect(i).significant for i in self.taken)
-        return found and self.inside.reduction > self.inside.expected
+        """Whether at least one effect is significant, beside the others and the noise."""
+        return any(self.effect(i).significant for i in self.taken)
+
+    @property
+    def trend(self) -> list[int]:
+        """The column of a linear drift, if one was estimated."""
+        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
+
+    @property
+    def shared(self) -> float:
+        """Share of a linear drift, as far as the noise lets it be seen, that the regressors explain; 0 without one."""
+        return max((float(1 - 1 / self.inflation[i]) for i in self.trend), default=0.0)
+
+    @property
+    def ambiguous(self) -> bool:
+        """Whether the regressors and a linear drift share most of their variance and fit about as well.
+
+        The record shows something then, but by twice the log-likelihood hardly the one rather than the other.
+        """
+        if self.shared < TRENDING:
+            return False
+        both, regressors, drift = (self._evidence(of) for of in (self.taken + self.trend, self.taken, self.trend))
+        return both > CHI_SQUARE > abs(regressors - drift) and min(regressors, drift) < LARGE**2
+
+    def _evidence(self, columns: list[int]) -> float:
+        """What twice the log-likelihood would lose without some of the columns."""
+        b, V = self.mixture.values[columns], self.mixture.covariance[np.ix_(columns, columns)]
+        return float(b @ np.linalg.solve(V, b))
 
     def __iter__(self) -> Iterator[Effect]:
         return (self.effect(i) for i in range(len(self.regressors)))
@@ -189,11 +218,11 @@ class Regression(Correction):
 
 
 def gain_on(regression: Regression, record: Record, along: Recording | None) -> Gain:
-    r"""Mean squares of another record about its mean, before and after, and what was to be expected of it.
+    r"""Mean squares of another record, before and after, and what was to be expected of it; see `Gain`.
 
-    With S = X'X of the regressors there (about their means), b the coefficients, V their covariance and C that of the
-    noise, the sum of squares falls by 2 y'Xb - b'Sb. Its expectation b'Sb - 2 tr(VS) is without bias, and it scatters
-    about that with the variance 4 (b'SVSb + tr(VSVS) + (Xb)'C(Xb)).
+    With S = X'X of the regressors there (about means or straight lines), b the coefficients, V their covariance and C
+    that of the noise, the sum of squares falls by 2 y'Xb - b'Sb. Its expectation b'Sb - 2 tr(VS) is without bias, and
+    it scatters about that with the variance 4 (b'SVSb + tr(VSVS) + (Xb)'C(Xb)).
 
     Raises
     ------
@@ -205,10 +234,12 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
     y = record.rate_values
     fine = np.isfinite(y) & np.isfinite(X).all(axis=1)
     count = int(fine.sum())
-    if count < 2:
+    if count < 2 + len(regression.trend):
         raise DataError(say("{name!r} and its regressors have no samples in common", name=record.name))
-    X = np.where(fine[:, None], X - X[fine].mean(axis=0), 0.0)
-    y = np.where(fine, y - y[fine].mean(), 0.0)
+    drift = np.column_stack(
+        [np.ones(y.size), *(regression.regressors[i].column(record, None) for i in regression.trend)]
+    )
+    X, y = (about_line(np.where(fine, of.T, 0.0).T, np.where(fine, drift.T, 0.0).T) for of in (X, y))
     b, V = regression.mixture.values[taken], regression.mixture.covariance[np.ix_(taken, taken)]
     S, v = X.T @ X, X @ b
     before, after = float(y @ y), float((y - v) @ (y - v))

@@ -58,12 +58,13 @@ class Fold:
         beta = self.coefficients(some)
         return float(self.held.q - 2 * beta @ self.held.b[some] + beta @ self.held.A[np.ix_(some, some)] @ beta)
 
-    def squares(self, taken: Sequence[int], kept: Sequence[int]) -> tuple[float, float]:
-        """Sums of squares of the held block, about its mean, before and after `taken` of `kept` are subtracted."""
-        some = list(taken)
-        beta = self.coefficients(kept)[[list(kept).index(i) for i in some]]
-        after = self.held.yy - 2 * beta @ self.held.s[some] + beta @ self.held.S[np.ix_(some, some)] @ beta
-        return self.held.yy, float(after)
+    def squares(self, kept: Sequence[int]) -> float:
+        """Sum of squares of the held block, about its mean, less what the rest predicts of it."""
+        some = list(kept)
+        if not some:
+            return self.held.yy
+        beta = self.coefficients(some)
+        return float(self.held.yy - 2 * beta @ self.held.s[some] + beta @ self.held.S[np.ix_(some, some)] @ beta)
 
 
 def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[Fold]:

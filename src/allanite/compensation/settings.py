@@ -22,7 +22,7 @@ class FitSettings(Value):
     Attributes
     ----------
     terms : str
-        Noise terms that may be present, for example "NK"; "auto" means QNBK. A ramp is not a noise, see `trend`.
+        Noise terms that may be present, for example "NK"; "auto" means QNBK. A ramp is not a noise: see the trend.
     smooth : float
         Length of the Hann window for derivatives, at least 60 s.
     blocks : int
@@ -47,8 +47,8 @@ class FitSettings(Value):
         wrong = [s for s in symbols if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
         if wrong or not symbols or len(set(symbols)) < len(symbols):
             raise UsageError(
-                f"terms must be different noise terms such as QNBK, not {self.terms!r}; a linear drift is estimated "
-                f"with {spelled('--trend', 'trend=True')}"
+                f"terms must be different noise terms such as QNBK, not {self.terms!r}; a linear drift is "
+                f"estimated beside the regressors, unless {spelled('--no-trend', 'trend=False')} is given"
             )
         if not _whole(self.blocks, 3, 50):
             raise UsageError(f"the number of blocks must be a whole number from 3 to 50, not {self.blocks!r}")
@@ -76,7 +76,7 @@ class CompensationSettings(Value):
     derivative_of : tuple of str
         Channels whose time derivative enters.
     trend : bool
-        Estimate a linear drift jointly, which is never subtracted.
+        Estimate a linear drift beside the regressors; it is never subtracted.
     fit : FitSettings
         For files, its noise terms are those of the recipe, unless it names some.
     beside : path or None
@@ -91,7 +91,7 @@ class CompensationSettings(Value):
     degree: int = 1
     lags: tuple[float, ...] = ()
     derivative_of: tuple[str, ...] = ()
-    trend: bool = False
+    trend: bool = True
     fit: FitSettings = field(default_factory=FitSettings)
     beside: str | None = None
     interpolate: bool = False
@@ -112,8 +112,7 @@ class CompensationSettings(Value):
             if len(set(names)) < len(names):
                 raise UsageError(f"a regressor is named twice: {', '.join(names)}")
         if TREND in self.regressors:
-            trend = spelled("--trend", "trend=True")
-            raise UsageError(f"a linear drift is not subtracted; {trend} estimates it jointly")
+            raise UsageError("a linear drift is estimated beside the regressors, and not subtracted: leave out 'time'")
         if not _whole(self.degree, 1, 6):
             raise UsageError(f"a degree must be a whole number from 1 to 6, not {self.degree!r}")
         if len(set(self.lags)) < len(self.lags) or not all(math.isfinite(lag) and lag > 0 for lag in self.lags):

@@ -63,8 +63,10 @@ def digits(
         return Digits(f"{value}", "", "", 0)
     size = abs(value)
     known = math.isfinite(low) and math.isfinite(high)
-    exponent = _order(size) if size and not SMALL <= size < LARGE else 0
     half = (high - low) / 2 if known else 0.0
+    if known and low < 0 < high:
+        size = max(size, half)  # of a number near zero the size of its interval counts
+    exponent = _order(size) if size and not SMALL <= size < LARGE else 0
     decimals = exponent + (_decimals(size, half) if half > 0 else figures - 1 - _order(size) if size else 0)
     shown = [_text(v / 10.0**exponent, decimals, signed) for v in (value, low, high)]
     return Digits(shown[0], shown[1] if known else "", shown[2] if known else "", exponent)

@@ -47,7 +47,7 @@ TOLD = (
     Told("3.2 remedies", "analyze before.npz --device mscsg", "a controller that suppresses vibration"),
     Told("how long for B, K and R", "compare before.npz after.npz",
          "not resolvable in these records, but in longer ones: B (at"),
-    Told("a line that has gone", "compare line.npz clean.npz", "Sine at 0.02005 Hz -100 %"),
+    Told("a line that has gone", "compare line.npz clean.npz", "Sine at 0.02005 Hz -100 % (-100 to"),
 )  # fmt: skip
 
 DRAWN = (Drawn("Fig. 6", "compare before.npz after.npz --plot fig.svg"),)

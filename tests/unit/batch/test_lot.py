@@ -2,6 +2,7 @@
 
 import pickle
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,14 +10,16 @@ from click.testing import CliRunner
 from tests import translated
 
 import allanite as al
-from allanite.batch.batch import BatchUnit
+from allanite.batch.across import Across
+from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.lot import read_lot
 from allanite.batch.phrases import dumps, loads
 from allanite.batch.records import run_batch
 from allanite.batch.scatter import Trend, outliers, slope_of
 from allanite.cli import main
 from allanite.core.language import say, say_count
-from allanite.reporting import to_csv
+from allanite.reporting import table, to_csv
+from allanite.reporting.views.batch import _spread
 from allanite.study.analysis import Study
 
 LIMITS = al.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
@@ -70,7 +73,7 @@ def test_the_interval_of_a_slope_holds_the_true_one_as_often_as_it_says():
     assert np.mean([low < 0.1 < high for low, high in limits]) == pytest.approx(0.95, abs=0.025)
 
 
-@pytest.mark.parametrize("size", [6, 14, 25])
+@pytest.mark.parametrize("size", [4, 5, 14, 25])
 def test_a_uniform_lot_has_an_outlying_unit_one_time_in_twenty(size):
     rng = np.random.default_rng(size)
     share = np.mean([bool(outliers(rng.standard_normal(size))) for _ in range(1000)])
@@ -91,10 +94,32 @@ def test_a_trend_is_shown_only_if_its_interval_excludes_zero():
 
 
 def test_the_verb_shows_it_in_other_languages(folder):
+    shown = CliRunner().invoke(main, ["lot", str(folder / "results"), "--lang", "ru"])
+    assert translated(say("quantiles"), "ru") in shown.stdout
     shown = CliRunner().invoke(main, ["lot", str(folder / "few"), "--lang", "ru"])
     assert shown.exit_code == 5
-    assert translated(say("quantiles"), "ru") in shown.stdout
     assert "bad.csv" in shown.stderr
+
+
+def test_few_units_are_tested_or_said_not_to_be(folder, tmp_path):
+    few = table(read_lot(folder / "few"))
+    assert "Not tested for outlying units: no coefficient has values of 4 units." in few
+    assert "No unit is outlying" not in few
+    assert "quantiles" not in few
+    (tmp_path / "units").mkdir()
+    for i, size in enumerate((0.12, 0.1, 0.1, 0.1, 0.1)):
+        record = al.simulate(al.N(size, "deg/sqrt(h)"), 30_000, 10.0, rng=np.random.default_rng(i), name="gz")
+        al.write(record, tmp_path / "units" / f"u{i}.csv")
+    run_batch(tmp_path / "units", tmp_path / "results", al.Recipe(terms="N"))
+    lot = read_lot(tmp_path / "results")
+    assert [Path(one.file).name for one in lot.outlying if one.symbol == "N"] == ["u0.csv"]
+    assert "of 5 units one is found" in " ".join(table(lot).split())
+
+
+def test_numbers_of_some_units_say_of_how_many():
+    found = Across("gz", "K", LIMITS.limits[0].signal, 4, 2, 1.0, 0.1, 1.1, "u1.csv", 0.9)
+    batch = Batch((BatchUnit("u1.csv", error="x"),), {}, 0.95, None, (), {})
+    assert [cell.endswith(" (of 2)") for cell in _spread(batch, found)[3:6]] == [True, True, False]
 
 
 def test_limits_end_with_their_exit_code(folder, tmp_path):

@@ -184,7 +184,7 @@ def test_a_change_is_found_and_named():
     assert low < -20 < high < 0
     assert found["B"].outcome == "not resolvable"
     assert "N -" in found.verdict
-    assert re.search(r"not resolvable in these records, .*: Q \(at \S+ h or more\), B \(at", found.verdict)
+    assert re.search(r"not resolvable in these records, .*: Q \(at \S+ min or more\), B \(at", found.verdict)
     ratios = found.pairs[0].ratios
     assert ratios.p[0] < 1e-6
     assert ratios.interval()[1][0] < 1

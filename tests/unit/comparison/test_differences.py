@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.comparison.change import told
 from allanite.comparison.paired import paired_homogeneity, paired_law, resemblance
 from allanite.comparison.sinusoids import Amplitude, LineContrast
+from allanite.reporting.views.comparison import change_of
 
 RATE = 100.0
 WHITE = al.N(1, "deg/sqrt(h)")
@@ -52,6 +54,10 @@ def test_a_sinusoid_of_one_record_is_looked_for_in_the_other(order):
     (line,) = lines(found)
     assert line.outcome == {1: "larger", -1: "smaller"}[order]
     assert {line.before.status, line.after.status} == {"absent", "identified"}
+    low, high = line.interval()
+    assert low <= line.percent <= high
+    if order == -1:
+        assert "Sine at 12 Hz -100 % (-100 to -" in found.verdict
     assert found.pairs[0].changed
     # the sinusoids are taken out of the noise, and the curves have them
     assert "no change of the noise" not in found.verdict
@@ -75,6 +81,9 @@ def test_limits_of_a_ratio_of_amplitudes_are_fiellers():
     rng = np.random.default_rng(1)
     ratios = (3 + 0.1 * rng.standard_normal(100_000)) / (2 + 0.1 * rng.standard_normal(100_000))
     assert contrast.limits(0.95) == pytest.approx(np.quantile(ratios, [0.025, 0.975]), rel=0.01)
+    # one that has gone: its change of -100 % belongs to the interval
+    gone = LineContrast(12.0, Amplitude(2.0, 0.1, True), Amplitude(0.3, 0.1, False))
+    assert gone.limits(0.95) == (gone.ratio, pytest.approx(0.25, rel=0.1))
     weak = LineContrast(12.0, Amplitude(0.1, 0.1, False), Amplitude(3.0, 0.1, True))
     low, high = weak.limits(0.95)
     assert 5 < low < 30
@@ -141,18 +150,44 @@ def test_raw_and_corrected_readings_are_compared_as_a_pair():
     assert alone.p > 0.01
 
 
+def test_the_length_that_would_do_hardly_depends_on_chance():
+    """It was that of the estimates, of which some are nearly zero: from twice to thousands of times these records."""
+    model = al.N(0.3, "deg/sqrt(h)") + al.B(3, "deg/h") + al.K(50, "deg/h/sqrt(h)") + al.R(3e3, "deg/h^2")
+    changes = [al.compare(simulated(s, model, 4096), simulated(s + 50, model, 4096)).terms for s in range(5)]
+    for symbol in "BKR":
+        needed = [c.needed for found in changes for c in found if c.symbol == symbol and c.needed]
+        assert max(needed) < 8 * min(needed)
+
+
+def test_the_numbers_of_a_row_agree():
+    """A change near zero is written as its interval is; beside a limit there is no number."""
+    ramp = al.R(3e5, "deg/h^2")
+    found = al.compare(simulated(1, NB + ramp), simulated(2, NB + ramp))["R"]
+    small = replace(found, ratio=1 + 1.9e-7, limits=lambda level: (1 - 2.763e-3, 1 + 2.801e-3))
+    assert change_of(small, 0.95) == ("+0.00 %", "-0.28 .. +0.28 %")
+    gone = replace(found.after, value=None, status="absent")
+    less = replace(found, symbol="B", ratio=0.19, after=gone, limits=lambda level: (0.0, 0.6), adjusted=0.01)
+    assert change_of(less, 0.95) == ("-", "below -40 %")
+    assert told(less) == "B is detected only in the first record"
+
+
 @pytest.mark.slow("ensemble")
 def test_a_length_that_would_do_is_named_and_does():
     model = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
     change = al.compare(simulated(1, model, 2048), simulated(2, model, 2048))["K"]
     assert change.outcome == "not resolvable"
     assert 2048 / RATE < change.needed < 3600
+    # a walk as large as its limit, and half of it
+    limit = max(e.upper for e in (change.before, change.after))
+    walks = [al.Term("K", size, change.signal) for size in (limit, limit / 2)]
+    models = [al.Model((al.N(0.3, "deg/sqrt(h)"), walk)) for walk in walks]
     n = round(change.needed * RATE)
-    longer = [al.compare(simulated(10 + 2 * i, model, n), simulated(11 + 2 * i, model, n))["K"] for i in range(4)]
-    assert sum(found.outcome == "not resolvable" for found in longer) <= 1
-    m = n // 8
-    shorter = [al.compare(simulated(30 + 2 * i, model, m), simulated(31 + 2 * i, model, m))["K"] for i in range(3)]
-    assert sum(found.outcome == "not resolvable" for found in shorter) >= 2
+    found = {
+        size: [al.compare(*(simulated(10 * i + j, m, size) for j, m in enumerate(models)))["K"].p for i in range(1, 5)]
+        for size in (n, n // 8)
+    }
+    assert sum(p < 0.05 for p in found[n]) >= 3
+    assert sum(p < 0.05 for p in found[n // 8]) <= 1
 
 
 def test_reading_both_files_is_told(tmp_path):

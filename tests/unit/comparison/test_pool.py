@@ -1,5 +1,6 @@
 """Several runs: what they have in common, which lies apart; a part against the whole."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from scipy import stats
 
 import allanite as al
 from allanite.comparison.pooling import bartlett
+from allanite.reporting import table
 
 MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
 
@@ -54,6 +56,28 @@ def test_the_run_that_lies_apart_is_named():
     assert channel["N"].adjusted < 1e-6
     assert channel["N"].between > 3 * channel["N"].within
     assert channel.p[0] < 1e-6
+
+
+def test_ramps_that_differ_are_named():
+    """Each run has a ramp of its own, which no noise model contains."""
+    ramps = [al.R(size, "deg/h^2") for size in (5e5, -2e5, 5e5)]
+    runs = [
+        al.simulate(MODEL + ramp, 4096, 100.0, rng=np.random.default_rng(seed)) for seed, ramp in enumerate(ramps, 1)
+    ]
+    found = al.pool(runs)
+    (channel,) = found.channels
+    assert channel.test.p > 0.05
+    assert not channel.alike
+    assert "the scatter between runs exceeds that within them in R" in found.verdict
+    ramp = channel["R"]
+    assert ramp.adjusted < 1e-3
+    assert [np.sign(e.value) for e in ramp.runs] == [1, -1, 1]
+    assert re.search(r"^ +R  +rate ramp ", table(found), re.MULTILINE)
+    assert al.from_dict(found.to_dict()).verdict == found.verdict
+    alike = al.pool([runs[0], runs[2], replace(runs[0], values=runs[2].values[::-1] * -1.0)]).terms[-1]
+    low, high = alike.interval()
+    assert alike.adjusted > 0.05
+    assert low < ramps[0].value < high
 
 
 def test_two_that_lie_apart_do_not_hide_each_other():

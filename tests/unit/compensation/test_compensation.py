@@ -16,6 +16,7 @@ from allanite.compensation.restricted import restricted
 from allanite.compensation.slope import local_slope
 from allanite.core.model import Term
 from allanite.core.units import SIGNALS
+from allanite.reporting import table
 
 NOISE = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
 HOUR = np.arange(3600.0)
@@ -81,7 +82,7 @@ def test_the_mixture_is_wider_than_one_noise_and_its_numbers_agree():
 
 def test_one_white_noise_term_gives_ordinary_least_squares():
     record = gyro(2, model=al.Model((al.N(0.1, "deg/sqrt(h)"),)))
-    found = compensate(record, TEMP, ["temp"], settings=FitSettings(terms="N"))
+    found = compensate(record, TEMP, ["temp"], trend=False, settings=FitSettings(terms="N"))
     X = TEMP.values - TEMP.values.mean()
     assert found["temp"].value == pytest.approx(X @ record.values / (X @ X), rel=1e-6)
     assert found.effective == pytest.approx(3599)
@@ -100,7 +101,12 @@ def test_an_effect_is_found_taken_off_and_written_down():
     assert after.history == ("corrected: regression on temp",)
     # what is taken off is zero at the mean temperature: the bias stays
     assert after.values.mean() == pytest.approx(record.values.mean(), abs=1e-9)
-    assert found.inside.explained == pytest.approx(1 - after.values.var() / record.values.var(), rel=1e-9)
+    # the drift that was estimated beside it stays, too: the variances are those about a straight line
+    left, whole = (np.sum((r.values - np.polyval(np.polyfit(HOUR, r.values, 1), HOUR)) ** 2) for r in (after, record))
+    assert found.inside.explained == pytest.approx(1 - left / whole, rel=1e-6)
+    alone = compensate(record, TEMP, ["temp"], trend=False)
+    taken = alone.apply(record, al.Recording((TEMP,))).values
+    assert alone.inside.explained == pytest.approx(1 - taken.var() / record.values.var(), rel=1e-9)
     assert found.held.explained > 0.5
 
 
@@ -189,9 +195,9 @@ def test_nothing_is_added_to_a_straight_line_but_seldom():
     """Each of two columns enters with a probability of about a sixth; more than 7 of 20 has one of 1 in 1000."""
     temp = channel(cycles(period=400.0))
     found = [compensate(gyro(seed, 1e-5 * temp.values), temp, ["temp"], degree=2) for seed in range(1, 21)]
-    assert sum(len(f.regressors) > 1 for f in found) <= 7
+    assert sum(len(f.taken) > 1 for f in found) <= 7
     every = compensate(gyro(1), temp, ["temp"], degree=2, settings=FitSettings(every=True))
-    assert [e.label for e in every] == ["temp", "temp^2"]
+    assert [e.label for e in every] == ["temp", "temp^2", "time"]
 
 
 def test_gaps_are_an_error_or_split_the_record():
@@ -216,12 +222,51 @@ def test_many_gaps_lose_no_more_than_their_readings():
     assert found["temp"].low < 1e-5 < found["temp"].high
 
 
-def test_a_trend_is_said_to_be_confounded_and_can_be_estimated_along():
+RAMP = -2e-8 * HOUR
+WARMING = channel(20 + 10 * (1 - np.exp(-HOUR / 1800)))
+
+
+def test_a_temperature_beside_a_ramp_has_its_own_coefficient():
+    """Raw variances hide it, and without the ramp its sign is wrong."""
+    record = gyro(12, 3e-6 * WARMING.values + RAMP, model=al.Model((al.N(0.01, "deg/sqrt(h)"),)))
+    found = compensate(record, WARMING, ["temp"])
+    assert found["temp"].low < 3e-6 < found["temp"].high
+    assert found["temp"].t > 10
+    assert found.significant
+    assert not found.ambiguous
+    assert found.inside.explained > 0.1
+    assert found.held.explained > 0
+    assert "z depends on temp" in table(found)
+    again = gain_on(found, record, al.Recording((WARMING,)))
+    assert again.reduction == pytest.approx(found.inside.reduction, rel=1e-9)
+    assert again.met
+    alone = compensate(record, WARMING, ["temp"], trend=False)
+    assert alone["temp"].high < 0
+    assert any("rate ramp R" in note and "omit trend=False" in note for note in alone.notes)
+
+
+def test_a_ramp_beside_which_a_temperature_does_nothing():
+    found = compensate(gyro(12, RAMP, model=al.Model((al.N(0.01, "deg/sqrt(h)"),))), WARMING, ["temp"])
+    assert not found.significant
+    assert "z shows no dependence on temp" in table(found)
+
+
+def test_a_temperature_that_fits_as_well_as_a_ramp_is_said_to():
+    bent = channel(20 + 5 * HOUR / 3600 + 0.02 * np.sin(np.pi * HOUR / 3600))
+    for effect in (3e-5 * bent.values, 3e-5 / 720 * HOUR):
+        found = compensate(gyro(1, effect), bent, ["temp"])
+        assert (found.significant, found.ambiguous) == (False, True)
+        assert "the effect of temp can hardly be separated from a rate ramp R" in table(found)
+    with pytest.raises(al.DataError, match=r"'temp', 'time' are collinear: .* trend=False"):
+        compensate(gyro(1), channel(20 + 0.01 * HOUR), ["temp"])
+
+
+def test_a_trend_that_is_left_out_is_said_to_be_confounded():
     warm = channel(20 + 0.002 * HOUR + 0.1 * np.sin(HOUR / 100))
     record = gyro(12, 1e-5 * warm.values)
-    alone = compensate(record, warm, ["temp"])
+    alone = compensate(record, warm, ["temp"], trend=False)
     assert any("rate ramp R" in note for note in alone.notes)
-    both = compensate(record, warm, ["temp"], trend=True)
+    both = compensate(record, warm, ["temp"])
     assert not any("rate ramp R" in note for note in both.notes)
     assert both["temp"].standard_error > 2 * alone["temp"].standard_error
     assert both["temp"].inflation > 3
@@ -255,7 +300,7 @@ WRONG = [
     ({"regressors": []}, al.UsageError, "at least one regressor"),
     ({"regressors": "temp"}, al.UsageError, "sequences of names"),
     ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),
-    ({"regressors": ["time"]}, al.UsageError, "trend=True"),
+    ({"regressors": ["time"]}, al.UsageError, "leave out 'time'"),
     ({"regressors": ["temp"], "degree": 0}, al.UsageError, "from 1 to 6"),
     ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
     ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),

@@ -19,6 +19,7 @@ from allanite.reporting.digits import digits
         (3.2e6, 3.1e6, 3.3e6, "3.20e6", "3.10e6 .. 3.30e6"),
         (0.01, -0.0001, 0.02, "0.010", "0.000 .. 0.020"),  # no negative zero
         (0.0, -0.5, 0.5, "0.00", "-0.50 .. 0.50"),
+        (1.9e-5, -0.2763, 0.2801, "0.00", "-0.28 .. 0.28"),  # near zero: as many as the interval needs
     ],
 )
 def test_value_and_limits_are_rounded_alike(value, low, high, shown, interval):

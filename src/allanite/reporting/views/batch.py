@@ -46,8 +46,9 @@ RULE = say(
 )
 MAIN = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
 SPREAD = say(
-    "Mean and standard deviation of the values of those units in which the term was identified: for a term that few "
-    "units show, the mean is too large. The standard deviation includes the errors of the values."
+    "Mean and standard deviation of the values of those units in which the term was identified, with their number "
+    "where it was not in all: for a term that few units show, the mean is too large. The standard deviation includes "
+    "the errors of the values."
 )
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
 
@@ -213,9 +214,20 @@ def _across(batch: Batch) -> Table:
 
 def _spread(batch: Batch, found: Across) -> list[str]:
     channel, symbol, units, count, mean, deviation, worst, file, below, unit = found.row()
-    numbers = [_number(v) for v in (mean, deviation, worst)]
     share = say("{identified} of {units}", identified=count, units=units)
-    return [channel, symbol_of(symbol), share, *numbers, batch.label(batch[file]) if file else "", _number(below), unit]
+    numbers = [_number(v) for v in (mean, deviation)]
+    if count < units:
+        numbers = [say("{number} (of {count})", number=number, count=count) if number else "" for number in numbers]
+    return [
+        channel,
+        symbol_of(symbol),
+        share,
+        *numbers,
+        _number(worst),
+        batch.label(batch[file]) if file else "",
+        _number(below),
+        unit,
+    ]
 
 
 def _number(value: float) -> str:

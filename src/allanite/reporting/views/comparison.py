@@ -156,10 +156,12 @@ def change_of(change: Change, level: float) -> tuple[str, str]:
     """The change and its interval in percent."""
     low, high = change.interval(level)
     least = -100.0 if TERMS[change.symbol].waveform is None else -math.inf
-    if low > least and math.isfinite(high) and math.isfinite(change.ratio):
-        number = digits(change.percent, low, high, signed=True)
-        return f"{number.plain()[0]} %", f"{number.low} .. {number.high} %"
-    size = f"{change.percent:+.3g} %" if math.isfinite(change.ratio) and math.isfinite(high) else "-"
+    # beside a limit there is no number to compare, but a sinusoid that has gone
+    known = math.isfinite(change.ratio) and (None not in (change.before.value, change.after.value) or not change.ratio)
+    if low > least and math.isfinite(high):
+        size, interval = digits(change.percent if known else high, low, high, signed=True).plain()
+        return f"{size} %" if known else "-", f"{interval} %"
+    size = f"{change.percent:+.3g} %" if known and math.isfinite(high) else "-"
     if math.isfinite(high):
         return size, say("below {limit}", limit=f"{high:+.3g} %")
     return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
@@ -170,14 +172,14 @@ def _ratios_table(ratios: Ratios, whole: Comparison, levels: tuple[float, float]
     unit = readable_unit(ratios.before.unit)
     heads = (
         Column("tau [s]"), *(Column(join(" ", (name, f"[{unit}]"))) for name in whole.names),
-        Column(say("edf before"), aside=True), Column(say("edf after"), aside=True), Column(say("variance ratio")),
-        Column(words.interval(level), "interval"), Column("p"),
+        *(Column(say("edf of {record}", record=name), aside=True) for name in whole.names),
+        Column(say("variance ratio")), Column(words.interval(level), "interval"), Column("p"),
     )  # fmt: skip
     factor = convert(1.0, ratios.before.unit, unit)
     rows, marks = [], []
     for tau, before, after, nu, mu, ratio, low, high, p in ratios.rows(level)[1]:
         cells = [f"{tau:.6g}", f"{before * factor:.5g}", f"{after * factor:.5g}", f"{nu:.4g}", f"{mu:.4g}"]
-        rows.append([*cells, *digits(ratio, low, high).plain(), words.probability(p)])
+        rows.append([*cells, f"{ratio:.4g}", f"{low:.4g} .. {high:.4g}", words.probability(p)])
         marks.append(MARKS["smaller" if ratio < 1 else "larger"] if p <= alpha else "")
     title = say("{statistic} and ratio of the variances", statistic=STATISTICS[ratios.before.statistic].title)
     return Table(heads, rows, title, marks=marks)

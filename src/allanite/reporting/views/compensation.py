@@ -49,8 +49,9 @@ HOW = (
     ),
     say(
         "Named regressors are always kept. Powers and lags are included only if the cross-validated gain "
-        "exceeds its standard error. The correction is zero at the means of the regressors: the bias stays. A steady "
-        "drift that is estimated together with the coefficients is not removed."
+        "exceeds its standard error. The correction is zero at the means of the regressors: the bias stays. A linear "
+        "drift is estimated together with the coefficients, unless it is left out, and not removed; the variances "
+        "before and after are then those about a straight line."
     ),
     say(
         "Noise in a regressor makes its coefficient too small, by the share of noise in its variance. The "
@@ -72,7 +73,8 @@ def coefficients(regression: Regression, level: float) -> Table:
     )  # fmt: skip
     effects = [regression.effect(i, level) for i in range(len(regression.regressors))]
     rows = [_cells(e, regression.signal.sheet[0]) for e in effects]
-    key = join(" ", (KEY, _beside(regression, printed_unit)))
+    drift = [say("The drift over time is not removed.")] if regression.trend else []
+    key = join(" ", (KEY, *drift, _beside(regression, printed_unit)))
     return Table(heads, rows, marks=["strong" if e.significant else "quiet" for e in effects], key=key)
 
 
@@ -91,8 +93,7 @@ def _cells(e: Effect, unit: str) -> list[str]:
 
 def _status(effect: Effect) -> str:
     parts = [say("identified") if effect.significant else say("absent")]
-    parts += [say("chosen")] if effect.chosen else []
-    return join(", ", parts if effect.taken_off else [*parts, say("not removed")])
+    return join(", ", [*parts, say("chosen")] if effect.chosen else parts)
 
 
 def _beside(regression: Regression, shown: Callable[[str], str] = str) -> str:
@@ -118,15 +119,21 @@ def verdict(channel: Compensated, shown: Callable[[str], str] = str) -> str:
 
 def _found(name: str, regression: Regression, shown: Callable[[str], str] = str) -> str:
     own = [e for e in regression if e.taken_off]
+    undecided = [_undecided(own, regression.shared)] if regression.ambiguous else []
     if not regression.significant:
-        return say(
-            "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
-            channel=name,
-            regressors=_names(own),
+        return (
+            join(": ", (name, *undecided))
+            if undecided
+            else say(
+                "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
+                channel=name,
+                regressors=_names(own),
+            )
         )
     gain, held = regression.inside, regression.held
+    also = [say("about a linear drift")] if regression.trend else []
     # by chance the sum of squares falls a little even where nothing is found
-    also = [say("{share} expected by chance", share=shown(_share(gain.expected, gain)))]
+    also += [say("{share} expected by chance", share=shown(_share(gain.expected, gain)))]
     if held is not None:
         also.append(say("{share} in cross-validation", share=shown(f"{100 * held.explained:.3g} %")))
     said = [
@@ -136,13 +143,25 @@ def _found(name: str, regression: Regression, shown: Callable[[str], str] = str)
             regressors=_names([e for e in own if e.significant]),
             share=shown(f"{100 * gain.explained:.3g} %"),
             also=join("; ", also),
-        )
+        ),
+        *undecided,
     ]
     rest = _names([e for e in own if not (e.chosen or e.significant)])
     said += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
     if held and held.explained < 0:
         said.append(say("In cross-validation it does harm: do not use it."))
     return join(" ", said)
+
+
+def _undecided(own: Sequence[Effect], share: float) -> str:
+    """That the regressors and a linear drift explain the record alike."""
+    return say(
+        "the effect of {regressors} can hardly be separated from a rate ramp R in this record: the two share {share} "
+        "of their variance, and either alone fits about as well. Record until {regressors} returns to its initial "
+        "value.",
+        regressors=_names(own),
+        share=words.percent(share),
+    )
 
 
 def _elsewhere(name: str, gain: Gain, shown: Callable[[str], str]) -> str:

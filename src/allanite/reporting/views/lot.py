@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from allanite.batch.lot import Lot
 from allanite.batch.manifest import DATE
-from allanite.batch.scatter import DAY, Distribution, Outlying, Trend
-from allanite.core.language import say
+from allanite.batch.scatter import DAY, FEWEST, Distribution, Outlying, Trend, detectable
+from allanite.core.language import say, say_count
 from allanite.reporting import figures
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
@@ -44,9 +44,9 @@ def _face(lot: Lot, level: float) -> Face:
 def _parts(lot: Lot) -> Iterator[Part]:
     if _drawn(lot):
         yield Drawing(lambda: figures.plot_lot(_drawn(lot)), say("values of all units"), CAPTION)
-    if lot.distributions:
+    rows = [_distribution(one) for one in lot.distributions if one.values.size >= FEWEST]
+    if rows:
         heads = (*_HEADS, Column(say("units")), *(Column(f"{share} %") for share in (10, 50, 90)), Column("", "unit"))
-        rows = [_distribution(one) for one in lot.distributions]
         yield Table(heads, rows, say("quantiles of the units in which the term was identified"), most=EVERY)
     if lot.trends:
         heads = (
@@ -59,8 +59,29 @@ def _parts(lot: Lot) -> Iterator[Part]:
         heads = (Column(say("file"), "name"), *_HEADS, Column(say("value")), Column(say("median")), Column("", "unit"))
         rows = [_outlying(lot, one) for one in lot.outlying]
         yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=EVERY)
-    elif lot.distributions:
+    yield from _tested(lot)
+
+
+def _tested(lot: Lot) -> Iterator[Note]:
+    """Whether and how well units were tested for being outlying."""
+    tested = [one.values.size for one in lot.distributions if one.tested]
+    if tested and not lot.outlying:
         yield Note(say("No unit is outlying."), "good")
+    if tested:
+        text = say_count(
+            len(tested),
+            "{count} coefficient of {all} was tested for outlying units: of {fewest} units one is found that lies "
+            "{distance:.2g} standard deviations away from the others.",
+            "{count} coefficients of {all} were tested for outlying units: of {fewest} units one is found that lies "
+            "{distance:.2g} standard deviations away from the others.",
+            all=len(lot.distributions),
+            fewest=min(tested),
+            distance=detectable(min(tested)),
+        )
+        yield Note(text, "quiet")
+    elif lot.distributions:
+        none = say("Not tested for outlying units: no coefficient has values of {fewest} units.", fewest=FEWEST)
+        yield Note(none, "fair")
 
 
 def _drawn(lot: Lot) -> "list[figures.Coefficient]":

@@ -27,7 +27,7 @@ POOLED = (
     say(
         "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
         "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
-        "homogeneity, adjusted by Holm's method."
+        "homogeneity, adjusted by Holm's method. Each run has its own ramp, which the noise model does not contain."
     ),
     say(
         "A run is an outlier if it differs from all the others taken together (likelihood ratio, adjusted by Holm's "
@@ -68,7 +68,7 @@ def _terms_table(channel: PooledChannel, level: float) -> Table:
 def _term_cells(term: PooledTerm, level: float) -> list[str]:
     _, _, value, low, high, unit, between, within, statistic, dof, p, adjusted = term.row(level)
     below = say("below {limit}", limit=digits(high, figures=2).plain()[0])
-    shown = digits(value, low, high).plain() if value > 0 else ("-", below)
+    shown = digits(value, low, high).plain() if value else ("-", below)
     scatter = [f"{v:.3g} %" if math.isfinite(v) else "-" for v in (between, within)]
     return [term.symbol, words.title(term.symbol, term.signal), *shown, unit, *scatter, f"{statistic:.3g}", f"{dof:g}",
             words.probability(p), words.probability(adjusted)]  # fmt: skip
