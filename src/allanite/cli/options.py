@@ -80,6 +80,8 @@ OPTIONS: dict[str, Decorator] = {
         help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [default: whittle]"),
     "band": click.option("--band", type=Band(), metavar="BAND",
         help="Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.  [default: auto]"),
+    "mask": click.option("--mask", type=Pieces("Hz"), metavar="HZ..HZ,...",
+        help="Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20."),
     "level": click.option("--level", type=float, help="Confidence level of intervals.  [default: 0.95]"),
     "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
         help="Read options from a file; the command line overrides them."),
@@ -209,7 +211,7 @@ READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "column
 SELECTING = ("average", "exclude", "from", "until", "quiet-window", "outliers", "memory")
 """Options that select samples."""
 
-IDENTIFYING = ("terms", "method", "ranges", "band", "level", "strict")
+IDENTIFYING = ("terms", "method", "ranges", "band", "mask", "level", "strict")
 """Options of every verb that identifies noise."""
 
 RESULTS = (*OUTPUTS, "lang", "force", "quiet")

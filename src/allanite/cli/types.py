@@ -94,9 +94,12 @@ class Ranges(ParamType):
 
 
 class Pieces(ParamType):
-    """Pairs of seconds; a recipe may hold a list of them."""
+    """Pairs of numbers in a unit; a recipe may hold a list of them."""
 
     name = "pieces"
+
+    def __init__(self, unit: str = "s") -> None:
+        self.unit = unit
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Pairs of floats."""
@@ -104,7 +107,7 @@ class Pieces(ParamType):
         from allanite.core.ranges import demand_pieces
 
         try:
-            return demand_pieces(value)
+            return demand_pieces(value, self.unit)
         except UsageError as error:
             self.fail(str(error), param, ctx)
 

@@ -6,6 +6,9 @@ from itertools import pairwise
 
 from .errors import UsageError
 
+AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}
+"""An example of pieces in each unit."""
+
 
 def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
     """Check ranges of averaging times by the symbol of a term: two times each, the lower one first, none in common.
@@ -37,8 +40,8 @@ def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
     return found
 
 
-def demand_pieces(pieces: object) -> tuple[tuple[float, float], ...]:
-    """Pieces of a record as pairs of seconds, from text or numbers, in order of time.
+def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float], ...]:
+    """Pieces of a record, or of a spectrum, as pairs of numbers, from text or numbers, in their order.
 
     Raises
     ------
@@ -52,16 +55,17 @@ def demand_pieces(pieces: object) -> tuple[tuple[float, float], ...]:
     """
     parts = pieces.split(",") if isinstance(pieces, str) else pieces
     if not isinstance(parts, (tuple, list)) or not parts:
-        raise UsageError(f"pieces are pairs of seconds, as 100..160,300..310, not {pieces!r}")
-    return tuple(sorted(_piece(part) for part in parts))
+        raise UsageError(f"pieces are pairs of numbers in {unit}, as {AS[unit]}, not {pieces!r}")
+    return tuple(sorted(_piece(part, unit) for part in parts))
 
 
-def _piece(part: object) -> tuple[float, float]:
+def _piece(part: object, unit: str) -> tuple[float, float]:
     pair = part.split("..") if isinstance(part, str) else part
     try:
         start, end = (float(number) for number in pair)  # type: ignore[attr-defined]  # what is no pair raises
     except (TypeError, ValueError):
-        raise UsageError(f"a piece is a pair of seconds, as 100..160, not {part!r}") from None
+        one = AS[unit].partition(",")[0]
+        raise UsageError(f"a piece is a pair of numbers in {unit}, as {one}, not {part!r}") from None
     if not 0 <= start < end < math.inf:
-        raise UsageError(f"a piece begins at 0 s or later and ends after that, unlike {start:g}..{end:g}")
+        raise UsageError(f"a piece begins at 0 {unit} or later and ends after that, unlike {start:g}..{end:g}")
     return start, end

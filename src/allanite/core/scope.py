@@ -26,11 +26,13 @@ def worst(*grades: str) -> str:
 
 
 def graded(grade: str, scope: "Scope | None" = None) -> Phrase:
-    """A grade as text: "explained", "explained within 4 %", "explained, with a reservation", "not explained"."""
+    """A grade as text: "explained", "explained within 4 %", "explained up to 80 s", "not explained"."""
     if grade == UNEXPLAINED:
         return say("not explained")
     if scope is not None and scope.misfit:
         return say("explained within {share:.2g} %", share=100 * scope.within)
+    if grade == APPROXIMATE and scope is not None and scope.until < math.inf:
+        return say("explained up to {until:.3g} s", until=scope.until)
     return say("explained, with a reservation") if grade == APPROXIMATE else say("explained")
 
 
@@ -109,6 +111,8 @@ class Scope(Value):
         the terms: the gain of the filter, and the observed ratio at excluded frequencies.
     remarks : tuple of str
         Descriptions of what was excluded.
+    until : float
+        Longest averaging time, s, at which the deviation of the record agrees with the valid terms.
     """
 
     choice: str
@@ -120,6 +124,7 @@ class Scope(Value):
     frequency: FloatArray
     level: FloatArray
     remarks: tuple[str, ...] = ()
+    until: float = math.inf
 
     @property
     def whole(self) -> bool:
@@ -145,7 +150,7 @@ class Scope(Value):
         shortest = 0.5 / high if self.limited else 0.0
         if self.filter is not None:
             shortest = max(shortest, SETTLED / self.filter.cutoff)
-        return shortest, 0.25 / low if low else math.inf
+        return shortest, min(0.25 / low if low else math.inf, self.until)
 
     @property
     def grade(self) -> str:
@@ -183,6 +188,13 @@ class Scope(Value):
                     low=low, high=high, fastest=0.5 / high, slowest=slowest,
                 )
             )  # fmt: skip
+        if self.until < math.inf:
+            said.append(
+                say(
+                    "beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",
+                    until=self.until,
+                )
+            )
         return (*said, *self.remarks)
 
     def _loud(self, low: float, high: float) -> bool:

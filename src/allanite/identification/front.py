@@ -1,6 +1,6 @@
 """Identification by any of the methods: their table, and the selection of a method and its input."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypedDict, Unpack, overload
 
@@ -28,7 +28,7 @@ METHODS: dict[str, Method] = {
     "whittle": Method(
         say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"), Record, whittle,
         efficiency=say("0.93 to 1.14 times the Cramer-Rao bound"),
-        options=("band", "lines", "rival"), shapes=True, signed=True,
+        options=("band", "masks", "lines", "rival"), shapes=True, signed=True,
     ),
     "gls": Method(
         say("generalized least squares of a curve with the covariance of its points under the model"), Curve, gls,
@@ -70,6 +70,7 @@ class Choices(TypedDict, total=False):
     terms: str
     statistic: str | None
     band: Band | None
+    masks: Sequence[tuple[float, float]]
     lines: bool
     ranges: Mapping[str, tuple[float, float]] | None
     outliers: str
@@ -83,13 +84,14 @@ def identify(source: Record | Curve, method: str | None = ..., **choices: Unpack
 def identify(source: Recording, method: str | None = ..., **choices: Unpack[Choices]) -> dict[str, Fit]: ...
 
 
-def identify(
+def identify(  # noqa: PLR0913 - each is a choice of its own
     source: Record | Curve | Recording,
     method: str | None = None,
     *,
     terms: str = "auto",
     statistic: str | None = None,
     band: Band | None = None,
+    masks: Sequence[tuple[float, float]] = (),
     lines: bool = True,
     ranges: Mapping[str, tuple[float, float]] | None = None,
     outliers: str = "mark",
@@ -113,8 +115,10 @@ def identify(
         Statistic of the curve computed from a record, for methods that fit a curve; by default oadev.
     band : {"auto", "all"} or (low, high), optional
         Frequencies to fit, Hz ("whittle" only). "auto", the default, uses all of them if the terms explain them;
-        otherwise it looks for a low-pass filter, excludes resonances, and finds the widest band that the terms explain
-        (`Fit.scope`).
+        otherwise it looks for a low-pass filter, leaves out resonances, and finds the widest band that the terms
+        explain (`Fit.scope`).
+    masks : sequence of (low, high)
+        Frequencies that are not used, Hz ("whittle" only), beside those that "auto" or a band leaves out.
     lines : bool
         Whether sinusoids are detected, removed and reported before the noise is identified ("whittle" only).
     ranges : mapping of symbol to (low, high), optional
@@ -148,7 +152,9 @@ def identify(
     ('identified', 'absent', True)
     """
     if isinstance(source, Recording):
-        same = Choices(terms=terms, statistic=statistic, band=band, lines=lines, ranges=ranges, outliers=outliers)
+        same = Choices(
+            terms=terms, statistic=statistic, band=band, masks=masks, lines=lines, ranges=ranges, outliers=outliers
+        )
         return _by_channel(source, lambda record: identify(record, method, **same))
     name = method or ("whittle" if isinstance(source, Record) else "gls")
     if name not in METHODS:
@@ -159,7 +165,7 @@ def identify(
     row = METHODS[name]
     symbols = symbols_of(terms)
     band = None if band == "auto" and "band" not in row.options else band  # no option was given
-    said = {"band": band, "lines": None if lines else False, "ranges": ranges}
+    said = {"band": band, "masks": masks or None, "lines": None if lines else False, "ranges": ranges}
     options: dict[str, Any] = {key: value for key, value in said.items() if value is not None}
     _demand(name, symbols, options)
     if "rival" in row.options:

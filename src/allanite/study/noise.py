@@ -12,10 +12,11 @@ from allanite.core.header import Header, header_from
 from allanite.core.language import say
 from allanite.core.limits import Stored
 from allanite.core.plain import Portable, Value, stored_fields
+from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, header_dict
 from allanite.core.residuals import Residuals, Statement, statement
 from allanite.core.scope import UNEXPLAINED, Band, worst
-from allanite.identification.checks.contradiction import contradictions
+from allanite.identification.checks.contradiction import contradictions, held
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
 
@@ -73,6 +74,8 @@ def graded(noise: Noise, record: Record) -> Noise:
         return replace(noise, fit=fit.invalid(REJECTED))
     for symbol, reason in contradictions(fit, record).items():
         fit = fit.invalid(reason, (symbol,))
+    if fit.scope is not None:
+        fit = replace(fit, scope=replace(fit.scope, until=held(fit, record)))
     return replace(noise, fit=fit)
 
 
@@ -114,6 +117,7 @@ def noise_of(
         terms=terms or recipe.terms,
         statistic=recipe.statistic if readable else None,
         band=band,
+        masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
         outliers=outliers,
         lines=lines,
         ranges=recipe.ranges,

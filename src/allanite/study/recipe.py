@@ -24,7 +24,7 @@ READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "column
 SELECTING = ("average", "exclude", "start", "until", "quiet_window", "outliers", "memory")
 """Keys that select samples, and whether all of them are in memory."""
 
-IDENTIFYING = ("terms", "method", "ranges", "band", "level")
+IDENTIFYING = ("terms", "method", "ranges", "band", "mask", "level")
 """Keys of the identification."""
 
 CURVE = ("statistic", "taus")
@@ -47,7 +47,8 @@ class Recipe:
     text ``"gyro=deg/s,ax=g"``. `average`: means over so many seconds replace the samples, before anything else.
     `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are missing.
     `memory`: what a record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory
-    available. `ranges`: averaging times, s, of each term's line for method "piecewise". `device` is a name in
+    available. `ranges`: averaging times, s, of each term's line for method "piecewise". `mask`: pairs of
+    frequencies, Hz, or ``"0.4..2.1,19..20"``, between which the fit does not read the spectrum. `device` is a name in
     `DEVICES`, whose likely causes of each term are shown.
     """
 
@@ -74,6 +75,7 @@ class Recipe:
     method: str = "whittle"
     ranges: Mapping[str, tuple[float, float]] | None = None
     band: Band = "auto"
+    mask: str | tuple[tuple[float, float], ...] | None = None
     level: float = 0.95
     device: str | None = None
     to: tuple[str, ...] | None = None
@@ -97,6 +99,8 @@ class Recipe:
         if not 0 < self.level < 1:
             raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
         demand_band(self.band)
+        if self.mask is not None:
+            object.__setattr__(self, "mask", demand_pieces(self.mask, "Hz"))
         if self.ranges is not None:
             object.__setattr__(self, "ranges", demand_ranges(self.ranges))
         self._demand_showing()

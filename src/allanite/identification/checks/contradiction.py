@@ -1,26 +1,37 @@
 """Coefficients that contradict the measured curve, whatever the likelihood says."""
 
+import math
+
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
+from allanite.core.units import convert
+from allanite.prepare.rounding import grid
 from allanite.statistics import deviation, expected
 from allanite.terms import TERMS
 
 SURE = 0.99
 """Confidence level of the curve's intervals in this test."""
 
+AGREES = 1.5
+"""Factor beyond the limits of the measured deviation up to which that of the model agrees with it."""
+
+ROUNDED = 3.0
+"""Quantization noise over that of the step of the samples, at most."""
+
 
 def contradictions(fit: Fit, record: Record) -> dict[str, str]:
-    """Why the Allan deviation of the record contradicts coefficients, by symbol.
+    """Why the record contradicts coefficients, by symbol.
 
     A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
     than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
+    Quantization cannot exceed that of the step of the samples.
     """
     curve = deviation(record, "oadev", taus="octave", noise=None)
     inside = _inside(fit, curve)
@@ -28,13 +39,56 @@ def contradictions(fit: Fit, record: Record) -> dict[str, str]:
     # after a filter the curve does not show angle noise
     shown = [e for e in fit if e.claimed and not (filtered and TERMS[e.symbol].edge)]
     alone = {e.symbol: own for e in shown if (own := _alone(e, curve)) is not None}
+    found = _not_rounding(fit, record)
     # an upper limit is above what was measured: it is computed only where a term exceeds that
     above = inside & np.any([own > curve.deviation for own in alone.values()], axis=0)
     if not above.any():
-        return {}
-    upper = deviation(record, "oadev", m=curve.m[above].tolist(), noise=fit).upper(SURE)
+        return found
+    upper = limits(record, fit, curve.m[above])[1]
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
-    return {symbol: _words(ratio, curve.tau[above]) for symbol, ratio in excess.items() if (ratio > 1).any()}
+    return {s: _words(ratio, curve.tau[above]) for s, ratio in excess.items() if (ratio > 1).any()} | found
+
+
+def limits(record: Record, fit: Fit, m: IntArray, level: float = SURE) -> tuple[FloatArray, FloatArray]:
+    """Limits of the Allan deviation at averaging factors."""
+    return deviation(record, "oadev", m=m.tolist(), noise=fit).interval(level)
+
+
+def held(fit: Fit, record: Record) -> float:
+    """The longest averaging time, s, at which the deviation of the valid terms agrees with the measured one.
+
+    Infinite if it agrees at all within the scope of the fit.
+    """
+    if fit.valid is None:
+        return np.inf
+    curve = deviation(record, "oadev", taus="octave", noise=None)
+    own = np.sqrt(expected(fit.valid, "oadev", curve.tau, rate=curve.rate, size=curve.size))
+    measured = curve.deviation * convert(1.0, curve.unit, fit.signal.unit)
+    far = _inside(fit, curve) & (np.abs(np.log(own / measured)) > np.log(AGREES))
+    if not far.any():
+        return np.inf
+    low, high = limits(record, fit, curve.m[far], 0.95)
+    wrong = curve.tau[far][(own[far] > AGREES * high) | (own[far] < low / AGREES)]
+    before = curve.tau[curve.tau < wrong.min(initial=np.inf)]
+    return float(before.max(initial=0.0)) if wrong.size else np.inf
+
+
+def _not_rounding(fit: Fit, record: Record) -> dict[str, str]:
+    """Why angle noise is not the rounding of the samples."""
+    step = grid(record.values[np.isfinite(record.values)])[1] * record.factor
+    if not step:
+        return {}
+    angle = step if record.kind == "angle" else step / record.rate
+    most = ROUNDED * angle / math.sqrt(12)
+    return {
+        e.symbol: say(
+            "it is {ratio:.3g} times what the steps of the samples can cause: noise that rises near half the sampling "
+            "rate, of vibration, differentiation or interpolation",
+            ratio=ROUNDED * e.value / most,
+        )
+        for e in fit
+        if TERMS[e.symbol].edge and e.claimed and e.value is not None and e.value > most
+    }
 
 
 def _inside(fit: Fit, curve: Curve) -> BoolArray:

@@ -18,6 +18,7 @@ from allanite.core.model import coefficient_factor
 from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
 from allanite.identification.likelihood.families import Found, flicker_in
+from allanite.identification.likelihood.law import AKAIKE
 from allanite.identification.likelihood.selection import Subset, standard_error
 from allanite.identification.likelihood.whittle import column
 from allanite.terms import TERMS
@@ -28,8 +29,10 @@ GRID = (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
 LEAST, MOST = 0.4, 1.8
 """Range of exponents in which the limits are searched."""
 
-GAIN = 8.0
-"""Gain in 2 L over the best of the terms that a free exponent needs; the terms have more coefficients."""
+GAIN, SEVERAL = 8.0, 3
+"""Gain in Akaike's criterion over the terms that a free exponent needs; none over so many terms of drift, of which it
+takes the place: the simpler explanation.
+"""
 
 NEAR = 3.0
 """Refining the exponent gains less than this in 2 L beyond the grid."""
@@ -45,9 +48,9 @@ INTERVAL = 3.841
 class Exponent:
     """A power law f^-a of the bias drift.
 
-    `a`, `low` and `high` are the exponent and its 95 % limits, `gain` the gain in 2 L over the best of the terms;
+    `a`, `low` and `high` are the exponent and its 95 % limits, `gain` the gain in AIC over the best of the terms;
     `corner` is the frequency, Hz, at which it equals the white noise, `N` that noise with its standard error, SI, both
-    0 without white noise; `p` the goodness of fit.
+    0 without white noise; `p` the goodness of fit; `needed` the gain that names it.
     """
 
     a: float
@@ -57,12 +60,13 @@ class Exponent:
     corner: float = 0.0
     N: tuple[float, float] = (0.0, 0.0)
     p: float = 1.0
+    needed: float = GAIN
 
     @property
     def named(self) -> bool:
         """Whether the noise is not flicker."""
         known = self.low > LEAST and self.high < MOST
-        return known and self.gain > GAIN and (self.low > 1 + APART or self.high < 1 - APART)
+        return known and self.gain > self.needed and (self.low > 1 + APART or self.high < 1 - APART)
 
 
 def exponent(found: Found) -> Exponent | None:
@@ -76,12 +80,13 @@ def exponent(found: Found) -> Exponent | None:
         return None
     kept = np.append(~wanders, np.zeros(found.plain.free.size - wanders.size, dtype=bool))
     kept[which] = True
-    best = min(2 * s.value for s in (*found.every, found.plain, found.markov or found.chosen))
+    best = found.chosen.aic
     tried = [(_with(found, a, kept), a) for a in GRID]
     coarse, a = min(tried, key=lambda pair: pair[0].value)
-    if best - 2 * coarse.value < GAIN - NEAR:
+    if best - _aic(coarse) < GAIN - NEAR:
         return None
-    return _refined(found, a, kept, best)
+    drifting = int((found.chosen.theta[: wanders.size] > 0)[wanders].sum())
+    return replace(_refined(found, a, kept, best), needed=0.0 if drifting >= SEVERAL else GAIN)
 
 
 def _refined(found: Found, around: float, kept: BoolArray, best: float) -> Exponent:
@@ -100,8 +105,13 @@ def _refined(found: Found, around: float, kept: BoolArray, best: float) -> Expon
         for end in (LEAST, MOST)
     )
     p = goodness(found.seen, subset.likelihood, subset.theta, found.used).p
-    law = Exponent(a, low, high, best - 2 * subset.value, p=p)
+    law = Exponent(a, low, high, best - _aic(subset), p=p)
     return _beside_white(law, found, subset, kept) if "N" in found.noise else law
+
+
+def _aic(subset: Subset) -> float:
+    """Akaike's criterion; the exponent is one number more."""
+    return subset.aic + AKAIKE
 
 
 def _beside_white(law: Exponent, found: Found, subset: Subset, kept: BoolArray) -> Exponent:

@@ -23,7 +23,7 @@ SURE = 2.0
 """Standard errors by which a fall or a rise must exceed zero."""
 
 CORNER, SEEN = 0.8, 0.5
-"""Gain below which an octave lies beyond a filter's corner; share of the filter's fall, in the logarithm, that is seen."""
+"""Gain below which an octave lies beyond a corner; share of the filter's fall, in the logarithm, that must be seen."""
 
 RISE = 1.5
 """Ratio of the highest level of the upper octaves to one below it, from which angle noise may stand before a filter."""

@@ -21,7 +21,7 @@ from .portion import Portion, portion
 from .selection import PENALTY, Profile, Subset, select, subsets
 from .shapes import Shapes
 from .spectrum import Spectrum, spectrum
-from .timeconstant import CLOSE, Search
+from .timeconstant import Search
 
 SLOW = 30.0
 """Samples above which a time constant is that of bias drift; a shorter one belongs to a filter or the sampling."""
@@ -208,9 +208,16 @@ def penalties(part: Portion) -> FloatArray:
     return np.array(shaped) + NEVER * np.array([row.edge > 0 for row in rows]) * (not rises_to_top(part))
 
 
-def look(record: Record, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
+def look(
+    record: Record,
+    symbols: Sequence[str],
+    band: tuple[float, float] | None,
+    masks: Sequence[tuple[float, float]] = (),
+    *,
+    rival: bool,
+) -> Found:
     """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker: see `whittle`."""
-    return looked(spectrum(record, detrend=deterministic(symbols)), symbols, band, rival=rival)
+    return looked(spectrum(record, detrend=deterministic(symbols)), symbols, band, masks, rival=rival)
 
 
 def deterministic(symbols: Sequence[str]) -> bool:
@@ -218,9 +225,16 @@ def deterministic(symbols: Sequence[str]) -> bool:
     return any(TERMS[symbol].waveform is not None for symbol in symbols)
 
 
-def looked(seen: Spectrum, symbols: Sequence[str], band: tuple[float, float] | None, *, rival: bool) -> Found:
+def looked(
+    seen: Spectrum,
+    symbols: Sequence[str],
+    band: tuple[float, float] | None,
+    masks: Sequence[tuple[float, float]] = (),
+    *,
+    rival: bool,
+) -> Found:
     """The same of a spectrum."""
-    used = np.ones(seen.first.size, dtype=bool) if band is None else seen.within(band)
+    used = seen.read(band, masks)
     return fitted(portion(seen, symbols, used), rival=rival)
 
 

@@ -23,12 +23,13 @@ from allanite.terms import TERMS
 
 from .described import scope_of
 from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
-from .families import DISTINGUISHABLE, Found, look, looked
+from .families import DISTINGUISHABLE, SLOW, Found, look, looked
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
 from .selection import correlation
 from .spectrum import Spectrum
+from .steps import steps_in
 from .transient import warm_up_estimate
 
 
@@ -37,6 +38,7 @@ def whittle(
     symbols: Sequence[str],
     band: Band = "auto",
     *,
+    masks: Sequence[tuple[float, float]] = (),
     lines: bool = True,
     rival: bool = False,
 ) -> Fit:
@@ -53,6 +55,8 @@ def whittle(
         Keys of `TERMS`.
     band : {"auto", "all"} or (low, high)
         Frequencies to use, Hz; "auto" finds those that the terms explain, and a low-pass filter.
+    masks : sequence of (low, high)
+        Frequencies that are not used, Hz.
     lines : bool
         Whether sinusoids are detected and removed.
     rival : bool
@@ -62,11 +66,11 @@ def whittle(
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
     terms, asked = _scattering(symbols), None if isinstance(band, str) else band
-    found = look(record, terms, asked, rival=rival)
+    found = look(record, terms, asked, masks, rival=rival)
     taken: tuple[Line, ...] = ()
     if lines:
         taken, left = without_lines(record, found, asked)
-        found = look(left, terms, asked, rival=rival) if taken else found
+        found = look(left, terms, asked, masks, rival=rival) if taken else found
     return _concluded(found, (record.name, record.signal), symbols, band, rival=rival, taken=taken)
 
 
@@ -94,15 +98,20 @@ def _concluded(
 ) -> Fit:
     """The fit, from what every subset of the terms makes of a spectrum."""
     (name, signal), terms = channel, _scattering(symbols)
-    warm, found = steady(plain, signal, rival=rival, free=band == "auto")
+    warm, found = steady(plain, signal, rival=rival, choice=band if isinstance(band, str) else "asked")
     law = None if warm else other_law(found, plain)
     slow = [warm.finding] if warm else [exponent_finding(law, found, signal)] if law else []
+    stepped = None if slow else steps_in(found, signal)
+    slow += [stepped.finding] if stepped else []
     scope = scope_of(found, band if isinstance(band, str) else "asked", None if isinstance(band, str) else band)
     scale = Scale(signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
     estimates = {s: noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
     estimates |= {s: ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
     estimates = {s: observable(s, estimates.get(s), found, scope, scale) for s in shown}
+    if stepped is not None:
+        walks = {s: say("the bias steps") for s in estimates if TERMS[s].slope > 0 and TERMS[s].waveform is None}
+        estimates |= {s: estimates[s].invalid(why) for s, why in walks.items() if estimates[s].claimed}
     if law is not None:
         estimates = {s: under(law, e) for s, e in estimates.items()}
     estimates |= {s: warm_up_estimate(s, warm, signal) for s in symbols if TERMS[s].transient}
@@ -117,7 +126,7 @@ def _concluded(
         model=model if not taken else Model((*model, *(line.term for line in taken))),
         goodness=good,
         correlation=_correlation(list(estimates), found),
-        notes=(*(finding.what for finding in slow), *_unclear(estimates, found), *_ambiguous(found)),
+        notes=(*(f.what for f in slow), *_quick(found), *_unclear(estimates, found), *_ambiguous(found)),
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
         nodes=Remembered(partial(nodes, found, scale, deterministic)),
@@ -155,6 +164,20 @@ def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
         )
         for s, there in zip(found.noise, found.chosen.free, strict=True)
         if there and s in estimates and estimates[s].status == "absent"
+    ]
+
+
+def _quick(found: Found) -> list[str]:
+    """What Gauss-Markov noise of a few samples is."""
+    time = found.chosen.constants[0] if len(found.chosen.constants) == 1 else SLOW
+    if time >= SLOW:
+        return []
+    return [
+        say(
+            "the Gauss-Markov noise has a time constant of {count:.2g} samples: noise that a filter or a vibration "
+            "correlates, no drift of the bias",
+            count=time,
+        )
     ]
 
 

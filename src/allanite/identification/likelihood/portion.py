@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -97,7 +96,7 @@ class Portion(Portable):
     def added(self) -> FloatArray:
         """Power that is no part of the terms: of resonances, and of a rounding behind a filter, shape (bins,).
 
-        Without a filter the rounding of a rate is white noise like any other; the filter lowers that of the sensor only.
+        Without a filter the rounding of a rate is white noise like any other; a filter lowers that of the sensor only.
         """
         rounding = self.seen.rounding * (1 - self.passed)
         return rounding if self.excess is None else rounding + self.excess.power

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 
 from .likelihood import Likelihood
 from .portion import Portion, Tuned
@@ -72,7 +72,7 @@ class Excess:
         """The lowest frequency, radians a sample."""
         return min(omega for _, omega, _ in self.found)
 
-    def trust(self, count: FloatArray) -> FloatArray:
+    def trust(self, count: IntArray) -> FloatArray:
         """Share of the coefficients of a bin that count: a resonance is known to `TOLERANCE`."""
         return np.asarray(1 / (1 + (TOLERANCE * self.share) ** 2 * count / 2))
 
@@ -249,7 +249,7 @@ class Searched:
                 "xatol": 1e-3, "fatol": 0.05, "maxfev": 40,
             }  # fmt: skip
             tried = [
-                (minimize(lambda x, s=s: least(at(x, s)), start, method="Nelder-Mead", options=options), s)
+                (minimize(lambda x, s=s, least=least: least(at(x, s)), start, method="Nelder-Mead", options=options), s)
                 for s in range(len(SHAPES))
             ]
             best, shape = min(tried, key=lambda one: float(one[0].fun))

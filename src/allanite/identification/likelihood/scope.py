@@ -1,16 +1,16 @@
 """For which frequencies a noise model holds, with which filter, and how well.
 
 The terms first have to explain the whole spectrum. If they do not, the following is tried, in this order: a low-pass
-filter; Gauss-Markov noise of a few samples; a low-pass filter behind strong angle noise; excluding resonances and
-unsteady lines; both; a misfit of a few per cent of the power, which widens the intervals; a band of frequencies; a
-larger misfit. The first that gives an adequate fit is used.
+filter; Gauss-Markov noise of a few samples; a low-pass filter behind strong angle noise; a damped oscillation;
+resonances, with their skirts, without and with a filter; a misfit of a few per cent of the power, which widens the
+intervals; a band of frequencies; a larger misfit. The first that gives an adequate fit is used. For a filter and for
+angle noise there must be evidence in the spectrum itself (`evidence`).
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from itertools import chain
 
 import numpy as np
 
@@ -20,8 +20,8 @@ from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS, WHITE
 
 from .described import expected_power, largest_misfit
-from .families import Found, fitted
 from .evidence import falls, rises_before, shows_corner
+from .families import Found, fitted
 from .portion import Portion, Tuned
 from .resonances import excess
 from .selection import Subset
@@ -72,17 +72,14 @@ REMOTE = 4.0
 """Subsets that lose more than this in L are not tried at other cut-offs."""
 
 
-def scoped(found: Found, *, rival: bool, free: bool = True) -> Found:
+def scoped(found: Found, *, rival: bool, choice: str = "auto") -> Found:
     """The first way to read the spectrum in which the terms explain it; the plain one if there is none.
 
-    Where what is read is not free, nothing of it is omitted, and no filter is assumed.
+    Of all frequencies, or those that were asked for, no filter is assumed; of the latter resonances are left out.
     """
     if explains(found):
         return found
-    for candidate in _candidates(found.base, rival) if free else _quick(found.base, rival):
-        if explains(candidate):
-            return candidate
-    return found
+    return next(filter(explains, WAYS[choice](found.base, rival)), found)
 
 
 def behind_filter(part: Portion) -> Found:
@@ -90,11 +87,11 @@ def behind_filter(part: Portion) -> Found:
     return next(_behind(part, rival=False), None) or fitted(part, rival=False)
 
 
-def steady(found: Found, signal: Signal, *, rival: bool, free: bool) -> tuple[WarmUp | None, Found]:
-    """What explains the spectrum beside a warm-up, if there is one, and that; `free` to choose what is read."""
-    first = scoped(found, rival=rival, free=free)
+def steady(found: Found, signal: Signal, *, rival: bool, choice: str) -> tuple[WarmUp | None, Found]:
+    """What explains the spectrum beside a warm-up, if there is one, and that; see `scoped`."""
+    first = scoped(found, rival=rival, choice=choice)
     warm, best = without_warm_up(first, signal)
-    if warm or not free or (first.used[0] and explains(first)):
+    if warm or choice != "auto" or (first.used[0] and explains(first)):
         return warm, best
     warm, best = without_warm_up(found, signal)
     second = scoped(best, rival=rival) if warm else first
@@ -126,11 +123,23 @@ def _candidates(whole: Portion, rival: bool) -> Iterator[Found]:
 def _whole(part: Portion, rival: bool) -> Iterator[Found]:
     """All that is read, behind a filter or with a term that is seldom there."""
     yield from _behind(part, rival)
-    if rival and part.excess is None:
-        yield fitted(part, rival=rival, shortest=0.0)
+    if part.excess is None:
+        yield from _quick(part, rival)
     yield from _behind_angle(part, rival)
     if rival and part.excess is None:
         yield from _oscillating(part)
+
+
+def _quick(part: Portion, rival: bool) -> Iterator[Found]:
+    """With Gauss-Markov noise as quick as the samples allow, where no filter explains what falls with frequency."""
+    if rival:
+        yield fitted(part, rival=rival, shortest=0.0)
+
+
+def _asked(part: Portion, rival: bool) -> Iterator[Found]:
+    """In a band that was asked for: beside resonances."""
+    yield from _quick(part, rival)
+    yield from _masked(part, rival)
 
 
 def _oscillating(part: Portion) -> Iterator[Found]:
@@ -157,11 +166,11 @@ def _masked(whole: Portion, rival: bool) -> Iterator[Found]:
         found = fitted(rate, rival=rival)
         if not _quiet(found, masked.used):
             continue
-        for found in (found, *_whole(masked, rival)):
-            if found.part.filter is not None:
-                part = whole.but(used=found.used | (loud.hidden & part.used), filter=found.part.filter)
-            if shows_floor(found):
-                yield found
+        for candidate in (found, *_whole(masked, rival)):
+            if candidate.part.filter is not None:
+                part = whole.but(used=candidate.used | (loud.hidden & part.used), filter=candidate.part.filter)
+            if shows_floor(candidate):
+                yield candidate
 
 
 def shows_floor(found: Found) -> bool:
@@ -245,9 +254,9 @@ def _elsewhere(found: Found, others: tuple[Tuned, ...]) -> list[Subset]:
     near = [s for s in every if s.value < chosen.value + REMOTE]
     return [
         Subset(likelihood, s.free, *likelihood.minimise(s.free, s.theta), s.constants)
-        for filter in (*left_open(part, part.filter), *others)
+        for through in (*left_open(part, part.filter), *others)
         for s in near
-        for likelihood in [part.but(filter=filter).known(s.constants)]
+        for likelihood in [part.but(filter=through).known(s.constants)]
     ]
 
 
@@ -260,8 +269,7 @@ def _approximately(part: Portion, rival: bool, most: float) -> Iterator[Found]:
 
 
 def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found]:
-    """In a band of frequencies: of those in which all terms together explain the spectrum, the one that tells most of
-    the white noise, and what is left of it.
+    """In a band of frequencies: the widest in which all terms together explain the spectrum, and what is left of it.
 
     A band that just passes the test holds at its ends what leaks in from beyond, less than the test sees but more than
     the standard errors: the ends are moved inwards by an octave.
@@ -287,7 +295,7 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
 
 
 def _spans(part: Portion) -> list[tuple[float, float]]:
-    """Bands of half-octave ends, Hz, those that tell most of the white noise first: of its coefficients most."""
+    """Bands of half-octave ends, Hz, the widest in octaves first."""
     seen = part.seen
     half, lowest = seen.rate / 2, seen.rate / (2 * seen.size)
     octaves = math.log2(seen.size)
@@ -309,3 +317,7 @@ def _enough(part: Portion, used: BoolArray) -> bool:
         return False
     first = part.seen.first[used]
     return bool(first[-1] >= first[0] * 10**DECADES)
+
+
+WAYS: dict[str, Callable[[Portion, bool], Iterator[Found]]] = {"auto": _candidates, "asked": _asked, "all": _quick}
+"""Ways to read the spectrum, by the choice of frequencies: found, asked for, or all."""

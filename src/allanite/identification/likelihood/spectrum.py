@@ -3,6 +3,7 @@
 The DCT-II diagonalizes white noise and a random walk with unknown start exactly: no taper, no differencing, no leakage.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -130,6 +131,21 @@ class Spectrum(Portable):
             count[LOWEST:low] *= self.pieces.even
             count[low:] = self.pieces.told[low:]
         return count
+
+    def read(self, band: tuple[float, float] | None, masks: Sequence[tuple[float, float]]) -> BoolArray:
+        """Which bins lie in a band and in none of the masks, shape (bins,)."""
+        used = np.ones(self.first.size, dtype=bool) if band is None else self.within(band)
+        for low, high in masks:
+            above, below = self.frequency(self.first + self.count - 1) > low, self.frequency(self.first) < high
+            used &= ~(above & below)
+        if used.sum() < FEWEST:
+            raise DataError(
+                say(
+                    "the masks leave {bins} of the spectrum, fewer than {fewest}: leave out less",
+                    bins=say_count(int(used.sum()), "{count} bin", "{count} bins"), fewest=FEWEST,
+                )
+            )  # fmt: skip
+        return used
 
     def within(self, band: tuple[float, float]) -> BoolArray:
         """Which bins lie in a band of frequencies, Hz, shape (bins,)."""

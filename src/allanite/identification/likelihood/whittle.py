@@ -17,6 +17,12 @@ from .decay import decay_coefficients
 from .likelihood import Likelihood
 from .spectrum import Spectrum
 
+Pair = tuple[FloatArray, FloatArray]
+"""Coefficients of a direction, of even and of odd index, shape (bins,) each; or products of directions."""
+
+LONG, MOST = 0.05, 8
+"""Share of the samples that a long gap lost at least; number of long gaps, at most."""
+
 
 def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     """The likelihood of a spectrum for the terms `symbols` (keys of `TERMS`); deterministic ones are integrated out."""
@@ -41,15 +47,25 @@ def with_warm_up(part: Likelihood, spectrum: Spectrum, used: BoolArray, tau: flo
 
     Tau is in samples. The direction stands behind the edges and before the ramp.
     """
-    UU, Uc = _directions(spectrum, bool(part.flat.any()), tau)
-    at = np.count_nonzero(~part.flat)
+    centre = spectrum.first + (spectrum.count - 1) / 2
+    return _with_directions(part, spectrum, used, [_warm_up(spectrum, tau, centre)])
+
+
+def with_steps(part: Likelihood, spectrum: Spectrum, used: BoolArray, at: Sequence[float]) -> Likelihood:
+    """A likelihood of the bins `used` with steps of any size, at these samples, as loose directions."""
+    return _with_directions(part, spectrum, used, [_in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in at])
+
+
+def _with_directions(part: Likelihood, spectrum: Spectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
+    UU, Uc = _directions(spectrum, bool(part.flat.any()), more)
+    at = np.full(len(more), np.count_nonzero(~part.flat))
     return replace(
         part, UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0), flat=np.insert(part.flat, at, True)
     )
 
 
-def _directions(spectrum: Spectrum, with_ramp: bool, tau: float | None = None) -> tuple[FloatArray, FloatArray]:
-    """Products of the loose directions: the even and the odd half of the first sample, a warm-up, and the ramp.
+def _directions(spectrum: Spectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
+    """Products of the loose directions: both halves of the first sample, a warm-up, steps at long gaps, and the ramp.
 
     The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
     halves are what is orthogonal. Within a bin a_k hardly changes. The ramp needs the lowest bins only, one
@@ -59,14 +75,26 @@ def _directions(spectrum: Spectrum, with_ramp: bool, tau: float | None = None) -
     odd = (spectrum.first + spectrum.count) // 2 - spectrum.first // 2
     a = np.sqrt(2 / spectrum.size) * np.cos(np.pi / (2 * spectrum.size) * centre)
     pairs = [(a, 0 * a), (0 * a, a)] if spectrum.pieces is None else []
-    if tau is not None:
-        pairs.append(_warm_up(spectrum, tau, centre))
+    pairs += more
     if with_ramp:
+        pairs += [_in_bins(spectrum, step) for step in _steps(spectrum)]
         pairs.append(_in_bins(spectrum, spectrum.ramp))
     D = np.array(pairs).reshape(-1, 2, centre.size)  # shape (directions, 2, bins)
     trust = spectrum.told / spectrum.count
     count, sums = trust * np.stack((spectrum.count - odd, odd)), trust * np.stack((spectrum.even, spectrum.odd))
     return np.einsum("ipb,jpb,pb->bij", D, D, count), np.einsum("ipb,pb->bi", D, sums)
+
+
+def _steps(spectrum: Spectrum) -> list[FloatArray]:
+    """The lowest coefficients of a step at each long gap, during which a slow noise went anywhere."""
+    n, gaps = spectrum.size, spectrum.gaps
+    return [step_coefficients(n, j) for j in gaps.at[gaps.lost >= LONG * n][:MOST]]
+
+
+def step_coefficients(n: int, at: float) -> FloatArray:
+    """The lowest coefficients of 0 before a sample and 1 from it on."""
+    k = np.arange(1, min(SINGLE, n - 1) + 1)
+    return np.asarray(-np.sqrt(0.5 / n) * np.sin(np.pi * k * at / n) / np.sin(np.pi * k / (2 * n)))
 
 
 def _in_bins(spectrum: Spectrum, lowest: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -49,7 +49,13 @@ class Panel(NamedTuple):
         return self.wanted or readable_unit(self.curve.unit)
 
     def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
-        """The deviation expected under a model or term, in the unit that is shown; NaN where there is none."""
+        """The deviation expected under a model or term, in the unit that is shown; NaN where it does not hold."""
+        scope = None if self.fit is None else self.fit.scope
+        holds = True if scope is None else (tau >= scope.times[0]) & (tau <= scope.times[1])
+        return np.where(holds, self._expected(model, tau), np.nan)
+
+    def _expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
+        """The same at any averaging time."""
         curve, row = self.curve, STATISTICS[self.curve.statistic]
         scaled = not any(t.row.per_sample or t.row.transient for t in model_of(model))
         if row.differences and not row.summed and not row.power and scaled:
