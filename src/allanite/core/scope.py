@@ -3,7 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from .arrays import FloatArray
+import numpy as np
+
+from .arrays import BoolArray, FloatArray
 from .errors import UsageError
 from .language import Phrase, join, say
 from .plain import Value
@@ -12,6 +14,9 @@ Band = str | tuple[float, float]
 """Frequencies of a fit: "auto", "all", or a pair (low, high), Hz."""
 
 EXPLAINED, APPROXIMATE, UNEXPLAINED = "explained", "approximate", "unexplained"
+
+WEIGHS = (0.2, 3.0)
+"""Averaging times times a frequency between which a vibration of this frequency matters in a deviation."""
 
 SETTLED = 10.0
 """Multiple of the period of a filter's cut-off beyond which it lowers a deviation by a few per cent at most."""
@@ -151,6 +156,13 @@ class Scope(Value):
         if self.filter is not None:
             shortest = max(shortest, SETTLED / self.filter.cutoff)
         return shortest, min(0.25 / low if low else math.inf, self.until)
+
+    def holds(self, tau: FloatArray) -> BoolArray:
+        """At which averaging times, s, the deviation is that of the terms: `times`, without those of the masks."""
+        inside = (tau >= self.times[0]) & (tau <= self.times[1])
+        for low, high in self.masks:
+            inside &= ~((tau * high > WEIGHS[0]) & (tau * low < WEIGHS[1]))
+        return np.asarray(inside)
 
     @property
     def grade(self) -> str:

@@ -64,7 +64,8 @@ def held(fit: Fit, record: Record) -> float:
     curve = deviation(record, "oadev", taus="octave", noise=None)
     own = np.sqrt(expected(fit.valid, "oadev", curve.tau, rate=curve.rate, size=curve.size))
     measured = curve.deviation * convert(1.0, curve.unit, fit.signal.unit)
-    far = _inside(fit, curve) & (np.abs(np.log(own / measured)) > np.log(AGREES))
+    holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
+    far = holds & (np.abs(np.log(own / measured)) > np.log(AGREES))
     if not far.any():
         return np.inf
     low, high = limits(record, fit, curve.m[far], 0.95)

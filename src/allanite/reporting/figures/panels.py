@@ -51,7 +51,7 @@ class Panel(NamedTuple):
     def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
         """The deviation expected under a model or term, in the unit that is shown; NaN where it does not hold."""
         scope = None if self.fit is None else self.fit.scope
-        holds = True if scope is None else (tau >= scope.times[0]) & (tau <= scope.times[1])
+        holds = True if scope is None else scope.holds(tau)
         return np.where(holds, self._expected(model, tau), np.nan)
 
     def _expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
