@@ -14,6 +14,9 @@ from .view import View
 LONGEST = 1 << 18
 """Number of samples checked, in the middle of the record."""
 
+FEWEST = 4096
+"""Second differences in which a modulation is looked for."""
+
 DEPTH = 0.08
 """Relative modulation of the power of the fast noise above which a record is called resampled; interpolation gives
 0.3.
@@ -56,12 +59,13 @@ def _held(view: View) -> Finding | None:
 def _interpolated(view: View) -> Finding | None:
     middle = max(0, (view.bends.size - LONGEST) // 2)
     bends = view.bends[middle : middle + LONGEST]
-    if bends.size < 4096 or not view.fast:
+    inside = bends != 0  # those over a gap are 0: they have no part in the modulation
+    if inside.sum() < FEWEST or not view.fast:
         return None
     bends = np.clip(bends, -6 * math.sqrt(6) * view.fast, 6 * math.sqrt(6) * view.fast)
     power = np.square(bends)
-    mean = float(power.mean())
-    spectrum = _lines(power - mean)
+    mean = float(power[inside].mean())
+    spectrum = _lines(np.where(inside, power - mean, 0.0))
     first = 32  # anything slower is a changing noise level
     at = first + int(spectrum[first:].argmax())
     around = np.median(spectrum[max(first, at - 200) : at + 200])
