@@ -32,7 +32,10 @@ def contradictions(fit: Fit, record: Record) -> dict[str, str]:
     above = inside & np.any([own > curve.deviation for own in alone.values()], axis=0)
     if not above.any():
         return {}
-    upper = deviation(record, "oadev", m=curve.m[above].tolist(), noise=fit).upper(SURE)
+    # a point of which the joints over gaps leave nothing is omitted: it contradicts nothing
+    limited = deviation(record, "oadev", taus="octave", noise=fit)
+    above &= np.isin(curve.m, limited.m)
+    upper = limited.upper(SURE)[np.isin(limited.m, curve.m[above])]
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
     return {symbol: _words(ratio, curve.tau[above]) for symbol, ratio in excess.items() if (ratio > 1).any()}
 

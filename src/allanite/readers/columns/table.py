@@ -21,7 +21,7 @@ from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks
 from allanite.readers.options import Options
 
-from . import channels, conventions, pairs, resolver
+from . import channels, conventions, lattice, pairs, resolver
 from .arrays import RATE_NAMES
 from .column import Column, unique
 
@@ -68,7 +68,11 @@ class Table:
         around = [c for c in seen.columns if c is not time and len(c.values) == len(signals[0].values)]
         drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
         others = tuple(_record(signal, beat, self.start) for signal in drivers)
-        return Recording(records, notes=seen.notes(beat), findings=seen.findings(beat), others=others)
+        notes, (first, step) = seen.notes(beat), lattice.stride(records)
+        if step > 1:
+            notes = (*notes, lattice.note(records, step))
+            records, others = (lattice.thinned(some, first, step) for some in (records, others))
+        return Recording(records, notes=notes, findings=seen.findings(beat), others=others)
 
     def sense(self, options: Options) -> "Sense":
         """What the columns are: which of them are signals, and which are the clock."""
