@@ -33,9 +33,9 @@ def contradictions(fit: Fit, record: Record) -> dict[str, str]:
     if not above.any():
         return {}
     # a point of which the joints over gaps leave nothing is omitted: it contradicts nothing
-    limited = deviation(record, "oadev", taus="octave", noise=fit)
+    limited = deviation(record, "oadev", m=curve.m[above].tolist(), noise=fit, omit=True)
     above &= np.isin(curve.m, limited.m)
-    upper = limited.upper(SURE)[np.isin(limited.m, curve.m[above])]
+    upper = limited.upper(SURE) if above.any() else np.empty(0)
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
     return {symbol: _words(ratio, curve.tau[above]) for symbol, ratio in excess.items() if (ratio > 1).any()}
 
