@@ -58,8 +58,9 @@ def _held(view: View) -> Finding | None:
 
 def _interpolated(view: View) -> Finding | None:
     middle = max(0, (view.bends.size - LONGEST) // 2)
-    bends = view.bends[middle : middle + LONGEST]
-    inside = bends != 0  # those over a gap are 0: they have no part in the modulation
+    bends, inside = view.bends[middle : middle + LONGEST], np.ones(min(view.bends.size, LONGEST), dtype=np.bool_)
+    over = view.over - middle  # a gap has no part in the modulation
+    inside[over[(over >= 0) & (over < inside.size)]] = False
     if inside.sum() < FEWEST or not view.fast:
         return None
     bends = np.clip(bends, -6 * math.sqrt(6) * view.fast, 6 * math.sqrt(6) * view.fast)

@@ -66,11 +66,11 @@ class View:
         y = self.steps
         bends: FloatArray = np.subtract(y[2:], y[:-2], dtype=np.float64)
         bends -= 2.0 * (y[1:-1] - y[:-2])
-        bends[self._over] = 0.0
+        bends[self.over] = 0.0
         return bends
 
     @property
-    def _over(self) -> NDArray[np.intp]:
+    def over(self) -> NDArray[np.intp]:
         """Second differences that extend over a gap."""
         both = np.concatenate((self.joints - 2, self.joints - 1))
         return both[(both >= 0) & (both < self.steps.size - 2)]
@@ -78,7 +78,7 @@ class View:
     @cached_property
     def fast(self) -> float:
         """Standard deviation of the fast noise, robust; exact for white noise."""
-        whole = np.delete(self.bends, self._over) if self.joints.size else self.bends
+        whole = np.delete(self.bends, self.over) if self.joints.size else self.bends
         # if no three samples are together, over the gaps
         return fast_noise(whole if whole.size else np.diff(self.steps.astype(np.float64), 2))
 
