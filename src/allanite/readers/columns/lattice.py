@@ -38,6 +38,7 @@ def thinned(records: Sequence[Record], first: int, step: int) -> tuple[Record, .
 def note(records: Sequence[Record], step: int) -> str:
     """The note on their rate."""
     return say(
-        "rate {rate:.7g} Hz, since only one row in {step} has samples of {names}",
+        "rate {rate:.7g} Hz, since only one row in {step} has samples of {names}; if others were lost rather than "
+        "averaged, N is too large by up to sqrt({step})",
         rate=records[0].rate / step, step=step, names=", ".join(record.name for record in records),
     )  # fmt: skip

@@ -28,6 +28,11 @@ from .column import Column, unique
 KEY = "allanite"
 """The name under which a format stores it."""
 
+SLOW = 5.0
+"""Sampling rate, Hz, up to which sensors are seldom sampled, but logged."""
+
+DROPPED = say("if the logger drops samples without averaging, N is too large by up to sqrt(f_sensor/f_log)")
+
 SOURCE = say("the description in the file")
 
 
@@ -122,7 +127,8 @@ class Sense:
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""
         before, after = self.said
-        return (*before, *beat.notes, *self.choice.notes, *self.choice.left, *after)
+        slow = 0 < beat.rate <= SLOW and any(map(_sampled, self.choice.signals))
+        return (*before, *beat.notes, *([DROPPED] if slow else []), *self.choice.notes, *self.choice.left, *after)
 
     def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
         """The findings about the clock, and about the meaning of the columns."""
@@ -133,6 +139,12 @@ def repeated(columns: Sequence[NDArray[Any]]) -> NDArray[np.bool_]:
     """Which rows repeat the row before in every column, shape (n - 1,); (False,) without a column."""
     same = [values[1:] == values[:-1] for values in columns]
     return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
+
+
+def _sampled(signal: channels.Signal) -> bool:
+    """Whether samples are rates of an inertial sensor: those that are dropped are not in the others."""
+    what = signal_of_kind(signal.unit, signal.kind)
+    return signal.kind == "rate" and what is not None and what.inertial
 
 
 def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> Record:
