@@ -81,7 +81,7 @@ def clipped(view: View) -> Finding | None:
 def quantized(view: View) -> Finding | None:
     """A quantization step that is coarse relative to the noise; a separate warning if the noise is no dither."""
     found = rounding(view.steps, view.fast)
-    if not found.coarse:
+    if not found.coarse or view.pulses:  # a count is a rounded angle by nature; the fit tells whether that is a noise
         return None
     size = found.step * (view.record.scale or 1.0)
     step = say(

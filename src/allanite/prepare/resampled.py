@@ -32,8 +32,11 @@ def resampled(view: View) -> Finding | None:
     """A sensor whose output was held or interpolated at another rate.
 
     Hold: samples repeat periodically. Linear interpolation: the power of the fast noise depends on the position
-    of the new sample between two original ones and is modulated at the difference of the rates.
+    of the new sample between two original ones and is modulated at the difference of the rates. Single pulses that are
+    counted repeat with a pattern of their own.
     """
+    if view.pulses:
+        return None
     return _held(view) or _interpolated(view)
 
 

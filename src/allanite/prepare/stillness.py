@@ -206,10 +206,14 @@ def lines(view: View) -> Finding | None:
     threshold = 1.25 * float(gammaincinv(segments, 1 - 1e-4 / power.size)) / segments
     peaks = stretches(power > threshold * around)
     peaks = peaks[peaks[:, 0] >= 6]
-    if not peaks.size:
-        return None
     excess = np.array([float((power[a:b] - around[a:b]).sum()) for a, b in peaks])
-    tops = [float(frequency[a + int(power[a:b].argmax())]) for a, b in peaks]
+    tops = np.array([float(frequency[a + int(power[a:b].argmax())]) for a, b in peaks])
+    # within a pulse the angle is that of the count, and of the dither that is left of it
+    angle = excess / power.sum() * float(view.steps.var()) / (2 * np.sin(np.pi * tops / view.rate)) ** 2
+    beyond = angle > view.pulses
+    excess, tops = excess[beyond], tops[beyond]
+    if not tops.size:
+        return None
     share = float(excess.sum() / power.sum())
     named = ", ".join(f"{f:.3g}" for f in _strongest(tops, excess))
     return Finding(
@@ -220,12 +224,12 @@ def lines(view: View) -> Finding | None:
     )
 
 
-def _strongest(tops: list[float], excess: FloatArray, most: int = 5) -> list[float]:
+def _strongest(tops: FloatArray, excess: FloatArray, most: int = 5) -> list[float]:
     """Frequencies of the strongest peaks, ascending; only one of those within a twentieth of each other."""
     chosen: list[float] = []
     for i in np.argsort(excess)[::-1]:
         if all(abs(tops[i] / f - 1) > 0.05 for f in chosen):
-            chosen.append(tops[i])
+            chosen.append(float(tops[i]))
     return sorted(chosen[:most])
 
 
@@ -274,6 +278,8 @@ def slope(view: View) -> Finding | None:
     if not significant.any():
         return None
     last = int(np.flatnonzero(significant)[-1])
+    if 2 ** sigma[last + 1] * factors[last + 1] < math.sqrt(3) * view.pulses:  # Q of a pulse: the count, and dither
+        return None
     tau = factors[last + 1] / record.rate
     return Finding(
         "slope",

@@ -82,6 +82,11 @@ class View:
         # if no three samples are together, over the gaps
         return fast_noise(whole if whole.size else np.diff(self.steps.astype(np.float64), 2))
 
+    @property
+    def pulses(self) -> float:
+        """The angle of a pulse, 1, where samples count single ones: the noise is less. Otherwise 0."""
+        return float(self.record.kind == "count" and self.fast < 1)
+
     def seconds(self, index: float) -> float:
         """Time of a remaining sample, s after the first sample of the recording."""
         if self.left is None:

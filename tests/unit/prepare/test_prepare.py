@@ -1,11 +1,14 @@
 """Record to record: what each step does, and that its history says so."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import allanite as al
 from allanite.prepare import block_means, decimate, detrend, inspect, mark_outliers, quiet_window
 from allanite.prepare.view import View, stretches
+from allanite.simulation.ring_laser import RING_LASERS, simulate_ring_laser
 
 MODEL = al.N(3.0, "deg/h/sqrt(Hz)") + al.B(2.0, "deg/h")
 
@@ -146,3 +149,19 @@ def test_findings_are_plain_data():
     assert data["findings"][0]["name"] == "short"
     own = {"name", "what", "consequence", "remedy", "place", "fatal"}
     assert set(data["findings"][0]) == {"allanite", "type", *own}
+
+
+@pytest.mark.parametrize("name", ["gl1", "gl1-smooth"])
+def test_a_healthy_ring_laser_raises_no_alarm(name):
+    """The residual of the dither, the frequency of the pulses and their pattern are within a pulse."""
+    gyro = RING_LASERS[name]
+    record = simulate_ring_laser(gyro, 12.4392, 400 * 900, 400.0, rng=np.random.default_rng(1))
+    assert inspect(record).names == ()
+
+
+def test_sway_of_many_pulses_is_still_found():
+    gyro, t = RING_LASERS["gl1"], np.arange(400 * 900 + 1) / 400
+    record = simulate_ring_laser(gyro, 12.4392, 400 * 900, 400.0, rng=np.random.default_rng(1))
+    sway = np.diff(np.rint(5 * np.sin(2 * np.pi * 3.0 * t))).astype(np.int64)
+    found = {one.name: one for one in inspect(replace(record, values=record.values + sway)).findings}
+    assert found["lines"].what.startswith("spectral lines at 3")
