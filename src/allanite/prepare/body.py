@@ -74,7 +74,7 @@ def _levels(at: int, carried: list[int], records: Sequence[Record], qualities: S
         return []
     name, first = changes[0]
     others = ", ".join(other for other, _ in changes[1:])
-    what = say("{channel}, on the same body: {level}", channel=name or say("another channel"), level=first.what)
+    what = say("on the same body, {channel}: {level}", channel=name or say("another channel"), level=first.what)
     if others:
         what = join("; ", (what, say("so does that of {channels}", channels=others)))
     return [

@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import say
+from allanite.core.language import join, say
 from allanite.core.wording import percent
 
 from .view import View
@@ -16,6 +16,12 @@ LONGEST = 1 << 18
 
 FEWEST = 4096
 """Second differences in which a modulation is looked for."""
+
+FINE = 0.002
+"""Step of the samples over their fast noise up to which neighbours are hardly ever equal."""
+
+FILLED = 0.005
+"""Share of samples filled in above which it matters."""
 
 DEPTH = 0.08
 """Relative modulation of the power of the fast noise above which a record is called resampled; interpolation gives
@@ -37,7 +43,7 @@ def resampled(view: View) -> Finding | None:
     """
     if view.pulses:
         return None
-    return _held(view) or _interpolated(view)
+    return _held(view) or _interpolated(view) or _filled(view)
 
 
 def _held(view: View) -> Finding | None:
@@ -86,6 +92,44 @@ def _interpolated(view: View) -> Finding | None:
         rate=view.rate - beat,
     )
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
+
+
+def _filled(view: View) -> Finding | None:
+    """Samples that the logger has put in the place of lost ones."""
+    held, between = filled(view)
+    if not held and not between:
+        return None
+    parts = (
+        say("{share} of the samples repeat the one before", share=percent(held)) if held else "",
+        say("{share} lie midway between their neighbours to the last digit", share=percent(between)) if between else "",
+    )
+    # what a sample weighs in a long sum: (1 + p)/(1 - p) where it is repeated, 1 + 1.5 p where it is interpolated
+    excess = math.sqrt((1 + held) / (1 - held) * (1 + 1.5 * between)) - 1
+    return Finding(
+        "filled in",
+        join(", ", [part for part in parts if part]),
+        say("lost samples were filled in: N is too large by about {excess} if the noise is white",
+            excess=percent(excess)),
+        say("log nothing in their place: gaps are accounted for"),
+    )  # fmt: skip
+
+
+def filled(view: View) -> tuple[float, float]:
+    """Shares of the samples that repeat the one before, and that lie midway between their neighbours.
+
+    Only of finely resolved samples, of which hardly any do so by chance.
+    """
+    y = view.steps
+    apart = np.abs(np.subtract(y[1:-1], y[:-2], dtype=np.float64))
+    step = float(apart[apart > 1e-9 * view.fast].min(initial=np.inf))
+    inside = (y[1:-1] != y.min()) & (y[1:-1] != y.max())  # clipped ones repeat, too
+    inside[view.over] = False
+    if not view.fast or step > FINE * view.fast or not inside.any():
+        return 0.0, 0.0
+    repeated, midway = apart < step / 2, np.abs(view.bends) < max(step / 2, 1e-9 * view.fast)
+    shares = (float(which[inside].mean()) for which in (repeated, midway & ~repeated))
+    held, between = (share if share > FILLED else 0.0 for share in shares)
+    return held, between
 
 
 def _lines(values: FloatArray) -> FloatArray:

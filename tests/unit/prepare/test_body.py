@@ -65,7 +65,7 @@ def test_an_axis_that_is_refused_refuses_those_that_move_less():
 def test_a_level_that_changes_is_told_and_refuses_none():
     study = examine(triad(ax=louder(record_of("ax", 3, "g"), 750)))
     assert study["gx"].quality.names == study["gy"].quality.names == ("body level",)
-    assert str(study["gx"].quality.findings[0]).startswith("ax, on the same body: the noise level changes")
+    assert str(study["gx"].quality.findings[0]).startswith("on the same body, ax: the noise level changes")
     assert "body level" not in study["ax"].quality.names
     assert not any(channel.refusal for channel in study)
 
