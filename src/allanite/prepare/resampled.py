@@ -108,7 +108,7 @@ def _filled(view: View) -> Finding | None:
     return Finding(
         "filled in",
         join(", ", [part for part in parts if part]),
-        say("lost samples were filled in: N is too large by about {excess} if the noise is white",
+        say("missing samples were filled in: N is too large by about {excess} if the noise is white",
             excess=percent(excess)),
         say("log nothing in their place: gaps are accounted for"),
     )  # fmt: skip

@@ -114,7 +114,7 @@ def test_times_are_those_of_the_recording_after_a_cut():
     assert found["gaps"].remedy == "the longest stretch without a gap: prepare.trim(recording, 200, 400)"
     assert found["gaps"].place == (400.0, 400.5)
     assert "the first from 400 s" in found["gaps"].what
-    assert "the first at 450 s" in found["outliers"].what
+    assert ", at 450 s, of 63.4" in found["outliers"].what
     again = trim(Recording((part,)), 100.0, 300.0)[0]
     assert (again.cut, again.history[-1]) == (300.0, "cut from 300 s to 500 s")
 
