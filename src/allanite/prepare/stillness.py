@@ -40,7 +40,7 @@ TRIED = 3
 PARTS = 8
 """Number of parts of a record whose noise levels are compared."""
 
-UNEQUAL = 1.3
+UNEQUAL = 1.44
 """Ratio of powers, beyond chance, above which parts are called different."""
 
 
