@@ -16,7 +16,6 @@ NEEDS: dict[str, dict[str, str]] = {
     "aegiverse_fog_0917.txt": {"unit": "deg/h"},
     "aegiverse_fpga_gyro_0802.txt": {"time": "1", "unit": "deg/s", "channels": "2"},
     "cubeorange_sample_log_small.ulg": {},
-    "format_only_vn100_moving.mcap": {},
     "imu_tk_xsens_gyro.mat": {"unit": "deg/s", "rate": "100", "until": "50"},
     f"{MPU}accelerometer.mat": {"time": "1", "unit": "g"},
     f"{MPU}gyroscope.mat": {"time": "1", "unit": "deg/s"},
@@ -29,6 +28,7 @@ NEEDS: dict[str, dict[str, str]] = {
 """What each file needs beside itself."""
 
 REFUSED = {
+    "format_only_vn100_moving.mcap": "the body moved",
     "format_only_vn100_moving_0.db3": "IMUmsg is missing",
     "avar_curves_smac/adis_av.rda": "the unit is unknown",
     "avar_curve_cpt7/imu.yaml": "columns instead of",

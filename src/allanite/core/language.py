@@ -5,6 +5,7 @@ Only where it is shown is it looked up in a catalogue, by its template, with its
 """
 
 from collections.abc import Iterable, Mapping
+from string import Formatter
 from typing import Any, Protocol, Self
 
 
@@ -25,7 +26,7 @@ class Phrase(str):
     def __new__(cls, templates: tuple[str, ...], fields: Mapping[str, Any]) -> Self:
         """The phrase in English; of two templates, the first is used for a `count` of one, the second otherwise."""
         chosen = templates[0] if fields.get("count") == 1 else templates[-1]
-        made = super().__new__(cls, chosen.format_map(fields) if fields else chosen)
+        made = super().__new__(cls, _filled(chosen, fields))
         made.templates, made.fields = templates, fields
         return made
 
@@ -43,7 +44,27 @@ class Phrase(str):
             return one
         found = catalogue.gettext(one) if one is many else catalogue.ngettext(one, many, int(self.fields["count"]))
         fields = {name: translate(value, catalogue) for name, value in self.fields.items()}
-        return found.format_map(fields) if fields else found
+        return _filled(found, fields)
+
+
+PLAIN = 1e7
+"""Numbers below have no power of ten in a sentence."""
+
+
+class _Sentence(Formatter):
+    """Writes 1640 where ``:.3g`` gives 1.64e+03."""
+
+    def format_field(self, value: Any, spec: str) -> str:
+        text = str(super().format_field(value, spec))
+        if isinstance(value, str) or "e+0" not in text or abs(value) >= PLAIN:
+            return text
+        return format(float(text), spec.partition(".")[0].rstrip("g") + ".0f")
+
+
+def _filled(template: str, fields: Mapping[str, Any]) -> str:
+    """The template with its fields."""
+    made = template.format_map(fields) if fields else template
+    return _Sentence().vformat(template, (), fields) if "e+0" in made else made
 
 
 def say(template: str, /, **fields: Any) -> Phrase:
@@ -55,6 +76,8 @@ def say(template: str, /, **fields: Any) -> Phrase:
     --------
     >>> say("{title} at {tau:.3g} s", title=say("minimum"), tau=12.3456)
     'minimum at 12.3 s'
+    >>> say("{title} at {tau:.3g} s", title=say("minimum"), tau=1641.6)
+    'minimum at 1640 s'
     """
     return Phrase((template,), fields)
 

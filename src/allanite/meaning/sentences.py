@@ -59,7 +59,7 @@ def _title(estimate: Estimate) -> str:
 def _size(value: float, estimate: Estimate, power: float) -> str:
     """A quantity of the signal times time to the power, in the unit of data sheets."""
     sheet = estimate.signal.sheet[power]
-    return f"{convert(value, estimate.signal.si[power], sheet):.3g} {sheet}"
+    return say("{size:.3g} {unit}", size=convert(value, estimate.signal.si[power], sheet), unit=sheet)
 
 
 def _dominating(found: dict[str, Estimate], rate: float, length: float) -> Iterator[str]:

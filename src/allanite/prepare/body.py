@@ -42,8 +42,8 @@ def _moved(carried: list[int], records: Sequence[Record], qualities: Sequence[Qu
     motions = {i: motion for i in carried if (motion := _named("moving", qualities[i]))}
     if not motions:
         return [qualities[i] for i in carried]
-    # the refused axis comes first
-    worst = min(motions, key=lambda i: (not motions[i].fatal, i))
+    # the refused axis that moves first
+    worst = min(motions, key=lambda i: (not motions[i].fatal, motions[i].place or (0.0, 0.0), i))
     same_size = len({(records[i].size, records[i].rate) for i in carried}) == 1
     cure = still_words([records[i] for i in carried]) if same_size else motions[worst].remedy
     option = spelled("--channels", "channels=...")
@@ -74,7 +74,7 @@ def _levels(at: int, carried: list[int], records: Sequence[Record], qualities: S
         return []
     name, first = changes[0]
     others = ", ".join(other for other, _ in changes[1:])
-    what = say("{channel}, on the same body: {level}", channel=name or say("another channel"), level=first.what)
+    what = say("on the same body, {channel}: {level}", channel=name or say("another channel"), level=first.what)
     if others:
         what = join("; ", (what, say("so does that of {channels}", channels=others)))
     return [

@@ -13,7 +13,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray, IntArray, complete
 from allanite.core.language import join, say
 from allanite.core.record import SHORTEST, Record
-from allanite.core.wording import windowing
+from allanite.core.wording import spelled, windowing
 from allanite.terms import NoiseTerm
 
 EXACT = 64
@@ -184,11 +184,14 @@ def refusal(record: Record) -> str:
             left - pieces < NEIGHBOURS * left,
             say(
                 "of {left} that remain, {followed} are followed by the next one: isolated samples cannot separate "
-                "rate noise from angle noise; choose a window ({choice}); if only one of several samples was "
-                "recorded, give the rate of the recorded ones",
+                "rate noise from angle noise; choose a window ({choice}), or {apart}",
                 left=left,
                 followed=left - pieces,
                 choice=windowing(),
+                apart=spelled(
+                    say("read by themselves the channels that have samples in the same rows (--channels)"),
+                    say("make a record of these samples alone, at their rate: values[::2]"),
+                ),
             ),
         ),
     )

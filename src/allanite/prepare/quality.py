@@ -96,7 +96,9 @@ def _gaps(view: View) -> Finding | None:
             "gaps are not filled: the fit joins the remaining samples and accounts for the joints, curves use "
             "complete windows only"
         ),
-        say("the longest stretch without a gap: {selection}", selection=between(first, last)),
+        say("the longest stretch without a gap: {selection}", selection=between(first, last))
+        if np.diff(runs).max() >= SHORTEST
+        else "",
         (start, end),
     )
 

@@ -1,6 +1,7 @@
 """Checks of single samples: stuck, clipped, coarse, outlying."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,40 +49,77 @@ def stuck(view: View) -> Finding | None:
     )
 
 
+class Clipping(NamedTuple):
+    """How many samples are equal to the smallest and to the largest value, the first and last of them, and of how many.
+
+    `even` tells whether every eighth of the record has some: noise reaches the limits, not a drift.
+    """
+
+    low: int
+    high: int
+    first: int
+    last: int
+    size: int
+    even: bool
+
+    @property
+    def factor(self) -> float:
+        """What is left of N if the noise is white: the standard deviation of a normal one within the limits."""
+        from scipy.special import ndtr, ndtri
+
+        a, b = max(float(ndtri(self.low / self.size)), -40.0), min(-float(ndtri(self.high / self.size)), 40.0)
+        below, above = float(ndtr(a)), float(ndtr(-b))
+        left, right = (math.exp(-0.5 * z * z) / math.sqrt(2 * math.pi) for z in (a, b))
+        mean = left - right + a * below + b * above
+        square = 1 - below - above + a * left - b * right + a * a * below + b * b * above
+        return math.sqrt(square - mean**2)
+
+
+def clipping(view: View) -> Clipping | None:
+    """Samples at the limits of the range: the largest or smallest value occurs more often than the next one."""
+    y, at = view.steps, []
+    for edge, beside in ((y.min(), np.min), (y.max(), np.max)):
+        equal = y == edge
+        count = int(equal.sum())
+        many = count >= 10 and count > 1.5 * int((y == beside(y[~equal])).sum())
+        at.append(np.flatnonzero(equal) if many else np.empty(0, np.intp))
+    both = np.sort(np.concatenate(at))
+    if not both.size or grid(y)[0] <= FEW_CODES // 2:
+        return None
+    even = np.unique(both * 8 // y.size).size == 8
+    return Clipping(at[0].size, at[1].size, int(both[0]), int(both[-1]), y.size, even)
+
+
 def clipped(view: View) -> Finding | None:
-    """The largest or smallest value occurs more often than the next one."""
+    """The finding about clipping."""
+    found = clipping(view)
+    if found is None:
+        return None
     y = view.steps
-    for edge, side in ((y.max(), say("upper")), (y.min(), say("lower"))):
-        at = y == edge
-        count = int(at.sum())
-        if count < 10:
-            continue
-        inner = y[~at]
-        beside = inner.max() if side == "upper" else inner.min()
-        if count > 1.5 * int((inner == beside).sum()) and grid(view.steps)[0] > FEW_CODES // 2:
-            first, last = int(at.argmax()), at.size - 1 - int(at[::-1].argmax())
-            return Finding(
-                "clipped",
-                say(
-                    "{count} samples are equal to the {side} value, {edge:.6g}, the first at {first:.6g} s, the last "
-                    "at {last:.6g} s",
-                    count=count,
-                    side=side,
-                    edge=float(edge),
-                    first=view.seconds(first),
-                    last=view.seconds(last),
-                ),
-                say("the noise beyond the range of the sensor is missing, and the coefficients are too small"),
-                say("use a larger range, or a window without it ({choice})", choice=windowing()),
-                (view.seconds(first), view.seconds(last + 1)),
-            )
-    return None
+    sides = (
+        say("{count} samples are equal to the {side} value, {edge:.6g}", count=count, side=side, edge=float(edge))
+        for count, side, edge in ((found.high, say("upper"), y.max()), (found.low, say("lower"), y.min()))
+        if count
+    )
+    where = say("the first at {first:.6g} s, the last at {last:.6g} s", first=view.seconds(found.first),
+                last=view.seconds(found.last))  # fmt: skip
+    lost = say("the noise beyond the range of the sensor is missing, and the coefficients are too small")
+    if found.even:
+        lost = say("{lost}: N is {factor:.2g} times that of the sensor if the noise is white", lost=lost,
+                   factor=found.factor)  # fmt: skip
+    return Finding(
+        "clipped",
+        join(", ", (*sides, where)),
+        lost,
+        say("use a larger range, or a window without it ({choice})", choice=windowing()),
+        (view.seconds(found.first), view.seconds(found.last + 1)),
+    )
 
 
 def quantized(view: View) -> Finding | None:
     """A quantization step that is coarse relative to the noise; a separate warning if the noise is no dither."""
     found = rounding(view.steps, view.fast)
-    if not found.coarse:
+    if not found.coarse or view.pulses:  # a count is a rounded angle by nature; the fit tells whether that is a noise
         return None
     size = found.step * (view.record.scale or 1.0)
     step = say(

@@ -6,13 +6,22 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import say
+from allanite.core.language import join, say
 from allanite.core.wording import percent
 
 from .view import View
 
 LONGEST = 1 << 18
 """Number of samples checked, in the middle of the record."""
+
+FEWEST = 4096
+"""Second differences in which a modulation is looked for."""
+
+FINE = 0.002
+"""Step of the samples over their fast noise up to which neighbours are hardly ever equal."""
+
+FILLED = 0.005
+"""Share of samples filled in above which it matters."""
 
 DEPTH = 0.08
 """Relative modulation of the power of the fast noise above which a record is called resampled; interpolation gives
@@ -29,9 +38,12 @@ def resampled(view: View) -> Finding | None:
     """A sensor whose output was held or interpolated at another rate.
 
     Hold: samples repeat periodically. Linear interpolation: the power of the fast noise depends on the position
-    of the new sample between two original ones and is modulated at the difference of the rates.
+    of the new sample between two original ones and is modulated at the difference of the rates. Single pulses that are
+    counted repeat with a pattern of their own.
     """
-    return _held(view) or _interpolated(view)
+    if view.pulses:
+        return None
+    return _held(view) or _interpolated(view) or _filled(view)
 
 
 def _held(view: View) -> Finding | None:
@@ -55,13 +67,15 @@ def _held(view: View) -> Finding | None:
 
 def _interpolated(view: View) -> Finding | None:
     middle = max(0, (view.bends.size - LONGEST) // 2)
-    bends = view.bends[middle : middle + LONGEST]
-    if bends.size < 4096 or not view.fast:
+    bends, inside = view.bends[middle : middle + LONGEST], np.ones(min(view.bends.size, LONGEST), dtype=np.bool_)
+    over = view.over - middle  # a gap has no part in the modulation
+    inside[over[(over >= 0) & (over < inside.size)]] = False
+    if inside.sum() < FEWEST or not view.fast:
         return None
     bends = np.clip(bends, -6 * math.sqrt(6) * view.fast, 6 * math.sqrt(6) * view.fast)
     power = np.square(bends)
-    mean = float(power.mean())
-    spectrum = _lines(power - mean)
+    mean = float(power[inside].mean())
+    spectrum = _lines(np.where(inside, power - mean, 0.0))
     first = 32  # anything slower is a changing noise level
     at = first + int(spectrum[first:].argmax())
     around = np.median(spectrum[max(first, at - 200) : at + 200])
@@ -78,6 +92,44 @@ def _interpolated(view: View) -> Finding | None:
         rate=view.rate - beat,
     )
     return Finding("resampled", what, CONSEQUENCE, REMEDY)
+
+
+def _filled(view: View) -> Finding | None:
+    """Samples that the logger has put in the place of lost ones."""
+    held, between = filled(view)
+    if not held and not between:
+        return None
+    parts = (
+        say("{share} of the samples repeat the one before", share=percent(held)) if held else "",
+        say("{share} lie midway between their neighbours to the last digit", share=percent(between)) if between else "",
+    )
+    # what a sample weighs in a long sum: (1 + p)/(1 - p) where it is repeated, 1 + 1.5 p where it is interpolated
+    excess = math.sqrt((1 + held) / (1 - held) * (1 + 1.5 * between)) - 1
+    return Finding(
+        "filled in",
+        join(", ", [part for part in parts if part]),
+        say("missing samples were filled in: N is too large by about {excess} if the noise is white",
+            excess=percent(excess)),
+        say("log nothing in their place: gaps are accounted for"),
+    )  # fmt: skip
+
+
+def filled(view: View) -> tuple[float, float]:
+    """Shares of the samples that repeat the one before, and that lie midway between their neighbours.
+
+    Only of finely resolved samples, of which hardly any do so by chance.
+    """
+    y = view.steps
+    apart = np.abs(np.subtract(y[1:-1], y[:-2], dtype=np.float64))
+    step = float(apart[apart > 1e-9 * view.fast].min(initial=np.inf))
+    inside = (y[1:-1] != y.min()) & (y[1:-1] != y.max())  # clipped ones repeat, too
+    inside[view.over] = False
+    if not view.fast or step > FINE * view.fast or not inside.any():
+        return 0.0, 0.0
+    repeated, midway = apart < step / 2, np.abs(view.bends) < max(step / 2, 1e-9 * view.fast)
+    shares = (float(which[inside].mean()) for which in (repeated, midway & ~repeated))
+    held, between = (share if share > FILLED else 0.0 for share in shares)
+    return held, between
 
 
 def _lines(values: FloatArray) -> FloatArray:

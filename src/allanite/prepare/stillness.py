@@ -18,22 +18,34 @@ from .view import View, stretches
 from .window import trim
 
 MOVING = 20.0
-"""RMS about the record's median, relative to that of the quietest tenth, above which a block is called moving."""
+"""RMS about the record's median, relative to that within the quietest tenth, above which a block is called moving."""
+
+SUDDEN = 10.0
+"""Step between the means of two blocks, relative to the same, above which it is motion; a drift has none."""
+
+USUAL = 8.0 / 0.319
+"""The same relative to the quarter point of all steps: eight standard deviations, if they are normal."""
 
 TOO_BUSY = 0.02
 """Share of moving blocks above which the record cannot support an analysis."""
 
 AT_REST = say("noise can be determined only from a static recording")
 
+THERE = 0.5
+"""Share of the samples of a static stretch that must be there."""
+
+TRIED = 3
+"""Runs between motions that are tried for a static stretch, those with most samples."""
+
 PARTS = 8
 """Number of parts of a record whose noise levels are compared."""
 
-UNEQUAL = 1.3
+UNEQUAL = 1.44
 """Ratio of powers, beyond chance, above which parts are called different."""
 
 
 def moving(view: View) -> Finding | None:
-    """Blocks of a second whose RMS about the record's median is more than 20 times that of the quietest tenth."""
+    """Blocks of a second whose RMS about the median is more than 20 times that of the quietest tenth; see `busy`."""
     loud = busy(view)
     if not in_motion(loud):
         return None
@@ -54,9 +66,17 @@ def moving(view: View) -> Finding | None:
 
 
 def busy(view: View) -> BoolArray:
-    """Blocks in which the record moves."""
-    rms = _block_rms(view)
-    return np.asarray(rms > MOVING * max(float(np.quantile(rms, 0.1)), view.fast))
+    """Blocks in which the record moves: far from its median, and not only by a drift."""
+    means, own = view.blocks.mean(axis=1, dtype=np.float64), view.blocks.std(axis=1, dtype=np.float64)
+    quiet = max(float(np.quantile(own, 0.1)), view.fast)
+    steps = np.abs(np.diff(means))
+    jumps = np.flatnonzero(steps > max(SUDDEN * quiet, USUAL * float(np.quantile(steps, 0.25))))
+    sudden = own > MOVING * quiet
+    sudden[jumps] = sudden[jumps + 1] = True
+    far = np.asarray(np.hypot(own, means - np.median(means)) > MOVING * quiet)
+    for first, last in stretches(far):
+        far[first:last] = sudden[first:last].any()
+    return far
 
 
 def in_motion(loud: BoolArray) -> bool:
@@ -74,29 +94,54 @@ def still_words(records: Sequence[Record]) -> str:
 
 
 def still_stretch(records: Sequence[Record]) -> tuple[float, float] | None:
-    """A stretch in which none of these records, which have common sample times, moves according to `moving`.
+    """A stretch in which none of these records, which have common sample times, moves or changes its noise level.
 
-    The test is repeated on the longest run without a moving block, which has another quietest tenth, until it finds no
-    motion. In whole seconds of the recording; None if too little remains.
+    Both tests, and that samples are there, are repeated on the runs in which they hold, because each has another
+    quietest tenth and other parts. The longest, in whole seconds of the recording; None if too little remains.
     """
+    return _still(records, 0, records[0].size)
+
+
+def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, float] | None:
     first = records[0]
-    start, end = 0, first.size
-    while end - start >= SHORTEST:
-        parts = trim(Recording(tuple(records)), start / first.rate, end / first.rate)
-        still = np.ones(end - start, dtype=np.bool_)
-        for view in map(View, parts):
-            loud = busy(view)
-            if in_motion(loud):
-                still[_places(view, loud)] = False
-        runs = stretches(still)
-        if still.all() or not runs.size:
-            return (_seconds(first, start), _seconds(first, end)) if runs.size else None
-        low, high = (start + int(i) for i in runs[np.diff(runs, axis=1)[:, 0].argmax()])
-        start, end = (
-            round((whole - first.cut) * first.rate)
-            for whole in (math.ceil(_seconds(first, low)), math.floor(_seconds(first, high)))
-        )
-    return None
+    if end - start < SHORTEST:
+        return None
+    parts = trim(Recording(tuple(records)), start / first.rate, end / first.rate).records
+    there = np.logical_and.reduce([np.isfinite(part.steps) for part in parts])
+    if there.sum() < SHORTEST:
+        return None
+    still = np.ones(end - start, dtype=np.bool_)
+    for view in map(View, parts):
+        still[_odd(view)] = False
+    if still.all() and there.mean() < THERE:
+        low, high = max(stretches(~there).tolist(), key=lambda hole: hole[1] - hole[0])
+        still[low:high] = False
+    if still.all():
+        return _seconds(first, start), _seconds(first, end)
+    runs = sorted(stretches(still).tolist(), key=lambda run: -int(there[run[0] : run[1]].sum()))
+    longest: tuple[float, float] | None = None
+    for low, high in runs[:TRIED]:
+        inner = _whole_seconds(first, start + low, start + high)
+        if longest is None or (inner[1] - inner[0]) / first.rate > longest[1] - longest[0]:
+            found = _still(records, *inner)
+            longest = max(filter(None, (longest, found)), key=lambda each: each[1] - each[0], default=None)
+    return longest
+
+
+def _odd(view: View) -> NDArray[np.intp]:
+    """Samples of the record in moving blocks; if there are none, in parts with another noise level."""
+    which, size = busy(view), view.span
+    if not in_motion(which):
+        which, size = _unequal(view)[0], view.bends.size // PARTS
+    inside = np.flatnonzero(np.repeat(which, size))
+    return inside if view.left is None else view.left[inside]
+
+
+def _whole_seconds(record: Record, low: int, high: int) -> tuple[int, int]:
+    """The samples of the whole seconds of the recording between two samples."""
+    seconds = math.ceil(_seconds(record, low)), math.floor(_seconds(record, high))
+    first, last = (round((whole - record.cut) * record.rate) for whole in seconds)
+    return max(first, 0), last
 
 
 def _seconds(record: Record, index: int) -> float:
@@ -105,20 +150,29 @@ def _seconds(record: Record, index: int) -> float:
     return float(round(at)) if abs(at - round(at)) <= 0.5 / record.rate else at
 
 
-def _places(view: View, loud: BoolArray) -> NDArray[np.intp]:
-    """Samples of the record in moving blocks."""
-    inside = np.flatnonzero(np.repeat(loud, view.span))
-    return inside if view.left is None else view.left[inside]
-
-
-def _block_rms(view: View) -> FloatArray:
-    """RMS of each block about the record's median."""
-    centre = float(np.median(view.blocks.mean(axis=1)))
-    return np.asarray(np.sqrt(np.square(view.blocks - centre, dtype=np.float64).mean(axis=1)))
-
-
 def level(view: View) -> Finding | None:
     """Fast noise whose level differs between eight parts of the record."""
+    uneven, ratio = _unequal(view)
+    if not uneven.any():
+        return None
+    first, last = (view.seconds(at) for at in stretches(uneven)[0] * (view.bends.size // PARTS))
+    return Finding(
+        "level",
+        say(
+            "the noise level changes by a factor of {ratio:.3g} between parts; it differs from {start:.4g} s "
+            "to {end:.4g} s",
+            ratio=math.sqrt(ratio.max() / ratio.min()),
+            start=first,
+            end=last,
+        ),
+        say("one set of coefficients describes neither part"),
+        say("analyze the parts separately ({choice})", choice=windowing()),
+        (first, last),
+    )
+
+
+def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
+    """Parts whose noise level differs, louder ones if there are some, and the power of each over the median."""
     bends = view.bends.copy() if view.outliers.at.size else view.bends
     bends[_beside_outliers(view)] = np.nan
     size = bends.size // PARTS
@@ -126,29 +180,12 @@ def level(view: View) -> Finding | None:
     power = np.nansum(squares, axis=1) / np.maximum(np.isfinite(squares).sum(axis=1), 1)
     noisy = power > 0  # others are stuck, or on a straight line
     if not noisy.any():
-        return None
+        return noisy, power
     # second differences of white noise have one degree of freedom per 35/18 samples; outliers and vibration reduce it
     error = math.sqrt(2 * 35 / 18 / size)
     ratio = np.where(noisy, power / np.median(power[noisy]), 1.0)
     loud = ratio > UNEQUAL * (1 + 6 * error)
-    quiet = ratio < 1 / (UNEQUAL * (1 + 6 * error))
-    if not (loud.any() or quiet.any()):
-        return None
-    odd = stretches(loud if loud.any() else quiet)[0] * size
-    lowest, highest = math.sqrt(ratio.min()), math.sqrt(ratio.max())
-    return Finding(
-        "level",
-        say(
-            "the noise level changes by a factor of {ratio:.3g} between parts; it differs from {start:.4g} s "
-            "to {end:.4g} s",
-            ratio=highest / lowest,
-            start=view.seconds(odd[0]),
-            end=view.seconds(odd[1]),
-        ),
-        say("one set of coefficients describes neither part"),
-        say("analyze the parts separately ({choice})", choice=windowing()),
-        (view.seconds(odd[0]), view.seconds(odd[1])),
-    )
+    return loud if loud.any() else ratio < 1 / (UNEQUAL * (1 + 6 * error)), ratio
 
 
 def _beside_outliers(view: View) -> NDArray[np.intp]:
@@ -169,10 +206,14 @@ def lines(view: View) -> Finding | None:
     threshold = 1.25 * float(gammaincinv(segments, 1 - 1e-4 / power.size)) / segments
     peaks = stretches(power > threshold * around)
     peaks = peaks[peaks[:, 0] >= 6]
-    if not peaks.size:
-        return None
     excess = np.array([float((power[a:b] - around[a:b]).sum()) for a, b in peaks])
-    tops = [float(frequency[a + int(power[a:b].argmax())]) for a, b in peaks]
+    tops = np.array([float(frequency[a + int(power[a:b].argmax())]) for a, b in peaks])
+    # within a pulse the angle is that of the count, and of the dither that is left of it
+    angle = excess / power.sum() * float(view.steps.var()) / (2 * np.sin(np.pi * tops / view.rate)) ** 2
+    beyond = angle > view.pulses
+    excess, tops = excess[beyond], tops[beyond]
+    if not tops.size:
+        return None
     share = float(excess.sum() / power.sum())
     named = ", ".join(f"{f:.3g}" for f in _strongest(tops, excess))
     return Finding(
@@ -183,12 +224,12 @@ def lines(view: View) -> Finding | None:
     )
 
 
-def _strongest(tops: list[float], excess: FloatArray, most: int = 5) -> list[float]:
+def _strongest(tops: FloatArray, excess: FloatArray, most: int = 5) -> list[float]:
     """Frequencies of the strongest peaks, ascending; only one of those within a twentieth of each other."""
     chosen: list[float] = []
     for i in np.argsort(excess)[::-1]:
         if all(abs(tops[i] / f - 1) > 0.05 for f in chosen):
-            chosen.append(tops[i])
+            chosen.append(float(tops[i]))
     return sorted(chosen[:most])
 
 
@@ -237,6 +278,8 @@ def slope(view: View) -> Finding | None:
     if not significant.any():
         return None
     last = int(np.flatnonzero(significant)[-1])
+    if 2 ** sigma[last + 1] * factors[last + 1] < math.sqrt(3) * view.pulses:  # Q of a pulse: the count, and dither
+        return None
     tau = factors[last + 1] / record.rate
     return Finding(
         "slope",

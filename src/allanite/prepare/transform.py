@@ -26,7 +26,7 @@ def mark_outliers(record: Record) -> Record:
     >>> y[500] = 50.0
     >>> marked = mark_outliers(Record(y, rate=1.0, unit="deg/s"))
     >>> np.flatnonzero(np.isnan(marked.values)).tolist(), marked.history
-    ([500], ('1 outlier beyond 5 standard deviations, the first at 500 s, the largest 51.5: marked as missing',))
+    ([500], ('1 outlier beyond 5 standard deviations, at 500 s, of 51.5: marked as missing',))
     """
     return marked(record, outliers(record))
 

@@ -66,11 +66,11 @@ class View:
         y = self.steps
         bends: FloatArray = np.subtract(y[2:], y[:-2], dtype=np.float64)
         bends -= 2.0 * (y[1:-1] - y[:-2])
-        bends[self._over] = 0.0
+        bends[self.over] = 0.0
         return bends
 
     @property
-    def _over(self) -> NDArray[np.intp]:
+    def over(self) -> NDArray[np.intp]:
         """Second differences that extend over a gap."""
         both = np.concatenate((self.joints - 2, self.joints - 1))
         return both[(both >= 0) & (both < self.steps.size - 2)]
@@ -78,9 +78,14 @@ class View:
     @cached_property
     def fast(self) -> float:
         """Standard deviation of the fast noise, robust; exact for white noise."""
-        whole = np.delete(self.bends, self._over) if self.joints.size else self.bends
+        whole = np.delete(self.bends, self.over) if self.joints.size else self.bends
         # if no three samples are together, over the gaps
         return fast_noise(whole if whole.size else np.diff(self.steps.astype(np.float64), 2))
+
+    @property
+    def pulses(self) -> float:
+        """The angle of a pulse, 1, where samples count single ones: the noise is less. Otherwise 0."""
+        return float(self.record.kind == "count" and self.fast < 1)
 
     def seconds(self, index: float) -> float:
         """Time of a remaining sample, s after the first sample of the recording."""

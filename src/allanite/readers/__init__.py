@@ -45,7 +45,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
         ``"runs.zip::gyro.csv"`` names a member of an archive. ``"-"`` is standard input. Or a table of pandas, polars
         or pyarrow with column names like those of a CSV file: ``"gx [deg/s]"``.
     rate : float, optional
-        Sampling rate, Hz; overrides the file.
+        Sampling rate, Hz; overrides the file, but for time stamps that give another one: see `time`.
     unit : str or dict, optional
         Unit of the samples, for example ``"deg/s"``; overrides headers, except for columns that belong to the
         other type of sensor according to their header or name and are not selected by `channels`. By sensor or by

@@ -18,6 +18,7 @@ from allanite.terms import TERMS
 from .language import speaking, spoken, tr
 from .picture import Picture, drawer, drawn, svg, variable
 from .sheet import Code, Column, Drawing, Face, Fold, Note, Part, Table, printable, printed, printed_heading
+from .words import capital
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -98,7 +99,7 @@ def _environment() -> Environment:
     env.filters["clean"] = lambda text: printable(tr(text))
     env.filters["heading"] = lambda text: printed_heading(tr(text))
     env.filters["made"] = _made
-    env.filters["capital"] = lambda text: text[:1].upper() + text[1:]
+    env.filters["capital"] = capital
     env.filters["base64"] = lambda data: base64.b64encode(data).decode()
     env.globals.update(say=say, say_count=say_count)
     env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, numeric=_numeric, shown=_shown, color_of=_color_of)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from string import Formatter
 from typing import Any, Self
 
 from allanite.core.estimate import Estimate
@@ -80,13 +81,14 @@ def grade(fit: Fit) -> str:
 
 
 class Capital(Phrase):
-    """A phrase that begins with a capital letter, in any language."""
+    """A phrase that begins with a capital letter, in any language; the name of a channel is left as it is."""
 
     __slots__ = ()
 
     def __new__(cls, templates: tuple[str, ...], fields: Mapping[str, Any]) -> Self:
         """As for a phrase."""
-        made = str.__new__(cls, _capital(Phrase(templates, fields)))
+        plain = Phrase(templates, fields)
+        made = str.__new__(cls, _capital(plain, fields["text"]))
         made.templates, made.fields = templates, fields
         return made
 
@@ -95,16 +97,30 @@ class Capital(Phrase):
 
     def within(self, catalogue: Catalogue) -> str:
         """The phrase in the language of a catalogue."""
-        return _capital(super().within(catalogue))
+        return _capital(super().within(catalogue), self.fields["text"])
 
 
 def capital(text: str) -> Capital:
-    """A text that begins with a capital letter."""
+    """A text that begins with a capital letter.
+
+    Examples
+    --------
+    >>> capital(say("deviation")), capital(say("{channel}: the body moved", channel="gx"))
+    ('Deviation', 'gx: the body moved')
+    """
     return Capital(("{text}",), {"text": text})
 
 
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
+def _capital(shown: str, text: str) -> str:
+    return shown if isinstance(text, Phrase) and _named(text) else shown[:1].upper() + shown[1:]
+
+
+def _named(text: Any) -> bool:
+    """Whether a text begins with data: with a field that is no phrase."""
+    if not isinstance(text, Phrase):
+        return True
+    first = next(iter(Formatter().parse(text.templates[-1])), ("", None, "", None))
+    return not first[0] and first[1] is not None and _named(text.fields[first[1]])
 
 
 def symbol(estimate: Estimate) -> str:

@@ -62,10 +62,12 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     edf: Literal["exact", "published"] = "exact",
     power_law: bool = False,
     threads: int = 1,
+    omit: bool = False,
 ) -> Curve:
     """Compute a statistic of a record at many averaging times: `allanite.deviation` without identification.
 
     The intervals assume `noise`; a function that returns it is called when intervals, or a bias correction, need it.
+    Points of which gaps leave nothing are omitted from a named grid, and with `omit` from the `m` that are given.
 
     Examples
     --------
@@ -96,7 +98,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
     places = angle.places if gaps == "means" else ()
     points = Points(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
-    named = m is None and isinstance(taus, str)
+    named = omit or (m is None and isinstance(taus, str))
     seen = Seen(points, variance, count, factor, None, angle, record.signal)
     seen = seen.only(_complete(count, row, factors, named=named))
     if bias is not None or (suppose and len(places) > 1 and row.differences):

@@ -74,13 +74,13 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
     around = max(round(usual / 3), 1), min(3 * usual, int(wide.m.max()))
     marks = _decades(record.rate, factors)
     least = factors[lowest : lowest + 1]
-    points = _Points(deviation(record, "oadev", m=sorted({usual, *around, *marks, *least})))
+    points = _Points(deviation(record, "oadev", m=sorted({usual, *around, *marks, *least}), omit=True))
     slopes = (points.slope(first, last) for first, last in pairwise(marks))
     return Readings(
         signal=record.signal,
-        usual=points.reading(usual),
+        usual=points.reading(usual if usual in points.place else max(points.place)),
         around=points.slope(*around),
-        minimum=points.reading(least[0]) if least else None,
+        minimum=points.reading(least[0]) if least and least[0] in points.place else None,
         inside=lowest < len(factors) - 1,
         slopes=tuple(slope for slope in slopes if slope is not None),
         means=tuple(_means(record)),
@@ -99,7 +99,9 @@ class _Points:
         return Reading(float(self.curve.tau[i]), float(self.curve.deviation[i]), _Limits(self.limits, i))
 
     def slope(self, first: int, last: int) -> Slope | None:
-        """From one point to the other; None where they are too close, or a variance is zero."""
+        """From one point to the other; None where they are too close, one is missing, or a variance is zero."""
+        if not {first, last} <= self.place.keys():
+            return None
         at = [self.place[first], self.place[last]]
         tau, variance, edf = (values[at] for values in (self.curve.tau, self.curve.variance, self.edf))
         if last < WIDE * first or not variance.all():

@@ -129,7 +129,7 @@ def test_a_channel_that_moves_is_refused(days, tmp_path):
 
 
 def test_a_warm_up_is_no_motion(tmp_path):
-    """Its slope is large beside the noise, so that `info` calls it moving; what the temperature leaves is at rest."""
+    """Its slope is large beside the noise, but it has no sudden step."""
     path = day(tmp_path / "warm.csv", 5)
     rows = np.loadtxt(path, delimiter=",", skiprows=1)
     warm = 10 * (1 - np.exp(-rows[:, 0] / 600))
@@ -138,7 +138,7 @@ def test_a_warm_up_is_no_motion(tmp_path):
     np.savetxt(
         path, rows, delimiter=",", fmt="%.9g", header="time [s],gx [deg/h],gy [deg/h],temp [degC],hum", comments=""
     )
-    assert run("info", path, "--channels", "gx").exit_code == 3
+    assert run("info", path, "--channels", "gx").exit_code == 0
     done = run("compensate", path, "--channels", "gx", "--regressors", "temp")
     assert done.exit_code == 0, done.stderr
     assert "gx depends on temp" in done.stdout

@@ -169,7 +169,7 @@ def test_the_study_says_it_in_words_and_pictures():
     assert "the noise level changes" in shown
     assert "are correlated sample by sample" in shown
     assert shown.count("the noise level changes") == 2
-    assert "y, on the same body: the noise level changes" in shown
+    assert "on the same body, y: the noise level changes" in shown
     html = page(study)
     assert html.count("Residuals: does the model explain the record?") == 2
     assert "Correlation of the channels" in html
@@ -197,3 +197,28 @@ def test_a_weak_random_walk_that_was_not_selected_leaves_no_correlation():
         found.append(al.residuals(record, al.identify(record)).checks[0])
     assert {check.name for check in found} == {"correlation"}
     assert sum(check.p < 0.05 for check in found) <= 8
+
+
+def test_a_level_that_hardly_changes_is_not_told():
+    y = np.random.default_rng(1).standard_normal(2**17)
+    y[2**16 :] *= 1.06
+    noise = al.analyze(al.Record(y, 100.0, "deg/h", name="z")).channels[0].noise
+    assert not noise.residuals["halves"].passed
+    assert noise.residuals.findings == ()
+    assert noise.validity == "explained"
+
+
+def test_loud_stretches_are_named_one_by_one():
+    y = np.random.default_rng(1).standard_normal(2**15)
+    for eighth in (0, 4):
+        y[eighth * 2**12 : (eighth + 1) * 2**12] *= 1.4
+    (finding,) = al.analyze(al.Record(y, 32.0, "deg/h", name="z")).channels[0].noise.residuals.findings
+    assert "is highest from 0 s to 128 s, from 512 s to 640 s" in finding.what
+
+
+def test_what_a_warning_says_no_note_repeats():
+    y = np.random.default_rng(3).standard_normal(2**14)
+    y[5000] = 40.0
+    shown = " ".join(table(al.analyze(al.Record(y, 100.0, "deg/h", name="z"))).split())
+    assert shown.count("1 outlier beyond") == 1
+    assert "standard deviations, at 50 s, of 4" in shown

@@ -146,11 +146,11 @@ def test_white_and_drift():
 def test_systematic_and_random_drift():
     at = 3600 * 2 * 20.0**2 / (3 * 3000.0**2)  # of R^2 tau^2 / 2 = K^2 tau / 3
     both = said(N, K, R)
-    assert "a systematic part, R, which changes the output by 3e+03 deg/h over the record" in both
+    assert "a systematic part, R, which changes the output by 3000 deg/h over the record" in both
     assert "a random part, K, of 20 deg/h (1 sigma)" in both
     assert f"R is larger than K beyond {at:.3g} s" in both
     systematic = said(N, R, estimate("K", upper=7.0, unit="deg/h/sqrt(h)"))
-    assert "The drift is systematic: R changes the output by 3e+03 deg/h over the record; K was not " in systematic
+    assert "The drift is systematic: R changes the output by 3000 deg/h over the record; K was not " in systematic
     assert "its size is below 7 deg/h/sqrt(h)." in systematic
     assert "The drift is random: K changes the output by 10 deg/h (1 sigma)" in said(N, K, length=900.0)
 

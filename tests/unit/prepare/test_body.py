@@ -7,6 +7,7 @@ import pytest
 
 import allanite as al
 from allanite.core.record import Recording
+from allanite.core.wording import command_line
 from allanite.prepare import inspect
 from allanite.prepare.body import of_one_body
 from allanite.prepare.stillness import moving, still_stretch
@@ -64,7 +65,7 @@ def test_an_axis_that_is_refused_refuses_those_that_move_less():
 def test_a_level_that_changes_is_told_and_refuses_none():
     study = examine(triad(ax=louder(record_of("ax", 3, "g"), 750)))
     assert study["gx"].quality.names == study["gy"].quality.names == ("body level",)
-    assert str(study["gx"].quality.findings[0]).startswith("ax, on the same body: the noise level changes")
+    assert str(study["gx"].quality.findings[0]).startswith("on the same body, ax: the noise level changes")
     assert "body level" not in study["ax"].quality.names
     assert not any(channel.refusal for channel in study)
 
@@ -113,7 +114,7 @@ def test_times_are_those_of_the_recording_after_a_cut():
     assert found["gaps"].remedy == "the longest stretch without a gap: prepare.trim(recording, 200, 400)"
     assert found["gaps"].place == (400.0, 400.5)
     assert "the first from 400 s" in found["gaps"].what
-    assert "the first at 450 s" in found["outliers"].what
+    assert ", at 450 s, of 63.4" in found["outliers"].what
     again = trim(Recording((part,)), 100.0, 300.0)[0]
     assert (again.cut, again.history[-1]) == (300.0, "cut from 300 s to 500 s")
 
@@ -124,3 +125,36 @@ def test_the_still_stretch_of_a_part_is_in_times_of_the_recording():
     motion = moving(View(part))
     assert motion.what.startswith("moves from 699.2 s")
     assert motion.remedy == "the longest static stretch: prepare.trim(recording, 400, 699)"
+
+
+@pytest.mark.parametrize("hole", [True, False])
+def test_the_stretch_that_is_offered_holds_samples_and_passes_as_it_is_typed(tmp_path, hole):
+    rng = np.random.default_rng(0)
+    if hole:  # 63 samples in 142 s between two motions
+        t = np.concatenate((np.arange(0, 80, 0.02), 84 + 2.2 * np.arange(63), np.arange(226, 300, 0.02)))
+        busy, loud, stretch = ((t >= 40) & (t < 82)) | (t >= 226), np.zeros(t.size, bool), ["--until", "40"]
+    else:  # the longer stretch changes its noise level by a factor of 12
+        t = np.arange(0, 600, 0.02)
+        busy, loud, stretch = (t > 200) & (t < 260), (t >= 260) & (t < 420), ["--until", "200"]
+    y = 0.05 * rng.normal(size=t.size) * np.where(loud, 12.0, 1.0) + 30 * busy * np.sin(t)
+    path = tmp_path / "log.csv"
+    path.write_text("t [s],gz [deg/s]\n" + "".join(f"{a:.2f},{b:.6f}\n" for a, b in zip(t, y, strict=True)))
+    with command_line(), pytest.raises(al.DataError) as refused:
+        al.analyze(path)
+    assert str(refused.value).endswith(" ".join(["the longest static stretch:", *stretch]))
+    channel = al.analyze(path, al.Recipe(until=float(stretch[1]))).channels[0]
+    assert not channel.refusal
+    assert not {"moving", "level", "gaps"} & set(channel.quality.names)
+
+
+def test_a_random_walk_is_no_motion():
+    model = al.parse_model("N 0.02 deg/sqrt(h), K 300 deg/h/sqrt(h)")
+    for seed in (4, 13, 24, 35, 40, 46):
+        assert "moving" not in inspect(al.simulate(model, 2**14, 10.0, rng=np.random.default_rng(seed))).names
+
+
+def test_a_turn_at_a_constant_rate_is_motion():
+    y = np.random.default_rng(1).standard_normal(N)
+    y[N // 4 : N // 2] += 30 * np.minimum(1.0, np.arange(N // 4) / 40)  # reached within two seconds
+    (found,) = inspect(al.Record(y, RATE, "deg/s", name="gz")).findings
+    assert (found.name, found.fatal) == ("moving", True)

@@ -1,11 +1,16 @@
 """Record to record: what each step does, and that its history says so."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import allanite as al
 from allanite.prepare import block_means, decimate, detrend, inspect, mark_outliers, quiet_window
+from allanite.prepare.readings import clipping
+from allanite.prepare.resampled import filled
 from allanite.prepare.view import View, stretches
+from allanite.simulation.ring_laser import RING_LASERS, simulate_ring_laser
 
 MODEL = al.N(3.0, "deg/h/sqrt(Hz)") + al.B(2.0, "deg/h")
 
@@ -146,3 +151,60 @@ def test_findings_are_plain_data():
     assert data["findings"][0]["name"] == "short"
     own = {"name", "what", "consequence", "remedy", "place", "fatal"}
     assert set(data["findings"][0]) == {"allanite", "type", *own}
+
+
+@pytest.mark.parametrize("name", ["gl1", "gl1-smooth"])
+def test_a_healthy_ring_laser_raises_no_alarm(name):
+    """The residual of the dither, the frequency of the pulses and their pattern are within a pulse."""
+    gyro = RING_LASERS[name]
+    record = simulate_ring_laser(gyro, 12.4392, 400 * 900, 400.0, rng=np.random.default_rng(1))
+    assert inspect(record).names == ()
+
+
+def test_sway_of_many_pulses_is_still_found():
+    gyro, t = RING_LASERS["gl1"], np.arange(400 * 900 + 1) / 400
+    record = simulate_ring_laser(gyro, 12.4392, 400 * 900, 400.0, rng=np.random.default_rng(1))
+    sway = np.diff(np.rint(5 * np.sin(2 * np.pi * 3.0 * t))).astype(np.int64)
+    found = {one.name: one for one in inspect(replace(record, values=record.values + sway)).findings}
+    assert found["lines"].what.startswith("spectral lines at 3")
+
+
+@pytest.mark.parametrize(("low", "high"), [(-1.5, 1.5), (-np.inf, 1.0)])
+def test_clipping_says_what_is_left_of_n(low, high):
+    y = np.random.default_rng(1).standard_normal(2**16)
+    clip = al.Record(np.clip(y, low, high), 100.0, "deg/h")
+    found = clipping(View(clip))
+    assert found.factor == pytest.approx(np.std(clip.values), rel=0.01)
+    (finding,) = inspect(clip).findings
+    assert finding.name == "clipped"
+    assert f"N is {found.factor:.2g} times that of the sensor if the noise is white" in finding.consequence
+
+
+def test_a_drift_that_leaves_the_range_has_no_factor():
+    y = np.random.default_rng(1).standard_normal(2**14) + np.linspace(0, 50, 2**14)
+    (finding,) = (
+        one for one in inspect(al.Record(np.minimum(y, 40), 100.0, "deg/h")).findings if one.name == "clipped"
+    )
+    assert "times that of the sensor" not in finding.consequence
+
+
+@pytest.mark.parametrize("how", ["repeated", "interpolated"])
+def test_samples_that_the_logger_has_filled_in_are_named(how):
+    rng, n = np.random.default_rng(1), 2**15
+    y = rng.standard_normal(n)
+    lost = np.flatnonzero(rng.random(n) < 0.05)[1:-1]
+    kept = np.delete(np.arange(n), lost)
+    where = np.searchsorted(kept, lost) - 1
+    y[lost] = y[kept[where]] if how == "repeated" else np.interp(lost, kept, y[kept])
+    (finding,) = (one for one in inspect(al.Record(y, 100.0, "deg/h")).findings if one.name == "filled in")
+    assert "N is too large by about" in finding.consequence
+    assert filled(View(al.Record(y, 100.0, "deg/h"))) == pytest.approx(
+        (0.05, 0.0) if how == "repeated" else (0.0, 0.05), abs=0.004
+    )
+
+
+@pytest.mark.parametrize("step", [0.0, 0.01, 0.3, 1.0])
+def test_rounded_samples_are_not_filled_in(step):
+    y = np.random.default_rng(2).standard_normal(2**14)
+    record = al.Record(np.rint(y / step) * step if step else y, 100.0, "deg/h")
+    assert "filled in" not in inspect(record).names

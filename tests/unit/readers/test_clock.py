@@ -259,12 +259,21 @@ def test_fractions_without_unit_are_seconds(stamped):
     assert any("assumed to be in seconds" in note for note in read(stamped(np.arange(200) * 0.25 + 0.1, "t")).notes)
 
 
-def test_the_given_rate_wins_and_a_difference_is_a_finding(stamped):
+def test_the_given_rate_wins_and_a_small_difference_is_a_finding(stamped):
     path = stamped(np.arange(200) * 0.01)
     assert not read(path, rate=100.05).findings
-    (found,) = read(path, rate=200).findings
+    (found,) = read(path, rate=100.5).findings
     assert "100.0 Hz" in found.what
-    assert "200.0 Hz is used" in found.what
+    assert "100.5 Hz is used" in found.what
+
+
+def test_a_rate_that_contradicts_the_time_stamps_is_refused_with_a_cure(stamped):
+    path = stamped(np.arange(200) * 0.01)
+    with pytest.raises(UsageError, match=r"200\.0 Hz, contradicts the time stamps .*, 100\.0 Hz: omit it") as refused:
+        read(path, rate=200)
+    assert str(refused.value).endswith("time='none'")
+    assert read(path, rate=200, time="none")["gx"].rate == 200.0
+    assert read(path)["gx"].rate == pytest.approx(100.0)
 
 
 def test_time_option(stamped):
@@ -311,3 +320,10 @@ def test_a_time_stamp_that_no_clock_counts_is_named(row, tmp_path):
     with pytest.raises(DataError, match=r"differ by up to 1e\+200 s; pass rate="):
         read(tmp_path / "a.npz")
     assert read(tmp_path / "a.npz", rate=100.0)["gx"].size == 3000
+
+
+def test_a_slow_log_may_have_dropped_samples(stamped):
+    hint = "if the logger drops samples without averaging, N is too large by up to sqrt(f_sensor/f_log)"
+    assert hint in read(stamped(np.arange(200) * 0.25)).notes
+    assert hint not in read(stamped(np.arange(200) * 0.1)).notes
+    assert hint not in read(stamped(np.arange(200) * 0.25), kind="increment", unit="deg").notes

@@ -125,30 +125,27 @@ def test_a_unit_against_the_header_is_a_warning_that_names_both(write):
     assert not same.findings
 
 
-def test_a_rate_against_the_stamps_is_a_warning_that_names_both(write):
+def test_a_rate_against_the_stamps_is_refused_or_a_warning_that_names_both(write):
     path = write("time [s],wx [deg/s],wy [deg/s],ax [g]")
-    recording = read(path, rate=250)
-    assert recording["wx"].rate == 250
-    (warning,) = found(recording, "given rate")
-    for word in ("250.0 Hz", "100.0 Hz", "'time [s]'", "a factor of 2.5 apart"):
-        assert word in str(warning)
-    (close,) = found(read(path, rate=101), "given rate")
-    assert "1 % apart" in str(close)
+    (close,) = found(read(path, rate=100.5), "given rate")
+    for word in ("100.5 Hz", "100.0 Hz", "'time [s]'", "0.5 % apart"):
+        assert word in str(close)
     assert not read(path, rate=100.001).findings
     result = CliRunner().invoke(main, ["analyze", str(path), "--rate", "250", "--method", "slopes"])
-    assert result.exit_code == 0, result.output
-    said = " ".join(result.output.split())
-    assert "rate 250.0 Hz is used, but column 'time [s]' gives 100.0 Hz" in said
+    assert result.exit_code == 2, result.output
+    assert "250.0 Hz, contradicts the time stamps of column 'time [s]', 100.0 Hz" in " ".join(result.output.split())
+    again = CliRunner().invoke(main, ["analyze", str(path), "--rate", "250", "--method", "slopes", "--time", "none"])
+    assert again.exit_code == 0, again.output
 
 
 def test_both_warnings_are_shown_by_the_report(write, tmp_path):
     page = tmp_path / "page.html"
     path = write("time [s],wx [rad/s],wy [rad/s],ax [g]")
-    command = ["analyze", str(path), "--rate", "200", "--unit", "gyro=deg/s", "--report", str(page), "--lang", "ru"]
+    command = ["analyze", str(path), "--rate", "100.5", "--unit", "gyro=deg/s", "--report", str(page), "--lang", "ru"]
     result = CliRunner().invoke(main, [*command, "--method", "slopes"])
     assert result.exit_code == 0, result.output
     text = page.read_text()
     unit = "unit {unit} is used as requested, but according to the file it is {theirs} for {columns}"
     said = translated(say(unit, unit="deg/s", theirs="|", columns=""), "ru")
     assert said.partition("|")[0] in text
-    assert translated(say("a factor of {factor:.4g} apart", factor=2), "ru") in text
+    assert translated(say("{share} apart", share="0.5 %"), "ru") in text

@@ -11,7 +11,6 @@ from allanite.core.fit import Fit
 from allanite.core.language import say
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
-from allanite.core.units import convert
 from allanite.prepare.rounding import grid
 from allanite.statistics import deviation, expected
 from allanite.terms import TERMS
@@ -44,14 +43,16 @@ def contradictions(fit: Fit, record: Record) -> dict[str, str]:
     above = inside & np.any([own > curve.deviation for own in alone.values()], axis=0)
     if not above.any():
         return found
-    upper = limits(record, fit, curve.m[above])[1]
+    limited = _limited(record, fit, curve.m[above])
+    above &= np.isin(curve.m, limited.m)
+    upper = limited.upper(SURE) if above.any() else np.empty(0)
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
     return {s: _words(ratio, curve.tau[above]) for s, ratio in excess.items() if (ratio > 1).any()} | found
 
 
-def limits(record: Record, fit: Fit, m: IntArray, level: float = SURE) -> tuple[FloatArray, FloatArray]:
-    """Limits of the Allan deviation at averaging factors."""
-    return deviation(record, "oadev", m=m.tolist(), noise=fit).interval(level)
+def _limited(record: Record, fit: Fit, m: IntArray) -> Curve:
+    """The deviation with its limits; a point of which the joints over gaps leave nothing contradicts nothing."""
+    return deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True)
 
 
 def held(fit: Fit, record: Record) -> float:
@@ -63,12 +64,13 @@ def held(fit: Fit, record: Record) -> float:
         return np.inf
     curve = deviation(record, "oadev", taus="octave", noise=None)
     own = np.sqrt(expected(fit.valid, "oadev", curve.tau, rate=curve.rate, size=curve.size))
-    measured = curve.deviation * convert(1.0, curve.unit, fit.signal.unit)
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
-    far = holds & (np.abs(np.log(own / measured)) > np.log(AGREES))
-    if not far.any():
+    far = holds & (np.abs(np.log(own / curve.deviation)) > np.log(AGREES))
+    limited = _limited(record, fit, curve.m[far]) if far.any() else None
+    if limited is None or not limited.m.size:
         return np.inf
-    low, high = limits(record, fit, curve.m[far], 0.95)
+    far &= np.isin(curve.m, limited.m)
+    low, high = limited.interval(0.95)
     wrong = curve.tau[far][(own[far] > AGREES * high) | (own[far] < low / AGREES)]
     before = curve.tau[curve.tau < wrong.min(initial=np.inf)]
     return float(before.max(initial=0.0)) if wrong.size else np.inf

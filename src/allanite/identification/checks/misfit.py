@@ -13,12 +13,10 @@ from allanite.core.residuals import Check, try_band
 from allanite.core.wording import spelled, windowing
 from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.rounding import fast_noise, rounding
+from allanite.prepare.view import stretches
 
-UNSTEADY, TAILED, KIN = 1.05, 0.1, 0.02
+UNSTEADY, TAILED, KIN = 1.2, 0.1, 0.02
 """Ratio of levels, excess kurtosis and correlation above which a failed check matters."""
-
-LOUD = 1.2
-"""Ratio of levels above which it matters if the spectrum is not explained."""
 
 DIFFERENT = 1.5
 """Ratio of noise levels above which one set of coefficients describes no part of the record."""
@@ -37,7 +35,7 @@ def reasons(
     near, tails, halves, eighths = checks
     found = []
     ratio = max(halves.value, 1 / halves.value, eighths.value)
-    if not (halves.passed and eighths.passed) and ratio > (LOUD if spectral else UNSTEADY):
+    if not (halves.passed and eighths.passed) and ratio > UNSTEADY:
         found.append(_unsteady(eighths, *level))
     # a wrong spectrum makes neighbours correlate, a line has tails of its own, and rounding makes light tails
     if not spectral and not tails.passed and tails.value > TAILED:
@@ -72,17 +70,15 @@ def _undithered(record: Record) -> Finding | None:
 def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     level = np.sqrt(power / np.median(power))
     odd = int(np.abs(np.log(level)).argmax())
-    loud = level > math.sqrt(level.max() * level.min())
-    first, last = int(loud.argmax()), loud.size - int(loud[::-1].argmax())
+    runs = stretches(level > math.sqrt(level.max() * level.min()))
     different = check.value > DIFFERENT
+    spans = (say("from {start:.6g} s to {end:.6g} s", start=time[a], end=time[b]) for a, b in runs)
     return Finding(
         "level",
         say(
-            "the noise level changes by a factor of {ratio:.3g} between eighths of the record, and is highest "
-            "from {start:.6g} s to {end:.6g} s",
+            "the noise level changes by a factor of {ratio:.3g} between eighths of the record, and is highest {spans}",
             ratio=check.value,
-            start=time[first],
-            end=time[last],
+            spans=join(", ", spans),
         ),
         say("one set of coefficients describes neither part")
         if different

@@ -198,6 +198,10 @@ class Pieces(Portable):
         return float((weight @ level) ** 2 / (weight.sum() * (weight @ level**2)))
 
 
+FEWEST = 5
+"""Different frequencies, an eighth of an octave apart, that pieces need to tell white rate from angle noise beside slow
+noise; shorter ones are joined only, which is exact, if less efficient."""
+
 REACH = 2.0
 """Root of Q^2 / N^2, over the length of the piece in which a reading lies on average, beyond which N is not seen."""
 
@@ -209,7 +213,7 @@ def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pi
     lengths = _each(gaps)[1]
     length, times = np.unique(lengths, return_counts=True)
     ratio = _ratio(y, lengths)
-    if ratio * 2 * gaps.at.size / gaps.size < WEIGHT:
+    if ratio is None or ratio * 2 * gaps.at.size / gaps.size < WEIGHT:
         return None
     split = min(SPLIT / np.sqrt(ratio), HIGHEST * np.pi)
     level = [float(a[0] + ratio * b[0]) for a, b in (low_powers(int(L), ratio, split, np.zeros(1)) for L in length)]
@@ -256,8 +260,11 @@ def _each(gaps: Gaps) -> tuple[IntArray, IntArray]:
     return bounds[:-1], np.diff(bounds)
 
 
-def _ratio(y: FloatArray, lengths: IntArray) -> float:
-    """Q^2 / N^2 from the coefficients of the pieces to which a constant rate adds nothing, beside a slow noise."""
+def _ratio(y: FloatArray, lengths: IntArray) -> float | None:
+    """Q^2 / N^2 from the coefficients of the pieces to which a constant rate adds nothing, beside a slow noise.
+
+    None where the pieces are too short to tell.
+    """
     starts = np.concatenate(([0], np.cumsum(lengths)[:-1]))
     at, squares = [], []
     for L in np.unique(lengths[lengths > 1]).tolist():
@@ -270,6 +277,8 @@ def _ratio(y: FloatArray, lengths: IntArray) -> float:
     if not power.any():  # each piece is constant
         return most
     octave = np.unique(np.floor(-8 * np.log2(x)), return_inverse=True)[1].ravel()
+    if octave.max() + 1 < FEWEST:
+        return None
     count = np.bincount(octave).astype(np.float64)
     angle = np.bincount(octave, 4 * np.sin(np.pi / 2 * x) ** 2) / count
     S = np.column_stack((angle, np.ones(count.size), np.bincount(octave, 1 / x**2) / count))

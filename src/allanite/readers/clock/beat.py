@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
-from allanite.core.errors import DataError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.language import join, say
 from allanite.core.units import unit_of
@@ -24,6 +24,9 @@ PLAUSIBLE = (0.5, 20e3)
 
 SAME = 1e-3
 """Relative difference up to which a given rate and that of time stamps are the same."""
+
+REFUSED = 0.01
+"""The same beyond which a rate that the user gives is refused: one of the two is wrong."""
 
 NOMINAL = 0.05
 """The same for the rate that a file states: sensors are seldom as fast as their data sheet."""
@@ -126,6 +129,16 @@ def settled(seen: Stamped, grid: Grid, lost: int) -> Beat:
             contradictions=seen.against,
         )
     measured = 1 / grid.interval
+    if seen.rate and _apart(seen.rate, measured, REFUSED):
+        raise UsageError(
+            say(
+                "the rate given, {rate} Hz, contradicts the time stamps of {column}, {measured} Hz{guessed}: omit it, "
+                "or ignore the time stamps with {option}",
+                rate=_shown(seen.rate), column=label, measured=_shown(measured),
+                guessed=f" ({seen.guessed})" if seen.guessed else "",
+                option=spelled("--time none", "time='none'"),
+            )
+        )  # fmt: skip
     notes, differing = _notes(label, (given, measured), seen.guessed, lost)
     stated = seen.sources.stated
     if given is None and _apart(measured, stated, NOMINAL):

@@ -21,12 +21,17 @@ from allanite.readers.clock import beat as clock
 from allanite.readers.clock import clocks
 from allanite.readers.options import Options
 
-from . import channels, conventions, pairs, resolver
+from . import channels, conventions, lattice, pairs, resolver
 from .arrays import RATE_NAMES
 from .column import Column, unique
 
 KEY = "allanite"
 """The name under which a format stores it."""
+
+SLOW = 5.0
+"""Sampling rate, Hz, up to which sensors are seldom sampled, but logged."""
+
+DROPPED = say("if the logger drops samples without averaging, N is too large by up to sqrt(f_sensor/f_log)")
 
 SOURCE = say("the description in the file")
 
@@ -68,7 +73,11 @@ class Table:
         around = [c for c in seen.columns if c is not time and len(c.values) == len(signals[0].values)]
         drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
         others = tuple(_record(signal, beat, self.start) for signal in drivers)
-        return Recording(records, notes=seen.notes(beat), findings=seen.findings(beat), others=others)
+        notes, (first, step) = seen.notes(beat), lattice.stride(records)
+        if step > 1:
+            notes = (*notes, lattice.note(records, step))
+            records, others = (lattice.thinned(some, first, step) for some in (records, others))
+        return Recording(records, notes=notes, findings=seen.findings(beat), others=others)
 
     def sense(self, options: Options) -> "Sense":
         """What the columns are: which of them are signals, and which are the clock."""
@@ -118,7 +127,8 @@ class Sense:
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""
         before, after = self.said
-        return (*before, *beat.notes, *self.choice.notes, *self.choice.left, *after)
+        slow = 0 < beat.rate <= SLOW and any(map(_sampled, self.choice.signals))
+        return (*before, *beat.notes, *([DROPPED] if slow else []), *self.choice.notes, *self.choice.left, *after)
 
     def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
         """The findings about the clock, and about the meaning of the columns."""
@@ -129,6 +139,12 @@ def repeated(columns: Sequence[NDArray[Any]]) -> NDArray[np.bool_]:
     """Which rows repeat the row before in every column, shape (n - 1,); (False,) without a column."""
     same = [values[1:] == values[:-1] for values in columns]
     return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
+
+
+def _sampled(signal: channels.Signal) -> bool:
+    """Whether samples are rates of an inertial sensor: those that are dropped are not in the others."""
+    what = signal_of_kind(signal.unit, signal.kind)
+    return signal.kind == "rate" and what is not None and what.inertial
 
 
 def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> Record:

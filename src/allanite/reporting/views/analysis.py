@@ -125,6 +125,14 @@ def _sheet(channel: Channel, level: float, panel: "figures.Panel | None" = None)
     return replace(sheet, card=card_of(channel, level))
 
 
+def _told(note: str, channel: Channel) -> bool:
+    """Whether a warning or the verdict says the same already."""
+    points = channel.noise.statement.points if channel.noise else ()
+    return any(note.startswith(finding.what) for finding in channel.quality.warnings) or any(
+        point.startswith(note) for point in points
+    )
+
+
 def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
     if channel.fit is None:
         facts = fitness(channel)
@@ -132,7 +140,7 @@ def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Ite
         if isinstance(channel.record, Record) and not channel.record.out_of_range:
             yield over_time(channel.record)
         return
-    yield from (Note(note) for note in channel.fit.advice)
+    yield from (Note(note) for note in channel.fit.advice if not _told(note, channel))
     yield from coefficients(channel.fit, level)
     if channel.curve is not None and panel is not None:
         caption = say("{sentence}.", sentence=join("; ", filter(None, (_band(channel, level), channel.curve.supposed))))

@@ -72,7 +72,7 @@ def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     common = {text: names for text, names in where.items() if len(names) > 1}
     once: list[Part] = []
     for text, names in common.items():
-        which = say("all channels") if len(names) == len(sheets) else ", ".join(names)
+        which = say("all channels") if len(names) == len(sheets) else say("channels {names}", names=", ".join(names))
         once.append(Note(say("{channels}: {warning}", channels=which, warning=text), "alert"))
     return once, [replace(sheet, parts=[*_rest(sheet.parts, common)]) for sheet in sheets]
 

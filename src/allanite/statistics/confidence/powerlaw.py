@@ -28,6 +28,9 @@ FEWEST = 12
 """Means of the rate that are the fewest for a decision; a longer tau is given the law of the longest tau with so many.
 """
 
+COMPARED = 500
+"""Means of the rate, in the longest pieces, that decide by the ratio of two variances; it costs their square."""
+
 EDGES = {
     2: ((-0.64, 0), (-0.04, -1), (np.inf, -2)),
     3: ((-1.57, 0), (-0.82, -1), (-0.27, -2), (0.12, -3), (np.inf, -4)),
@@ -191,16 +194,22 @@ def _autocorrelation(pieces: list[FloatArray]) -> float:
 def _by_ratio(angle: Angle, m: int, order: int) -> int:
     """Alpha whose expected ratio is nearest in the logarithm; 0 where nothing can be compared."""
     laws = [alpha for alpha in LAWS if alpha >= 2 - 2 * order]
-    rates = [np.diff(piece.x[::m]) for piece in angle.pieces]
-    starts = [
-        piece.start / m + np.arange(y.size, dtype=np.float64) for piece, y in zip(angle.pieces, rates, strict=True)
-    ]
+    pieces = _longest_pieces(angle.pieces, m)
+    rates = [np.diff(piece.x[::m]) for piece in pieces]
+    starts = [piece.start / m + np.arange(y.size, dtype=np.float64) for piece, y in zip(pieces, rates, strict=True)]
     forms, start, rate = ratio_forms(starts, order), np.concatenate(starts), np.concatenate(rates)
     spread, local = (float(rate @ form @ rate) for form in forms)
     if not min(spread, local) > 0:  # of a line, rounding leaves a negative sum
         return 0
     expected = np.array([expected_ratio(forms, start, alpha) for alpha in laws])
     return laws[int(np.argmin(np.abs(np.log(spread / local / expected))))]
+
+
+def _longest_pieces(pieces: tuple[Piece, ...], m: int) -> list[Piece]:
+    """The longest pieces, with about as many means as are compared."""
+    sizes = np.array([(piece.x.size - 1) // m for piece in pieces])
+    order = np.argsort(-sizes, kind="stable")
+    return [pieces[i] for i in order[: np.searchsorted(np.cumsum(sizes[order]), COMPARED) + 1]]
 
 
 def ratio_forms(starts: list[FloatArray], order: int) -> tuple[FloatArray, FloatArray]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError, given
+from allanite.core.kinds import signal_of_kind
 from allanite.core.spectrum import SIDES, Spectrum
 from allanite.core.units import signal_with, unit_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
@@ -77,7 +78,8 @@ def deviation_of_spectrum(
     variance = np.array([_integral(spectrum, row, k) for k in m.tolist()])
     tau = m.astype(np.float64) * (row.tau_factor / spectrum.rate)
     unit = unit_of(spectrum.unit)
-    signal = signal_with(unit.dimension)
+    # a measured angle is a signal of its own, the integral of a rate is not
+    signal = signal_with(unit.dimension) or signal_of_kind(spectrum.unit, "value")
     if signal is None:
         raise UsageError(f"{spectrum.unit!r} is the unit of no signal")
     return Curve(
