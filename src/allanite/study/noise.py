@@ -19,6 +19,7 @@ from allanite.core.scope import UNEXPLAINED, Band, worst
 from allanite.identification.checks.contradiction import contradictions, held
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
+from allanite.terms import TERMS
 
 from .inspected import Inspected
 from .recipe import Recipe
@@ -74,6 +75,9 @@ def graded(noise: Noise, record: Record) -> Noise:
         return replace(noise, fit=fit.invalid(REJECTED))
     for symbol, reason in contradictions(fit, record).items():
         fit = fit.invalid(reason, (symbol,))
+    if any(finding.name == "correlation" for finding in noise.residuals.findings):
+        angle = [e.symbol for e in fit if e.claimed and TERMS[e.symbol].edge]
+        fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
     if fit.scope is not None:
         fit = replace(fit, scope=replace(fit.scope, until=held(fit, record)))
     return replace(noise, fit=fit)

@@ -187,6 +187,8 @@ def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scop
             frequency=scope.band[0],
         )
     if not reason and estimate is not None:
+        if TERMS[symbol].edge and estimate.claimed and found.part.misfit and not _dominates(symbol, found):
+            return estimate.invalid(say("the noise rises near half the sampling rate, but not as angle noise does"))
         return estimate
     return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
 

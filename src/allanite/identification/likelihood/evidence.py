@@ -34,14 +34,17 @@ REACH = 4
 Octaves = tuple[FloatArray, FloatArray]
 
 
-def octaves(part: Portion, values: FloatArray | None = None) -> Octaves:
-    """Logarithms of the median level in the octaves of what is read, and their standard errors; the highest last."""
+def octaves(part: Portion, values: FloatArray | None = None, *, per: int = 1) -> Octaves:
+    """Logarithms of the median level in octaves of what is read, or parts of these, and their standard errors.
+
+    The highest comes last.
+    """
     seen, used = part.seen, part.used & (part.seen.count >= FEWEST)
     if not used.any():
         return np.zeros(1), np.full(1, np.inf)
     first, count = seen.first[used], seen.count[used]
     level = (seen.power - part.added if values is None else values)[used]
-    octave = np.floor(np.log2(first[-1] / first)).astype(int)
+    octave = np.floor(per * np.log2(first[-1] / first)).astype(int)
     there = [one for j in range(octave.max(), -1, -1) if (one := octave == j).any()]
     middle = np.array([np.median(level[one]) for one in there])
     error = MEDIAN * np.sqrt([2 / count[one].sum() for one in there])
@@ -79,11 +82,14 @@ def rises_before(part: Portion) -> bool:
 
 
 def rises_to_top(part: Portion) -> bool:
-    """Whether the top octave is above one of the octaves below it, beyond chance: angle noise cannot be otherwise.
+    """Whether the top octave is above one of the octaves below it, beyond chance, and does not fall to its end.
 
     Behind a filter and beside resonances, whose powers are not known as well, it must be above by a factor of `RISE`.
     """
     level, error = octaves(part)
+    (*_, lower, upper), (*_, before, last) = octaves(part, per=2) if level.size > 1 else (level[[0, 0]], error[[0, 0]])
+    if part.filter is None and upper < lower - SURE * np.hypot(before, last):
+        return False  # a hump below the top
     below = slice(max(level.size - 1 - REACH, 0), level.size - 1)
     rise = level[-1] - level[below]
     least = SURE * np.hypot(error[-1], error[below])

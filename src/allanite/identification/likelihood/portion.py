@@ -110,7 +110,7 @@ class Portion(Portable):
             found = found.behind(self.passed[self.used], float(self.passed @ count / count.sum()))
         if self.added.any():
             found = replace(found, added=self.added[self.used])
-        for share in (self.trust, None if self.excess is None else self.excess.trust(self.seen.count)):
+        for share in (self.trust, None if self.excess is None else self.excess.trust(self.together)):
             found = found if share is None else found.trusted(share[self.used])
         return found
 
@@ -129,9 +129,13 @@ class Portion(Portable):
 
     def doubted(self, misfit: float) -> "Portion":
         """The same with less trust in many coefficients, as if each cell had a misfit of its own of that size."""
+        return self._lent(replace(self, trust=1 / (1 + misfit**2 * self.together / 2), misfit=misfit))
+
+    @cached_property
+    def together(self) -> FloatArray:
+        """Coefficients that are read in the cell of each bin, shape (bins,)."""
         cell = cell_of(self.seen, self.used)
-        nu = np.bincount(cell[self.used], self.seen.count[self.used], CELLS)[cell]
-        return self._lent(replace(self, trust=1 / (1 + misfit**2 * nu / 2), misfit=misfit))
+        return np.asarray(np.bincount(cell[self.used], self.seen.count[self.used], CELLS)[cell])
 
     def _lent(self, other: "Portion") -> "Portion":
         """Another portion with what it has in common with this one: the columns stay what they are."""

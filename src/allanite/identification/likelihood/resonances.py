@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.arrays import BoolArray, FloatArray
 
 from .likelihood import Likelihood
 from .portion import Portion, Tuned
@@ -72,8 +72,8 @@ class Excess:
         """The lowest frequency, radians a sample."""
         return min(omega for _, omega, _ in self.found)
 
-    def trust(self, count: IntArray) -> FloatArray:
-        """Share of the coefficients of a bin that count: a resonance is known to `TOLERANCE`."""
+    def trust(self, count: FloatArray) -> FloatArray:
+        """Share of the coefficients of a bin that count; `count` of its neighbourhood have an error in common."""
         return np.asarray(1 / (1 + (TOLERANCE * self.share) ** 2 * count / 2))
 
     @property
@@ -131,7 +131,7 @@ def excess(part: Portion, *, smooth: bool = False) -> "tuple[Excess, Tuned | Non
         found.append(search.started(found, at))
         near = [i for i, one in enumerate(found) if abs(math.log(one[1] / at)) < CLOSE]
         search.refine(found, near)
-        if min(quality for *_, quality in found) < QUALITIES[0] * (1 + BROAD):
+        if not smooth and min(quality for *_, quality in found) < QUALITIES[0] * (1 + BROAD):
             return None  # nothing narrow: the floor is another one
         search = search.tuned(found)
     search.refine(found, range(len(found)))
