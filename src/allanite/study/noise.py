@@ -68,14 +68,15 @@ class Noise(Portable):
 
 def graded(noise: Noise, record: Record) -> Noise:
     """The noise, with coefficients marked as not valid if the record, or its curve, contradicts them."""
-    if noise.residuals is None:
+    left = noise.residuals
+    if left is None:
         return noise
-    fit, noise = replace(noise.fit, checked=noise.residuals.grade), replace(noise, leftover=Stored(noise.residuals))
+    fit, noise = replace(noise.fit, checked=left.grade), replace(noise, leftover=Stored(left))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
     for symbol, reason in contradictions(fit, record).items():
         fit = fit.invalid(reason, (symbol,))
-    if any(finding.name == "correlation" for finding in noise.residuals.findings):
+    if any(finding.name == "correlation" for finding in left.findings):
         angle = [e.symbol for e in fit if e.claimed and TERMS[e.symbol].edge]
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
     if fit.scope is not None:

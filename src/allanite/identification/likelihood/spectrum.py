@@ -4,7 +4,7 @@ The DCT-II diagonalizes white noise and a random walk with unknown start exactly
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -32,6 +32,9 @@ LOWEST = 8
 
 FEWEST = 24
 """Bins that a fit needs."""
+
+LONG, MOST = 0.05, 8
+"""Share of the samples that a long gap lost at least; number of long gaps, at most."""
 
 ROUNDING = (4 * float(np.finfo(np.float64).eps)) ** 2
 """Share of the mean power that rounding leaves in a bin: one of a periodic record without noise may else have none."""
@@ -83,6 +86,8 @@ class Spectrum(Portable):
         The record's unit of rate in SI.
     times : array, shape (at most 4096,)
         With gaps, times of remaining samples, in the middles of equal blocks of them, in samples; otherwise empty.
+    detrended : bool
+        Whether a ramp is looked for, and with it the steps of a slow noise during long gaps.
     rounding : float
         Power of the rounding of a rate to a known step, 0 if there is none.
     pieces : Parts, optional
@@ -105,10 +110,27 @@ class Spectrum(Portable):
     times: FloatArray
     pieces: Parts | None = None
     rounding: float = 0.0
+    detrended: bool = False
 
     def frequency(self, k: FloatArray | IntArray) -> FloatArray:
         """Frequency of coefficient k, Hz."""
         return np.asarray(k * (self.rate / (2 * self.size)))
+
+    @property
+    def _long(self) -> BoolArray:
+        """Which gaps are so long that what a slow noise does during them is a step by itself."""
+        return np.asarray(self.detrended & (self.gaps.lost >= LONG * self.size))
+
+    @property
+    def steps(self) -> IntArray:
+        """First samples after long gaps."""
+        return self.gaps.at[self._long][:MOST]
+
+    @cached_property
+    def joints(self) -> Gaps:
+        """The gaps as the terms see them: during a long one a slow noise does nothing, as its step is loose."""
+        loose = self._long & (np.cumsum(self._long) <= MOST)
+        return replace(self.gaps, lost=np.where(loose, 0, self.gaps.lost))
 
     @cached_property
     def nodes(self) -> tuple[FloatArray, FloatArray, IntArray]:
@@ -207,7 +229,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
     first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
     return Spectrum(
         n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how,
-        rounding=_rounding(record),
+        rounding=_rounding(record), detrended=detrend,
     )  # fmt: skip
 
 

@@ -20,9 +20,6 @@ from .spectrum import Spectrum
 Pair = tuple[FloatArray, FloatArray]
 """Coefficients of a direction, of even and of odd index, shape (bins,) each; or products of directions."""
 
-LONG, MOST = 0.05, 8
-"""Share of the samples that a long gap lost at least; number of long gaps, at most."""
-
 
 def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     """The likelihood of a spectrum for the terms `symbols` (keys of `TERMS`); deterministic ones are integrated out."""
@@ -77,18 +74,12 @@ def _directions(spectrum: Spectrum, with_ramp: bool, more: Sequence[Pair] = ()) 
     pairs = [(a, 0 * a), (0 * a, a)] if spectrum.pieces is None else []
     pairs += more
     if with_ramp:
-        pairs += [_in_bins(spectrum, step) for step in _steps(spectrum)]
+        pairs += [_in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in spectrum.steps.tolist()]
         pairs.append(_in_bins(spectrum, spectrum.ramp))
     D = np.array(pairs).reshape(-1, 2, centre.size)  # shape (directions, 2, bins)
     trust = spectrum.told / spectrum.count
     count, sums = trust * np.stack((spectrum.count - odd, odd)), trust * np.stack((spectrum.even, spectrum.odd))
     return np.einsum("ipb,jpb,pb->bij", D, D, count), np.einsum("ipb,pb->bi", D, sums)
-
-
-def _steps(spectrum: Spectrum) -> list[FloatArray]:
-    """The lowest coefficients of a step at each long gap, during which a slow noise went anywhere."""
-    n, gaps = spectrum.size, spectrum.gaps
-    return [step_coefficients(n, j) for j in gaps.at[gaps.lost >= LONG * n][:MOST]]
 
 
 def step_coefficients(n: int, at: float) -> FloatArray:
@@ -125,7 +116,7 @@ def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
     """Mean of a term's row over each bin, shape (bins,)."""
     nodes, weights, starts = spectrum.nodes
     how = spectrum.pieces
-    each = spectrum.gaps.row(row, nodes) if how is None else how.row(row, spectrum.gaps, nodes)
+    each = spectrum.joints.row(row, nodes) if how is None else how.row(row, spectrum.joints, nodes)
     mean = np.add.reduceat(weights * each, starts) / spectrum.count
     if how is not None:
         mean[how.low :] = how.upper(row, mean)[how.low :]
