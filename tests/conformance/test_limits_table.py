@@ -11,7 +11,7 @@ from tests.shares import chance, first, records
 import limits
 
 CURVES = read("limits.md")
-POINTS, CELL = CURVES.rows(), records(CURVES)
+POINTS, CELL = CURVES.rows() + read("limits_quantization.md").rows(), records(CURVES)
 
 
 def test_averaged_limits_of_every_curve_hold_and_those_of_the_selected_model_do_not():

@@ -121,7 +121,7 @@ def test_models_that_are_averaged_are_data():
 
 
 def test_a_random_walk_that_is_low_by_chance_is_in_the_limits():
-    """Flicker fits these records better; with the weights as they are, the limits ended at 0.89 and 0.87 of the truth."""
+    """Flicker fits these records better; with the weights as they are, limits ended at 0.88 and 0.87 of the truth."""
     truth = al.Q(30, "arcsec") + al.K(4, "deg/h/sqrt(h)")
     for seed in (260, 279):
         record = al.simulate(truth, 1024, 1.0, rng=np.random.default_rng([55, 0, seed]))
