@@ -6,15 +6,18 @@ from functools import cached_property, partial
 from typing import Any, Self
 
 from allanite.core.encoding import plain, read, write
+from allanite.core.errors import DataError
 from allanite.core.finding import Quality
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.header import Header, header_from
 from allanite.core.language import say
 from allanite.core.limits import Stored
+from allanite.core.model import Model
 from allanite.core.plain import Portable, Value, stored_fields
 from allanite.core.record import Record, header_dict
 from allanite.core.residuals import Residuals, Statement, statement
 from allanite.core.scope import UNEXPLAINED, Band, worst
+from allanite.core.wording import spelled
 from allanite.identification.checks.contradiction import contradictions
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
@@ -58,10 +61,31 @@ class Noise(Portable):
         """The same in a sentence; empty if the method does not test it."""
         return str(self.statement)
 
+    def usable(self, *, unexplained: bool = False) -> Model:
+        """The model from which a job may go on: a plan, a filter, a prediction.
+
+        Raises
+        ------
+        DataError
+            No model explains the record, and `unexplained` does not accept the best one; or no noise was identified.
+        """
+        if not (self.explained or unexplained):
+            raise DataError(rejected(self.statement.head))
+        model = self.fit.valid or self.fit.model
+        if not any(t.row.waveform is None and t.value for t in model):
+            raise DataError(say("no noise was identified"))
+        return model
+
     @property
     def doubts(self) -> tuple[str, ...]:
         """A warning to report with every result that uses this noise if the model does not explain the record."""
         return () if self.explained else (self.verdict,)
+
+
+def rejected(why: str) -> str:
+    """Why the coefficients of a model that does not explain its record are not used, and how they are nevertheless."""
+    remedy = spelled("--unexplained", "unexplained=True")
+    return say("{why}. To use the coefficients nevertheless: {remedy}", why=why, remedy=remedy)
 
 
 def graded(noise: Noise, record: Record) -> Noise:
