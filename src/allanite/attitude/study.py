@@ -120,7 +120,7 @@ def _identified(
 
 
 def _rejection(channel: VerticalChannel) -> str:
-    return "" if channel.noise is None or channel.noise.explained else channel.noise.statement.head
+    return "" if channel.noise is None else channel.noise.rejection
 
 
 def _model(channel: VerticalChannel, settings: VerticalSettings) -> Model | None:

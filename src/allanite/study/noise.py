@@ -10,7 +10,7 @@ from allanite.core.errors import DataError
 from allanite.core.finding import Quality
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.header import Header, header_from
-from allanite.core.language import say
+from allanite.core.language import join, say
 from allanite.core.limits import Stored
 from allanite.core.model import Model
 from allanite.core.plain import Portable, Value, stored_fields
@@ -61,6 +61,11 @@ class Noise(Portable):
         """The same in a sentence; empty if the method does not test it."""
         return str(self.statement)
 
+    @property
+    def rejection(self) -> str:
+        """The grade with the first of its reasons; empty if the model explains the record."""
+        return "" if self.explained else join("; ", (self.statement.head, *self.statement.points[:1]))
+
     def usable(self, *, unexplained: bool = False) -> Model:
         """The model from which a job may go on: a plan, a filter, a prediction.
 
@@ -70,7 +75,7 @@ class Noise(Portable):
             No model explains the record, and `unexplained` does not accept the best one; or no noise was identified.
         """
         if not (self.explained or unexplained):
-            raise DataError(rejected(self.statement.head))
+            raise DataError(rejected(self.rejection))
         model = self.fit.valid or self.fit.model
         if not any(t.row.waveform is None and t.value for t in model):
             raise DataError(say("no noise was identified"))
