@@ -1,6 +1,6 @@
 """Limits of curves and of coefficients whose noise is identified from the same record, against the truth.
 
-    python benchmarks/limits.py curves [--records 400] [--exponents 10 14] [--write PATH]
+    python benchmarks/limits.py curves [--records 400] [--exponents 10 14] [--noises N+K Q+K] [--write PATH]
     python benchmarks/limits.py coefficients [--records 400] [--write PATH]
 
 Nothing is told of the noise: each record is identified by "auto", and the limits of its curves are averaged over the
@@ -16,6 +16,7 @@ import io
 import math
 import os
 import warnings
+from argparse import Namespace
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from multiprocessing import Pool
@@ -32,6 +33,7 @@ NOISES: dict[str, al.Model] = {
     "N+B+K": N + al.B(6, "deg/h") + al.K(30, "deg/h/sqrt(h)"),
     "Q+N+B": al.Q(30, "arcsec") + N + al.B(5, "deg/h"),
     "Q+N+B+K+R": al.Q(30, "arcsec") + N + al.B(5, "deg/h") + al.K(30, "deg/h/sqrt(h)") + al.R(60, "deg/h^2"),
+    "Q+K": al.Q(30, "arcsec") + al.K(4, "deg/h/sqrt(h)"),
 }
 """At 1 Hz."""
 
@@ -127,12 +129,12 @@ def _peer_limits(phase: np.ndarray, dev: float, m: int, statistic: str) -> list[
     return [tuple(map(float, ci.confidence_interval(dev, edf, level))) for level in LEVELS]
 
 
-def curve_rows(records: int, exponents: list[int], pool: "Pool") -> list[tuple[str, ...]]:
+def curve_rows(asked: Namespace, pool: "Pool") -> list[tuple[str, ...]]:
     """A row for each noise, length, statistic and averaging time."""
     rows = []
-    for name in NOISES:
-        for size in (2**e for e in exponents):
-            said = pool.map(curves_of, [(name, size, i) for i in range(records)], chunksize=4)
+    for name in asked.noises:
+        for size in (2**e for e in asked.exponents):
+            said = pool.map(curves_of, [(name, size, i) for i in range(asked.records)], chunksize=4)
             for statistic in STATISTIC:
                 for k in factors_of(statistic, size):
                     share = k * STATISTICS[statistic].tau_factor / size
@@ -263,7 +265,9 @@ def _over(ratio: np.ndarray, bound: float) -> str:
 def main() -> None:
     """Make a table."""
     cores = os.cpu_count() or 1
-    run = begin(__doc__, what=("curves", "coefficients"), records=400, exponents=[10, 14], processes=cores)
+    run = begin(
+        __doc__, what=("curves", "coefficients"), records=400, exponents=[10, 14], noises=list(NOISES), processes=cores
+    )
     asked = run.asked
     with Pool(asked.processes) as pool:
         if asked.what == "coefficients":
@@ -287,7 +291,7 @@ def main() -> None:
         ]
         kinds = [f"{kind}: {what}" for kind in ("averaged", "selected", "allantools") for what in ("95", "68", "ratio")]
         headings = ("noise", "samples", "statistic", "tau / T", *kinds)
-        run.publish("Limits of curves", notes, markdown(headings, curve_rows(asked.records, asked.exponents, pool)))
+        run.publish("Limits of curves", notes, markdown(headings, curve_rows(asked, pool)))
 
 
 if __name__ == "__main__":

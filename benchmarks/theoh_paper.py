@@ -1,6 +1,6 @@
 """The claims of a paper on TheoH for optical gyros, measured on simulated records.
 
-    python benchmarks/theoh_paper.py [--records 60] [--draws 2000] [--write PATH]
+    python benchmarks/theoh_paper.py [--records 60] [--limits 240] [--draws 2000] [--write PATH]
 
 Tang, Cheng and Gao, Acta Armamentarii 36 (2015) 1688: two hours at 1 Hz, five noise terms.
 """
@@ -26,6 +26,9 @@ FITS = [
 ]  # fmt: skip
 CLAIMS = ("gls", "whittle")
 """Methods that look for evidence of a term."""
+
+LIMITED = ("oadev", "theoh")
+"""Statistics whose limits by gls are held against the truth."""
 
 PROFILES = {
     "constant": np.ones_like,
@@ -78,6 +81,28 @@ def fitted(seed: int) -> list[list[list[float]]]:
     return found
 
 
+def held(seed: int) -> list[list[int]]:
+    """Place of the truth by statistic and term, beside the limits of gls: -1 below, 0 within, 1 above."""
+    record = al.simulate(FOG, SIZE, 1.0, rng=np.random.default_rng([1, seed]))
+    found = []
+    for statistic in LIMITED:
+        fit = al.identify(record, "gls", terms="QNBKR", statistic=statistic)
+        ends = [(t.value, *fit[t.symbol].interval(0.95)) for t in FOG]
+        found.append([-1 if value < low else int(value > high) for value, low, high in ends])
+    return found
+
+
+def covering(places: np.ndarray) -> list[tuple[str, ...]]:
+    """How often limits hold the truth, percent; in brackets below and above them."""
+    return [
+        (
+            statistic,
+            *(f"{100 * (p == 0).mean():.1f} ({100 * (p < 0).mean():.1f}, {100 * (p > 0).mean():.1f})" for p in row),
+        )
+        for statistic, row in zip(LIMITED, places.transpose(1, 2, 0), strict=True)
+    ]
+
+
 def varying(draws: int) -> list[tuple[str, ...]]:
     """Mean Theo1 and Allan variances of white noise whose level changes, over that of its mean power."""
     rows, n = [], 1200
@@ -93,10 +118,11 @@ def varying(draws: int) -> list[tuple[str, ...]]:
 
 
 def main() -> None:
-    run = begin(__doc__, records=60, draws=2000)
+    run = begin(__doc__, records=60, limits=240, draws=2000)
     asked = run.asked
     with Pool() as pool:
         errors = np.array(pool.map(fitted, range(1, asked.records + 1), chunksize=4)) - 1
+        places = np.array(pool.map(held, range(asked.limits), chunksize=4))
     rmse = np.sqrt((errors**2).mean(axis=0))
     symbols = [t.symbol for t in FOG]
     fits = [
@@ -111,8 +137,10 @@ def main() -> None:
     k = [("formula of the paper, 1/sqrt(2 (k - 1))", f"{100 / math.sqrt(2 * 71):.2f}", "-")]
     k += [(name, *(f"{100 * x:.2f}" for x in spread(name, 100, asked.draws))) for name in ("adev", "oadev")]
     notes = [
-        f"seeds 1..{asked.records} for the fits, 72 and 100..102 for the rest; {SIZE} samples at 1 Hz of {FOG}",
-        f"Monte-Carlo standard error: {100 / math.sqrt(2 * asked.records):.0f} % of an rmse.",
+        f"seeds 1..{asked.records} for the fits, [1, 0..{asked.limits - 1}] for the limits, 72 and 100..102 "
+        f"for the rest; {SIZE} samples at 1 Hz of {FOG}",
+        f"Monte-Carlo standard error: {100 / math.sqrt(2 * asked.records):.0f} % of an rmse, "
+        f"{100 * math.sqrt(0.05 * 0.95 / asked.limits):.1f} % of a coverage of 95 %",
     ]
     body = [
         "## Error of the Allan deviation, 72 windows of 100 s, percent", "",
@@ -121,6 +149,8 @@ def main() -> None:
         *markdown(("tau, s", "Allan", "TheoH", "ratio"), joint()),
         "## Coefficients: rmse over the truth", "",
         *markdown(("method", "statistic", *symbols, *(f"{s}, 0 if not claimed" for s in symbols[-2:])), fits),
+        "## 95 % limits of gls, percent of records in which they hold the truth; truth below and above them", "",
+        *markdown(("statistic", *symbols), covering(places)),
         "## Noise that changes its level: variance times tau over the mean power", "",
         *markdown(("level", "statistic", "30 s", "300 s", "600 s", "900 s"), varying(asked.draws // 10)),
     ]  # fmt: skip

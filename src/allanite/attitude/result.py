@@ -98,8 +98,8 @@ class VerticalChannel(ChannelResult):
 
     @property
     def model(self) -> Model | None:
-        """The noise of the prediction: the valid terms, or the best model where none explains the record."""
-        return None if self.fit is None else self.fit.valid or self.fit.model
+        """The noise of the prediction: the valid terms; None where no model explains the record."""
+        return None if self.noise is None or not self.noise.explained else self.noise.usable()
 
     @property
     def wrong(self) -> tuple[Estimate, ...]:

@@ -83,7 +83,7 @@ def vertical(
     static = not any(channel.refusal for channel in channels[:2]) and not settings.keep_bias
     bias = data.gyro.mean(axis=0) if static else np.zeros(3)
     noises = _noises(models, data)
-    loop = _loop(settings, noises, [c.refusal for c in channels])
+    loop = _loop(settings, noises, [c.refusal or _rejection(c) for c in channels])
     if settings.row.looped:
         loop.demand_sampled(data.interval)
     moved = replace(data, gyro=data.gyro - bias)
@@ -117,6 +117,10 @@ def _identified(
         [(record.name, (record,)) for record in used], work, VerticalChannel.refused, findings=recording.findings,
         doing="identifying", progress=progress,
     )  # fmt: skip
+
+
+def _rejection(channel: VerticalChannel) -> str:
+    return "" if channel.noise is None else channel.noise.rejection
 
 
 def _model(channel: VerticalChannel, settings: VerticalSettings) -> Model | None:
@@ -175,8 +179,7 @@ def _doubts(pair: Sequence[VerticalChannel], prediction: Prediction | None) -> I
     """What the noise that was identified leaves open."""
     for channel in pair:
         if channel.noise is not None and not channel.noise.explained:
-            yield say("no model explains the noise of {name}: the error and the time constant that follow from the "
-                      "best one may be far off", name=channel.record.name)  # fmt: skip
+            yield say("no model explains the noise of {name}: no error is predicted", name=channel.record.name)
     lacking = [join(" ", (", ".join(e.symbol for e in c.wrong), c.record.name)) for c in pair if c.wrong]
     if lacking and prediction is not None:
         gyro, tilt = (channel.fitted for channel in pair)

@@ -35,8 +35,9 @@ USUAL = "datasheet"
     "some files", "target", *CHOICES,
     click.option("--filter-rate", type=float, metavar="HZ",
         help="Rate of the filter's steps.  [default: the target's own, or the sampling rate]"),
-    "models",
-    click.option("--unexplained", is_flag=True, help="Also export coefficients of channels that no model explains."),
+    "models", "unexplained",
+    click.option("--from-curve", is_flag=True,
+        help="Where no model explains the record, upper bounds read off the Allan deviation."),
     *RECORDING, *IDENTIFYING, *FILE,
 )  # fmt: skip
 def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], **choices: Any) -> None:
@@ -53,7 +54,8 @@ def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], 
     if not files and not models:
         raise UsageError("give a recording, a result of analyze in JSON, or the noise with --model")
     out = outputs(choices, [*files, choices["recipe"]], also=("output",))
-    how = _how(choices, filter_rate=choices.pop("filter_rate"), unexplained=choices.pop("unexplained"))
+    how = _how(choices, filter_rate=choices.pop("filter_rate"), unexplained=choices.pop("unexplained"),
+               from_curve=choices.pop("from_curve"))  # fmt: skip
     row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
     recipe = recipe_of(choices)
     carry_out(lambda tell: exported(row, load(files, recipe, models, tell), how, suffix), out, _EXTRA)

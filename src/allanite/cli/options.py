@@ -181,6 +181,8 @@ OPTIONS: dict[str, Decorator] = {
     "angle unit": click.option("--unit", help="Unit of angles, overrides the header: deg, rad, arcsec ..."),
     "angle time": click.option("--time", default="time", show_default=True, metavar="COLUMN",
         help="Seconds after h = 0."),
+    "unexplained": click.option("--unexplained", is_flag=True,
+        help="Use the coefficients of channels that no model explains, too."),
     "models": click.option("--model", "models", multiple=True, metavar="TERMS",
         help="Noise of a sensor without a file, e.g. 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'; repeatable."),
     "origin": click.option("--from", "origin", metavar="TARGET",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 EXCEEDED = 4
 """Exit code if a limit is exceeded."""
 
-NOISE = ("optional file", "model", "sensor", *RECORDING, *IDENTIFYING)
+NOISE = ("optional file", "model", "sensor", "unexplained", *RECORDING, *IDENTIFYING)
 """A recording, or a model of its noise."""
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import singledispatch
 from typing import Any
 
+from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
@@ -12,6 +13,9 @@ from allanite.core.language import join, say
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
 from allanite.study.analysis import Channel, Study
+
+ALLAN = ("oadev", "adev")
+"""Statistics that are Allan deviations."""
 
 Source = Study | Channel | Fit | Model | Term | Mapping[str, Fit] | Sequence["Source"]
 """What can be exported; several are put together, for example a gyro's and an accelerometer's."""
@@ -34,6 +38,8 @@ class Axis:
     level : float
         Confidence level of the intervals.
     alerts : tuple of str
+    curve : Curve or None
+        The measured Allan deviation, with intervals.
     source : dict
         Name and digest of its file.
     """
@@ -45,6 +51,7 @@ class Axis:
     readings: Readings | None = None
     level: float = 0.95
     alerts: tuple[str, ...] = ()
+    curve: Curve | None = None
     source: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -101,6 +108,7 @@ def _of_channel(channel: Channel, level: float, known: Mapping[str, str]) -> Ite
         channel.readings,
         level,
         alerts,
+        next((curve for curve in channel.curves if curve.statistic in ALLAN), None),
         known,
     )
 

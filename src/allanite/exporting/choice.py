@@ -108,7 +108,7 @@ def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> Coefficient |
         given = axis.fit.method == "given"
         return Coefficient(axis.name, e.value, low, high, False, given, note, level=axis.level)
     if e.value is None and e.upper:
-        note = say("{symbol} not identified", symbol=e.symbol)
+        note = e.reason or say("{symbol} not identified", symbol=e.symbol)
         return Coefficient(axis.name, e.upper, math.nan, math.nan, limit=True, note=note)
     return None
 

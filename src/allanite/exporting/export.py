@@ -14,6 +14,7 @@ from allanite.core.wording import spelled
 from allanite.study.analysis import Study
 
 from .axes import Axis, Source, axes_of
+from .bounds import bounded
 from .choice import demand_policy, selected
 from .content import Content, Entry, one_line
 from .fields import Filled, How, demand_how, fill, usable
@@ -94,7 +95,7 @@ class Export(Value):
         return f"for {self.target}: {len(self.data)} bytes of {self.suffix}"
 
 
-def export(
+def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     source: Source,
     target: str,
     *,
@@ -103,6 +104,7 @@ def export(
     rate: float | None = None,
     filter_rate: float | None = None,
     unexplained: bool = False,
+    from_curve: bool = False,
     form: str = "",
 ) -> Export:
     """Convert identified noise to the file that a filter or simulator reads.
@@ -125,6 +127,9 @@ def export(
         rate.
     unexplained : bool
         Whether coefficients are exported although no model explains the record.
+    from_curve : bool
+        Whether upper bounds, read off the measured Allan deviation, are exported where no model explains the record or
+        a coefficient has neither a value nor a limit. The file says so.
     form : str
         Suffix of the form, of a target that has several: ".npz", ".m" or ".h" of "statespace".
 
@@ -149,7 +154,7 @@ def export(
     >>> round(found["gyr_n"], 7)
     0.0008727
     """
-    how = How(axis, inflate, rate, filter_rate, unexplained)
+    how = How(axis, inflate, rate, filter_rate, unexplained, from_curve)
     row, suffix = prepared(target, how, form)
     return exported(row, source, how, suffix)
 
@@ -172,7 +177,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     """The file of a target for a source, in the form of one of its suffixes."""
     inertial = _inertial(list(axes_of(source)))
     known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
-    axes = tuple(_written(replace(axis, rate=axis.rate or known)) for axis in inertial)
+    axes = tuple(_written(bounded(replace(axis, rate=axis.rate or known), asked=how.from_curve)) for axis in inertial)
     kept = usable(axes, how, () if how.partial else target.sensors)
     filled = fill(target, kept, how) if target.fields else Filled((), ())
     if not target.fields:

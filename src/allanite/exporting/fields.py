@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from allanite.core.errors import DataError, UsageError
 from allanite.core.language import join, say
 from allanite.core.wording import spelled
+from allanite.study.noise import rejected
 
 from .axes import Axis
+from .bounds import remedy
 from .choice import POLICIES, Coefficient, Found, coefficients, selected
 from .content import Entry
 from .target import GYRO, Field, Target, demand_rate
@@ -29,6 +31,8 @@ class How:
         Rate of the filter's steps, Hz, if it is neither the target's own nor the sampling rate.
     unexplained : bool
         Whether coefficients are used although no model explains the record.
+    from_curve : bool
+        Whether upper bounds read off the measured curve are used where there are no coefficients.
     partial : bool
         Whether fields may be missing that the target needs.
     """
@@ -38,6 +42,7 @@ class How:
     rate: float | None = None
     filter_rate: float | None = None
     unexplained: bool = False
+    from_curve: bool = False
     partial: bool = False
 
 
@@ -62,8 +67,7 @@ def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[
     doubted = [axis for axis in axes if axis.sensor in lost] if kept else axes
     if doubted or not kept:
         reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt}" for axis in doubted)
-        remedy = spelled("--unexplained", "unexplained=True")
-        raise DataError(f"{reasons or 'no channel has a result'}. To export the coefficients nevertheless: {remedy}")
+        raise DataError(join("; ", (rejected(reasons or "no channel has a result"), remedy())))
     return kept
 
 
@@ -101,7 +105,7 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
     if fatal:
         raise DataError(
             f"{target.name} cannot be written: {'; '.join(fatal)}. A longer record gives at least an upper limit "
-            f"(allanite plan), or choose an axis that has one with {spelled('--axis', 'axis')}"
+            f"(allanite plan), or choose an axis that has one with {spelled('--axis', 'axis')}; {remedy()}"
         )
     return Filled(tuple(entries), tuple(missing))
 
@@ -154,7 +158,11 @@ def _entry(field: Field, found: Found, where: tuple[Sequence[Axis], Target, How]
 def _value(field: Field, one: Coefficient, rate: float, inflate: float) -> tuple[float, str]:
     """The value of a field, and the remark on it."""
     if not field.term:
-        said = say("correlation time of {process}", process=one.note) if one.note else say("correlation time")
+        said = (
+            say("correlation time of {process}", process=one.note)
+            if one.note and not one.limit
+            else say("correlation time")
+        )
         return field.value(1.0, rate, one.time), said
     value = field.value(one.value * inflate, rate, one.time)
     remark = _remark(field, one, rate, inflate)

@@ -10,6 +10,7 @@ from allanite.core.version import __version__
 from allanite.terms import TERMS
 
 from .axes import Axis
+from .bounds import BOUND, READ
 from .fields import How
 from .target import Target
 
@@ -39,6 +40,9 @@ def _of_sensor(sensor: str, axes: Sequence[Axis]) -> Iterator[str]:
 def _fitted(fit: Fit, doubt: str) -> Iterator[str]:
     if fit.method == "given":
         yield f"{fit.model}"
+        return
+    if fit.method == READ:
+        yield BOUND
         return
     scope = fit.scope
     band = "" if scope is None else f", {scope.band[0]:.4g} to {scope.band[1]:.4g} Hz"

@@ -238,12 +238,13 @@ def run_model_job(
 
     def follow(seen: Inspected) -> Modelled:
         record, noise = seen.record, noise_of(seen.record, recipe)
-        model = noise.fit.valid or noise.fit.model
-        if not any(t.row.waveform is None and t.value for t in model):
-            raise DataError(say("no noise was identified"))
-        result = work(Supposed(model, record.rate, record.name, record.size), recipe, _named(tell, record.name))
         alerts = (*noise.doubts, *_left_out(noise), *seen.alerts)
-        return Modelled(record.name, record.rate, record, seen.quality, noise, result, alerts)
+        made = partial(Modelled, record.name, record.rate, record, seen.quality, noise, alerts=alerts)
+        try:
+            model = noise.usable(unexplained=settings.unexplained)
+            return made(work(Supposed(model, record.rate, record.name, record.size), recipe, _named(tell, record.name)))
+        except DataError as error:
+            return made(refusal=str(error))
 
     return run(kind, source, recipe, follow, _refused, progress=progress)
 

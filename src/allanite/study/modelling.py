@@ -25,6 +25,8 @@ class NoiseSettings(Value):
         Terms as `parse_model` reads them.
     sensor : str, optional
         Or a name in `SENSORS`.
+    unexplained : bool
+        Whether the best model of a recording is used although it does not explain the record.
     """
 
     identifies: ClassVar[bool] = False
@@ -32,6 +34,7 @@ class NoiseSettings(Value):
 
     model: str | None = None
     sensor: str | None = None
+    unexplained: bool = False
 
     def given(self) -> Model | None:
         """The given model, or that of the sensor; None if there is neither.

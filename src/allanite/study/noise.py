@@ -6,16 +6,19 @@ from functools import cached_property, partial
 from typing import Any, Self
 
 from allanite.core.encoding import plain, read, write
+from allanite.core.errors import DataError
 from allanite.core.finding import Quality
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.header import Header, header_from
-from allanite.core.language import say
+from allanite.core.language import join, say
 from allanite.core.limits import Stored
+from allanite.core.model import Model
 from allanite.core.plain import Portable, Value, stored_fields
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, header_dict
 from allanite.core.residuals import Residuals, Statement, statement
 from allanite.core.scope import UNEXPLAINED, Band, worst
+from allanite.core.wording import spelled
 from allanite.identification.checks.contradiction import contradictions, held
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
@@ -61,9 +64,35 @@ class Noise(Portable):
         return str(self.statement)
 
     @property
+    def rejection(self) -> str:
+        """The grade with the first of its reasons; empty if the model explains the record."""
+        return "" if self.explained else join("; ", (self.statement.head, *self.statement.points[:1]))
+
+    def usable(self, *, unexplained: bool = False) -> Model:
+        """The model from which a job may go on: a plan, a filter, a prediction.
+
+        Raises
+        ------
+        DataError
+            No model explains the record, and `unexplained` does not accept the best one; or no noise was identified.
+        """
+        if not (self.explained or unexplained):
+            raise DataError(rejected(self.rejection))
+        model = self.fit.valid or self.fit.model
+        if not any(t.row.waveform is None and t.value for t in model):
+            raise DataError(say("no noise was identified"))
+        return model
+
+    @property
     def doubts(self) -> tuple[str, ...]:
         """A warning to report with every result that uses this noise if the model does not explain the record."""
         return () if self.explained else (self.verdict,)
+
+
+def rejected(why: str) -> str:
+    """Why the coefficients of a model that does not explain its record are not used, and how they are nevertheless."""
+    remedy = spelled("--unexplained", "unexplained=True")
+    return say("{why}. To use the coefficients nevertheless: {remedy}", why=why, remedy=remedy)
 
 
 def graded(noise: Noise, record: Record) -> Noise:

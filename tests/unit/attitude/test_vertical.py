@@ -216,6 +216,9 @@ def test_noise_that_no_model_explains_is_never_used_without_a_warning(still):
     assert not study["ay"].noise.explained
     assert roll.doubts[0].startswith("no model explains the noise of ay")
     assert pitch.doubts == ()
+    assert roll.prediction is None  # its number would be that of a rejected model
+    with pytest.raises(al.DataError, match="no time constant follows from the noise: not explained: no model of these"):
+        vertical(stepped, settings=replace(KNOWN, accelerometer=None, time_constant=None))
     for shown in (table(study), al.reporting.page(study), json.dumps(study.to_dict())):
         assert "no model explains the noise of ay" in shown
 

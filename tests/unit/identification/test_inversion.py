@@ -1,5 +1,7 @@
 """Limits of a curve's coefficients by inversion of a test."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import chdtri
@@ -32,6 +34,31 @@ def test_a_minimum_lies_where_the_curve_is_expected():
     assert np.all(np.abs(theta - ratios.start) < ratios.error)
     assert all(ratios.excess(i, np.sqrt(theta[i])) == pytest.approx(0, abs=1e-6) for i in range(3))
     assert least < ratios.cost(ratios.start)[0]
+
+
+def test_the_other_slow_term_is_integrated_over():
+    """The limits of K beside B are those of the integral over B^2, made here with many more values."""
+    ratios = replace(ratios_of("BK", [1.0, 1e-2], (1, 4, 16, 64, 256, 1024)), slow=(0, 1))
+    low, high = Inverted(ratios, 1)(0.95)
+    K = np.linspace(0.0, ratios.crossing(1, 5), 80)
+    B2 = np.linspace(0.0, ratios.crossing(0, 5) ** 2, 80)
+    cost = np.array([[ratios.cost(np.array([b, k**2]))[0] for b in B2] for k in K])
+    ratio = -2 * np.log(np.exp((cost.min() - cost) / 2).sum(axis=1))
+    held = K[ratio - ratio.min() < chdtri(1, 0.05)]
+    assert (low, high) == (pytest.approx(held[0], abs=2 * K[1]), pytest.approx(held[-1], abs=2 * K[1]))
+    assert Inverted(ratios, 1).evidence > 4
+
+
+FOG = al.parse_model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
+
+
+@pytest.mark.parametrize("seed", [7, 14])
+def test_a_random_walk_beside_a_ramp_is_not_bounded_too_low(seed):
+    """With the square of R at its maximum, K was below 0.85 and 0.9 deg/h/sqrt(h) here."""
+    record = al.simulate(FOG, 7200, 1.0, rng=np.random.default_rng([181, seed]))
+    fit = al.identify(record, "gls", terms="QNBKR")
+    assert fit["K"].interval(0.95)[1] > FOG["K"].value
+    assert fit["K"].upper < fit["K"].interval(0.95)[1]
 
 
 def test_impossible_squares_are_rejected():

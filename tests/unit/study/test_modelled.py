@@ -66,7 +66,10 @@ def test_every_form_shows_every_channel_and_the_doubt(job):
         assert all(f"\n{name}  gyroscope" in text for name in ("gx", "gy", "gz"))
         assert "not taken into account: " in text
         assert "  ! " in text
-    assert "no model of these terms explains the record" in " ".join(table(job, width=80).split())
+    said = " ".join(table(job, width=80).split())
+    assert said.count("no model of these terms explains the record") == 2  # the grade, and why there is no result
+    assert job["gz"].result is None
+    assert "To use the coefficients nevertheless: --unexplained" in said or "unexplained=True" in said
     assert 'class="alert"' in shown
     assert shown.count('class="channel"') == 3
     data = job.to_dict()
@@ -74,10 +77,25 @@ def test_every_form_shows_every_channel_and_the_doubt(job):
     assert [c["validity"] for c in data["channels"]] == ["explained", "explained", "unexplained"]
     assert {term["status"] for term in data["channels"][2]["fit"]["terms"]} == {"not valid"}
     assert data["channels"][2]["alerts"][0].startswith("not explained: no model of these terms explains the record")
-    assert shown.count("no model of these terms explains the record") == 1
+    assert shown.count("no model of these terms explains the record") == 2
     assert [c["fit"]["type"] for c in data["channels"]] == ["Fit"] * 3
     rows = list(csv.DictReader(io.StringIO(to_csv(job))))
-    assert {row["channel"] for row in rows} == {"gx", "gy", "gz"}
+    assert {row["channel"] for row in rows} == {"gx", "gy"}
+
+
+@pytest.mark.parametrize("verb", ["plan", "statespace"])
+def test_no_number_follows_from_a_rejected_model_unless_it_is_asked_for(verb, file):
+    """K = 6944 deg/h/sqrt(h) was planned for a ring laser gyro, and its matrices printed."""
+    alone = [verb, file, "--channels", "gz", *OPTIONS[verb]]
+    refused = run(*alone)
+    assert (refused.exit_code, refused.stdout) == (3, "")
+    assert "gz: not explained: no model of these terms explains the record" in refused.stderr
+    assert refused.stderr.rstrip().endswith("To use the coefficients nevertheless: --unexplained")
+    asked = run(*alone, "--unexplained", "--json", "-")
+    assert asked.exit_code == 0, asked.stderr
+    (channel,) = json.loads(asked.stdout)["channels"]
+    assert (channel["explained"], channel["refusal"]) == (False, "")
+    assert json.loads(asked.stdout)["recipe"]["unexplained"] is True
 
 
 def test_it_travels(job):

@@ -13,7 +13,7 @@ from allanite.core.errors import DataError
 from allanite.core.estimate import WEAK, Estimate
 from allanite.core.fit import Fit
 from allanite.core.language import join, say
-from allanite.core.limits import Below, Remembered
+from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
 from allanite.statistics.moments.moments import covariance_by_term, relative
@@ -33,6 +33,9 @@ REACH = 0.25
 There Theo1 has about as many degrees of freedom as the Allan variance at a quarter of the record. Farther out
 the limits hold the truth less often, and what is gained are coefficients that remain unknown (docs/methods.md).
 """
+
+SLOW = 3
+"""Terms of the longest memory that are integrated over to obtain the limits of each other."""
 
 CLAIM = 4.0
 """Likelihood ratio of a term against its absence above which it is claimed."""
@@ -214,7 +217,9 @@ def _estimates(
 ) -> list[Estimate]:
     theta, covariance = found
     error = standard_errors(moments.columns, variance, covariance)
-    ratios = Ratios(moments.columns, moments.products, variance, theta, error)
+    seen = [i for i in range(len(symbols)) if isfinite(error[i])]
+    slow = sorted(seen, key=lambda i: TERMS[symbols[i]].slope)[-SLOW:]
+    ratios = Ratios(moments.columns, moments.products, variance, theta, error, tuple(slow))
     return [
         _estimate(symbol, signal, (float(theta[i]), float(error[i])), Inverted(ratios, i))
         for i, symbol in enumerate(symbols)
@@ -236,18 +241,8 @@ def _estimate(symbol: str, signal: Signal, square: tuple[float, float], limits: 
     theta, error = square
     upper, both = Remembered(limits.upper), Remembered(limits)
     highest = upper(0.95) if isfinite(error) else None
-    if not theta or limits.ratios.excess(limits.which, 0.0) <= CLAIM:
-        return Estimate(
-            symbol,
-            signal,
-            None,
-            None,
-            "absent",
-            highest,
-            "gls",
-            Below(upper),
-            both,
-        )
+    if not theta or limits.evidence <= CLAIM:
+        return Estimate(symbol, signal, None, None, "absent", highest, "gls", both, both)
     value = sqrt(theta)
     status = "identified" if error <= 2 * theta * WEAK else "weak"
     return Estimate(symbol, signal, value, error / (2 * value), status, highest, "gls", both, both)

@@ -9,7 +9,9 @@ is standard normal, and the z have the correlations R of the V. The excess of
 
     z' R^-1 z + log det R - 2 sum log dz_k/dV_k
 
-above its minimum, the other squares profiled and E, nu and R all taken at the tested values, is the likelihood ratio.
+above its minimum, E, nu and R all taken at the tested values, is the likelihood ratio. The squares of the other terms
+of long memory are integrated over, with a flat prior: maximized, they would take what the tested term did in this
+record (the bias of maximum against restricted likelihood). The remaining ones are profiled.
 """
 
 from dataclasses import dataclass
@@ -31,6 +33,16 @@ DOUBLINGS = 60
 PRECISE = 1e-3
 """Relative precision of a limit, over its distance from the best value."""
 
+NODES, ENDS = 15, 4.5
+"""Values of each slow coefficient at which the likelihood is integrated, and the deviates of the profile at their ends.
+"""
+
+STEPS, NEAR = 4, 0.1
+"""Steps to profiled terms, at most, and what another must gain in -2 log likelihood."""
+
+FINE = 1001
+"""Values of a coefficient between which its likelihood ratio is interpolated."""
+
 
 @dataclass(frozen=True, eq=False)
 class Ratios(Portable):
@@ -43,6 +55,8 @@ class Ratios(Portable):
     variance : array, shape (k,)
     start, error : arrays, shape (t,)
         Squares of the coefficients near the minimum, and their standard errors, infinite if not observed.
+    slow : tuple of int
+        Terms that are integrated over, not profiled.
     """
 
     columns: FloatArray
@@ -50,6 +64,7 @@ class Ratios(Portable):
     variance: FloatArray
     start: FloatArray
     error: FloatArray
+    slow: tuple[int, ...] = ()
 
     def cost(self, theta: FloatArray) -> tuple[float, FloatArray]:
         """-2 log likelihood and its derivatives, shape (t,)."""
@@ -113,6 +128,83 @@ class Ratios(Portable):
         theta[which] = value**2
         return self.least(theta, which)[1] - least
 
+    def crossing(self, which: int, deviate: float) -> float:
+        """Where the signed root of the ratio of a coefficient, the others profiled, is a deviate."""
+        from scipy.optimize import brentq
+
+        sign, error = 1 if deviate > 0 else -1, float(self.error[which])
+        if not isfinite(error):
+            return inf if sign > 0 else 0.0
+
+        def over(value: float) -> float:
+            return sqrt(max(self.excess(which, value), 0.0)) - abs(deviate)
+
+        best = sqrt(self.best[0][which])
+        step = sqrt(best**2 + 2 * abs(deviate) * error) - best
+        for reach in step * 2.0 ** np.arange(DOUBLINGS):
+            end = max(best + sign * float(reach), 0.0)
+            if over(end) > 0:
+                return float(brentq(over, best, end, xtol=PRECISE * step))
+            if not end:
+                return 0.0
+        return inf
+
+    @cached_property
+    def integrated(self) -> dict[int, tuple[FloatArray, FloatArray]]:
+        """Values of each slow coefficient, and signed roots of their likelihood ratios, the other slow ones integrated.
+
+        Shapes (fine,); both rise.
+        """
+        ends = {i: (self.crossing(i, -ENDS), self.crossing(i, ENDS)) for i in self.slow}
+        axes = {i: np.linspace(low, high, NODES) for i, (low, high) in ends.items() if isfinite(high)}
+        if not axes:
+            return {}
+        at = np.array([node.ravel() for node in np.meshgrid(*axes.values(), indexing="ij")])
+        density = self._density(list(axes), at**2).reshape([NODES] * len(axes))
+        found = {}
+        for i, root in axes.items():
+            along = density
+            for axis, (j, other) in reversed(list(enumerate(axes.items()))):
+                if j != i:  # flat in the square
+                    along = np.tensordot(along, other, (axis, 0))
+            found[i] = signed(root, along)
+        return found
+
+    def _density(self, slow: list[int], squares: FloatArray) -> FloatArray:
+        """Likelihood at squares of slow terms, shape (terms, nodes), over its maximum, the others profiled.
+
+        They follow by Newton's method from where the curvature at the minimum has them.
+        """
+        best, H = self.best[0], 2 * self._information(self.best[0])
+        rest = [i for i in np.flatnonzero(np.isfinite(self.error)).tolist() if i not in slow]
+        inner, follow = H[np.ix_(rest, rest)], -np.linalg.solve(H[np.ix_(rest, rest)], H[np.ix_(rest, slow)])
+        cost, theta = np.empty(squares.shape[1]), best.copy()
+        for k, square in enumerate(squares.T):
+            theta[slow], theta[rest] = square, np.maximum(best[rest] + follow @ (square - best[slow]), 0.0)
+            for _ in range(STEPS):
+                cost[k], slopes = self.cost(theta)
+                step = np.maximum(theta[rest] - np.linalg.solve(inner, slopes[rest]), 0.0) - theta[rest]
+                gain = float(-step @ (slopes[rest] + inner @ step / 2))
+                if gain < NEAR:
+                    break
+                theta[rest] += step
+        return np.asarray(np.exp((cost.min() - cost) / 2))
+
+    def _information(self, theta: FloatArray) -> FloatArray:
+        """X' C^-1 X, shape (t, t)."""
+        covariance = np.einsum("ijab,a,b", self.products, theta, theta)
+        return np.asarray(self.columns.T @ np.linalg.solve(covariance, self.columns))
+
+
+def signed(root: FloatArray, likelihood: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Values of a coefficient, closer together, and signed roots of their likelihood ratios."""
+    from scipy.interpolate import CubicSpline
+
+    value = np.linspace(root[0], root[-1], FINE)
+    cost = CubicSpline(root, -2 * np.log(np.maximum(likelihood, 1e-300 * likelihood.max())))(value)
+    sign = np.where(np.arange(FINE) < cost.argmin(), -1.0, 1.0)
+    return value, np.maximum.accumulate(sign * np.sqrt(cost - cost.min()))
+
 
 @dataclass(frozen=True, eq=False)
 class Inverted:
@@ -124,30 +216,22 @@ class Inverted:
     def __call__(self, level: float) -> tuple[float, float]:
         """Two-sided limits."""
         reach = quantile((1 + level) / 2)
-        return self._crossing(-reach), self._crossing(reach)
+        return self._at(-reach), self._at(reach)
 
     def upper(self, level: float) -> float:
         """One-sided upper limit."""
-        return self._crossing(quantile(level))
+        return self._at(quantile(level))
 
-    def _crossing(self, deviate: float) -> float:
-        """Where the signed root of the ratio is a deviate."""
-        from scipy.optimize import brentq
+    @property
+    def evidence(self) -> float:
+        """Likelihood ratio of the term against its absence."""
+        if self.which not in self.ratios.integrated:
+            return self.ratios.excess(self.which, 0.0)
+        value, deviate = self.ratios.integrated[self.which]
+        return inf if value[0] > 0 else float(deviate[0] ** 2)
 
-        ratios, sign = self.ratios, 1 if deviate > 0 else -1
-        error = float(ratios.error[self.which])
-        if not isfinite(error):
-            return inf if sign > 0 else 0.0
-
-        def over(value: float) -> float:
-            return sqrt(max(ratios.excess(self.which, value), 0.0)) - abs(deviate)
-
-        best = sqrt(ratios.best[0][self.which])
-        step = sqrt(best**2 + 2 * abs(deviate) * error) - best
-        for reach in step * 2.0 ** np.arange(DOUBLINGS):
-            end = max(best + sign * float(reach), 0.0)
-            if over(end) > 0:
-                return float(brentq(over, best, end, xtol=PRECISE * step))
-            if not end:
-                return 0.0
-        return inf
+    def _at(self, deviate: float) -> float:
+        if self.which not in self.ratios.integrated:
+            return self.ratios.crossing(self.which, deviate)
+        value, deviates = self.ratios.integrated[self.which]
+        return float(np.interp(deviate, deviates, value))

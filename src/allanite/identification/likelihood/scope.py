@@ -29,7 +29,7 @@ from .spectrum import FEWEST
 from .tuning import Tuning, left_open, tuning
 from .warmup import WarmUp, without_warm_up
 
-MASKED = 0.5
+MASKED = 0.75
 """Share of the bins that resonances may hide."""
 
 FLOOR = 0.8
@@ -158,6 +158,8 @@ def _masked(whole: Portion, rival: bool) -> Iterator[Found]:
     part, best = whole, behind_filter(whole).part
     for smooth, start in ((False, whole), (False, best), (True, whole), (False, None)):
         part = start or part
+        if part.filter is None and part is not whole:
+            continue  # without a filter it was looked at before
         loud, through = excess(part, smooth=smooth) or (None, None)
         if loud is None or (loud.hidden & part.used).sum() > MASKED * whole.used.size:
             continue

@@ -1,0 +1,99 @@
+"""Upper bounds of coefficients, read off the measured Allan deviation where the model has no values.
+
+Every term adds to the variance: a coefficient is at most that whose line passes through the upper limit of the curve,
+at any averaging time. N is read at 1 s; B, whose line is level, at the lowest limit, and K where it bounds most, which
+is near the longest averaging time: c < upper(tau) / (sqrt(level) tau^slope).
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.curve import Curve
+from allanite.core.errors import DataError
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
+from allanite.core.language import say
+from allanite.core.model import Model, Term
+from allanite.core.wording import spelled
+from allanite.terms import TERMS
+
+from .axes import Axis
+
+READ = "curve"
+"""Method of estimates that are such bounds."""
+
+BOUND = say("upper bound read off the Allan deviation")
+
+BOUNDED = ("N", "B", "K")
+"""Terms that have fields, or stand in for others that have none."""
+
+ONCE = 1.0
+"""Averaging time of N, and the shortest of the others, s: below, a filter or vibration may bend the curve."""
+
+
+def remedy() -> str:
+    """How a file is written where no model explains the records."""
+    return say(
+        "for upper bounds read off the measured curve: {option}", option=spelled("--from-curve", "from_curve=True")
+    )
+
+
+def bounded(axis: Axis, *, asked: bool) -> Axis:
+    """The axis with upper bounds: if `asked`, of all terms where no model explains the record, and of missing ones.
+
+    A term of long memory that was struck out as not valid has one in either case.
+
+    Raises
+    ------
+    DataError
+        Bounds are asked for, and there is no Allan deviation with intervals.
+    """
+    if asked and axis.doubt:
+        return _from_curve(axis)
+    missing = [e for e in axis.fit if e.status == "not valid" and TERMS[e.symbol].slope >= 0 and e.symbol in BOUNDED]
+    if asked:
+        missing += [e for e in axis.fit if e.symbol in BOUNDED and e.value is None and not e.upper]
+    if axis.doubt or not missing or (axis.curve is None and not asked):
+        return axis
+    known = {e.symbol: e for e in _estimates(axis, [e.symbol for e in missing])}
+    estimates = tuple(known.get(e.symbol, e) for e in axis.fit)
+    return replace(axis, fit=replace(axis.fit, estimates=estimates))
+
+
+def _from_curve(axis: Axis) -> Axis:
+    """The axis with nothing but bounds; a model of them is one of too much noise."""
+    estimates = _estimates(axis, BOUNDED)
+    model = Model(tuple(Term(e.symbol, e.upper or 0.0, e.signal) for e in estimates))
+    told = say("{why}: every value is an {bound}", why=axis.doubt.partition(";")[0], bound=BOUND)
+    fit = Fit(estimates, READ, axis.fit.signal, model, name=axis.fit.name)
+    return replace(axis, fit=fit, doubt="", alerts=(told, *axis.alerts))
+
+
+def _estimates(axis: Axis, symbols: Iterable[str]) -> tuple[Estimate, ...]:
+    curve, signal = axis.curve, axis.fit.signal
+    if curve is None or curve.law is None:
+        raise DataError(
+            say(
+                "{axis}: there is no Allan deviation with intervals to read bounds off; analyze it with {option}",
+                axis=axis.label,
+                option=spelled("--statistic oadev", "statistic='oadev'"),
+            )
+        )
+    curve = curve.to(signal.unit)
+    upper = curve.interval(axis.level)[1]
+    return tuple(
+        Estimate(s, signal, None, None, "absent", _bound(s, curve, upper), READ, reason=BOUND) for s in symbols
+    )
+
+
+def _bound(symbol: str, curve: Curve, upper: FloatArray) -> float:
+    """Upper bound of a coefficient, SI."""
+    row = TERMS[symbol]
+    through = upper / (np.sqrt(row.level) * curve.tau**row.slope)
+    if row.slope < 0:
+        return float(through[np.abs(np.log(curve.tau / ONCE)).argmin()])
+    late = curve.tau >= min(ONCE, curve.tau[-1])
+    return float(through[late].min())
