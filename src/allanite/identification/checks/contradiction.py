@@ -65,7 +65,7 @@ def held(fit: Fit, record: Record) -> float:
     curve = deviation(record, "oadev", taus="octave", noise=None)
     own = np.sqrt(expected(fit.valid, "oadev", curve.tau, rate=curve.rate, size=curve.size))
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
-    far = holds & (np.abs(np.log(own / curve.deviation)) > np.log(AGREES))
+    far = holds & ((own > AGREES * curve.deviation) | (own < curve.deviation / AGREES))
     limited = _limited(record, fit, curve.m[far]) if far.any() else None
     if limited is None or not limited.m.size:
         return np.inf

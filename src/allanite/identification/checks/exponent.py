@@ -83,10 +83,11 @@ def exponent(found: Found) -> Exponent | None:
     best = found.chosen.aic
     tried = [(_with(found, a, kept), a) for a in GRID]
     coarse, a = min(tried, key=lambda pair: pair[0].value)
-    if best - _aic(coarse) < GAIN - NEAR:
-        return None
     drifting = int((found.chosen.theta[: wanders.size] > 0)[wanders].sum())
-    return replace(_refined(found, a, kept, best), needed=0.0 if drifting >= SEVERAL else GAIN)
+    needed = 0.0 if drifting >= SEVERAL else GAIN
+    if best - _aic(coarse) < needed - NEAR:
+        return None
+    return replace(_refined(found, a, kept, best), needed=needed)
 
 
 def _refined(found: Found, around: float, kept: BoolArray, best: float) -> Exponent:

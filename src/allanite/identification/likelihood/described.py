@@ -33,7 +33,7 @@ def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None
     return Scope(
         choice=choice,
         band=band,
-        masks=_masks(found),
+        masks=_masks(found, asked),
         filter=_filter(found),
         misfit=found.part.misfit,
         within=largest_misfit(found) if found.part.misfit else 0.0,
@@ -51,9 +51,9 @@ def _band(found: Found) -> tuple[float, float]:
     return low, seen.rate / 2 if last == found.used.size - 1 else float(seen.frequency(high))
 
 
-def _masks(found: Found) -> tuple[tuple[float, float], ...]:
-    """Runs of bins between the ends that are not read, Hz."""
-    seen, there = found.seen, np.flatnonzero(found.used)
+def _masks(found: Found, asked: tuple[float, float] | None) -> tuple[tuple[float, float], ...]:
+    """Runs of bins that are not read between the ends, or in the band that was asked for, Hz."""
+    seen, there = found.seen, np.flatnonzero(found.used if asked is None else found.seen.within(asked))
     out = ~found.used
     out[: there[0]] = out[there[-1] :] = False
     ends = np.flatnonzero(np.diff(np.concatenate(([0], out.astype(np.int8), [0])))).reshape(-1, 2)

@@ -14,7 +14,7 @@ FEWEST = 4
 """Coefficients of a bin that takes part."""
 
 LEAST = 1e-9
-"""Level over the highest that is told from none."""
+"""Level over the highest, at least: of less there is no logarithm."""
 
 MEDIAN = 1.25
 """Standard error of a median over that of the mean."""
@@ -48,7 +48,7 @@ def octaves(part: Portion, values: FloatArray | None = None, *, per: int = 1) ->
     there = [one for j in range(octave.max(), -1, -1) if (one := octave == j).any()]
     middle = np.array([np.median(level[one]) for one in there])
     error = MEDIAN * np.sqrt([2 / count[one].sum() for one in there])
-    return np.log(np.maximum(middle, LEAST * middle.max())), error
+    return np.log(np.maximum(middle, max(LEAST * middle.max(), np.finfo(float).tiny))), error
 
 
 def falls(part: Portion) -> float:

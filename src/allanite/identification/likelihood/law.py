@@ -92,7 +92,11 @@ def traced(subset: Subset, which: int) -> Trace:
     """Walk along a profile to either side of its minimum, each step from where the other terms went before."""
     best = math.sqrt(float(subset.theta[which]))
     # where theta is a standard error greater, the other terms known
-    error = 1 / math.sqrt(subset.likelihood.information(subset.theta)[which, which])
+    known = float(subset.likelihood.information(subset.theta)[which, which])
+    if known <= 0:  # loose directions take all that the lowest bins tell: as large as the whole power there
+        likelihood = subset.likelihood
+        known = float((likelihood.S[:, which] / likelihood.power).max()) ** 2
+    error = 1 / math.sqrt(known)
     first = (math.hypot(best, math.sqrt(error)) - best) / 2
     sides = []
     for sign in (-1.0, 1.0):

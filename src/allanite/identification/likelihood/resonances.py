@@ -25,7 +25,7 @@ STANDS_OUT, EXCESS = 5.0, 0.1
 FEWEST, PERIODS = 4, 200
 """Coefficients of a bin whose power is known well enough to stand out; periods in the record, at least."""
 
-MOST = 24
+MOST = 16
 """Resonances, at most."""
 
 QUALITIES = (4.0, 10.0, 25.0, 70.0, 200.0)
@@ -49,6 +49,9 @@ MOVED = 0.1
 CLOSE = 0.5
 """Logarithm of the ratio of frequencies up to which resonances are fitted again beside a new one."""
 
+PEAK = 0.3
+"""Power of a resonance over that of its highest bin, from which a bin belongs to its peak."""
+
 TOLERANCE = 0.1
 """Accuracy of a resonance beyond its peak, as a share of its power."""
 
@@ -61,10 +64,14 @@ Resonance = tuple[int, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Excess:
-    """What resonances add: their `power` in each bin, and its share of all; `found` are their shapes."""
+    """What resonances add: their `power` in each bin, and its share of all; `peaks` are the bins where they stand.
+
+    `found` are their shapes.
+    """
 
     power: FloatArray
     share: FloatArray
+    peaks: BoolArray
     found: tuple[Resonance, ...]
 
     @property
@@ -78,8 +85,8 @@ class Excess:
 
     @property
     def hidden(self) -> BoolArray:
-        """Bins in which resonances have most of the power."""
-        return np.asarray(self.share > 0.5)
+        """Bins at the peaks of resonances, or in which they have most of the power."""
+        return np.asarray(self.peaks | (self.share > 0.5))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +103,7 @@ class Grid:
 
     @cached_property
     def cosines(self) -> tuple[FloatArray, FloatArray]:
-        """Of the frequencies and of twice these."""
+        """Cosines at the frequencies and at twice the frequencies."""
         return np.cos(self.omega), np.cos(2 * self.omega)
 
     @cached_property
@@ -130,18 +137,20 @@ def excess(part: Portion, *, smooth: bool = False) -> "tuple[Excess, Tuned | Non
             return None
         found.append(search.started(found, at))
         near = [i for i, one in enumerate(found) if abs(math.log(one[1] / at)) < CLOSE]
-        search.refine(found, near)
+        search.refine(found, near, shapes=())
         if not smooth and min(quality for *_, quality in found) < QUALITIES[0] * (1 + BROAD):
             return None  # nothing narrow: the floor is another one
         search = search.tuned(found)
-    search.refine(found, range(len(found)))
+    search.refine(found, range(len(found)), shapes=range(len(SHAPES)))
     search = search.tuned(found)
     found = search.needed(found)
     if not found:
         return None
     power, share = np.zeros((2, part.used.size))
     power[part.used], share[part.used] = search.power(found)
-    return Excess(power, share, tuple(found)), search.part.filter
+    at = np.array([search.grid.power(one) for one in found]).max(axis=0) > PEAK
+    peaks = at | np.append(at[1:], False) | np.append(False, at[:-1])  # a peak is hardly resolved by the bins
+    return Excess(power, share, peaks & part.used, tuple(found)), search.part.filter
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,13 +239,16 @@ class Searched:
 
         return least
 
-    def refine(self, found: list[Resonance], which: Iterable[int]) -> None:
-        """Replace some by those of a frequency, quality and shape that explain most beside the others."""
+    def refine(self, found: list[Resonance], which: Iterable[int], shapes: Iterable[int]) -> None:
+        """Replace some by those of a frequency, quality and one of the shapes that explain most beside the others.
+
+        Without shapes each keeps its own.
+        """
         from scipy.optimize import minimize
 
         low, high = math.log(QUALITIES[0]), math.log(QUALITIES[-1])
         for i in which:
-            _, omega, quality = found[i]
+            own, omega, quality = found[i]
             least = self._beside([*found[:i], *found[i + 1 :]])
 
             def at(x: FloatArray, shape: int, omega: float = omega) -> Resonance:
@@ -246,11 +258,11 @@ class Searched:
             start = np.array([0.0, math.log(quality)])
             options = {
                 "initial_simplex": start + np.array([[0, 0], [0.5 / quality, 0], [0, 0.5]]),
-                "xatol": 1e-3, "fatol": 0.05, "maxfev": 40,
+                "xatol": 1e-3, "fatol": 0.05, "maxfev": 30,
             }  # fmt: skip
             tried = [
                 (minimize(lambda x, s=s, least=least: least(at(x, s)), start, method="Nelder-Mead", options=options), s)
-                for s in range(len(SHAPES))
+                for s in (*shapes,) or (own,)
             ]
             best, shape = min(tried, key=lambda one: float(one[0].fun))
             found[i] = at(best.x, shape)

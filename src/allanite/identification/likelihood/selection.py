@@ -165,7 +165,7 @@ def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) 
     """
     at = int(subset.free[:which].sum())
     if slope is None:
-        return float(np.sqrt(subset.variances[at]))
+        return float(np.sqrt(abs(subset.variances[at])))
     more = subset.likelihood.with_more(slope)
     return float(np.sqrt(_variances(more, np.append(subset.theta, 0.0), np.append(subset.free, True))[at]))
 
@@ -184,5 +184,6 @@ def _variances(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> Fl
 def _covariance(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
     """From the expected information of the free terms; what it does not distinguish shares it."""
     information = likelihood.information(theta)[np.ix_(free, free)]
-    size = np.outer(*[np.sqrt(np.diag(information))] * 2)
+    # where loose directions take all that a few bins tell, rounding leaves less than nothing
+    size = np.outer(*[np.sqrt(np.abs(np.diag(information)))] * 2)
     return np.asarray(np.linalg.pinv(information / size, hermitian=True) / size)
