@@ -36,7 +36,7 @@ def graded(grade: str, scope: "Scope | None" = None) -> Phrase:
         return say("not explained")
     if scope is not None and scope.misfit:
         return say("explained within {share:.2g} %", share=100 * scope.within)
-    if grade == APPROXIMATE and scope is not None and scope.until < math.inf:
+    if grade == APPROXIMATE and scope is not None and scope.until is not None:
         return say("explained up to {until:.3g} s", until=scope.until)
     return say("explained, with a reservation") if grade == APPROXIMATE else say("explained")
 
@@ -117,7 +117,8 @@ class Scope(Value):
     remarks : tuple of str
         Descriptions of what was excluded.
     until : float
-        Longest averaging time, s, at which the deviation of the record agrees with the valid terms.
+        Longest averaging time, s, at which the deviation of the record agrees with the valid terms; None if it does
+        at all.
     """
 
     choice: str
@@ -129,7 +130,7 @@ class Scope(Value):
     frequency: FloatArray
     level: FloatArray
     remarks: tuple[str, ...] = ()
-    until: float = math.inf
+    until: float | None = None
 
     @property
     def whole(self) -> bool:
@@ -155,7 +156,7 @@ class Scope(Value):
         shortest = 0.5 / high if self.limited else 0.0
         if self.filter is not None:
             shortest = max(shortest, SETTLED / self.filter.cutoff)
-        return shortest, min(0.25 / low if low else math.inf, self.until)
+        return shortest, min(0.25 / low if low else math.inf, math.inf if self.until is None else self.until)
 
     def holds(self, tau: FloatArray) -> BoolArray:
         """At which averaging times, s, the deviation is that of the terms: `times`, without those of the masks."""
@@ -200,7 +201,7 @@ class Scope(Value):
                     low=low, high=high, fastest=0.5 / high, slowest=slowest,
                 )
             )  # fmt: skip
-        if self.until < math.inf:
+        if self.until is not None:
             said.append(
                 say(
                     "beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",

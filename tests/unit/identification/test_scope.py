@@ -56,7 +56,7 @@ def test_what_no_filter_describes_ends_the_band_with_a_margin():
     assert low < truth < high
     assert fit["Q"].status == "not observable"
     assert "ends at" in fit["Q"].reason
-    assert any("times that of the model" in said for said in fit.scope.sentences)
+    assert any("times that of the octave next to it" in said for said in fit.scope.sentences)
 
 
 def test_a_clean_record_is_read_whole():

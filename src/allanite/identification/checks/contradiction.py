@@ -55,25 +55,25 @@ def _limited(record: Record, fit: Fit, m: IntArray) -> Curve:
     return deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True)
 
 
-def held(fit: Fit, record: Record) -> float:
+def held(fit: Fit, record: Record) -> float | None:
     """The longest averaging time, s, at which the deviation of the valid terms agrees with the measured one.
 
-    Infinite if it agrees at all within the scope of the fit.
+    None if it agrees at all within the scope of the fit.
     """
     if fit.valid is None:
-        return np.inf
+        return None
     curve = deviation(record, "oadev", taus="octave", noise=None)
     own = np.sqrt(expected(fit.valid, "oadev", curve.tau, rate=curve.rate, size=curve.size))
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
     far = holds & ((own > AGREES * curve.deviation) | (own < curve.deviation / AGREES))
     limited = _limited(record, fit, curve.m[far]) if far.any() else None
     if limited is None or not limited.m.size:
-        return np.inf
+        return None
     far &= np.isin(curve.m, limited.m)
     low, high = limited.interval(0.95)
     wrong = curve.tau[far][(own[far] > AGREES * high) | (own[far] < low / AGREES)]
-    before = curve.tau[curve.tau < wrong.min(initial=np.inf)]
-    return float(before.max(initial=0.0)) if wrong.size else np.inf
+    before = curve.tau[curve.tau < wrong.min(initial=math.inf)]
+    return float(before.max(initial=0.0)) if wrong.size else None
 
 
 def _not_rounding(fit: Fit, record: Record) -> dict[str, str]:

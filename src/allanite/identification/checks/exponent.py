@@ -29,9 +29,9 @@ GRID = (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
 LEAST, MOST = 0.4, 1.8
 """Range of exponents in which the limits are searched."""
 
-GAIN, SEVERAL = 8.0, 3
-"""Gain in Akaike's criterion over the terms that a free exponent needs; none over so many terms of drift, of which it
-takes the place: the simpler explanation.
+GAIN, SEVERAL, CLOSE = 8.0, 3, 4.0
+"""Gain in Akaike's criterion over the terms that a free exponent needs. It takes the place of so many terms of drift
+even where it loses the last number: it is the simpler explanation.
 """
 
 NEAR = 3.0
@@ -84,7 +84,7 @@ def exponent(found: Found) -> Exponent | None:
     tried = [(_with(found, a, kept), a) for a in GRID]
     coarse, a = min(tried, key=lambda pair: pair[0].value)
     drifting = int((found.chosen.theta[: wanders.size] > 0)[wanders].sum())
-    needed = 0.0 if drifting >= SEVERAL else GAIN
+    needed = -CLOSE if drifting >= SEVERAL else GAIN
     if best - _aic(coarse) < needed - NEAR:
         return None
     return replace(_refined(found, a, kept, best), needed=needed)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.language import say
 from allanite.core.scope import LowPass, Scope
 
@@ -20,7 +20,7 @@ WELL_KNOWN = 50
 """Coefficients of a bin whose power needs no smoothing."""
 
 CHANGED = 0.2
-"""Relative deviation of the spectrum from the model outside a band above which it is mentioned."""
+"""Relative difference of the level outside a band from that inside, above which it has a cause."""
 
 STANDS_OUT = 1.5
 """Peak over mean power outside a band above which a frequency is mentioned."""
@@ -39,7 +39,7 @@ def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None
         within=largest_misfit(found) if found.part.misfit else 0.0,
         frequency=seen.frequency(seen.first + (seen.count - 1) / 2),
         level=level,
-        remarks=_outside(found, band, level) if choice == "auto" else (),
+        remarks=_outside(found, band) if choice == "auto" else (),
     )
 
 
@@ -114,49 +114,36 @@ def largest_misfit(found: Found) -> float:
     return max(float(beyond.max(initial=0.0)), found.part.misfit)
 
 
-def _outside(found: Found, band: tuple[float, float], level: FloatArray) -> tuple[str, ...]:
-    """Behaviour of the spectrum beyond the ends of the band."""
+def _outside(found: Found, band: tuple[float, float]) -> tuple[str, ...]:
+    """Behaviour of the spectrum beyond the ends of the band, by its own levels: no model holds there."""
     there = np.flatnonzero(found.used)
-    first, last = int(there[0]), int(there[-1])
+    first, last, frequency = int(there[0]), int(there[-1]), found.seen.first
     said = []
     if first:
-        said.append(
-            _beyond(
-                say("below {frequency:.3g} Hz", frequency=band[0]),
-                found,
-                level,
-                slice(0, first),
-                say("drift or motion"),
-            )
-        )
-    if last < level.size - 1:
-        what = say("vibration or interference")
-        said.append(
-            _beyond(say("above {frequency:.3g} Hz", frequency=band[1]), found, level, slice(last + 1, None), what)
-        )
+        inside = found.used & (frequency < 2 * frequency[first])
+        where = say("below {frequency:.3g} Hz", frequency=band[0])
+        said.append(_beyond(where, found, slice(0, first), inside, say("drift or motion")))
+    if last < found.used.size - 1:
+        inside = found.used & (frequency > frequency[last] / 2)
+        where = say("above {frequency:.3g} Hz", frequency=band[1])
+        said.append(_beyond(where, found, slice(last + 1, None), inside, say("vibration or interference")))
     return tuple(said)
 
 
-def _beyond(where: str, found: Found, level: FloatArray, part: slice, cause: str) -> str:
-    """Behaviour of the spectrum in an excluded part."""
-    level, first = level[part], found.seen.first[part]
-    ratio, highest = float(np.exp(np.log(level).mean())), int(level.argmax())
-    if ratio < 1 - CHANGED:
-        return say("{where} the power is {ratio:.2g} times that of the model: a filter", where=where, ratio=ratio)
-    odd: dict[str, Any] = {"where": where, "cause": cause, "ratio": ratio, "less": 100 * CHANGED}
-    if level[highest] > STANDS_OUT * max(ratio, 1.0):
-        odd |= {"peak": float(level[highest]), "frequency": float(found.seen.frequency(first[highest]))}
-        if ratio > 1 + CHANGED:
-            return say(
-                "{where} the power is {ratio:.2g} times that of the model, {peak:.2g} times at {frequency:.3g} Hz: "
-                "{cause}",
-                **odd,
-            )
+def _beyond(where: str, found: Found, part: slice, inside: BoolArray, cause: str) -> str:
+    """The median level of an excluded part, over that of the octave next to it, and its highest peak."""
+    power, seen = found.seen.power[part], found.seen
+    octave = float(np.median(seen.power[inside]))
+    ratio, highest = float(np.median(power)) / octave, int(power.argmax())
+    odd: dict[str, Any] = {"where": where, "cause": cause, "ratio": ratio}
+    peak = float(power[highest]) / octave
+    if seen.count[part][highest] > WELL_KNOWN and peak > STANDS_OUT * max(ratio, 1.0):
+        odd |= {"peak": peak, "frequency": float(seen.frequency(seen.first[part][highest]))}
         return say(
-            "{where} the spectrum deviates from the model by less than {less:.0f} % on average, but has {peak:.2g} "
-            "times its power at {frequency:.3g} Hz: {cause}",
+            "{where} the median power is {ratio:.2g} times that of the octave next to it, and {peak:.2g} times at "
+            "{frequency:.3g} Hz: {cause}",
             **odd,
         )
     if ratio > 1 + CHANGED:
-        return say("{where} the power is {ratio:.2g} times that of the model: {cause}", **odd)
-    return say("{where} the spectrum deviates from the model by less than {less:.0f} % on average", **odd)
+        return say("{where} the median power is {ratio:.2g} times that of the octave next to it: {cause}", **odd)
+    return say("{where} the median power is {ratio:.2g} times that of the octave next to it", **odd)
