@@ -29,7 +29,7 @@ TRUTH = "N 0.3 deg/sqrt(h), K 60 deg/h/sqrt(h)"
 COMPLAINTS = {
     "plotted values in deg/s do not match the exported ones in rad/s":
         Answer("analyze gyro.csv --channels gx --to rad/s/sqrt(Hz)",
-               r"8\.67e-5 .* rad/s/sqrt\(Hz\) .* 0\.2980 .* deg/sqrt\(h\)"),
+               r"8\.67e-5 .* rad/s/sqrt\(Hz\) .* 0\.298\d .* deg/sqrt\(h\)"),
     "the documentation does not say whether the variance is overlapped":
         Answer("deviation gyro.csv --channels gx", "overlapping Allan deviation"),
     "simulated noise is found 28 % too small":

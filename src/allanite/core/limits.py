@@ -31,6 +31,20 @@ def quantile(p: float) -> float:
 
 
 @dataclass(frozen=True, eq=False)
+class Widened:
+    """Limits of a coefficient that are `factor` times as far from its value, but not below zero."""
+
+    limits: Callable[[float], tuple[float, float]]
+    value: float
+    factor: float
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        low, high = self.limits(level)
+        return max(self.value - self.factor * (self.value - low), 0.0), self.value + self.factor * (high - self.value)
+
+
+@dataclass(frozen=True, eq=False)
 class Stored:
     """Stored limits: `values` for one `level`; without a level, they are returned for any.
 

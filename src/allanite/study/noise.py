@@ -1,5 +1,6 @@
 """The noise of a channel, identified in the same way for every job, and whether the model explains the record."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -11,7 +12,7 @@ from allanite.core.finding import Quality
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.header import Header, header_from
 from allanite.core.language import join, say
-from allanite.core.limits import Stored
+from allanite.core.limits import Stored, Widened
 from allanite.core.model import Model
 from allanite.core.plain import Portable, Value, stored_fields
 from allanite.core.ranges import demand_pieces
@@ -22,7 +23,7 @@ from allanite.core.wording import spelled
 from allanite.identification.checks.contradiction import contradictions, held
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .inspected import Inspected
 from .recipe import Recipe
@@ -108,9 +109,27 @@ def graded(noise: Noise, record: Record) -> Noise:
     if any(finding.name == "correlation" for finding in left.findings):
         angle = [e.symbol for e in fit if e.claimed and TERMS[e.symbol].edge]
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
+    if any(finding.name == "heavy tails" for finding in left.findings):
+        fit = widened(fit, math.sqrt(1 + left["kurtosis"].value / 2))
     if fit.scope is not None:
         fit = replace(fit, scope=replace(fit.scope, until=held(fit, record)))
     return replace(noise, fit=fit)
+
+
+def widened(fit: Fit, factor: float) -> Fit:
+    """The fit with wider limits of the fast noise.
+
+    The mean square of n independent residuals with an excess kurtosis k has the variance (2 + k) / n instead of 2 / n;
+    of slow noise, an average of many of them, the tails are no longer heavy.
+    """
+    each = [
+        replace(e, limits=limits, profile=limits, standard_error=e.standard_error and factor * e.standard_error)
+        if e.claimed and e.value is not None and e.limits and TERMS[e.symbol].slope <= WHITE
+        and (limits := Widened(e.limits, e.value, factor))
+        else e
+        for e in fit
+    ]  # fmt: skip
+    return replace(fit, estimates=tuple(each))
 
 
 def noise_of(

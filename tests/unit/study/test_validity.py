@@ -215,7 +215,7 @@ def test_heavy_tails_without_outliers_name_no_cure_that_was_taken():
     for outliers in ("keep", "mark"):
         noise = noise_of(record_of(values, "z"), Recipe(terms="N", outliers=outliers))
         assert noise.validity == "approximate"
-        assert "the coefficients are valid, but their intervals are too narrow" in noise.verdict
+        assert "the intervals of the fast noise are widened for them" in noise.verdict
         assert "--" not in noise.verdict
 
 

@@ -96,7 +96,7 @@ def _tailed(check: Check, *, curable: bool) -> Finding:
             "the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or intermittent noise",
             kurtosis=check.value,
         ),
-        say("the coefficients are valid, but their intervals are too narrow"),
+        say("the coefficients are valid; the intervals of the fast noise are widened for them"),
         say("exclude the outliers ({option})", option=spelled("--outliers mark", "prepare.mark_outliers"))
         if curable
         else "",

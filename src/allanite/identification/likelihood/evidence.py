@@ -52,14 +52,14 @@ def octaves(part: Portion, values: FloatArray | None = None, *, per: int = 1) ->
 
 
 def falls(part: Portion) -> float:
-    """Share of the power that is missing in the top octave.
+    """Share of the power that is missing at the top, in the last quarter of an octave.
 
     Less than the highest level of the upper octaves; beside a hump that is omitted, whose skirts rise above the noise,
     less than the lowest.
     """
     level, _ = octaves(part)
-    upper = level[level.size // 2 :]
-    return 1 - float(np.exp(level[-1] - (upper.max() if part.used.all() else upper[:-2].min(initial=upper[0]))))
+    upper, top = level[level.size // 2 :], octaves(part, per=4)[0][-1]
+    return 1 - float(np.exp(top - (upper.max() if part.used.all() else upper[:-2].min(initial=upper[0]))))
 
 
 def shows_corner(part: Portion, filter: Tuned) -> bool:  # noqa: A002

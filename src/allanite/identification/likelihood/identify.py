@@ -24,6 +24,8 @@ from allanite.terms import TERMS
 from .described import scope_of
 from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
 from .families import DISTINGUISHABLE, SLOW, Found, look, looked
+from .families import EVIDENCE as GAUSS_MARKOV
+from .law import AKAIKE
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
@@ -202,12 +204,18 @@ def _ambiguous(found: Found) -> list[str]:
                 time=time, gain=size,
             )
         ]  # fmt: skip
-    somewhat = say(
-        "Gauss-Markov noise with a time constant of {time:.2g} s instead of flicker would describe the record somewhat "
-        "better (AIC {gain}), which is not sufficient evidence against flicker: a longer record would decide",
-        time=time, gain=size,
-    )  # fmt: skip
-    return [somewhat] if gain > 0 else []
+    if gain < 0:
+        return []
+    # the Akaike criterion that its size and time constant, and every other term that it replaces, must gain
+    lost = int(((found.plain.theta > 0) & (found.markov.theta == 0)).sum()) - 1
+    needed = (1 + max(lost, 0)) * GAUSS_MARKOV - 2 * AKAIKE
+    return [
+        say(
+            "Gauss-Markov noise with a time constant of {time:.2g} s would describe the record better (AIC {gain}; it "
+            "is claimed from -{needed:.0f} on): a longer record would decide",
+            time=time, gain=size, needed=needed,
+        )
+    ]  # fmt: skip
 
 
 def _alternatives(found: Found, scale: Scale) -> tuple[Alternative, ...]:

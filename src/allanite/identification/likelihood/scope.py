@@ -47,7 +47,7 @@ SMALL, LARGE = 0.03, 0.1
 NEARLY = 8.0
 """Factor by which the highest frequency may be lowered before a small misfit is accepted instead."""
 
-FALL = 0.1
+FALL = 0.26
 """Share of the highest level of the power that must be missing at the top of what is read."""
 
 RATHER = 0.05

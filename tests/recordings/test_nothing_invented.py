@@ -1,0 +1,100 @@
+"""Every channel of the recordings: no claim that its own curve, its rounding or its spectrum contradicts."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.signal import welch
+from tests import thinned
+
+import allanite as al
+from allanite.core.model import Model, Term
+from allanite.prepare.rounding import grid
+from allanite.statistics import expected
+from allanite.terms import TERMS
+
+MPU = "mpu6050_static10min/mpu6050_"
+ADIS = {"unit": "gyro=deg/s,accel=g"}
+FILES = [
+    ("adis_16405_imu1.rda", ADIS),
+    ("adis_16405_imu2.rda", ADIS),
+    ("adis_16405_imu3.rda", ADIS),
+    ("aegiverse_fog_0917.txt", {"unit": "deg/h"}),
+    ("aegiverse_fpga_gyro_0802.txt", {"time": "1", "unit": "deg/s", "channels": ("2",)}),
+    ("cubeorange_sample_log_small.ulg", {}),
+    ("ig500n_milkytipo.txt", {"rate": 4.16, "unit": "deg/s", "channels": ("7", "8", "9")}),
+    ("imu_tk_xsens_gyro.mat", {"unit": "deg/s", "rate": 100.0, "until": 50.0}),
+    (MPU + "accelerometer.mat", {"time": "1", "unit": "g"}),
+    (MPU + "gyroscope.mat", {"time": "1", "unit": "deg/s"}),
+    (MPU + "temperature.mat", {"time": "1", "unit": "degC", "channels": ("2",)}),
+    ("phone_acc2.txt", {"unit": "m/s^2"}),
+    ("phone_gyro4.txt", {"unit": "rad/s"}),
+    ("xsens_mti_utbm_imu-test.bag", {}),
+]
+FLAT, OUTSIDE, ROUNDED = 1.3, 1.5, 3.0
+
+
+def curve_of(channel):
+    """The Allan deviation of a channel with its limits, SI."""
+    curve = al.deviation(channel.record, "oadev", taus="octave", noise=channel.fit)
+    return curve, *curve.interval(0.95)
+
+
+def deviation_of(model, curve):
+    return np.sqrt(expected(model, "oadev", curve.tau, rate=curve.rate, size=curve.size))
+
+
+def above_the_curve(channel):
+    """Claimed terms whose lower limit alone exceeds the upper limit of the curve."""
+    curve, _, high = curve_of(channel)
+    inside = channel.fit.scope.holds(curve.tau)
+    noise = [e for e in channel.fit if e.claimed and TERMS[e.symbol].waveform is None]
+    alone = {e.symbol: Model((Term(e.symbol, e.interval()[0], e.signal, e.shape),)) for e in noise if e.interval()[0]}
+    ratio = {symbol: (deviation_of(model, curve) / high)[inside] for symbol, model in alone.items()}
+    return {symbol: float(one.max()) for symbol, one in ratio.items() if one.size and one.max() > 1.05}
+
+
+def beyond_rounding(channel):
+    """Quantization noise over that of the step of the samples."""
+    record, Q = channel.record, channel.fit["Q"]
+    step = grid(record.values[np.isfinite(record.values)])[1] * record.factor
+    angle = step if record.kind == "angle" else step / record.rate
+    return Q.value / (angle / math.sqrt(12)) if Q.claimed and step else 0.0
+
+
+def without_corner(channel):
+    """Whether a filter is claimed where the median spectrum is flat from a quarter of its cut-off on."""
+    scope, record = channel.fit.scope, channel.record
+    if scope.filter is None or not channel.noise.explained:
+        return False
+    y = record.values[np.isfinite(record.values)]
+    f, power = welch(y, record.rate, nperseg=min(4096, y.size // 8))
+    ends = record.rate / 2 * 2.0 ** -np.arange(9.0)
+    octaves = [power[(f >= low) & (f < high)] for high, low in pairwise(ends.tolist())
+               if high > scope.filter.cutoff / 4]  # fmt: skip
+    level = [np.median(one) for one in octaves if one.size > 3]
+    # the top of a first-order roll-off is seen as its end, not as the median of an octave
+    last = np.median(power[f > 2**-0.25 * record.rate / 2])
+    return max(level) / min(*level, last) < FLAT
+
+
+def outside_its_band(channel):
+    """By how much the model leaves the limits of the curve where it is said to hold."""
+    if not channel.noise.explained or channel.fit.valid is None:
+        return 1.0
+    curve, low, high = curve_of(channel)
+    own, inside = deviation_of(channel.fit.valid, curve), channel.fit.scope.holds(curve.tau)
+    return float(np.maximum(own / high, low / own)[inside].max(initial=1.0))
+
+
+@pytest.mark.parametrize(("name", "choices"), thinned(FILES, 4, "every recording"), ids=lambda x: str(x)[:24])
+def test_no_claim_is_contradicted(recordings, name, choices):
+    for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
+        if channel.noise is None:
+            continue
+        who = channel.record.name
+        assert above_the_curve(channel) == {}, who
+        assert beyond_rounding(channel) <= ROUNDED, who
+        assert not without_corner(channel), who
+        assert outside_its_band(channel) <= OUTSIDE, who
