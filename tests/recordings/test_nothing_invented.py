@@ -76,7 +76,8 @@ def without_corner(channel):
     level = [np.median(one) for one in octaves if one.size > 3]
     # the top of a first-order roll-off is seen as its end, not as the median of an octave
     last = np.median(power[f > 2**-0.25 * record.rate / 2])
-    return max(level) / min(*level, last) < FLAT
+    chance = 2 * 1.25 * math.sqrt(2 * 2 / (0.16 * y.size))  # two standard errors of the ratio of two medians
+    return max(level) / min(*level, last) < FLAT - chance
 
 
 def outside_its_band(channel):
