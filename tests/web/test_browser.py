@@ -128,7 +128,7 @@ def test_a_piece_is_cut_out_undone_and_redone(page: Any, six: Path) -> None:
 
 def test_a_disturbance_is_looked_at_and_cut_with_the_mouse(page: Any, tmp_path: Path) -> None:
     values = 0.1 * np.random.default_rng(8).normal(size=(20_000, 1))
-    values[9000:10_000] += 0.5 * np.sin(np.arange(1000) / 7)[:, None]
+    values[9000:10_000] *= 6.0
     drop(page, written(tmp_path / "bumped.csv", values))
     curves(page)
     assert page.get_by_test_id("curve").get_attribute("data-validity") == "unexplained"

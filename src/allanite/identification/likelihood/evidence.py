@@ -84,15 +84,18 @@ def rises_before(part: Portion) -> bool:
 def rises_to_top(part: Portion) -> bool:
     """Whether the top octave is above one of the octaves below it, beyond chance, and does not fall to its end.
 
-    Behind a filter and beside resonances, whose powers are not known as well, it must be above by a factor of `RISE`.
+    Beside resonances, whose powers are not known as well, it must be above by a factor of `RISE`; behind a filter the
+    rise ends below the top.
     """
+    if part.filter is not None:
+        return rises_before(part)
     level, error = octaves(part)
     (*_, lower, upper), (*_, before, last) = octaves(part, per=2) if level.size > 1 else (level[[0, 0]], error[[0, 0]])
-    if part.filter is None and upper < lower - SURE * np.hypot(before, last):
+    if upper < lower - SURE * np.hypot(before, last):
         return False  # a hump below the top
     below = slice(max(level.size - 1 - REACH, 0), level.size - 1)
     rise = level[-1] - level[below]
     least = SURE * np.hypot(error[-1], error[below])
-    if part.excess is not None or part.filter is not None:
+    if part.excess is not None:
         least = np.maximum(least, np.log(RISE))
     return bool((rise > least).any())

@@ -59,6 +59,8 @@ class Portion(Portable):
         Time constant of a warm-up, in samples, whose size is left open.
     excess : Excess, optional
         Resonances, whose power is added to that of the terms.
+    vouched : bool
+        Whether the terms were asked for: angle noise among them needs no evidence beside its likelihood.
     shape : tuple of float
         Of the last term, if it is known, where a filter is tuned.
     """
@@ -73,6 +75,7 @@ class Portion(Portable):
     warm: float | None = None
     excess: "Excess | None" = None
     shape: tuple[float, ...] = ()
+    vouched: bool = False
 
     @cached_property
     def whole(self) -> Likelihood:

@@ -76,7 +76,7 @@ def _tuned(part: Portion, row: str) -> tuple[float, float]:
 
     grid = np.log(FILTERS[row].starts)
     values = np.array([value(x) for x in grid])
-    at = int(np.flatnonzero(values < values.min() + ALIKE)[-1])  # wide ones all let everything pass
+    at = int(np.flatnonzero(values <= values.min() + ALIKE)[-1])  # wide ones all let everything pass
     ends = grid[min(at + 1, len(grid) - 1)], grid[max(at - 1, 0)]
     best = minimize_scalar(value, method="bounded", bounds=ends, options={"xatol": 5e-3})
     return min((float(best.fun), math.exp(float(best.x))), (float(values[at]), math.exp(grid[at])))

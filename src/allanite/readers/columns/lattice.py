@@ -9,8 +9,8 @@ from allanite.core.arrays import complete
 from allanite.core.language import say
 from allanite.core.record import Record
 
-FILLED = 0.5
-"""Share of every k-th row that must have a sample."""
+FILLED, FEWEST = 0.5, 32
+"""Share of every k-th row that must have a sample, and samples: of fewer the distance may be chance."""
 
 
 def stride(records: Sequence[Record]) -> tuple[int, int]:
@@ -19,7 +19,8 @@ def stride(records: Sequence[Record]) -> tuple[int, int]:
         return 0, 1
     there = np.flatnonzero(np.logical_or.reduce([np.isfinite(record.values) for record in records]))
     step = int(np.gcd.reduce(np.diff(there))) if there.size > 1 else 1
-    return (int(there[0]), step) if step > 1 and there.size * step > FILLED * len(records[0].values) else (0, 1)
+    filled = there.size >= FEWEST and there.size * step > FILLED * len(records[0].values)
+    return (int(there[0]), step) if step > 1 and filled else (0, 1)
 
 
 def thinned(records: Sequence[Record], first: int, step: int) -> tuple[Record, ...]:
