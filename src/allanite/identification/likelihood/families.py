@@ -158,7 +158,7 @@ class Found(Portable):
         dominated = part.count @ (share / share.max(axis=0)) ** 2
         edge = np.array([TERMS[symbol].edge > 0 for symbol in self.noise])
         found = np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
-        found[edge] += NEVER * (not (self.part.vouched or rises_to_top(self.part)))
+        found[edge] += NEVER * (not _shows_angle(self.part))
         if self.search is not None and not self.search.asked:
             found[-1] += EVIDENCE - 2 * AKAIKE
         return found
@@ -205,9 +205,12 @@ def penalties(part: Portion) -> FloatArray:
     """What each term must gain in 2 L to be selected, a term with a shape the last of them, shape (p,)."""
     rows = [TERMS[symbol] for symbol in part.noise]
     shaped = [EVIDENCE + ANYWHERE * (len(row.parameters) - 1) if row.parameters else PENALTY for row in rows]
-    return np.array(shaped) + NEVER * np.array([row.edge > 0 for row in rows]) * (
-        not (part.vouched or rises_to_top(part))
-    )
+    return np.array(shaped) + NEVER * np.array([row.edge > 0 for row in rows]) * (not _shows_angle(part))
+
+
+def _shows_angle(part: Portion) -> bool:
+    """Whether angle noise may be claimed: it was asked for, or the spectrum rises."""
+    return part.vouched or rises_to_top(part)
 
 
 def look(

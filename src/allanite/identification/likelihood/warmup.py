@@ -170,7 +170,7 @@ def profiled(subset: Subset) -> float:
     if not flat.any():
         return 2 * subset.value
     V = subset.likelihood.directions(subset.theta)[1][np.ix_(flat, flat)]
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         value = 2 * subset.value + float(np.linalg.slogdet(V)[1])
     return value if math.isfinite(value) else math.inf
 
