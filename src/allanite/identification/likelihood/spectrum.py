@@ -118,8 +118,11 @@ class Spectrum(Portable):
 
     @property
     def _long(self) -> BoolArray:
-        """Which gaps are so long that what a slow noise does during them is a step by itself."""
-        return np.asarray(self.detrended & (self.gaps.lost >= LONG * self.size))
+        """Which gaps are so long that what a slow noise does during them is a step by itself.
+
+        Where pieces are read, too few low coefficients are left to tell steps apart.
+        """
+        return np.asarray((self.detrended and self.pieces is None) & (self.gaps.lost >= LONG * self.size))
 
     @property
     def steps(self) -> IntArray:
