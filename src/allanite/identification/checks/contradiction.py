@@ -18,8 +18,10 @@ from allanite.terms import TERMS
 SURE = 0.99
 """Confidence level of the curve's intervals in this test."""
 
-AGREES = 1.5
-"""Factor beyond the limits of the measured deviation up to which that of the model agrees with it."""
+AGREES, STRICT = 1.5, 1.1
+"""Factor beyond the limits of the measured deviation up to which that of the model agrees with it, and where a slow
+term was struck out.
+"""
 
 ROUNDED = 3.0
 """Quantization noise over that of the step of the samples, at most."""
@@ -64,14 +66,16 @@ def held(fit: Fit, record: Record) -> float | None:
         return None
     curve = deviation(record, "oadev", taus="octave", noise=None)
     own = np.sqrt(expected(fit.valid, "oadev", curve.tau, rate=curve.rate, size=curve.size))
+    # without a term that was struck out, the rest is not to be drawn below the curve
+    agrees = STRICT if any(e.status == "not valid" and not TERMS[e.symbol].edge for e in fit) else AGREES
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
-    far = holds & ((own > AGREES * curve.deviation) | (own < curve.deviation / AGREES))
+    far = holds & ((own > agrees * curve.deviation) | (own < curve.deviation / agrees))
     limited = _limited(record, fit, curve.m[far]) if far.any() else None
     if limited is None or not limited.m.size:
         return None
     far &= np.isin(curve.m, limited.m)
     low, high = limited.interval(0.95)
-    wrong = curve.tau[far][(own[far] > AGREES * high) | (own[far] < low / AGREES)]
+    wrong = curve.tau[far][(own[far] > agrees * high) | (own[far] < low / agrees)]
     before = curve.tau[curve.tau < wrong.min(initial=math.inf)]
     return float(before.max(initial=0.0)) if wrong.size else None
 

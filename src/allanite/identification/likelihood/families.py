@@ -273,16 +273,15 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
     needs as much evidence once more.
     """
+    return lacking(plain, markov, part) <= 0 and _explains(markov, part)
+
+
+def lacking(plain: Subset, markov: Subset, part: Portion) -> float:
+    """What Gauss-Markov noise would have to gain in 2 L beyond what it does, to be claimed; see `_believed`."""
     penalty = penalties(part)
     other = np.array([not TERMS[symbol].substitute for symbol in part.noise])
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
-    if lost and markov.score(penalty) + lost * EVIDENCE > plain.score(penalty):
-        return False
-    return _explains(markov, part)
-
-
-def _least_aic(every: Sequence[Subset]) -> float:
-    return min((subset.aic for subset in every), default=math.inf)
+    return markov.score(penalty) + lost * EVIDENCE - plain.score(penalty)
 
 
 def _explains(subset: Subset, part: Portion) -> bool:

@@ -23,9 +23,7 @@ from allanite.terms import TERMS
 
 from .described import scope_of
 from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
-from .families import DISTINGUISHABLE, SLOW, Found, look, looked
-from .families import EVIDENCE as GAUSS_MARKOV
-from .law import AKAIKE
+from .families import DISTINGUISHABLE, SLOW, Found, lacking, look, looked
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
@@ -204,11 +202,9 @@ def _ambiguous(found: Found) -> list[str]:
                 time=time, gain=size,
             )
         ]  # fmt: skip
-    if gain < 0:
+    needed = gain + lacking(found.plain, found.markov, found.part)
+    if gain < 0 or needed <= gain:  # it is not missed, or it does not explain the record
         return []
-    # the Akaike criterion that its size and time constant, and every other term that it replaces, must gain
-    lost = int(((found.plain.theta > 0) & (found.markov.theta == 0)).sum()) - 1
-    needed = (1 + max(lost, 0)) * GAUSS_MARKOV - 2 * AKAIKE
     return [
         say(
             "Gauss-Markov noise with a time constant of {time:.2g} s would describe the record better (AIC {gain}; it "

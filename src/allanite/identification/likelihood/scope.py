@@ -20,6 +20,7 @@ from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS, WHITE
 
 from .described import expected_power, largest_misfit
+from .estimates import HIDDEN
 from .evidence import falls, rises_before, shows_corner
 from .families import Found, fitted
 from .portion import Portion, Tuned
@@ -291,7 +292,9 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
         likelihood = part.but(used=used).likelihood
         theta, _ = likelihood.minimise(np.ones(likelihood.S.shape[1], dtype=bool))
         if goodness(part.seen, likelihood, theta, used).p >= PASSES:
-            found = fitted(part.but(used=final), rival=rival)
+            inside = part.but(used=final)
+            shows_angle = part.seen.frequency(part.seen.first[final][-1]) >= HIDDEN * part.seen.rate / 2
+            found = fitted(inside if shows_angle else inside.among(_rates(part) or part.noise), rival=rival)
             if _quiet(found, final, bare=low > 0):
                 yield found
 

@@ -57,7 +57,7 @@ class Steps(Portable):
         return Finding(
             "steps",
             say("the bias steps: {steps}", steps=join(", ", each)),
-            say("a random walk would explain the record less well, and K is none of the noise"),
+            say("they explain the record better than a random walk does, and K is no property of the noise"),
             say("analyze the parts between the steps ({choice})", choice=windowing()),
             (float(self.time[0]), float(self.time[0])),
         )

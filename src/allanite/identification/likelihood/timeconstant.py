@@ -21,9 +21,6 @@ from .selection import Subset, select, subsets
 PER_DECADE = 4
 """Time constants a decade in the first search."""
 
-CLOSE = 2.0
-"""Refining the time constant gains less than this in 2 L beyond the grid."""
-
 OPEN = 6.6
 """Time constants that lose less than this in 2 L take part in the limits of the terms (the 99 % point)."""
 

@@ -57,7 +57,7 @@ def _missing(channel: Channel) -> Iterator[Phrase]:
     if unseen := _titles(channel, "not observable"):
         yield say("Not observable: {terms}.", terms=unseen)
     if wrong := _titles(channel, "not valid"):
-        yield say("Contradicted by the measured curve: {terms}.", terms=wrong)
+        yield say("Not valid: {terms}.", terms=wrong)
 
 
 def _titles(channel: Channel, *statuses: str) -> str:
