@@ -20,8 +20,8 @@ from scipy.special import fdtr, fdtri
 
 import allanite as al
 from allanite.comparison.change import holm
+from allanite.comparison.common_likelihood import Joint, joint
 from allanite.comparison.contrast import Contrast, chi_square, homogeneity, partly_common
-from allanite.comparison.joint import Joint, joint
 from allanite.comparison.ratio import RatioLaw, ratio_law
 from allanite.core.model import Model
 

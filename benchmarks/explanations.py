@@ -20,7 +20,7 @@ import numpy as np
 from scipy.signal import butter, lfilter
 
 import allanite as al
-from allanite.core.scope import GRADES
+from allanite.core.validity import GRADES
 from allanite.study.noise import Noise, noise_of
 
 SETTLING = 4096

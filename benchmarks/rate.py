@@ -22,7 +22,7 @@ from scipy.linalg import solve_toeplitz
 from tests.reference.rate import descent
 
 import allanite as al
-from allanite.rate import (
+from allanite.applications.rate import (
     RATE_ESTIMATORS,
     EstimatorSettings,
     Experiment,
@@ -30,8 +30,8 @@ from allanite.rate import (
     experiment,
     predicted_standard_error,
 )
-from allanite.rate.measure import setting_of
-from allanite.rate.setting import TARGETS
+from allanite.applications.rate.measure import setting_of
+from allanite.applications.rate.setting import TARGETS
 from allanite.simulation.ring_laser import GL1
 from allanite.statistics.moments.gls import autocovariance
 

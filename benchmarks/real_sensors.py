@@ -21,8 +21,8 @@ import numpy as np
 from scipy.signal import butter, iirpeak, lfilter
 
 import allanite as al
-from allanite.core.scope import GRADES
 from allanite.core.units import convert
+from allanite.core.validity import GRADES
 from allanite.study.analysis import Channel
 from allanite.study.noise import Noise, noise_of
 from identification import RATE, SENSORS

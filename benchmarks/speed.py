@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import allanite as al
-from allanite.identification.likelihood.families import look
+from allanite.identification.likelihood.model_selection import look
 from incache import DIFFERENCES, share, shortest
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 import allanite as al
-from allanite.attitude import (
+from allanite.applications.attitude import (
     FILTERS,
     Inertial,
     Loop,
@@ -29,7 +29,7 @@ from allanite.attitude import (
     rotation_vectors,
     rotation_vectors_with_previous,
 )
-from allanite.attitude.density import GRAVITY
+from allanite.applications.attitude.density import GRAVITY
 
 ARCSEC = math.pi / 648_000
 HOUR = math.pi / 180 / 3600

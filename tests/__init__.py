@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from allanite.core.language import Phrase
+from allanite.phrases.phrase import Phrase
 from allanite.reporting.language import speaking, tr
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from allanite.meaning.device import REFERENCES
-from allanite.meaning.devices import DEVICES
-from allanite.meaning.grades import SCALES
+from allanite.interpretation.device import REFERENCES
+from allanite.interpretation.devices import DEVICES
+from allanite.interpretation.grades import SCALES
 from generate.markdown import table
 
 

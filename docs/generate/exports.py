@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from allanite.exporting.table import EXPORTS
+from allanite.exporting.exports import EXPORTS
 from generate.markdown import table
 
 

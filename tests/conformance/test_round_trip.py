@@ -12,13 +12,18 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.angle import Solution
-from allanite.attitude.trials import VerticalDesign
+from allanite.applications.angle import Solution
+from allanite.applications.attitude.trials import VerticalDesign
+from allanite.applications.compensation import FitSettings, compensate
+from allanite.applications.compensation.compensating import compensate_file
+from allanite.applications.compensation.settings import CompensationSettings
+from allanite.applications.rate import closeup
+from allanite.applications.rate.campaign import RateSettings, measure_rates
+from allanite.applications.signals import TorqueScale
+from allanite.applications.signals.budgeting import PathSettings
+from allanite.applications.signals.codes import codes
 from allanite.batch.scatter import Outlying, Trend
 from allanite.comparison.comparison import ComparisonSettings
-from allanite.compensation import FitSettings, compensate
-from allanite.compensation.settings import CompensationSettings
-from allanite.compensation.study import compensate_file
 from allanite.core.averaged import averaged
 from allanite.core.correction import Correction
 from allanite.core.finding import Finding
@@ -26,14 +31,9 @@ from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.imported import noise_in
-from allanite.meaning.meaning import meaning
+from allanite.interpretation.causes import meaning
 from allanite.planning.properties import properties
 from allanite.prepare import inspect
-from allanite.rate import closeup
-from allanite.rate.study import RateSettings, measure_rates
-from allanite.signals import TorqueScale
-from allanite.signals.codes import codes
-from allanite.signals.study import PathSettings
 from allanite.simulation.recording import Simulation
 from allanite.statistics import expectation
 from allanite.study.modelled import run_model_job

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from tests import thinned
 
 from allanite.cli import main
-from allanite.readers.formats.table import READERS
+from allanite.readers.formats.registry import READERS
 
 
 class Row(NamedTuple):

@@ -32,7 +32,7 @@ al.write(simulated(al.N(0.1, "deg/sqrt(h)")), "z.csv")
 
 FOURTH = """
 import numpy as np
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from .row import Statistic, binomial_window, constant
 def sums(x, m):
     each = (x[4*s:] - 4 * x[3*s:-s] + 6 * x[2*s:-2*s] - 4 * x[s:-3*s] + x[:-4*s] for s in m.tolist())
@@ -45,7 +45,7 @@ FDEV = Statistic(
 
 RELAXATION = """
 from dataclasses import replace
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from .markov import SHORTEST, gauss_markov, markov_block
 from .row import time_constant
 def relaxation(T):  # Gauss-Markov noise whose RMS is the coefficient times T^1.5
@@ -75,7 +75,7 @@ def read(path, options):
 """
 
 PILOT = """
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import DENSITY, Target, pair
 PILOT = Target(name="pilot", title=say("settings of Pilot"), fields=pair("gyro_noise", "accel_noise", *DENSITY),
@@ -120,7 +120,7 @@ def extent(file, **choices):
 """
 
 VIEW = """
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.reporting.sheet import Table, columns
 from . import View
 from .jobs import channel_sheet, job_face, source_of

@@ -13,12 +13,12 @@ from click.testing import CliRunner
 from matplotlib.text import Text
 
 import allanite as al
-from allanite.attitude import FILTERS
+from allanite.applications.attitude import FILTERS
+from allanite.applications.rate import RATE_ESTIMATORS
 from allanite.cli import VERBS, deliver, main
-from allanite.core.language import Phrase
-from allanite.exporting.table import EXPORTS
+from allanite.exporting.exports import EXPORTS
 from allanite.identification.front import METHODS
-from allanite.rate import RATE_ESTIMATORS
+from allanite.phrases.phrase import Phrase
 from allanite.reporting import html, language, style, text
 from allanite.reporting.sheet import Code, Fold
 from allanite.reporting.sketch.limits import Unsketched

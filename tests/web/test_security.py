@@ -16,7 +16,7 @@ from allanite.cli import main
 from allanite.cli.front import EXCEEDED
 from allanite.core.errors import UsageError
 from allanite.reporting.sheet import printable
-from allanite.web.door import Door
+from allanite.web.access import Door
 from allanite.web.store import Store
 
 from .served import Client, served

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from tests import thinned, translated
 
 from allanite.cli import main
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .served import Client, served
 

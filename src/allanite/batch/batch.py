@@ -14,9 +14,9 @@ from allanite.readers.sandbox.source import STDIN, STDIN_NAME
 from allanite.study.analysis import Channel, Study
 from allanite.study.noise import Noise
 
-from .across import Across, across
 from .judgement import FAIL, NOT_SHOWN, Judgement, worst_of
 from .specification import Specification
+from .summary import Across, across
 
 
 @dataclass(frozen=True, eq=False, repr=False)

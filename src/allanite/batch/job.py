@@ -4,8 +4,8 @@ import os
 from collections.abc import Iterable, Sequence
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
-from allanite.core.language import Phrase
 from allanite.core.version import __version__
+from allanite.phrases.phrase import Phrase
 from allanite.study.analysis import Study, analyzed, demand_shown
 from allanite.study.channels import Progress
 from allanite.study.recipe import Recipe

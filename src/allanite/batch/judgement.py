@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from allanite.core.language import join, say
 from allanite.core.plain import Value
 from allanite.core.readings import MINIMUM
+from allanite.phrases.phrase import join, say
 from allanite.study.analysis import Channel, Study
 
 from .specification import Limit, Specification

@@ -10,21 +10,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.units import Signal
+from allanite.phrases.phrase import say
 from allanite.study.analysis import Study
 
-from .across import known
 from .batch import Batch, BatchUnit
 from .judgement import judge_study
 from .manifest import DATE, TEMPERATURE
 from .scatter import Distribution, Outlying, Trend, outliers, slope_of
 from .sources import PathLike
 from .specification import Specification
-from .spool import Spool, spooled
 from .status import DONE, OPEN
 from .store import Store
+from .study_cache import Spool, spooled
+from .summary import known
 
 TREND = 6
 """Values from which on there is a trend."""

@@ -3,7 +3,7 @@
 import json
 from typing import Any
 
-from allanite.core.language import Phrase
+from allanite.phrases.phrase import Phrase
 
 TEMPLATES, FIELDS = "say", "with"
 """Keys of a phrase."""
@@ -14,7 +14,7 @@ def dumps(data: Any) -> str:
 
     Examples
     --------
-    >>> from allanite.core.language import say
+    >>> from allanite.phrases.phrase import say
     >>> dumps({"what": say("at {f:g} Hz", f=2.5), "name": "gx"})
     '{"name": "gx", "what": {"say": ["at {f:g} Hz"], "with": {"f": 2.5}}}'
     >>> loads(_)["what"]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.threads import one_thread
 from allanite.core.version import __version__
-from allanite.core.wording import command_line
+from allanite.phrases.wording import command_line
 from allanite.study.analysis import analyzed
 from allanite.study.channels import Progress
 from allanite.study.recipe import Recipe

@@ -7,8 +7,8 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-from .across import Coefficient
 from .manifest import DATE
+from .summary import Coefficient
 
 DAY = 86400.0
 FALSE_ALARM = 0.05

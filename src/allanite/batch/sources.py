@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.readers.sandbox.packing import PROSE
 from allanite.readers.sandbox.source import STDIN, is_recording
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from allanite.core.errors import UsageError
-from allanite.core.language import join, say
 from allanite.core.model import coefficient_factor
 from allanite.core.notation import split_quantities
 from allanite.core.plain import Value
 from allanite.core.readings import MINIMUM
 from allanite.core.units import SIGNALS, Signal, signal_with, unit_of
+from allanite.phrases.phrase import join, say
 from allanite.study.recipe import load_toml
 from allanite.terms import TERMS
 

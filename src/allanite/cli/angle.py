@@ -14,7 +14,7 @@ from .options import RESULTS, options
 from .types import NAMES
 
 if TYPE_CHECKING:
-    from allanite.angle import Gimbals
+    from allanite.applications.angle import Gimbals
     from allanite.readers.columns.sheet import Sheet
 
 
@@ -49,7 +49,7 @@ angle.add_command(simulate)
 def calibrate(file: str, **choices: Any) -> None:
     """Calibrate an encoder against a reference."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
-    from allanite.angle import calibrate as run
+    from allanite.applications.angle import calibrate as run
     from allanite.readers.columns.sheet import sheet
 
     data, name = sheet(file), choices["measured"]
@@ -99,8 +99,8 @@ def calibrate(file: str, **choices: Any) -> None:
 def estimate(file: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
-    from allanite.angle import estimate as run
-    from allanite.angle.design import USUAL
+    from allanite.applications.angle import estimate as run
+    from allanite.applications.angle.design import USUAL
     from allanite.readers.columns.sheet import sheet
 
     data = sheet(file)
@@ -118,7 +118,7 @@ def estimate(file: str, **choices: Any) -> None:
 
 
 def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
-    from allanite.angle import Gimbals
+    from allanite.applications.angle import Gimbals
     from allanite.readers.columns.column import lookup
 
     def read(key: str, otherwise: float = 0.0) -> Any:

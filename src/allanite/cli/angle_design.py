@@ -13,7 +13,7 @@ from .options import RESULTS, options
 from .types import NUMBERS, Separated
 
 if TYPE_CHECKING:
-    from allanite.angle import AngleSettings, Gimbals, Harmonics
+    from allanite.applications.angle import AngleSettings, Gimbals, Harmonics
 
 SWAY = Separated(float, "amplitude in deg and period in s", 2, "1,60")
 
@@ -55,8 +55,8 @@ EXPERIMENT = (
 def plan(**choices: Any) -> None:
     """Predict how accurately errors can be known."""
     out = outputs(choices, [choices["recipe"]])
-    from allanite.angle import plan as run
-    from allanite.angle import scan
+    from allanite.applications.angle import plan as run
+    from allanite.applications.angle import scan
 
     starts = choices["starts"] or ()
     if len(starts) == 1 and "plot" in out.paths:
@@ -102,8 +102,8 @@ def simulate(out: str, **choices: Any) -> None:
     where = outputs(choices | {"csv": out}, [])
     import numpy as np
 
-    from allanite.angle import readings
-    from allanite.angle import simulate as run
+    from allanite.applications.angle import readings
+    from allanite.applications.angle import simulate as run
 
     known = _known(choices["errors"])
     true = _experiment(choices).gimbals(choices["start"])
@@ -133,7 +133,7 @@ def _drawn(gimbals: "Gimbals", known: "Sequence[Harmonics]", where: Outputs) -> 
 
 
 def _known(errors: Sequence[str]) -> "dict[str, Harmonics]":
-    from allanite.angle import Harmonics
+    from allanite.applications.angle import Harmonics
 
     found: dict[str, dict[int, tuple[float, float]]] = {}
     for text in errors:
@@ -152,7 +152,7 @@ def _known(errors: Sequence[str]) -> "dict[str, Harmonics]":
 
 
 def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
-    from allanite.angle import AngleSettings
+    from allanite.applications.angle import AngleSettings
 
     for name in ("latitude", "duration"):
         if choices[name] is None:

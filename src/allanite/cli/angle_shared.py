@@ -38,7 +38,7 @@ def deliver_study(
     result: Any, out: Outputs, choices: dict[str, Any], data: "Sheet | None" = None, /, *corrected: Mapping[str, Any]
 ) -> None:
     """Deliver a result together with the options that produced it, and the corrected angles."""
-    from allanite.angle.study import AngleStudy
+    from allanite.applications.angle.calibrating import AngleStudy
     from allanite.study.provenance import provenance_of
 
     chosen = {key: v for key, v in choices.items() if v is not None and key not in ("level", "recipe")}

@@ -40,9 +40,9 @@ def budget(file: str, **choices: Any) -> None:
     """
     out = outputs(choices, [file, choices["recipe"]], also=("rates",))
     demand_recording(out.paths.get("rates"))
+    from allanite.applications.signals import Stage, TorqueScale
+    from allanite.applications.signals.budgeting import PathSettings, budget_file
     from allanite.core.errors import UsageError
-    from allanite.signals import Stage, TorqueScale
-    from allanite.signals.study import PathSettings, budget_file
 
     torquer, factor = choices["torquer"], choices["scale_factor"]
     if torquer is not None and factor is not None:

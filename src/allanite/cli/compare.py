@@ -42,7 +42,7 @@ def compare(files: tuple[str, ...], **choices: Any) -> None:
 def _compare(
     files: tuple[str, ...], recipe: "Recipe", how: "tuple[tuple[str, ...] | None, float | None]", tell: "Progress"
 ) -> "Comparison | Pool":
-    from allanite.comparison import study
+    from allanite.comparison import comparing as study
     from allanite.core.errors import UsageError
 
     against, part = how

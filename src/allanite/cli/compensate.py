@@ -64,9 +64,9 @@ def compensate(file: str, **choices: Any) -> None:
     read = [file, apply_to, *(choices[key] for key in ("beside", "use", "recipe"))]
     out = outputs(choices, read, also=("save", "corrected"))
     demand_recording(out.paths.get("corrected"))
-    from allanite.compensation.regression import to_json
-    from allanite.compensation.settings import CompensationSettings, FitSettings
-    from allanite.compensation.study import compensate_file
+    from allanite.applications.compensation.compensating import compensate_file
+    from allanite.applications.compensation.regression import to_json
+    from allanite.applications.compensation.settings import CompensationSettings, FitSettings
 
     recipe = recipe_of(choices)
     settings = CompensationSettings(fit=settings_of(FitSettings, choices), **given(choices))

@@ -126,7 +126,7 @@ def _demand_place(name: str, path: str, *, force: bool) -> None:
 
 def demand_recording(path: str | None) -> None:
     """Refuse, before any work, a recording whose format cannot be written."""
-    from allanite.readers.formats.table import writer_for
+    from allanite.readers.formats.registry import writer_for
 
     if path is not None:
         writer_for(os.path.splitext(path)[1].lower())

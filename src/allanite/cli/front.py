@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from allanite.core.errors import AllaniteError
-from allanite.core.wording import command_line
+from allanite.phrases.wording import command_line
 
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read

@@ -12,8 +12,8 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 from .types import NAMES
 
 if TYPE_CHECKING:
+    from allanite.applications.rate.campaign import RateSettings, RateStudy
     from allanite.core.units import Signal
-    from allanite.rate.study import RateSettings, RateStudy
 
 
 @click.command()
@@ -81,7 +81,7 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
         from allanite.reporting.style import demand_figure_path
 
         demand_figure_path(out.paths["closeup"], force=out.force)
-    from allanite.rate.study import measure_rates
+    from allanite.applications.rate.campaign import measure_rates
     from allanite.reporting import to_csv
 
     recipe = recipe_of(choices)
@@ -112,9 +112,9 @@ def _closeups(study: "RateStudy", out: Outputs) -> bytes:
 
 def _settings(given: dict[str, Any]) -> "RateSettings":
     """The settings of a study from the options given, which are taken out of `given`."""
+    from allanite.applications.rate import EstimatorSettings, ExperimentSettings
+    from allanite.applications.rate.campaign import RateSettings
     from allanite.core.notation import parse_model
-    from allanite.rate import EstimatorSettings, ExperimentSettings
-    from allanite.rate.study import RateSettings
 
     if "latitude" in given and "reference" in given and not given["horizontal"]:
         raise UsageError("the true rate is given twice: use either --latitude or --reference")

@@ -11,7 +11,7 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 from .types import Duration
 
 if TYPE_CHECKING:
-    from allanite.attitude.trials import VerticalDesign
+    from allanite.applications.attitude.trials import VerticalDesign
 
 DESIGNING = ("duration", "gyro_bias", "accelerometer_bias", "scenarios", "seed")
 """Options that apply without a recording."""
@@ -66,8 +66,8 @@ def vertical(file: str | None, **choices: Any) -> None:
     if given:
         raise UsageError(f"--{given[0].replace('_', '-')} applies without a recording only; omit it, or FILE")
     choices.pop("seed")
-    from allanite.attitude.result import VerticalSettings
-    from allanite.attitude.study import vertical as job
+    from allanite.applications.attitude.result import VerticalSettings
+    from allanite.applications.attitude.tuning import vertical as job
 
     identifying, choices["method"] = choices["method"], choices.pop("filter_name")
     settings = settings_of(VerticalSettings, choices)
@@ -77,9 +77,9 @@ def vertical(file: str | None, **choices: Any) -> None:
 
 def _design(choices: dict[str, Any]) -> "VerticalDesign":
     """The best filter for the given noise."""
-    from allanite.attitude import optimal_time_constant
-    from allanite.attitude.prediction import biases
-    from allanite.attitude.trials import design
+    from allanite.applications.attitude import optimal_time_constant
+    from allanite.applications.attitude.prediction import biases
+    from allanite.applications.attitude.trials import design
     from allanite.core.notation import parse_model
 
     if choices["gyro"] is None or choices["accelerometer"] is None:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from allanite.core.encoding import finite, plain
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
-from allanite.core.language import join, say
 from allanite.core.limits import Remembered, demand_level
 from allanite.core.plain import Value
 from allanite.core.titles import title_of
 from allanite.core.units import Signal
+from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
 if TYPE_CHECKING:

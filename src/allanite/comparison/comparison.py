@@ -12,14 +12,14 @@ from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
 from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
-from allanite.core.language import join, say, say_count
 from allanite.core.limits import demand_level
 from allanite.core.plain import Value
 from allanite.core.record import Record
-from allanite.core.wording import duration
+from allanite.phrases.phrase import join, say, say_count
+from allanite.phrases.wording import duration
 
 from .change import Change, Homogeneity, holm, told
-from .together import Together, of_symbol
+from .job_of_pairs import Together, of_symbol
 
 SECOND = 5.0
 """Factor of the p of curves: with it the share of equal records that are called different stays that of the test."""

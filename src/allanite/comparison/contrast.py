@@ -12,7 +12,7 @@ from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
 
 from .change import Homogeneity
-from .joint import Joint
+from .common_likelihood import Joint
 from .likelihoods import drawn, least, tied
 
 DRAWS = 199

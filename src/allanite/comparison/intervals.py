@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 

@@ -10,17 +10,17 @@ from allanite.core.encoding import finite
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
-from allanite.core.language import join, say
 from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.titles import title_of
 from allanite.core.units import Signal
+from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
 from .change import Homogeneity
-from .together import Together, of_symbol
+from .job_of_pairs import Together, of_symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -10,22 +10,22 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.limits import Remembered
 from allanite.core.record import Record
 from allanite.identification.likelihood.selection import standard_error
+from allanite.phrases.phrase import say
 from allanite.study.channels import Inspected
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
 from .change import alpha_of, holm
+from .common_likelihood import Joint
 from .contrast import chi_square, homogeneity, outlying, spread
-from .joining import join_records
-from .joint import Joint
 from .likelihoods import least
 from .pooled import PooledChannel, PooledTerm
 from .ramps import CommonRamp, ramp_law
 from .ratio import shared_curves
+from .records_joined import join_records
 
 
 def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator") -> PooledChannel:

@@ -11,7 +11,7 @@ from allanite.core.limits import quantile
 from allanite.identification.likelihood.selection import Profile, Subset
 from allanite.terms import TERMS
 
-from .joint import Joint
+from .common_likelihood import Joint
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,9 +18,9 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.record import Record
+from allanite.phrases.phrase import join, say
 from allanite.statistics import deviation
 from allanite.statistics.confidence.chisquares import NEAR, Mixture, cumulants
 from allanite.statistics.confidence.limits import mixtures

@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
-from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.study.channels import Inspected, Progress, Source, demand_result, each_channel, open_recording
 from allanite.study.job import Job
 from allanite.study.provenance import provenance_of

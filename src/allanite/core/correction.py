@@ -3,8 +3,9 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+from allanite.phrases.phrase import say
+
 from .arrays import FloatArray
-from .language import say
 from .plain import Value
 from .record import Record, Recording
 

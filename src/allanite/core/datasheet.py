@@ -4,11 +4,11 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from allanite.phrases.phrase import Phrase, say
 from allanite.terms import TERMS
 
 from .estimate import STATUS_WORDS, Estimate
 from .fit import Fit
-from .language import Phrase, say
 from .readings import Readings, stability_over
 from .titles import title_of
 from .units import convert

@@ -32,13 +32,13 @@ class Form(NamedTuple):
     written: Callable[[Any], bool]
 
 
-def write(value: Any, hint: Any, level: float) -> Any:
+def write_plain(value: Any, hint: Any, level: float) -> Any:
     """Plain data of a value of type `hint`, with limits at `level`."""
     origin, args = _derived(hint)
     return _form(origin).write(value, args, level)
 
 
-def read(data: Any, hint: Any) -> Any:
+def read_plain(data: Any, hint: Any) -> Any:
     """The value of type `hint` that `write` has written."""
     origin, args = _derived(hint)
     return _form(origin).read(data, args)
@@ -121,23 +121,23 @@ def _write_tuple(value: Any, args: tuple[Any, ...], level: float) -> list[Any]:
         return [plain(item, level) for item in value]
     many = len(args) == 1 or args[-1] is Ellipsis
     hints = (args[0],) * len(value) if many else args
-    return [write(item, hint, level) for item, hint in zip(value, hints, strict=True)]
+    return [write_plain(item, hint, level) for item, hint in zip(value, hints, strict=True)]
 
 
 def _read_tuple(data: Any, args: tuple[Any, ...]) -> tuple[Any, ...]:
     many = len(args) == 1 or args[-1:] == (Ellipsis,)
     hints = ((args[0],) * len(data) if many else args) or (Any,) * len(data)
-    return tuple(read(item, hint) for item, hint in zip(data, hints, strict=True))
+    return tuple(read_plain(item, hint) for item, hint in zip(data, hints, strict=True))
 
 
 def _write_dict(value: Any, args: tuple[Any, ...], level: float) -> dict[str, Any]:
     hint = args[1] if args else Any
-    return {str(key): write(item, hint, level) for key, item in value.items()}
+    return {str(key): write_plain(item, hint, level) for key, item in value.items()}
 
 
 def _read_dict(data: Any, args: tuple[Any, ...]) -> dict[Any, Any]:
     key_of, hint = args or (str, Any)
-    return {key if key_of is Any else key_of(key): read(item, hint) for key, item in data.items()}
+    return {key if key_of is Any else key_of(key): read_plain(item, hint) for key, item in data.items()}
 
 
 def _write_union(value: Any, args: tuple[Any, ...], level: float) -> Any:
@@ -145,7 +145,7 @@ def _write_union(value: Any, args: tuple[Any, ...], level: float) -> Any:
         return None
     for hint in args:
         if hint is not types.NoneType and _form(hint).holds(value):
-            data = write(value, hint, level)
+            data = write_plain(value, hint, level)
             return "nan" if data is None and types.NoneType in args else data
     raise TypeError(f"{type(value).__name__} is none of {', '.join(map(str, args))}")
 
@@ -155,21 +155,21 @@ def _read_union(data: Any, args: tuple[Any, ...]) -> Any:
         return None
     members = [hint for hint in args if hint is not types.NoneType]
     fitting = [hint for hint in members if _form(hint).written(data)]
-    return read(data, fitting[0] if fitting else members[0])
+    return read_plain(data, fitting[0] if fitting else members[0])
 
 
 def _write_call(value: Any, args: tuple[Any, ...], level: float) -> Any:
     """Limits are stored as numbers at one level; functions without a level as their result, and texts as they are."""
     if args[0]:
-        return {"level": level, "values": write(value(level), args[1], level)}
-    return value() if args[1] is str else {"values": write(value(), args[1], level)}
+        return {"level": level, "values": write_plain(value(level), args[1], level)}
+    return value() if args[1] is str else {"values": write_plain(value(), args[1], level)}
 
 
 def _read_call(data: Any, args: tuple[Any, ...]) -> Any:
     if isinstance(data, str):
         return Stored(data)
     also = _read_call(data["also"], args) if "also" in data else None
-    return Stored(read(data["values"], args[1]), data.get("level"), also)
+    return Stored(read_plain(data["values"], args[1]), data.get("level"), also)
 
 
 def _no_type(_: Any) -> bool:

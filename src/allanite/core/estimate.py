@@ -5,14 +5,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from allanite.phrases.phrase import Phrase, say
 from allanite.terms import TERMS
 
+from .display_units import shown_unit
 from .encoding import finite
-from .language import Phrase, say
 from .limits import demand_level
 from .model import coefficient_factor
 from .plain import Value
-from .shown import shown_unit
 from .units import Signal
 
 WEAK = 0.25

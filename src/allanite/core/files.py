@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from allanite.phrases.wording import spelled
+
 from .errors import UsageError, given
-from .wording import spelled
 
 PathLike = str | os.PathLike[str]
 

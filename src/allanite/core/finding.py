@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from .language import join
+from allanite.phrases.phrase import join
+
 from .plain import Value
 
 

@@ -4,18 +4,19 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
+from allanite.phrases.phrase import Phrase, join, say
+
 from .arrays import FloatArray
 from .averaged import Averaged, averaged
 from .curve import Curve
 from .errors import UsageError
 from .estimate import Estimate
 from .finding import Finding
-from .language import Phrase, join, say
 from .model import Model, Term, coefficient_factor
 from .plain import Value
-from .scope import APPROXIMATE, UNEXPLAINED, Scope, graded, worst
 from .titles import title_of
 from .units import Signal
+from .validity import APPROXIMATE, UNEXPLAINED, Scope, graded, worst
 
 EXPLAINED = 0.01
 """p-value of the goodness of fit below which the model does not explain the record."""

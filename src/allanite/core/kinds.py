@@ -1,8 +1,9 @@
 """Kinds of records: what a sample is."""
 
-from .language import join, say
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
+
 from .units import Signal, signal_with, unit_of
-from .wording import spelled
 
 # kind: power of time in the unit relative to the signal, points beyond the number of intervals, meaning
 KINDS: dict[str, tuple[int, int, str]] = {

@@ -8,11 +8,11 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS, NoiseTerm
 
 from .arrays import FloatArray
 from .errors import UnitError, UsageError, given
-from .language import join, say
 from .plain import Value, demand_type
 from .titles import title_of
 from .units import SIGNALS, Signal, signal_named, signal_with, unit_of

@@ -6,7 +6,7 @@ from functools import cache
 from html import escape
 from typing import Any, ClassVar, Self, cast, get_type_hints
 
-from .encoding import plain, read, write
+from .encoding import plain, read_plain, write_plain
 from .errors import UsageError
 
 VERSION = 1
@@ -16,21 +16,21 @@ LONGEST = 120
 """Maximum length of a `repr`."""
 
 _MODULES: dict[str, str] = {
-    "angle.calibration": "Calibration",
-    "angle.geometry": "Gimbals",
-    "angle.harmonics": "Harmonics",
-    "angle.plans": "AnglePlan AngleSettings Scan",
-    "angle.residuals": "InnovationTest",
-    "angle.solution": "History Solution",
-    "angle.squareroot": "SquareRoot",
-    "angle.sway": "Sway",
-    "attitude.loop": "Loop",
-    "attitude.optimum": "Optimum",
-    "attitude.prediction": "Prediction Source",
-    "attitude.scenarios": "Trial",
-    "attitude.trials": "ScenarioErrors VerticalDesign",
-    "attitude.result": "Angle VerticalChannel VerticalSettings VerticalStudy",
-    "batch.across": "Across",
+    "applications.angle.calibration": "Calibration",
+    "applications.angle.geometry": "Gimbals",
+    "applications.angle.harmonics": "Harmonics",
+    "applications.angle.plans": "AnglePlan AngleSettings Scan",
+    "applications.angle.residuals": "InnovationTest",
+    "applications.angle.solution": "History Solution",
+    "applications.angle.squareroot": "SquareRoot",
+    "applications.angle.sway": "Sway",
+    "applications.attitude.loop": "Loop",
+    "applications.attitude.optimum": "Optimum",
+    "applications.attitude.prediction": "Prediction Source",
+    "applications.attitude.scenarios": "Trial",
+    "applications.attitude.trials": "ScenarioErrors VerticalDesign",
+    "applications.attitude.result": "Angle VerticalChannel VerticalSettings VerticalStudy",
+    "batch.summary": "Across",
     "batch.batch": "Batch BatchUnit",
     "batch.judgement": "Judgement",
     "batch.lot": "Lot",
@@ -39,12 +39,12 @@ _MODULES: dict[str, str] = {
     "comparison.change": "Change Homogeneity",
     "comparison.comparison": "Comparison ComparisonSettings Pair Ratios",
     "comparison.pooled": "Pool PooledChannel PooledTerm",
-    "compensation.compensated": "Compensated CompensationStudy",
-    "compensation.gain": "Gain",
-    "compensation.mixture": "Mixture",
-    "compensation.regression": "Regression",
-    "compensation.regressor": "Effect Regressor",
-    "compensation.settings": "CompensationSettings FitSettings",
+    "applications.compensation.compensated": "Compensated CompensationStudy",
+    "applications.compensation.gain": "Gain",
+    "applications.compensation.mixture": "Mixture",
+    "applications.compensation.regression": "Regression",
+    "applications.compensation.regressor": "Effect Regressor",
+    "applications.compensation.settings": "CompensationSettings FitSettings",
     "core.averaged": "Averaged",
     "core.curve": "Curve",
     "core.finding": "Finding Quality",
@@ -55,32 +55,32 @@ _MODULES: dict[str, str] = {
     "core.readings": "Means Reading Readings Slope",
     "core.record": "Recording",
     "core.residuals": "Check Residuals Shared",
-    "core.scope": "LowPass Scope",
+    "core.validity": "LowPass Scope",
     "core.spectrum": "Spectrum",
     "core.surface": "Surface",
     "exporting.content": "Entry",
     "exporting.conversion": "Explanation",
     "exporting.export": "Export",
     "exporting.imported": "Imported",
-    "meaning.meaning": "Meaning",
+    "interpretation.causes": "Meaning",
     "planning.bound": "Bound",
     "planning.plan": "RecordingPlan",
     "planning.properties": "Properties",
     "planning.selfcheck": "SelfCheck",
     "planning.termcheck": "TermCheck",
-    "rate.earth": "North",
-    "rate.estimates": "RateEstimate",
-    "rate.experiments": "Experiment",
-    "rate.first_interval": "Closeup",
-    "rate.predict": "Ranking",
-    "rate.run": "ExperimentSettings",
-    "rate.setting": "EstimatorSettings",
-    "rate.study": "RateChannel RateSettings RateStudy",
-    "signals.codes": "Codes",
-    "signals.rounding_noise": "Budget StageNoise",
-    "signals.stage": "Stage",
-    "signals.study": "BudgetChannel BudgetStudy PathSettings",
-    "signals.torque": "TorqueScale",
+    "applications.rate.earth": "North",
+    "applications.rate.estimates": "RateEstimate",
+    "applications.rate.experiments": "Experiment",
+    "applications.rate.first_interval": "Closeup",
+    "applications.rate.predict": "Ranking",
+    "applications.rate.run": "ExperimentSettings",
+    "applications.rate.setting": "EstimatorSettings",
+    "applications.rate.campaign": "RateChannel RateSettings RateStudy",
+    "applications.signals.codes": "Codes",
+    "applications.signals.rounding_noise": "Budget StageNoise",
+    "applications.signals.stage": "Stage",
+    "applications.signals.budgeting": "BudgetChannel BudgetStudy PathSettings",
+    "applications.signals.torque": "TorqueScale",
     "simulation.recording": "Simulation",
     "statespace.space": "StateSpace",
     "statistics.model_curves": "Expectation",
@@ -128,7 +128,9 @@ class Value(Portable):
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data that JSON can hold, with confidence limits at `level`."""
         data: dict[str, Any] = {"allanite": VERSION, "type": type(self).__name__}
-        data |= {self._keys.get(n, n): write(getattr(self, n), hint, level) for n, hint in stored_fields(type(self))}
+        data |= {
+            self._keys.get(n, n): write_plain(getattr(self, n), hint, level) for n, hint in stored_fields(type(self))
+        }
         return data | {name: plain(getattr(self, name), level) for name in self._also}
 
     @classmethod
@@ -148,7 +150,7 @@ class Value(Portable):
         for name, hint in stored_fields(cls):
             key = cls._keys.get(name, name)
             if key in data:
-                found[name] = read(data[key], hint)
+                found[name] = read_plain(data[key], hint)
             elif name in missing:
                 raise UsageError(
                     f"the stored {cls.__name__} has no {key!r}: the data are incomplete; store the result again"

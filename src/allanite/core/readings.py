@@ -5,13 +5,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from allanite.phrases.phrase import Phrase, say
 from allanite.terms import TERMS
 
+from .display_units import shown_unit
 from .encoding import finite, plain
-from .language import Phrase, say
 from .limits import demand_level, quantile
 from .plain import Value
-from .shown import shown_unit
 from .titles import title_of
 from .units import Signal, convert
 

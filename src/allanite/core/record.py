@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.phrases.phrase import join, say
+
 from .arrays import FloatArray, complete
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
-from .language import join, say
 from .plain import Value
 from .units import Signal, unit_of
 

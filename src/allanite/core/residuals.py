@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 from typing import Any
 
+from allanite.phrases.phrase import Phrase, join, say
+from allanite.phrases.wording import spelled
+
 from .arrays import FloatArray
 from .finding import Finding
 from .fit import REJECTED, Fit, Goodness, chance, tested
-from .language import Phrase, join, say
 from .plain import Value
-from .scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, Scope, worst
-from .wording import spelled
+from .validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Scope, worst
 
 SURE = 1e-3
 """p-value of a check below which the model does not explain the record."""

@@ -1,6 +1,6 @@
 """Names of the types of sensors in messages, by the names of their signals."""
 
-from .language import say
+from allanite.phrases.phrase import say
 
 SENSORS = {
     "gyro": say("gyro"),

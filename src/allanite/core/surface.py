@@ -6,11 +6,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from allanite.phrases.phrase import say
+
 from .arrays import FloatArray, IntArray
 from .curve import Curve, Law
 from .encoding import plain
 from .errors import UsageError
-from .language import say
 from .model import Model
 from .plain import Value
 from .units import convert

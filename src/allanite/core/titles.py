@@ -1,8 +1,8 @@
 """Names and meanings of noise terms by the type of sensor."""
 
+from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
-from .language import say
 from .units import Signal
 
 

@@ -11,8 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
+from allanite.phrases.phrase import say
+
 from .errors import UnitError, given
-from .language import say
 from .spellings import SIGNS, SPELLINGS, latin
 
 Dimension = tuple[float, ...]

@@ -9,9 +9,9 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
+from allanite.phrases.phrase import join, say
 from allanite.study.analysis import Channel, Study
 
 ALLAN = ("oadev", "adev")

@@ -15,9 +15,9 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.model import Model, Term
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.terms import TERMS
 
 from .axes import Axis

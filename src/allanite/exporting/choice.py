@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
-from allanite.core.language import say
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.terms import TERMS
 
 from .axes import Axis

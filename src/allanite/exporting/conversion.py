@@ -16,7 +16,7 @@ from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
 from .axes import Source
-from .table import EXPORTS, target_named
+from .exports import EXPORTS, target_named
 
 COEFFICIENTS = "NKBQR"
 """The terms that a value with a unit may be, by the dimension of its unit."""

@@ -7,19 +7,19 @@ from typing import Any
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, encoded, write
-from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.sensors import SENSORS
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.study.analysis import Study
 
 from .axes import Axis, Source, axes_of
 from .bounds import bounded
 from .choice import demand_policy, selected
 from .content import Content, Entry, one_line
+from .exports import target_named
 from .fields import Filled, How, demand_how, fill, usable
 from .provenance import header, left_out
-from .table import target_named
 from .target import Target, demand_rate
 
 

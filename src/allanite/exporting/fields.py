@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import join, say
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.study.noise import rejected
 
 from .axes import Axis

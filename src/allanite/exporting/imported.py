@@ -9,9 +9,9 @@ from allanite.core.files import PathLike
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import signal_named, unit_of
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 
-from .table import target_named
+from .exports import target_named
 from .target import LONG, Field, Target
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"

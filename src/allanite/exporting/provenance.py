@@ -3,10 +3,10 @@
 from collections.abc import Iterator, Sequence
 
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
-from allanite.core.scope import graded
 from allanite.core.titles import title_of
+from allanite.core.validity import graded
 from allanite.core.version import __version__
+from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
 from .axes import Axis

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from allanite.core.errors import UsageError
 from allanite.core.units import unit_of
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 
 if TYPE_CHECKING:
     from .content import Content

@@ -7,11 +7,11 @@ from typing import Any, TypedDict, Unpack, overload
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
-from allanite.core.scope import Band, demand_band
 from allanite.core.threads import one_thread
-from allanite.core.wording import spelled
+from allanite.core.validity import Band, demand_band
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.prepare import outliers as robust
 from allanite.statistics import deviation
 from allanite.terms import TERMS

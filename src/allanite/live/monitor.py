@@ -7,9 +7,9 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import say, say_count
 from allanite.core.record import Record
-from allanite.core.wording import percent
+from allanite.phrases.phrase import say, say_count
+from allanite.phrases.wording import percent
 from allanite.prepare.readings import clipped, stuck
 from allanite.prepare.stillness import AT_REST, MOVING, busy
 from allanite.prepare.view import View

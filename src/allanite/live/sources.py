@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from urllib.parse import urlsplit
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 PIECE = 1 << 16
 """Bytes that are taken at a time."""

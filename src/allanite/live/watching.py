@@ -12,8 +12,8 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding, Quality
 from allanite.core.fit import Fit
 from allanite.core.header import Header
-from allanite.core.language import join, say
-from allanite.core.wording import percent
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import percent
 from allanite.planning.plan import plan
 from allanite.stream.accumulator import Accumulator
 from allanite.study.analysis import Channel, Study

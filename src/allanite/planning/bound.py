@@ -10,9 +10,9 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
-from allanite.core.language import join
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
+from allanite.phrases.phrase import join
 from allanite.terms import TERMS
 from allanite.terms.row import Parameter
 

@@ -10,12 +10,12 @@ import numpy as np
 from allanite.core.encoding import plain
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
-from allanite.core.scope import Band
 from allanite.core.titles import title_of
+from allanite.core.validity import Band
 from allanite.identification.front import identify
+from allanite.phrases.phrase import say
 from allanite.simulation.record import simulate
 
 from .bound import bound

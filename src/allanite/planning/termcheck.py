@@ -11,11 +11,11 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.encoding import plain
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import join
 from allanite.core.limits import quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal
+from allanite.phrases.phrase import join
 from allanite.terms import TERMS
 
 from .bound import Bound, title_of

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from allanite.core.finding import Finding, Quality
-from allanite.core.language import join, say
 from allanite.core.record import Record
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 
 from .stillness import still_words
 

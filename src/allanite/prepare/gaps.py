@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray, complete
-from allanite.core.language import join, say
 from allanite.core.record import SHORTEST, Record
-from allanite.core.wording import spelled, windowing
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled, windowing
 from allanite.terms import NoiseTerm
 
 EXACT = 64

@@ -8,9 +8,9 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray, complete
 from allanite.core.errors import UsageError
-from allanite.core.language import say, say_count
 from allanite.core.limits import quantile
 from allanite.core.record import Record
+from allanite.phrases.phrase import say, say_count
 
 CHOICES = {"mark": "excluded, like missing samples", "keep": "kept"}
 """What can be done with outliers."""

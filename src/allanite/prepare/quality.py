@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from allanite.core.finding import Finding, Quality
-from allanite.core.language import say, say_count
 from allanite.core.record import SHORTEST, Record
-from allanite.core.wording import between, percent
+from allanite.phrases.phrase import say, say_count
+from allanite.phrases.wording import between, percent
 
 from .gaps import refusal
 from .readings import clipped, outliers, quantized, stuck

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.core.finding import Finding
-from allanite.core.language import join, say, say_count
 from allanite.core.record import Record
-from allanite.core.wording import percent, spelled, windowing
+from allanite.phrases.phrase import join, say, say_count
+from allanite.phrases.wording import percent, spelled, windowing
 
 from .outliers import MOST, TAIL, Outliers
 from .rounding import FEW_CODES, grid, rounding

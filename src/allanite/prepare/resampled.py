@@ -6,8 +6,8 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import join, say
-from allanite.core.wording import percent
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import percent
 
 from .view import View
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 COARSE = 0.5
 """Quantization step over the standard deviation of the fast noise above which the step affects the results."""

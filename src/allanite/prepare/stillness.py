@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import say
 from allanite.core.record import SHORTEST, Record, Recording
-from allanite.core.wording import between, percent, spelled, windowing
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import between, percent, spelled, windowing
 from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from allanite.core.errors import UsageError, given
 from allanite.core.kinds import KINDS
-from allanite.core.language import say
 from allanite.core.record import Record, Recording
+from allanite.phrases.phrase import say
 from allanite.statistics.table import statistic_named
 
 from .outliers import marked, outliers

@@ -8,8 +8,8 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say
 from allanite.core.record import Record, Recording
+from allanite.phrases.phrase import say
 
 
 def trim(recording: Recording, start: float | None = None, until: float | None = None) -> Recording:

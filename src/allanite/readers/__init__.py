@@ -13,8 +13,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from allanite.core.errors import AllaniteError, DataError
-from allanite.core.language import join
 from allanite.core.record import Record, Recording
+from allanite.phrases.phrase import join
 
 if TYPE_CHECKING:
     from .options import Frame
@@ -98,7 +98,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     (100.0, 'deg/s', "rate 100.0 Hz from column 'time [s]'")
     >>> folder.cleanup()
     """
-    from allanite.readers.formats.table import read_frame, readable, reader_for, reader_of_type
+    from allanite.readers.formats.registry import read_frame, readable, reader_for, reader_of_type
     from allanite.readers.sandbox.packing import unpacked
     from allanite.readers.sandbox.source import digest_of, head_of, landed
 
@@ -162,7 +162,7 @@ def write(recording: Recording | Record, path: str | os.PathLike[str], *, force:
     >>> folder.cleanup()
     """
     from allanite.core.files import draft
-    from allanite.readers.formats.table import writer_for
+    from allanite.readers.formats.registry import writer_for
 
     whole = Recording((recording,)) if isinstance(recording, Record) else recording
     first = whole[0]

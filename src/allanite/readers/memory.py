@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from allanite.core.errors import UsageError
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 
 NEED = 9
 """Memory that an analysis takes, over that of the samples as float64: measured with 3.2e7 samples of one channel."""

@@ -10,7 +10,7 @@ from allanite.core.errors import UsageError
 from allanite.core.kinds import KINDS, explain_kinds
 from allanite.core.spellings import latin
 from allanite.core.units import signal_with, unit_of
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, optionally followed by a unit."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.finding import Finding
-from allanite.core.language import join, say
 from allanite.core.record import Record
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 
 from .clock.clocks import counting
 from .clock.parts import Clock, Piece, clock_of
@@ -197,7 +197,7 @@ def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> Parts
 
 def _parts(file: str, options: Options) -> Parts | None:
     """The parts of a file; None if it is packed, or of a format that is not read in parts."""
-    from .formats.table import readable, reader_for, reader_of_type
+    from .formats.registry import readable, reader_for, reader_of_type
     from .sandbox.packing import packing_of
     from .sandbox.source import head_of
 

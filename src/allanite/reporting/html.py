@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from allanite.core.language import join, say, say_count
+from allanite.phrases.phrase import join, say, say_count
 from allanite.study.shares import Work
 from allanite.terms import TERMS
 
 from .language import speaking, spoken, tr
-from .picture import Picture, drawer, drawn, svg, variable
+from .matplotlib_svg import Picture, drawer, drawn, svg, variable
 from .sheet import Code, Column, Drawing, Face, Fold, Note, Part, Table, printable, printed, printed_heading
 from .words import capital
 

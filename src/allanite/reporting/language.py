@@ -13,7 +13,7 @@ from importlib.resources import files
 from typing import Any
 
 from allanite.core.errors import UsageError
-from allanite.core.language import Catalogue, translate
+from allanite.phrases.phrase import Catalogue, translate
 
 LANGUAGES = {"en": "English", "ru": "русский", "zh": "中文"}
 """Codes of the languages, and their names in themselves; the catalogue of each but English is ``locale/<code>.po``."""

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .language import tr
 from .sheet import Drawing, Face, Fold, Part, printable

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
-from allanite.core.language import join, say
+from allanite.phrases.phrase import join, say
 
 from .digits import SUPERSCRIPT
 

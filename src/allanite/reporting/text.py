@@ -11,7 +11,7 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .cells import pad, wrapped
 from .language import tr

@@ -9,13 +9,13 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.header import Header
 from allanite.core.kinds import KIND_WORDS
-from allanite.core.language import Catalogue, Phrase, join, say, say_count
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
-from allanite.core.scope import UNEXPLAINED, graded
 from allanite.core.titles import title_of
-from allanite.core.wording import duration as duration  # noqa: PLC0414 - of this module too
+from allanite.core.validity import UNEXPLAINED, graded
 from allanite.identification.front import METHODS
+from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
+from allanite.phrases.wording import duration as duration  # noqa: PLC0414 - of this module too
 from allanite.terms import TERMS
 
 from .digits import Digits, digits

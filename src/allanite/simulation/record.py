@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 
 from allanite.core.errors import UnitError, UsageError, given
-from allanite.core.language import Phrase, say
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.record import Record
+from allanite.phrases.phrase import Phrase, say
 from allanite.statistics.row import FloatArray
 
 LONGER = (1, 2, 4, 8, 16)

@@ -7,7 +7,7 @@ from allanite.core.header import Header
 from allanite.core.model import Model
 from allanite.core.plain import Value
 from allanite.core.record import Recording
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.errors import UsageError
-from allanite.core.language import say
 from allanite.core.model import Model, N, Q
 from allanite.core.notation import parse_model
 from allanite.core.record import Record
+from allanite.phrases.phrase import say
 from allanite.statistics.row import FloatArray
 
 from .record import simulate

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from allanite.core.errors import UsageError
-from allanite.core.language import say
 from allanite.core.model import Model, Term
+from allanite.phrases.phrase import say
 from allanite.statistics.row import FloatArray, IntArray
 from allanite.terms import TERMS
 from allanite.terms.powers import integrators

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from allanite.core.errors import UsageError, given
-from allanite.core.language import say, say_count
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
+from allanite.phrases.phrase import say, say_count
 from allanite.statistics import expected
 from allanite.statistics.row import FloatArray, IntArray
 from allanite.terms.row import Block

@@ -10,13 +10,13 @@ import numpy as np
 from allanite.core.averaged import Averaged
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError, LongJobWarning, UsageError
-from allanite.core.language import join, say
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, model_of
 from allanite.core.record import Record
 from allanite.core.threads import one_thread
 from allanite.core.units import Signal
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.statistics.confidence.averaged import AveragedLaw
 from allanite.statistics.confidence.bias import correction, corrections, demand_bias
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, PublishedLaw, power_laws, unit_term

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.statistics.fast.everytau import dense, split
 
 from .published import greenhall_riley

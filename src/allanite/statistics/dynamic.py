@@ -8,11 +8,11 @@ from allanite.core.arrays import complete
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
-from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.record import Record
 from allanite.core.surface import Surface
 from allanite.core.threads import spread
+from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 
 from .estimator import Estimate, estimate, integrated

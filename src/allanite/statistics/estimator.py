@@ -6,10 +6,10 @@ import numpy as np
 
 from allanite.core.arrays import complete
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.threads import spread
-from allanite.core.wording import windowing
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import windowing
 
 from .grids import part_of
 from .moments.means import takes_means, there, variance_of

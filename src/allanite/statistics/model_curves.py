@@ -10,7 +10,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 from allanite.statistics.grids import factors_of, times
 from allanite.statistics.moments.expect import expected
 from allanite.statistics.row import FloatArray, Statistic

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .row import FloatArray, IntArray, Scheme, Statistic, Window, binomial_window
 

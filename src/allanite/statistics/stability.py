@@ -7,9 +7,9 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
+from allanite.phrases.phrase import say
 
 from .row import BoolArray, FloatArray
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.statistics.fast.theofft import split, theo1_sums
 from allanite.statistics.moments.theomoments import harmonic, theo_response, white_ratio
 

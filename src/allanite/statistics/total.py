@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from . import published
 from .row import FloatArray, IntArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant

@@ -9,9 +9,9 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.record import Record
+from allanite.phrases.phrase import say
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 

@@ -14,14 +14,14 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.record import SHORTEST
-from allanite.core.scope import Band, demand_band
+from allanite.core.validity import Band, demand_band
 from allanite.identification.likelihood.bins import SINGLE, edges_of
-from allanite.identification.likelihood.families import deterministic
 from allanite.identification.likelihood.identify import whittle_of
+from allanite.identification.likelihood.model_selection import deterministic
 from allanite.identification.likelihood.spectrum import ROUNDING, Spectrum, less_slope, transformed
 from allanite.identification.methods import symbols_of
+from allanite.phrases.phrase import say
 from allanite.prepare.gaps import FEW, Gaps, gaps_between
 from allanite.statistics.moments.gls import second_difference
 from allanite.terms import NoiseTerm, ramp_coefficients

@@ -11,10 +11,10 @@ from allanite.core.averaged import Averaged
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.limits import Remembered
 from allanite.core.model import ModelLike, model_of
 from allanite.core.plain import Portable
+from allanite.phrases.phrase import say
 from allanite.statistics.confidence.averaged import AveragedLaw
 from allanite.statistics.confidence.supposed import Later, supposed
 from allanite.statistics.row import Statistic

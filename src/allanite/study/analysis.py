@@ -7,15 +7,15 @@ from typing import Any, Self
 
 from allanite.core.curve import Curve
 from allanite.core.datasheet import Entry, data_sheet
+from allanite.core.display_units import showing
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
-from allanite.core.language import say
 from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
-from allanite.core.shown import showing
-from allanite.core.wording import spelled
 from allanite.identification.checks.shared import shared
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.readers.parts import PartsReader
 from allanite.statistics import deviation
 from allanite.statistics.readings import readings

@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding, Quality
-from allanite.core.language import join, say
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, Recording
 from allanite.core.threads import one_thread
+from allanite.phrases.phrase import join, say
 from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import averaged, mark_outliers

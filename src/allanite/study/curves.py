@@ -9,10 +9,10 @@ import numpy as np
 from allanite import statistics
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
-from allanite.core.language import say
 from allanite.core.model import ModelLike
 from allanite.core.record import Record
 from allanite.identification import identify
+from allanite.phrases.phrase import say
 from allanite.prepare.quality import inspect
 from allanite.statistics.confidence.supposed import Supposed, Supposing, supposed
 

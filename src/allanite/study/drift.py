@@ -4,9 +4,9 @@ import shlex
 from collections.abc import Sequence
 
 from allanite.core.finding import Finding
-from allanite.core.language import say
 from allanite.core.record import Recording
-from allanite.core.wording import percent
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import percent
 from allanite.prepare.drift import follows
 
 from .recipe import READING, SELECTING, Recipe

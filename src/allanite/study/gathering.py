@@ -10,10 +10,10 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.plain import Portable
 from allanite.core.record import Record
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.statistics.spectra.raw_spectrum import Raw
 from allanite.statistics.spectra.welch import Periodograms
 from allanite.stream.accumulator import Accumulator, streamable

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from allanite.core.finding import Quality
-from allanite.core.language import join, say
 from allanite.core.record import Record
+from allanite.phrases.phrase import join, say
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,9 +6,9 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.finding import Finding, Quality
-from allanite.core.language import join, say
 from allanite.core.record import Record
-from allanite.core.wording import percent
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import percent
 from allanite.prepare.outliers import Outliers, outliers
 from allanite.prepare.quality import inspect
 from allanite.prepare.readings import clipped, outlying, stuck

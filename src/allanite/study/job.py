@@ -5,8 +5,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
 
-from allanite.core.encoding import read as read_plain
-from allanite.core.encoding import write
+from allanite.core.encoding import read_plain, write_plain
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
@@ -95,7 +94,7 @@ class Job(Value, Generic[Result]):
             "recipe": self.choices(),
             "notes": list(self.notes),
             "provenance": self.provenance,
-        } | {name: write(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
+        } | {name: write_plain(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:

@@ -13,11 +13,11 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
 from allanite.core.header import Header
-from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.plain import Value, from_dict
 from allanite.core.record import Record
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.planning.plan import RecordingPlan, plan
 from allanite.planning.selfcheck import SelfCheck, selfcheck
 from allanite.simulation.recording import readings

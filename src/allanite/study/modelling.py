@@ -8,7 +8,7 @@ from allanite.core.model import Model
 from allanite.core.notation import parse_model, split_quantities
 from allanite.core.plain import Value
 from allanite.core.units import convert
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 from allanite.planning.plan import DURATIONS
 from allanite.planning.sensors import sensor as typical
 

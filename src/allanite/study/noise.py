@@ -6,23 +6,23 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Self
 
-from allanite.core.encoding import plain, read, write
+from allanite.core.encoding import plain, read_plain, write_plain
 from allanite.core.errors import DataError
 from allanite.core.finding import Quality
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.header import Header, header_from
-from allanite.core.language import join, say
 from allanite.core.limits import Stored, Widened
 from allanite.core.model import Model
 from allanite.core.plain import Portable, Value, stored_fields
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, header_dict
 from allanite.core.residuals import Residuals, Statement, statement
-from allanite.core.scope import UNEXPLAINED, Band, worst
-from allanite.core.wording import spelled
+from allanite.core.validity import UNEXPLAINED, Band, worst
 from allanite.identification.checks.contradiction import contradictions, held
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import METHODS, identify
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.terms import TERMS, WHITE
 
 from .inspected import Inspected
@@ -218,14 +218,14 @@ class RecordResult(Value):
         data = header_dict(self.record, type(self).__name__)
         for name, hint in stored_fields(type(self))[1:]:
             value = getattr(self, name)
-            data |= noise_dict(value, level) if name == "noise" else {name: write(value, hint, level)}
+            data |= noise_dict(value, level) if name == "noise" else {name: write_plain(value, hint, level)}
         return data | {name: plain(getattr(self, name), level) for name in self._also}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
         """The value written by `to_dict`."""
         own = {name: hint for name, hint in stored_fields(cls) if name != "record"}
-        values = {n: noise_from(data) if n == "noise" else read(data[n], hint) for n, hint in own.items()}
+        values = {n: noise_from(data) if n == "noise" else read_plain(data[n], hint) for n, hint in own.items()}
         return cls(header_from(data), **values)
 
     def _summary(self) -> str:

@@ -12,9 +12,9 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.header import Header
-from allanite.core.language import say
 from allanite.core.record import Record, Recording
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.readers.ahead import Later, ahead
 from allanite.readers.memory import size_in_words
 from allanite.readers.parts import PartsReader, opened, whole_findings

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+from allanite.core.display_units import showing
 from allanite.core.errors import UsageError
 from allanite.core.ranges import demand_pieces, demand_ranges
-from allanite.core.scope import Band, demand_band
-from allanite.core.shown import showing
-from allanite.meaning.devices import device
+from allanite.core.validity import Band, demand_band
+from allanite.interpretation.devices import device
 from allanite.prepare.outliers import demand_choice
 from allanite.readers.memory import bytes_of
 from allanite.readers.options import stated_unit

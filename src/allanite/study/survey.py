@@ -6,15 +6,15 @@ from functools import partial
 from typing import Any, ClassVar, Literal
 
 from allanite.core.curve import Curve
+from allanite.core.display_units import readable_unit
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.plain import Value
 from allanite.core.record import Record
-from allanite.core.shown import readable_unit
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.readers.parts import PartsReader
 from allanite.statistics import deviation, statistic_named
 from allanite.statistics.confidence.bias import demand_bias
@@ -27,8 +27,8 @@ from allanite.statistics.spectra.welch import LONGEST
 from .channels import Inspected, Progress, Source, run
 from .gathering import STRIDES, WHOLE, Gathering, Spectra, Streams, demand_grid
 from .gathering import chosen as chosen_points
+from .hybrid_bias import joints
 from .job import Job
-from .joint import joints
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from allanite.core.errors import UsageError
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 from allanite.simulation.recording import readings
 from allanite.statistics import Expectation, expectation
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .exponential import Exponential
 from .row import Block, NoiseTerm, time_constant

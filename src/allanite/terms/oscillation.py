@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .exponential import Exponential
 from .row import Block, FloatArray, NoiseTerm, Parameter

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .row import Block, FloatArray, NoiseTerm
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 FloatArray = NDArray[np.float64]
 

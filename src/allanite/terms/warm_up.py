@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .row import FloatArray, NoiseTerm, time_constant
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from allanite.core.errors import UsageError
 from allanite.core.files import write
-from allanite.core.wording import command_line
+from allanite.phrases.wording import command_line
 
 from .line import line_of, problem_of, shown_line
 from .store import MissingError, State, Store, known

@@ -11,11 +11,11 @@ from typing import Any
 import uvicorn
 
 from allanite.core.errors import UsageError
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 from allanite.reporting.language import catalogue
 
+from .access import Door
 from .api import application
-from .door import Door
 from .filing import open_file
 from .jobs import Jobs
 from .store import Store, private_folder

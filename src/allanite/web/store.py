@@ -15,7 +15,7 @@ from typing import Any
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import write
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 from allanite.readers.memory import size_in_words
 
 DAYS = 30.0

@@ -5,12 +5,12 @@ import shlex
 from typing import Any
 
 from allanite.core.kinds import KIND_WORDS, KINDS
-from allanite.core.language import say
 from allanite.core.units import SIGNALS
 from allanite.core.version import __version__
-from allanite.exporting.table import EXPORTS
+from allanite.exporting.exports import EXPORTS
 from allanite.identification.front import METHODS
-from allanite.meaning.devices import DEVICES
+from allanite.interpretation.devices import DEVICES
+from allanite.phrases.phrase import say
 from allanite.planning.sensors import SENSORS
 from allanite.reporting import words
 from allanite.reporting.language import LANGUAGES, speaking, tr

@@ -20,7 +20,7 @@ from allanite.cli.deliver import received_by
 from allanite.cli.forms import encoded
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
-from allanite.core.wording import command_line
+from allanite.phrases.wording import command_line
 from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import opened_by
 

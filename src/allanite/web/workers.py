@@ -11,7 +11,7 @@ from contextlib import suppress
 from typing import Any
 
 from allanite.core.errors import DataError
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 
 MOST = 4
 """Processes at once."""

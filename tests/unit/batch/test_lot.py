@@ -10,14 +10,14 @@ from click.testing import CliRunner
 from tests import translated
 
 import allanite as al
-from allanite.batch.across import Across
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.lot import read_lot
 from allanite.batch.phrases import dumps, loads
 from allanite.batch.records import run_batch
 from allanite.batch.scatter import Trend, outliers, slope_of
+from allanite.batch.summary import Across
 from allanite.cli import main
-from allanite.core.language import say, say_count
+from allanite.phrases.phrase import say, say_count
 from allanite.reporting import table, to_csv
 from allanite.reporting.views.batch import _spread
 from allanite.study.analysis import Study

@@ -224,7 +224,7 @@ def test_results_are_shown_everywhere_and_travel(results, name):
 
 
 def test_errors_are_drawn_against_time(tmp_path):
-    from allanite.angle import Harmonics, gimbals
+    from allanite.applications.angle import Harmonics, gimbals
     from allanite.reporting import figures
 
     hour = gimbals(np.arange(3600.0, 7200.0, 10.0), latitude=np.radians(60))

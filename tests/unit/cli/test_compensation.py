@@ -10,11 +10,11 @@ import pytest
 from click.testing import CliRunner
 
 import allanite as al
+from allanite.applications.compensation.settings import CompensationSettings, FitSettings
+from allanite.applications.signals.budgeting import PathSettings
 from allanite.cli import main
-from allanite.compensation.settings import CompensationSettings, FitSettings
 from allanite.reporting import table
 from allanite.reporting.sheet import toml
-from allanite.signals.study import PathSettings
 from allanite.study.channels import open_recording
 
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")

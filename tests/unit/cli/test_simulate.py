@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.readers.formats.table import WRITERS
+from allanite.readers.formats.registry import WRITERS
 
 
 def run(*arguments):

@@ -10,9 +10,9 @@ from scipy.stats import f as fisher
 
 import allanite as al
 from allanite.comparison.change import holm
+from allanite.comparison.common_likelihood import joint
 from allanite.comparison.contrast import Contrast, gain, homogeneity
 from allanite.comparison.intervals import IntervalContrast
-from allanite.comparison.joint import joint
 from allanite.comparison.likelihoods import drawn, reduced, tied
 from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
 from allanite.core.estimate import Estimate

@@ -10,8 +10,8 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, term
 from allanite.core.readings import Means, Reading, Readings
-from allanite.core.scope import LowPass, Scope
 from allanite.core.units import signal_named
+from allanite.core.validity import LowPass, Scope
 
 
 def estimate(part, low, high, status="identified"):

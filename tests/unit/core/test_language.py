@@ -8,7 +8,7 @@ import pickle
 import pytest
 
 from allanite.core.errors import DataError
-from allanite.core.language import Phrase, join, say, say_count, translate
+from allanite.phrases.phrase import Phrase, join, say, say_count, translate
 
 WORDS = {
     "minimum": "Minimum",

@@ -2,9 +2,9 @@
 
 import pytest
 
-from allanite.core.language import Phrase
 from allanite.core.titles import title_of
 from allanite.core.units import SIGNALS, signal_named
+from allanite.phrases.phrase import Phrase
 from allanite.terms import TERMS
 
 

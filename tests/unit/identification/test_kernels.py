@@ -10,8 +10,8 @@ from scipy.optimize import nnls
 from scipy.signal import butter, lfilter
 
 import allanite as al
+from allanite.identification.likelihood.band import Tuned, portion
 from allanite.identification.likelihood.filters import FILTERS
-from allanite.identification.likelihood.portion import Tuned, portion
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.tuning import tuning
 from allanite.identification.likelihood.whittle import likelihood

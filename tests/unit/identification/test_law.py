@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.identification.likelihood.families import look
 from allanite.identification.likelihood.law import law, traces
+from allanite.identification.likelihood.model_selection import look
 
 MODEL = al.N(1, "deg/sqrt(h)") + al.B(6, "deg/h") + al.K(30, "deg/h/sqrt(h)")
 

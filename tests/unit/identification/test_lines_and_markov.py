@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.identification.likelihood.band import portion
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.lines import BLOCKS, Wave
-from allanite.identification.likelihood.portion import portion
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.timeconstant import Search
 from allanite.identification.likelihood.whittle import likelihood

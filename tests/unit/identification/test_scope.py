@@ -6,7 +6,7 @@ from scipy.signal import iirpeak, lfilter
 
 import allanite as al
 from allanite.core.estimate import Estimate
-from allanite.core.scope import GRADES, Scope, demand_band, worst
+from allanite.core.validity import GRADES, Scope, demand_band, worst
 from allanite.identification.checks.contradiction import contradictions
 from allanite.study.noise import noise_of
 

@@ -9,7 +9,7 @@ import allanite as al
 import slow_noise
 from allanite.identification.checks.exponent import exponent
 from allanite.identification.checks.popcorn import _normal, jumps
-from allanite.identification.likelihood.families import look
+from allanite.identification.likelihood.model_selection import look
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.warmup import without_warm_up
 from allanite.identification.likelihood.whittle import likelihood, with_warm_up

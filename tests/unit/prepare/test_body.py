@@ -7,7 +7,7 @@ import pytest
 
 import allanite as al
 from allanite.core.record import Recording
-from allanite.core.wording import command_line
+from allanite.phrases.wording import command_line
 from allanite.prepare import inspect
 from allanite.prepare.body import of_one_body
 from allanite.prepare.stillness import moving, still_stretch

@@ -9,7 +9,7 @@ import pytest
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
-from allanite.readers.formats.table import READERS, reader_named
+from allanite.readers.formats.registry import READERS, reader_named
 from allanite.readers.sandbox import guard
 
 h5py = pytest.importorskip("h5py")
@@ -527,7 +527,7 @@ class Reader:
 @pytest.fixture
 def install(monkeypatch):
     def install(found):
-        monkeypatch.setattr("allanite.readers.formats.table.entry_points", lambda group: [Entry(found)])
+        monkeypatch.setattr("allanite.readers.formats.registry.entry_points", lambda group: [Entry(found)])
 
     return install
 

@@ -16,7 +16,7 @@ import allanite as al
 from allanite.core.errors import DataError, UsageError
 from allanite.readers.ahead import Later, ahead
 from allanite.readers.columns import parts as head
-from allanite.readers.formats.table import READERS, reader_named
+from allanite.readers.formats.registry import READERS, reader_named
 from allanite.readers.memory import bytes_of
 from allanite.readers.parts import demand_memory, opened, whole_findings
 from allanite.readers.sandbox.source import digest_of

@@ -4,7 +4,7 @@ import pytest
 
 from allanite.core.errors import DataError
 from allanite.readers import read
-from allanite.readers.formats.table import reader_named
+from allanite.readers.formats.registry import reader_named
 
 HEADER = "0 0 -90.6 0 0 0\n34.2 108.9 380 0 8.0 9.7803\n0.1 0.1 0.1 125 125 125 \n"
 ROWS = "0 0 2 0 0 80\n-4 0 7 0 0 79\n2 1 -3 0 1 80\n"

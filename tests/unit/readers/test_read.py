@@ -12,7 +12,7 @@ import pytest
 from allanite.core.errors import AllaniteError, DataError, UnitError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.readers import read
-from allanite.readers.formats.table import READERS, reader_named
+from allanite.readers.formats.registry import READERS, reader_named
 
 GOOD = "time [s],gx [deg/s]\n0.00,1.5\n0.01,1.25\n0.02,1.75\n"
 

@@ -10,7 +10,7 @@ from tests import translated
 import allanite as al
 from allanite.cli import main
 from allanite.core.errors import UsageError
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.readers import read
 
 NOISE = np.random.default_rng(1).standard_normal((400, 4)).round(4)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from allanite.core.errors import UsageError
-from allanite.core.language import Phrase
+from allanite.phrases.phrase import Phrase
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.streams import Stream

@@ -17,7 +17,7 @@ from tests import examples
 import allanite as al
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
-from allanite.readers.formats.table import WRITERS
+from allanite.readers.formats.registry import WRITERS
 
 h5py = pytest.importorskip("h5py")
 

@@ -16,7 +16,7 @@ import catalogues
 import release
 from allanite.cli import main
 from allanite.core.errors import UsageError
-from allanite.core.language import join, say, say_count
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import fonts, page, style, table
 from allanite.reporting.cells import pad, wrapped
 from allanite.reporting.language import LANGUAGES, speaking, tr

@@ -3,8 +3,8 @@
 import pickle
 
 from allanite.core.estimate import STATUS_WORDS
-from allanite.core.language import say
 from allanite.core.units import SIGNALS
+from allanite.phrases.phrase import say
 from allanite.reporting import words
 
 

@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import GYRO, Field, Target, pair
+from allanite.phrases.phrase import say
 
 NOISE = Field("", GYRO, "N", "rad/s", rate=1, span=(1e-4, 0.1))
 WALK = Field("", GYRO, "K", "rad/s^2", rate=1, span=(1e-5, 1e-3))

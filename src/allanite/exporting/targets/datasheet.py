@@ -5,9 +5,9 @@ import io
 from collections.abc import Iterator
 
 from allanite.core.datasheet import data_sheet
-from allanite.core.language import say
 from allanite.exporting.content import Content
 from allanite.exporting.target import Target
+from allanite.phrases.phrase import say
 
 HEADINGS = ("channel", "quantity", "value", "low", "high", "unit", "tau, s", "remark")
 

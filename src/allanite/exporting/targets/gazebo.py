@@ -1,9 +1,9 @@
 """Gazebo: the noise of an IMU in SDF, and the IMU plugin of gazebo-classic."""
 
-from allanite.core.language import say
 from allanite.exporting.content import Content, number
 from allanite.exporting.layouts import XML_COMMENT, Lines, spread, told
 from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, WALK, Field, Target, pair
+from allanite.phrases.phrase import say
 
 SECTIONS = (
     (GYRO, "angular_velocity", ("rad/s", "rad/s^2/sqrt(Hz)")),

@@ -1,8 +1,8 @@
 """gnss-ins-sim: simulation of inertial sensors in Python."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.phrases.phrase import say
 
 GNSS_INS_SIM = Target(
     name="gnss-ins-sim",

@@ -1,8 +1,8 @@
 """GTSAM: preintegration of inertial measurements."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import GYRO, Field, Target, pair
+from allanite.phrases.phrase import say
 
 WHITE = Field("", GYRO, "N", "(rad/s)^2/Hz", power=2)
 BIAS = Field("", GYRO, "K", "(rad/s^2)^2/Hz", power=2)

@@ -1,8 +1,8 @@
 """kalibr: camera-IMU calibration."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import DENSITY, WALK, Target, pair
+from allanite.phrases.phrase import say
 
 KALIBR = Target(
     name="kalibr",

@@ -1,8 +1,8 @@
 """KF-GINS: GNSS/INS integration of Wuhan University."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.phrases.phrase import say
 
 KF_GINS = Target(
     name="kf-gins",

@@ -1,8 +1,8 @@
 """LIO-SAM: lidar-inertial odometry."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import DENSITY, WALK, Target, pair
+from allanite.phrases.phrase import say
 
 LIO_SAM = Target(
     name="lio-sam",

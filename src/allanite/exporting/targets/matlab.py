@@ -1,8 +1,8 @@
 """MATLAB: imuSensor of the Navigation Toolbox."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Json
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.phrases.phrase import say
 
 FIELDS = tuple(
     Field(name, sensor, term, unit, section=section, needed=term != "B")

@@ -1,8 +1,8 @@
 """NaveGo: integrated navigation in MATLAB."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import MATLAB_COMMENT, Lines
 from allanite.exporting.target import DENSITY, GYRO, WALK, Field, Target, pair
+from allanite.phrases.phrase import say
 
 NAVEGO = Target(
     name="navego",

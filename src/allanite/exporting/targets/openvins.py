@@ -1,8 +1,8 @@
 """OpenVINS: visual-inertial odometry."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import DENSITY, WALK, Target, pair
+from allanite.phrases.phrase import say
 
 OPENVINS = Target(
     name="openvins",

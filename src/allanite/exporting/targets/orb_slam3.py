@@ -1,8 +1,8 @@
 """ORB-SLAM3: visual-inertial SLAM."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import DENSITY, WALK, Target, pair
+from allanite.phrases.phrase import say
 
 ORB_SLAM3 = Target(
     name="orb-slam3",

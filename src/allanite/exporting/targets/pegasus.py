@@ -1,8 +1,8 @@
 """Pegasus: the IMU of a simulator of vehicles in Isaac Sim."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Json
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.phrases.phrase import say
 
 PEGASUS = Target(
     name="pegasus",

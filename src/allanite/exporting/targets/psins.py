@@ -1,8 +1,8 @@
 """PSINS: strapdown inertial navigation in MATLAB."""
 
-from allanite.core.language import say
 from allanite.exporting.layouts import MATLAB_COMMENT, Lines
 from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.phrases.phrase import say
 
 GRAVITY = 9.80665 / 9.7803267714
 """PSINS has 9.7803267714 m/s^2 for 1 g."""

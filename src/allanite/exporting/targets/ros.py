@@ -2,9 +2,9 @@
 
 from dataclasses import replace
 
-from allanite.core.language import say
 from allanite.exporting.layouts import Lines
 from allanite.exporting.target import GYRO, Field, Target, pair
+from allanite.phrases.phrase import say
 
 VARIANCE = Field("", GYRO, "N", "(rad/s)^2", rate=1, power=2)
 

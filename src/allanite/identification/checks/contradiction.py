@@ -8,9 +8,9 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
+from allanite.phrases.phrase import say
 from allanite.prepare.rounding import grid
 from allanite.statistics import deviation, expected
 from allanite.terms import TERMS

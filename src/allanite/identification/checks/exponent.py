@@ -13,14 +13,14 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
 from allanite.core.fit import EXPLAINED
-from allanite.core.language import join, say
 from allanite.core.model import coefficient_factor
 from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
-from allanite.identification.likelihood.families import Found, flicker_in
 from allanite.identification.likelihood.law import AKAIKE
+from allanite.identification.likelihood.model_selection import Found, flicker_in
 from allanite.identification.likelihood.selection import Subset, standard_error
 from allanite.identification.likelihood.whittle import column
+from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
 GRID = (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)

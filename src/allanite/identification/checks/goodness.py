@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.fit import EXPLAINED, Goodness, Line
-from allanite.core.language import join, say
 from allanite.identification.likelihood.cells import CELLS, surroundings
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.spectrum import Spectrum
+from allanite.phrases.phrase import join, say
 
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""

@@ -7,10 +7,10 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.core.residuals import Check, try_band
-from allanite.core.wording import spelled, windowing
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled, windowing
 from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.rounding import fast_noise, rounding
 from allanite.prepare.view import stretches

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.finding import Finding
-from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.units import Signal, convert
-from allanite.core.wording import between
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import between
 from allanite.prepare.gaps import whole
 
 from .whitening import deviations

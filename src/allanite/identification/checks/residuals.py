@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray, IntArray, complete
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.model import Model
 from allanite.core.record import SHORTEST, Record
 from allanite.core.residuals import Check, Residuals
+from allanite.phrases.phrase import say
 from allanite.prepare.outliers import treated
 
 from .misfit import reasons

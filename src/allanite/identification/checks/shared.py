@@ -9,10 +9,10 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.record import Recording
 from allanite.core.residuals import Shared
 from allanite.core.threads import spread
+from allanite.phrases.phrase import say
 from allanite.prepare.outliers import demand_choice, treated
 
 from .whitening import whitened

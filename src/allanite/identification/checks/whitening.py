@@ -10,7 +10,7 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
-from allanite.core.scope import Scope
+from allanite.core.validity import Scope
 from allanite.prepare.gaps import Gaps, joined, whole
 
 BLOCK = 64

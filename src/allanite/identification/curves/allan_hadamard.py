@@ -7,8 +7,8 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.record import Record
+from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 from allanite.terms import TERMS
 

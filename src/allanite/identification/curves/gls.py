@@ -12,10 +12,10 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.estimate import WEAK, Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
+from allanite.phrases.phrase import join, say
 from allanite.statistics.moments.moments import covariance_by_term, relative
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS

@@ -8,8 +8,8 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.units import Signal
+from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .reading import result, signal_of

@@ -8,10 +8,10 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.model import Model, Term
 from allanite.core.titles import title_of
 from allanite.core.units import SIGNALS, Signal
+from allanite.phrases.phrase import say
 from allanite.statistics.moments.moments import by_term
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS

@@ -9,8 +9,8 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.ranges import demand_ranges
+from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .reading import early, result, signal_of

@@ -9,9 +9,9 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.model import Model, Term
 from allanite.core.units import SIGNALS, Signal
+from allanite.phrases.phrase import join, say
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 

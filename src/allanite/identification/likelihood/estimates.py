@@ -9,16 +9,16 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
-from allanite.core.language import say
 from allanite.core.limits import Normal, Remembered, Stored, quantile
 from allanite.core.model import Term
-from allanite.core.scope import Scope
 from allanite.core.units import Signal
+from allanite.core.validity import Scope
 from allanite.identification.checks.exponent import Exponent
+from allanite.phrases.phrase import say
 from allanite.terms import TERMS, WHITE
 
-from .families import Found
 from .law import Law
+from .model_selection import Found
 from .selection import Subset
 from .timeconstant import Search
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-from .portion import Portion, Tuned
+from .band import Portion, Tuned
 
 FEWEST = 4
 """Coefficients of a bin that takes part."""

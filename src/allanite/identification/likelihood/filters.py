@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 NARROWEST, HIGHEST = 0.004, 0.5
 """The lowest and the highest cut-off frequency that is looked for, cycles per sample: a record does not show others."""

@@ -9,24 +9,24 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Alternative, Fit, Line
-from allanite.core.language import say
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
-from allanite.core.scope import Band
 from allanite.core.titles import title_of
 from allanite.core.units import Signal
+from allanite.core.validity import Band
 from allanite.identification.checks.exponent import exponent_finding, other_law
 from allanite.identification.checks.goodness import goodness
+from allanite.phrases.phrase import say
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
-from .described import scope_of
 from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
-from .families import DISTINGUISHABLE, SLOW, Found, lacking, look, looked
+from .model_selection import DISTINGUISHABLE, SLOW, Found, lacking, look, looked
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
+from .scope_text import scope_of
 from .selection import correlation
 from .spectrum import Spectrum
 from .steps import steps_in

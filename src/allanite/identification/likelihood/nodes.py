@@ -4,7 +4,7 @@ from allanite.core.averaged import Averaged, averaged
 from allanite.core.model import Model, Term
 
 from .estimates import Scale
-from .families import Found
+from .model_selection import Found
 
 NODES = 12
 """Models along the profile, at most."""

@@ -4,12 +4,12 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.fit import Line
-from allanite.core.language import say_count
 from allanite.core.record import Record
+from allanite.phrases.phrase import say_count
 from allanite.prepare.gaps import known_rates
 
-from .families import Found
 from .lines import Wave, levels, suspected, waves_of
+from .model_selection import Found
 from .scope import behind_filter
 
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 
+from .band import Portion, Tuned
 from .likelihood import Likelihood
-from .portion import Portion, Tuned
 from .spectrum import Spectrum
 
 STANDS_OUT, EXCESS = 5.0, 0.1

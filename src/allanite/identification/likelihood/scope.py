@@ -19,12 +19,12 @@ from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS, WHITE
 
-from .described import expected_power, largest_misfit
+from .band import Portion, Tuned
 from .estimates import HIDDEN
 from .evidence import falls, rises_before, shows_corner
-from .families import Found, fitted
-from .portion import Portion, Tuned
+from .model_selection import Found, fitted
 from .resonances import excess
+from .scope_text import expected_power, largest_misfit
 from .selection import Subset
 from .spectrum import FEWEST
 from .tuning import Tuning, left_open, tuning

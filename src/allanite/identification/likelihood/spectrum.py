@@ -12,9 +12,9 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say, say_count
 from allanite.core.plain import Portable
 from allanite.core.record import Record
+from allanite.phrases.phrase import say, say_count
 from allanite.prepare.gaps import Gaps, gaps_between, joined
 from allanite.prepare.rounding import grid
 from allanite.statistics.moments.lags import sum_nodes

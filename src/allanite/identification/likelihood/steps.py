@@ -11,14 +11,14 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import join, say
 from allanite.core.plain import Portable
 from allanite.core.units import Signal, convert
-from allanite.core.wording import windowing
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import windowing
 from allanite.terms import TERMS, WHITE
 
 from .bins import SINGLE
-from .families import Found
+from .model_selection import Found
 from .selection import PENALTY, Subset
 from .warmup import profiled
 from .whittle import step_coefficients, with_steps

@@ -14,8 +14,8 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.terms import TERMS
 
+from .band import Portion
 from .likelihood import Likelihood
-from .portion import Portion
 from .selection import Subset, select, subsets
 
 PER_DECADE = 4

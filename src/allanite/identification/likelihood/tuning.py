@@ -8,8 +8,8 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.terms import TERMS
 
+from .band import Portion, Tuned
 from .filters import FILTERS, NARROWEST
-from .portion import Portion, Tuned
 
 EVIDENCE = 15.0
 """What a filter must gain in 2 L: for its cut-off, and for being one of several that are tried."""

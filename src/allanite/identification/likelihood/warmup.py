@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from allanite.core.finding import Finding
-from allanite.core.language import say
 from allanite.core.plain import Portable
 from allanite.core.units import Signal, convert
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 
-from .families import Found, fitted
+from .model_selection import Found, fitted
 from .selection import PENALTY, Subset, subsets
 from .whittle import with_warm_up
 

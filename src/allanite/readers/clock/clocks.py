@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
-from allanite.core.language import join, say
-from allanite.core.wording import percent
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import percent
 from allanite.readers.columns import headers
 from allanite.readers.columns.column import Column, lookup
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import join, say, say_count
-from allanite.core.wording import percent, spelled
+from allanite.phrases.phrase import join, say, say_count
+from allanite.phrases.wording import percent, spelled
 
 from .grid import Places, resolution
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 Places = NDArray[np.int64]
 

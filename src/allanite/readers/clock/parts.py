@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.readers.columns.table import Sense, repeated
 
-from .beat import Beat, Stamped, settled, stamped
 from .clocks import unwrapped
 from .findings import DRIFT, PARTS, Holes, finding
 from .grid import Grid, Places
+from .sampling_rate import Beat, Stamped, settled, stamped
 from .stamps import fit, seconds_since
 
 ENOUGH = 1024

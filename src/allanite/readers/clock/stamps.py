@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.core.finding import Finding
-from allanite.core.language import say, say_count
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import say, say_count
 
 from .findings import Stamps, bursty, drift, duplicates, duration, finding, lost_samples, unsteady
 from .grid import Grid, Places, pace

@@ -10,9 +10,9 @@ import numpy as np
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.kinds import KIND_WORDS, kinds_of, offered, signal_of_kind
-from allanite.core.language import join, say
 from allanite.core.units import BASES, unit_of
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.readers.options import Options
 
 from . import conventions, headers, stated

@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import Phrase, join, say
+from allanite.phrases.phrase import Phrase, join, say
 
 from . import headers
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import join, say
 from allanite.core.record import Recording
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.readers.options import Options
 
 from . import headers

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 DATES = (r"(?P<y>\d{4})[-/.](?P<m>\d{1,2})[-/.](?P<d>\d{1,2})", r"(?P<d>\d{1,2})[-/.](?P<m>\d{1,2})[-/.](?P<y>\d{4})")
 TIME = (

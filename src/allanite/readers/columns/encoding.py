@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from allanite.core.errors import DataError
-from allanite.core.language import Phrase, say
+from allanite.phrases.phrase import Phrase, say
 
 UTF16 = (b"\xff\xfe", b"\xfe\xff")
 """Byte order marks."""

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from allanite.core.arrays import complete
-from allanite.core.language import say
 from allanite.core.record import Record
+from allanite.phrases.phrase import say
 
 FILLED, FEWEST = 0.5, 32
 """Share of every k-th row that must have a sample, and samples: of fewer the distance may be chance."""

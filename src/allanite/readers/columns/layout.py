@@ -8,7 +8,7 @@ from itertools import accumulate
 from typing import NamedTuple
 
 from allanite.core.errors import DataError
-from allanite.core.language import say, say_count
+from allanite.phrases.phrase import say, say_count
 
 from . import headers, preamble
 

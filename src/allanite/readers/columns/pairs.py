@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.language import Phrase, say
+from allanite.phrases.phrase import Phrase, say
 from allanite.readers.options import Options
 
 from .column import Column

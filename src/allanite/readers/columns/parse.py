@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from . import dates
 from .arrays import of_arrow

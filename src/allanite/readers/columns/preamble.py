@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from allanite.core.language import Phrase, join, say
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import Phrase, join, say
 
 from . import headers
 

@@ -9,8 +9,8 @@ import numpy as np
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding
-from allanite.core.language import say, say_count
 from allanite.core.record import Record, Recording
+from allanite.phrases.phrase import say, say_count
 
 FAINT = 0.5
 """Deviation of the amplitude from its median, relative to it, beyond which a sample is not one of sine and cosine."""

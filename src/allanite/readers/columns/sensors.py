@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.language import join, say
+from allanite.phrases.phrase import join, say
 
 from . import headers
 from .column import Column

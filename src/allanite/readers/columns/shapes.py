@@ -2,7 +2,7 @@
 
 import re
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .layout import HEAD, MARKS, cells, decoded, is_number, style
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.units import unit_of
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 from allanite.readers.formats.text import sheet_of
 from allanite.readers.sandbox.source import checked, digest_of
 

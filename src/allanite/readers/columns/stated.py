@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
-from allanite.core.language import Phrase, join, say
 from allanite.core.units import unit_of
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import Phrase, join, say
+from allanite.phrases.wording import spelled
 from allanite.readers.options import KINDS_OF_SENSORS, Options
 
 from . import headers

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 from itertools import repeat
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import Phrase, join, say
 from allanite.core.record import SHORTEST, Recording
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import Phrase, join, say
+from allanite.phrases.wording import spelled
 from allanite.readers.options import Options
 
 from . import headers

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.kinds import signal_of_kind
-from allanite.core.language import join, say
 from allanite.core.record import Record, Recording
-from allanite.core.wording import spelled
-from allanite.readers.clock import beat as clock
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.readers.clock import clocks
+from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
 from . import channels, conventions, lattice, pairs, resolver

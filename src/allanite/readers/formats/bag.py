@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.core.language import Phrase, say
 from allanite.core.record import Recording
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.wording import spelled
 from allanite.readers.columns import headers, streams
 from allanite.readers.columns.arrays import numbers
 from allanite.readers.columns.column import Column, some

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.language import say
 from allanite.core.record import Recording
+from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.column import some
 from allanite.readers.columns.datasets import Dataset, arranged, rated, recording

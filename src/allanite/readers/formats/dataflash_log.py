@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.language import Phrase, say
+from allanite.phrases.phrase import Phrase, say
 from allanite.readers.sandbox.guard import demand_size
 
 DEFINITION = 128

@@ -11,9 +11,9 @@ import os
 import numpy as np
 
 from allanite.core.errors import UsageError
-from allanite.core.language import say
 from allanite.core.record import Recording
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.readers.columns.column import Column
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options

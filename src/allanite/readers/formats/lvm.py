@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.core.language import Phrase, say
 from allanite.core.record import Recording
+from allanite.phrases.phrase import Phrase, say
 from allanite.readers.columns import parse
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import Column

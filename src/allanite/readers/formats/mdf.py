@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.language import say
 from allanite.core.record import Recording
+from allanite.phrases.phrase import say
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import some

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
 from allanite.core.record import Recording
+from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import Column
 from allanite.readers.columns.parts import HEAD, Parts

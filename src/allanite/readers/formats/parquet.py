@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
 from allanite.core.record import Recording
+from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
 from allanite.readers.columns.column import Column, headed
 from allanite.readers.columns.datasets import WIDEST

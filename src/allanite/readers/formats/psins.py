@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
 from allanite.core.record import Recording
+from allanite.phrases.phrase import say
 from allanite.readers.columns import parse
 from allanite.readers.columns.column import Column
 from allanite.readers.columns.layout import Layout, is_number, numbered_lines

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.parts import HEAD, Parts
 from allanite.readers.columns.rows import Rows, columns_of

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from allanite.core.errors import DataError
-from allanite.core.language import Phrase, say, say_count
 from allanite.core.record import Recording
+from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.readers.columns import parse, streams
 from allanite.readers.columns.layout import Layout, is_number
 from allanite.readers.columns.table import Table

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple, TypeGuard
 import numpy as np
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
 from allanite.core.record import Recording
+from allanite.phrases.phrase import say
 from allanite.readers.columns import dates, encoding, layout, parse, sensors, shapes
 from allanite.readers.columns.column import Column, headed
 from allanite.readers.columns.table import KEY, Table, described, restored, with_units

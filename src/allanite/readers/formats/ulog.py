@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.language import Phrase, say, say_count
 from allanite.core.record import Recording
+from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import Column, some

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
 from allanite.core.record import Recording
+from allanite.phrases.phrase import say
 from allanite.readers.columns import layout, streams
 from allanite.readers.columns.table import Table
 from allanite.readers.options import Options

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 
 from .source import size_of
 

@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from allanite.angle import Gimbals, Harmonics, Scan, Solution
-from allanite.angle.calibration import Result, parts_of
-from allanite.angle.harmonics import waves
-from allanite.angle.solution import quantile
-from allanite.core.language import say
+from allanite.applications.angle import Gimbals, Harmonics, Scan, Solution
+from allanite.applications.angle.calibration import Result, parts_of
+from allanite.applications.angle.harmonics import waves
+from allanite.applications.angle.solution import quantile
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import say
 from allanite.reporting import style
 from allanite.reporting.words import percent
 

@@ -6,10 +6,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from allanite.core.language import say
+from allanite.applications.signals import Budget
+from allanite.phrases.phrase import say
 from allanite.reporting import style
 from allanite.reporting.sheet import printable, printed_unit
-from allanite.signals import Budget
 
 
 def plot_budgets(budgets: Sequence[Budget]) -> Figure:

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.core.language import join, say
+from allanite.applications.rate import RATE_ESTIMATORS, Closeup
 from allanite.core.units import unit_of
-from allanite.rate import RATE_ESTIMATORS, Closeup
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printable
 

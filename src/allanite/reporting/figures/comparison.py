@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.curve import Curve
+from allanite.core.display_units import readable_unit
 from allanite.core.errors import UsageError
-from allanite.core.language import say
-from allanite.core.shown import readable_unit
+from allanite.phrases.phrase import say
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printable
 from allanite.statistics import STATISTICS

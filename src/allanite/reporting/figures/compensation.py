@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.compensation.compensated import Compensated
+from allanite.applications.compensation.compensated import Compensated
 from allanite.core.curve import Curve
-from allanite.core.language import say
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import say
 from allanite.reporting import style
 from allanite.reporting.words import percent
 

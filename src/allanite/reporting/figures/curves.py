@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.units import convert
+from allanite.phrases.phrase import say
 from allanite.reporting import style, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import printed_unit

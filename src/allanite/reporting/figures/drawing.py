@@ -11,12 +11,12 @@ from rich.cells import cell_len
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import Phrase, join, say
-from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
+from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
+from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import style, words
 from allanite.reporting.language import tr
 from allanite.reporting.sheet import printable, printed_unit
-from allanite.reporting.sketch.letters import wide
+from allanite.reporting.sketch.text_width import wide
 from allanite.terms import TERMS
 
 from .labels import Box, FloatArray, IntArray, nearest, place

@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from allanite.core.fit import Goodness
-from allanite.core.language import join, say
-from allanite.core.scope import UNEXPLAINED
+from allanite.core.validity import UNEXPLAINED
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 

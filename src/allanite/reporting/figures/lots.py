@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.arrays import FloatArray
-from allanite.core.language import join, say
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.core.language import join, say
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 from allanite.statistics import STATISTICS

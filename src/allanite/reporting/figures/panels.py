@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from allanite.core.curve import Curve
+from allanite.core.display_units import readable_unit
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
-from allanite.core.shown import readable_unit
 from allanite.core.units import convert, unit_of
 from allanite.reporting import words
 from allanite.statistics import STATISTICS, expected

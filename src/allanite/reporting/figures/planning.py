@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.planning.plan import RecordingPlan
 from allanite.reporting import style, words
 

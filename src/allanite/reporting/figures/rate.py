@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.core.language import say
+from allanite.applications.rate import RATE_ESTIMATORS, Experiment
 from allanite.core.model import Model
 from allanite.core.units import unit_of
-from allanite.rate import RATE_ESTIMATORS, Experiment
+from allanite.phrases.phrase import say
 from allanite.reporting import style
 from allanite.reporting.sheet import printable, printed_unit
 from allanite.statistics import expected

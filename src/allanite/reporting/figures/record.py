@@ -3,9 +3,9 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.units import convert
+from allanite.phrases.phrase import say
 from allanite.reporting import style
 from allanite.reporting.sheet import printed_unit
 

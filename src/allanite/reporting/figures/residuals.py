@@ -10,9 +10,9 @@ from matplotlib.ticker import MaxNLocator
 
 from allanite.core.errors import UsageError
 from allanite.core.fit import chance
-from allanite.core.language import join, say
 from allanite.core.residuals import Residuals
-from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
+from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 

@@ -7,13 +7,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.display_units import readable_unit
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.model import Model, Term
-from allanite.core.shown import readable_unit
 from allanite.core.spectrum import SIDES, Spectrum
 from allanite.identification.likelihood.filters import FILTERS
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
 

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.curve import Curve
-from allanite.core.language import join, say, say_count
 from allanite.core.units import convert
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 from allanite.statespace import StateSpace

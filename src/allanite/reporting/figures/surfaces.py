@@ -11,10 +11,10 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from allanite.core.display_units import readable_unit
 from allanite.core.errors import UsageError
-from allanite.core.language import say
-from allanite.core.shown import readable_unit
 from allanite.core.surface import Surface
+from allanite.phrases.phrase import say
 from allanite.reporting import style, words
 from allanite.statistics import STATISTICS
 

@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.core.language import say
 from allanite.core.model import Term
+from allanite.phrases.phrase import say
 from allanite.reporting import style
 from allanite.reporting.sheet import printable
 from allanite.statistics import STATISTICS

@@ -7,12 +7,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.attitude.optimum import Optimum
-from allanite.attitude.prediction import error_density
-from allanite.attitude.result import Angle
-from allanite.attitude.trials import ScenarioErrors
-from allanite.core.language import say
+from allanite.applications.attitude.optimum import Optimum
+from allanite.applications.attitude.prediction import error_density
+from allanite.applications.attitude.result import Angle
+from allanite.applications.attitude.trials import ScenarioErrors
 from allanite.core.record import Record
+from allanite.phrases.phrase import say
 from allanite.reporting import style
 
 from .drawing import color_of

@@ -5,14 +5,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import ink
-from .frame import LABEL, TICK, Frame
+from . import svg as ink
+from .axes_box import LABEL, TICK, Frame
+from .axis import Side
 from .layout import arranged
 from .legend import Legend
 from .limits import Unsketched, limited
 from .marks import Mark
 from .panel import Panel
-from .side import Side
 
 POINTS = 72.0
 """Points of an inch."""

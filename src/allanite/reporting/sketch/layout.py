@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .frame import Box, Frame
+from .axes_box import Box, Frame
 from .panel import Panel
 
 EDGE, BETWEEN = 3.0, 8.0

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from . import ink
+from . import svg as ink
 from .marks import Mark
 
 SIZE = 8.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-from . import ink
+from . import svg as ink
 
 DATA, AXES, BLEND = "data", "axes", "blend"
 """What coordinates mean: data, fractions of the panel, or data along the abscissa and fractions up."""

@@ -7,10 +7,10 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
+from .axis import Side
 from .limits import Unsketched, limited
 from .lines import DASHES, DOT, EDGE, line_of
 from .marks import AXES, BLEND, DATA, Area, Boxes, Line, Mark, Words
-from .side import Side
 
 
 class Grid(NamedTuple):

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from allanite.core.display_units import readable_unit
 from allanite.core.estimate import STATUS_WORDS
-from allanite.core.language import Phrase, join, say, say_count
 from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
-from allanite.core.scope import APPROXIMATE
-from allanite.core.shown import readable_unit
+from allanite.core.validity import APPROXIMATE
 from allanite.identification.front import METHODS
+from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import (
     Column,

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from allanite.angle import Calibration, Harmonics, Solution
-from allanite.angle.calibration import Result, parts_of
-from allanite.angle.design import NUISANCES
-from allanite.angle.study import AngleStudy
+from allanite.applications.angle import Calibration, Harmonics, Solution
+from allanite.applications.angle.calibrating import AngleStudy
+from allanite.applications.angle.calibration import Result, parts_of
+from allanite.applications.angle.design import NUISANCES
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import join, say, say_count
 from allanite.core.units import convert, unit_of
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, toml

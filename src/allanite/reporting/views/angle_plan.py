@@ -5,15 +5,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from allanite.angle import AnglePlan, Scan
-from allanite.core.language import join, say, say_count
+from allanite.applications.angle import AnglePlan, Scan
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Sheet, Table, columns
 
 from . import View
 
 if TYPE_CHECKING:
-    from allanite.angle import Sway
+    from allanite.applications.angle import Sway
 
 BRAND = say("harmonic errors of angle sensors")
 

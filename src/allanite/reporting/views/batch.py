@@ -3,14 +3,14 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from allanite.batch.across import Across, power_of
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, Judgement, worst_of
+from allanite.batch.summary import Across, power_of
 from allanite.core.fit import Fit
-from allanite.core.language import join, say, say_count
 from allanite.core.readings import MINIMUM
-from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.core.units import Signal, convert
+from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, toml

@@ -4,12 +4,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from allanite.core.language import join, say, say_count
-from allanite.core.scope import APPROXIMATE, UNEXPLAINED
+from allanite.applications.signals import Budget, StageNoise, TorqueScale
+from allanite.applications.signals.budgeting import BudgetChannel, BudgetStudy
+from allanite.core.validity import APPROXIMATE, UNEXPLAINED
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, printable, printed_unit
-from allanite.signals import Budget, StageNoise, TorqueScale
-from allanite.signals.study import BudgetChannel, BudgetStudy
 
 from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of

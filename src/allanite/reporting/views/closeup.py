@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.language import say
+from allanite.applications.rate import Closeup
 from allanite.core.units import unit_of
-from allanite.rate import Closeup
+from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Drawing, Face, Note, Part, Sheet, Where
 

@@ -8,10 +8,10 @@ from typing import Any
 from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel
+from allanite.core.display_units import readable_unit
 from allanite.core.estimate import Estimate
-from allanite.core.language import join, say, say_count
-from allanite.core.shown import readable_unit
 from allanite.core.units import convert
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of

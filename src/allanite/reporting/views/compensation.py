@@ -5,13 +5,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from allanite.compensation.compensated import Compensated, CompensationStudy
-from allanite.compensation.gain import Gain
-from allanite.compensation.regression import Regression
-from allanite.compensation.regressor import Effect
+from allanite.applications.compensation.compensated import Compensated, CompensationStudy
+from allanite.applications.compensation.gain import Gain
+from allanite.applications.compensation.regression import Regression
+from allanite.applications.compensation.regressor import Effect
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import (

@@ -6,11 +6,11 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.datasheet import Entry
+from allanite.core.display_units import readable_unit
 from allanite.core.estimate import Estimate
-from allanite.core.language import join, say
-from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
-from allanite.core.shown import readable_unit
 from allanite.core.units import convert
+from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
+from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Card, Column, Mark, Table, printed_unit

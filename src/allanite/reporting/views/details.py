@@ -8,9 +8,9 @@ import numpy as np
 from allanite.core.arrays import mean_and_deviation
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.record import Record
 from allanite.core.units import convert
+from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Deferred, Drawing, Fold, Note, Part, Table, columns, printed_unit
 from allanite.statistics import STATISTICS

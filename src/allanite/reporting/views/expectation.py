@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.model import Model, Term, model_of
-from allanite.core.shown import readable_unit
 from allanite.core.units import convert
+from allanite.phrases.phrase import say
 from allanite.reporting import figures
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table
 from allanite.statistics import STATISTICS, Expectation, expectation

@@ -1,13 +1,13 @@
 """How files for other programs are shown: their fields, what they leave out, and what fields mean."""
 
-from allanite.core.language import say
 from allanite.core.titles import title_of
 from allanite.core.units import signal_named
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
+from allanite.exporting.exports import EXPORTS
 from allanite.exporting.imported import Imported
-from allanite.exporting.table import EXPORTS
 from allanite.exporting.target import ACCELEROMETER, GYRO
+from allanite.phrases.phrase import say
 from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of
 
 from . import View

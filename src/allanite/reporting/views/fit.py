@@ -8,10 +8,10 @@ import numpy as np
 
 from allanite.core.estimate import STATUS_WORDS, Estimate
 from allanite.core.fit import Fit, chance
-from allanite.core.language import join, say
 from allanite.core.model import Model
 from allanite.core.residuals import Residuals, statement
 from allanite.core.titles import meaning_of
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
 from allanite.terms import TERMS

@@ -6,10 +6,10 @@ from pathlib import PurePath
 from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
-from allanite.core.language import join, say
 from allanite.core.record import Record
 from allanite.core.residuals import Statement
-from allanite.core.scope import APPROXIMATE, EXPLAINED, UNEXPLAINED
+from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
+from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.job import Job

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from allanite.batch.lot import Lot
 from allanite.batch.manifest import DATE
 from allanite.batch.scatter import DAY, FEWEST, Distribution, Outlying, Trend, detectable
-from allanite.core.language import say, say_count
+from allanite.phrases.phrase import say, say_count
 from allanite.reporting import figures
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table

@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from allanite.core.language import join, say
-from allanite.meaning.device import REFERENCES
-from allanite.meaning.devices import DEVICES
-from allanite.meaning.meaning import Meaning, meaning
+from allanite.interpretation.causes import Meaning, meaning
+from allanite.interpretation.device import REFERENCES
+from allanite.interpretation.devices import DEVICES
+from allanite.phrases.phrase import join, say
 from allanite.reporting.sheet import Column, Face, Note, Part, Sheet, Table
 from allanite.study.analysis import Channel, Study
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from allanite.core.language import join, say
+from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.modelled import ModelJob, Modelled

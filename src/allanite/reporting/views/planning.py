@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from allanite.core.fit import Fit
-from allanite.core.language import join, say, say_count
 from allanite.core.model import Model
+from allanite.phrases.phrase import join, say, say_count
 from allanite.planning.bound import Bound, name_of, title_of
 from allanite.planning.plan import RecordingPlan
 from allanite.planning.selfcheck import SelfCheck

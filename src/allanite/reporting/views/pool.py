@@ -7,8 +7,8 @@ from typing import Any
 
 from allanite.comparison.pooled import Pool, PooledChannel, PooledTerm
 from allanite.core.curve import Curve
-from allanite.core.language import join, say
-from allanite.core.shown import readable_unit
+from allanite.core.display_units import readable_unit
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Face, Mark, Note, Sheet, Table

@@ -1,7 +1,7 @@
 """How the bias and the degrees of freedom of a statistic are shown."""
 
 from allanite.core.arrays import FloatArray
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.planning.properties import Properties
 from allanite.reporting.sheet import Column, Face, Note, Part, Sheet, Table
 from allanite.statistics.table import STATISTICS

@@ -5,12 +5,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
+from allanite.applications.rate.campaign import RateChannel, RateSettings, RateStudy
+from allanite.applications.rate.estimates import rate_factor
 from allanite.core.errors import UsageError
-from allanite.core.language import join, say
 from allanite.core.record import Record
-from allanite.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
-from allanite.rate.estimates import rate_factor
-from allanite.rate.study import RateChannel, RateSettings, RateStudy
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns

@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from allanite.core.language import join, say, say_count
+from allanite.applications.rate import Experiment, Ranking
+from allanite.applications.rate.estimates import rate_factor
 from allanite.core.units import unit_of
-from allanite.rate import Experiment, Ranking
-from allanite.rate.estimates import rate_factor
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Sheet, Table
 from allanite.statistics import expected

@@ -1,8 +1,8 @@
 """How values read off a curve are shown."""
 
-from allanite.core.language import say
 from allanite.core.readings import Quantity, Readings
 from allanite.core.units import convert
+from allanite.phrases.phrase import say
 from allanite.reporting import words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Face, Sheet, Table

@@ -1,6 +1,6 @@
 """How the truth of a simulated recording is shown."""
 
-from allanite.core.language import say
+from allanite.phrases.phrase import say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Sheet, toml
 from allanite.simulation.recording import Simulation

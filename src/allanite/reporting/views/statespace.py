@@ -7,7 +7,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures
 from allanite.reporting.sheet import Code, Column, Drawing, Note, Part, Table
 from allanite.statespace import StateSpace

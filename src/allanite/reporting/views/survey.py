@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
+from allanite.phrases.phrase import join, say
 from allanite.reporting.sheet import Drawing, Face
 from allanite.study.survey import Survey
 

@@ -8,9 +8,9 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.language import join, say
 from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Drawing, Face, Sheet, Table, Where, columns

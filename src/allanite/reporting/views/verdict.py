@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from allanite.core.arrays import mean_and_deviation
 from allanite.core.estimate import Estimate
 from allanite.core.header import Header
-from allanite.core.language import Phrase, join, say
-from allanite.core.scope import APPROXIMATE, graded
 from allanite.core.units import convert
+from allanite.core.validity import APPROXIMATE, graded
+from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import (
     printable,

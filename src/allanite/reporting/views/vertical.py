@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from allanite.attitude.filters import FILTERS
-from allanite.attitude.loop import Loop
-from allanite.attitude.optimum import Optimum
-from allanite.attitude.prediction import Prediction, texts
-from allanite.attitude.result import Angle, VerticalChannel, VerticalStudy
-from allanite.attitude.trials import ScenarioErrors, VerticalDesign
-from allanite.core.language import join, say
+from allanite.applications.attitude.filters import FILTERS
+from allanite.applications.attitude.loop import Loop
+from allanite.applications.attitude.optimum import Optimum
+from allanite.applications.attitude.prediction import Prediction, texts
+from allanite.applications.attitude.result import Angle, VerticalChannel, VerticalStudy
+from allanite.applications.attitude.trials import ScenarioErrors, VerticalDesign
 from allanite.core.record import Record
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
 from allanite.study.provenance import provenance_of

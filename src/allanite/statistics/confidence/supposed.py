@@ -8,10 +8,10 @@ from typing import Any, Literal, NamedTuple
 from allanite.core.averaged import Averaged, noise_choice
 from allanite.core.curve import Law
 from allanite.core.fit import Fit
-from allanite.core.language import say
 from allanite.core.model import ModelLike
-from allanite.core.scope import UNEXPLAINED
 from allanite.core.threads import one_thread
+from allanite.core.validity import UNEXPLAINED
+from allanite.phrases.phrase import say
 from allanite.statistics.row import FloatArray
 from allanite.terms import TERMS
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
-from allanite.core.wording import spelled
+from allanite.phrases.wording import spelled
 from allanite.statistics.grids import factors_of, part_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.statistics.table import STATISTICS, statistic_named

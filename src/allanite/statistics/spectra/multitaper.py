@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say
 from allanite.core.record import Record
-from allanite.core.wording import spelled, windowing
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled, windowing
 from allanite.statistics.row import FloatArray
 
 from .raw_spectrum import Raw, demand_frequencies

@@ -3,8 +3,8 @@
 from typing import NamedTuple, Protocol
 
 from allanite.core.errors import DataError
-from allanite.core.language import say
 from allanite.core.record import Record
+from allanite.phrases.phrase import say
 from allanite.statistics.row import FloatArray
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.language import say
 from allanite.core.record import Record
-from allanite.core.wording import spelled
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
 from allanite.statistics.estimator import stretches
 from allanite.statistics.row import FloatArray
 

@@ -1,0 +1,191 @@
+"""Harmonic errors of a gimbal's angle sensors, from the measured cosine between two momentum vectors."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from allanite.extending import DataError, Finding, FloatArray, UsageError, Value, say
+
+from .caveats import caveats
+from .checks import column
+from .design import USUAL, Orders, amplitude_names, design, harmonic_set
+from .geometry import Gimbals
+from .harmonics import Harmonics
+from .solution import Solution
+from .solve import System, solve
+
+Prior = tuple[float, float]
+
+LARGE = 0.2
+"""Phase shift of a harmonic by the error itself, rad, above which the linear model is doubtful."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Calibration(Value):
+    """Harmonics of a gimbal's angle sensors, estimated in service.
+
+    Attributes
+    ----------
+    harmonics : tuple of Harmonics
+        One for each angle; each is a Correction of that sensor's record.
+    solution : Solution
+        All constants, their covariance and history, the tests of the residuals.
+    gimbals : Gimbals
+        The angles they were estimated at.
+    """
+
+    harmonics: tuple[Harmonics, ...]
+    solution: Solution
+    gimbals: Gimbals
+
+    @property
+    def angles(self) -> tuple[str, ...]:
+        """Names of the angles."""
+        return tuple(h.name for h in self.harmonics)
+
+    def __getitem__(self, angle: str) -> Harmonics:
+        if angle not in self.angles:
+            raise UsageError(f"no angle {angle!r} was estimated; angles: {', '.join(self.angles)}")
+        return self.harmonics[self.angles.index(angle)]
+
+    def __iter__(self) -> Iterator[Harmonics]:
+        return iter(self.harmonics)
+
+    def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows of all harmonics, rad."""
+        tables = [h.rows(level) for h in self.harmonics]
+        return tables[0][0], [row for _, rows in tables for row in rows]
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """The value written by `to_dict`; the solution, stored once, belongs to each angle."""
+        found = super().from_dict(data)
+        return replace(found, harmonics=tuple(replace(h, solution=found.solution) for h in found.harmonics))
+
+    def _summary(self) -> str:
+        return "; ".join(f"{h.name}: {h.what}" for h in self.harmonics)
+
+
+Result = Harmonics | Calibration
+"""What is estimated."""
+
+
+def parts_of(result: Result) -> tuple[Harmonics, ...]:
+    """The harmonics of each angle."""
+    return result.harmonics if isinstance(result, Calibration) else (result,)
+
+
+def estimate(
+    difference: ArrayLike,
+    gimbals: Gimbals,
+    *,
+    orders: Orders = (128, 256),
+    nuisance: Sequence[str] = USUAL,
+    sigma: float | None = None,
+    prior: Prior | None = None,
+    method: str = "recursive",
+) -> Calibration:
+    """Estimate the harmonics of the angle sensors while the earth's rotation, or a ship's sway, moves the gimbals.
+
+    The measured cosine of the angle between the momentum vectors less the computed one is ``z = sum of f_a e_a(a)``,
+    with the partial derivative f_a of the cosine and the harmonic error e_a of each angle a, plus the auto-compensation
+    errors ax, az, the drift ``A1 sin(W t) + A2 cos(W t) + A3 t`` and white noise.
+
+    Parameters
+    ----------
+    difference : array, shape (n,)
+        Measured minus computed cosine. If yours is computed minus measured, change its sign.
+    gimbals : Gimbals
+        The angles as read, at the same instants.
+    orders : sequence of int, or mapping of angle to such
+        Harmonics; by default 128 and 256 of h and q of the equatorial gyro.
+    nuisance : sequence of str
+        Parameters estimated jointly: keys of `design.NUISANCES`. The default has no constant.
+    sigma : float, optional
+        Standard deviation of a sample's white noise, rad; by default it is estimated.
+    prior : (amplitudes, rest), optional
+        Prior standard deviations about 0, rad (rad/s for A3). None: no prior.
+    method : {"recursive", "batch"}
+        See `solve.solve`.
+
+    Raises
+    ------
+    DataError
+        Samples are not finite or too few, an angle does not move, or the samples do not separate the constants.
+    UsageError
+        A choice is impossible.
+
+    Examples
+    --------
+    >>> from allanite.applications.angle import Harmonics, gimbals, simulate
+    >>> true = {"h": Harmonics.of({128: (3e-6, 0.0)}), "q": Harmonics.of({256: (0.0, -2e-6)})}
+    >>> hour = gimbals(np.arange(7200.0, 10800.0, 10.0), latitude=np.radians(60))
+    >>> z = simulate(hour, true, sigma=1e-6, rng=np.random.default_rng(1))
+    >>> found = estimate(z, hour)
+    >>> found["h"].orders, bool(abs(found["h"].sine[0] - 3e-6) < 3 * found.solution.error("S128 h"))
+    ((128, 256), True)
+    """
+    harmonics = harmonic_set(orders)
+    z = column("the difference of cosines", difference, gimbals.time.size)
+    if (largest := np.abs(z).max()) > 2:
+        raise DataError(f"the difference of two cosines must be within 2, but is {largest:.4g}; is it scaled?")
+    names, rows = design(gimbals, harmonics, nuisance)
+    before = prior_of(prior, harmonics, len(names))
+    solution = solve(System(names, rows, z, gimbals.time), sigma=sigma, prior=before, method=method)
+    known = caveats(gimbals, harmonics, names, solution.known, before)
+    solution = replace(solution, findings=(*known, *too_large(tuple(_parts(solution, harmonics)))))
+    return Calibration(tuple(_parts(solution, harmonics)), solution, gimbals)
+
+
+def prior_of(prior: Prior | None, harmonics: Mapping[str, tuple[int, ...]], size: int) -> FloatArray | None:
+    """Standard deviations of `size` constants, of which the first are amplitudes of the harmonics."""
+    if prior is None:
+        return None
+    try:
+        amplitudes, rest = (float(v) for v in prior)
+    except (TypeError, ValueError):
+        raise UsageError(
+            f"prior must be two standard deviations, of the amplitudes and the other parameters, not {prior!r}"
+        ) from None
+    if not (0 < amplitudes < math.inf and 0 < rest < math.inf):
+        raise UsageError(f"prior standard deviations must be positive and finite, not {prior!r}")
+    count = len(amplitude_names(harmonics))
+    return np.array([amplitudes] * count + [rest] * (size - count))
+
+
+def _parts(solution: Solution, harmonics: Mapping[str, tuple[int, ...]]) -> Iterator[Harmonics]:
+    first = 0
+    for angle, orders in harmonics.items():
+        yield part(solution, angle, orders, first)
+        first += 2 * len(orders)
+
+
+def part(solution: Solution, angle: str, orders: tuple[int, ...], first: int) -> Harmonics:
+    """The harmonics of one angle, whose constants begin at `first`."""
+    mine = slice(first, first + 2 * len(orders))
+    sine, cosine = solution.values[mine].reshape(-1, 2).T
+    covariance = solution.covariance[mine, mine]
+    return Harmonics(orders, sine.copy(), cosine.copy(), covariance, solution.freedom, angle, solution)
+
+
+def too_large(harmonics: Sequence[Harmonics]) -> Iterator[Finding]:
+    """Amplitudes that are not small relative to the period of their harmonic."""
+    for h in harmonics:
+        phase = h.amplitude * np.array(h.orders)
+        worst = int(phase.argmax())
+        if phase[worst] > LARGE:
+            yield Finding(
+                "large",
+                say(
+                    "harmonic {order} of {angle} shifts its own phase by {shift:.2g} rad",
+                    order=h.orders[worst],
+                    angle=h.name or say("the angle"),
+                    shift=float(phase[worst]),
+                ),
+                say("the linear model is doubtful for errors that are not small relative to their period"),
+                say("check units; correct the angles by this estimate, and estimate again"),
+            )

@@ -1,0 +1,165 @@
+"""Findings about an experiment: how well it separates its constants."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from allanite.extending import Finding, FloatArray, join, say, say_count
+
+from .geometry import Gimbals
+from .solution import correlation_of
+from .squareroot import SquareRoot
+
+ALIKE = 0.9
+"""Correlation above which two amplitudes are hardly distinguished."""
+
+DISTURBED = 1.5
+"""Growth of a standard error by the auto-compensating rotation above which it is reported."""
+
+UNTOLD = 0.8
+"""Standard error over the prior's, above which the samples say little."""
+
+
+def caveats(
+    gimbals: Gimbals,
+    harmonics: Mapping[str, tuple[int, ...]],
+    names: tuple[str, ...],
+    known: SquareRoot,
+    prior: FloatArray | None,
+) -> tuple[Finding, ...]:
+    """Findings about an experiment, performed or planned.
+
+    Parameters
+    ----------
+    gimbals, harmonics
+        What moves, and the orders estimated of each angle.
+    names : tuple of str
+        Names of the constants, amplitudes first.
+    known : SquareRoot
+        After all samples.
+    prior : array or None
+        Standard deviations before them.
+    """
+    count = 2 * sum(map(len, harmonics.values()))
+    errors, correlation = known.errors, correlation_of(known.covariance)
+    return (
+        *_short(gimbals, harmonics, names, correlation),
+        *_alike(names[:count], correlation),
+        *_disturbed(names, errors[:count], known),
+        *_sparse(gimbals, harmonics),
+        *(_untold(names, errors, prior) if prior is not None else ()),
+    )
+
+
+def _short(
+    gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], names: tuple[str, ...], correlation: FloatArray
+) -> Iterator[Finding]:
+    for angle, orders in harmonics.items():
+        span, period = gimbals.span(angle), 2 * math.pi / min(orders)
+        if span < period:
+            mine = [i for i, name in enumerate(names) if name.endswith(f" {angle}")]
+            others = np.abs(correlation[mine] - np.eye(len(names))[mine])
+            i, j = np.unravel_index(int(others.argmax()), others.shape)
+            yield Finding(
+                "span",
+                say(
+                    "the angle {angle} moves by {span:.3g} deg, less than one period of its harmonic {order} "
+                    "({period:.3g} deg)",
+                    angle=angle,
+                    span=math.degrees(span),
+                    order=min(orders),
+                    period=math.degrees(period),
+                ),
+                say(
+                    "its harmonics can hardly be separated: {first} correlates with {second} by {correlation:+.3f}",
+                    first=names[mine[i]],
+                    second=names[j],
+                    correlation=float(correlation[mine[i], j]),
+                ),
+                say("choose a longer interval, or a part of the day where the angle moves faster"),
+            )
+
+
+def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]:
+    size = np.abs(np.triu(correlation[: len(names), : len(names)], 1))
+    pairs = sorted(np.argwhere(size > ALIKE).tolist(), key=lambda ij: -size[ij[0], ij[1]])
+    if pairs:
+        worst = [
+            say(
+                "{first} and {second} ({correlation:+.2f})",
+                first=names[i],
+                second=names[j],
+                correlation=float(correlation[i, j]),
+            )
+            for i, j in pairs[:3]
+        ]
+        shown = say("hardly separable: {pairs}", pairs=join(", ", worst))
+        more = say_count(len(pairs) - 3, "{shown} and {count} more pair", "{shown} and {count} more pairs", shown=shown)
+        yield Finding(
+            "alike",
+            more if len(pairs) > 3 else shown,
+            say(
+                "their periods nearly coincide, so that their errors are large and correlated; their joint effect is "
+                "known better"
+            ),
+            say("choose a range of angles where the periods differ, a longer interval, or sway"),
+        )
+
+
+def _disturbed(names: tuple[str, ...], errors: FloatArray, known: SquareRoot) -> Iterator[Finding]:
+    turning = [i for i, name in enumerate(names) if name in ("ax", "az")]
+    if not turning:
+        return
+    without = known.without(turning).errors[: errors.size]
+    growth = errors / without
+    worst = int(growth.argmax())
+    if growth[worst] > DISTURBED:
+        yield Finding(
+            "turn",
+            say(
+                "the auto-compensating rotation increases the standard error of {constant} by a factor of {factor:.2g}",
+                constant=names[worst],
+                factor=float(growth[worst]),
+            ),
+            say("its period is near that of an error"),
+            say("choose another period of the rotation, or another range of angles"),
+        )
+
+
+def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Iterator[Finding]:
+    step = np.diff(gimbals.time)
+    for angle, orders in harmonics.items():
+        moved = np.abs(np.diff(np.unwrap(getattr(gimbals, angle)))) * max(orders) / (2 * math.pi)
+        worst = int(moved.argmax())
+        if moved[worst] > 0.25:
+            yield Finding(
+                "sparse",
+                say(
+                    "between two samples ({step:.4g} s) {angle} moves by up to {periods:.2g} periods of its harmonic "
+                    "{order}",
+                    step=float(step[worst]),
+                    angle=angle,
+                    periods=float(moved[worst]),
+                    order=max(orders),
+                ),
+                say(
+                    "an error between the samples is not observed, and angle and cosine must be sampled at the same "
+                    "instant"
+                ),
+                say("sample at least four times per period"),
+            )
+
+
+def _untold(names: tuple[str, ...], errors: FloatArray, prior: FloatArray) -> Iterator[Finding]:
+    little = [name for name, ratio in zip(names, errors / prior, strict=True) if ratio > UNTOLD and name[0] in "SC"]
+    if little:
+        yield Finding(
+            "untold",
+            say(
+                "the samples carry little information about {constants}: their estimates depend mostly on the prior",
+                constants=", ".join(little),
+            ),
+            say("their estimates are biased towards zero"),
+            say("choose a longer interval or another range of angles"),
+        )

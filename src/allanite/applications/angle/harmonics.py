@@ -1,0 +1,234 @@
+"""Harmonics: the periodic error of one angle sensor, and its correction."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from allanite.extending import Correction, FloatArray, Record, Recording, UsageError, say
+
+from .solution import Solution, quantile
+
+FOUND = 0.01
+"""p-value below which an amplitude is called identified."""
+
+
+def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
+    """``sin k a, cos k a`` for each order k, shape (n, 2 len(orders))."""
+    return np.column_stack([wave(k * angle) for k in orders for wave in (np.sin, np.cos)])
+
+
+def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
+    """Orders of harmonics: different positive whole numbers.
+
+    Raises
+    ------
+    UsageError
+        They are something else.
+    """
+    try:
+        found = tuple(int(k) for k in orders)
+        fine = all(k == given and k > 0 for k, given in zip(found, orders, strict=True))
+    except (TypeError, ValueError):
+        found, fine = (), False
+    if not fine or not found or len(set(found)) < len(found):
+        raise UsageError(f"{what} must be different positive whole numbers such as [128, 256], not {orders!r}")
+    return found
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Harmonics(Correction):
+    """``error(a) = sum of S_k sin(k a) + C_k cos(k a)`` of an angle sensor, a being its sample.
+
+    Attributes
+    ----------
+    orders : tuple of int
+        The k.
+    sine, cosine : arrays, shape (len(orders),)
+        S and C, rad.
+    covariance : array, shape (2 len(orders), 2 len(orders))
+        Covariance of S, C, S, C, ..., rad^2; zero where the amplitudes are known.
+    freedom : float
+        Degrees of freedom that intervals have.
+    name : str
+        Name of the angle.
+    solution : Solution, optional
+        How they were estimated, with what else was.
+
+    Examples
+    --------
+    >>> known = Harmonics.of({128: (3e-5, 0.0), 256: (0.0, 1e-5)})
+    >>> known.amplitude.tolist(), bool(abs(known.at(np.pi / 256)[()] - 3e-5 + 1e-5) < 1e-18)
+    ([3e-05, 1e-05], True)
+    >>> record = Record(np.arange(4) * np.pi / 256, rate=1.0, unit="rad", kind="angle", name="encoder")
+    >>> known.apply(record).history
+    ('corrected: harmonics 128, 256 of the angle',)
+    """
+
+    orders: tuple[int, ...]
+    sine: FloatArray
+    cosine: FloatArray
+    covariance: FloatArray
+    freedom: float = math.inf
+    name: str = ""
+    solution: Solution | None = None
+
+    @classmethod
+    def of(cls, amplitudes: dict[int, tuple[float, float]], name: str = "") -> "Harmonics":
+        """Known harmonics, as order: (S, C) in rad."""
+        orders = orders_of(list(amplitudes))
+        sine, cosine = np.array(list(amplitudes.values()), dtype=np.float64).T
+        return cls(orders, sine, cosine, np.zeros((2 * len(orders),) * 2), name=name)
+
+    @property
+    def what(self) -> str:
+        """Which harmonics, for the record's history."""
+        return say("harmonics {orders} of the angle", orders=", ".join(map(str, self.orders)))
+
+    def at(self, angle: ArrayLike) -> FloatArray:
+        """The error at an angle, rad, of the shape of `angle`."""
+        a = np.asarray(angle, dtype=np.float64)
+        total = np.zeros(a.shape)
+        for k, s, c in zip(self.orders, self.sine, self.cosine, strict=True):
+            total += s * np.sin(k * a) + c * np.cos(k * a)
+        return total
+
+    def read(self, angle: FloatArray) -> FloatArray:
+        """The output of the sensor at a true angle, rad: the r for which ``r - at(r)`` is that angle.
+
+        Raises
+        ------
+        UsageError
+            The errors are so large relative to their periods that one output represents several angles.
+        """
+        if float((self.amplitude * np.array(self.orders)).sum()) >= 1:
+            raise UsageError("errors this large relative to their periods make the output of the sensor ambiguous")
+        reading, step = angle, np.inf
+        while step > 1e-15:
+            before, reading = reading, angle + self.at(reading)
+            step = min(float(np.abs(reading - before).max()), 0.999 * step)
+        return reading
+
+    def error(self, record: Record, along: Recording | None = None) -> FloatArray:
+        """The error of each reading of a record of angles, rad.
+
+        Raises
+        ------
+        UsageError
+            The record does not contain angles: rates and increments do not determine the position of the sensor.
+        """
+        if record.kind != "angle" or record.signal.name != "gyro":
+            raise UsageError(
+                f"harmonics of an angle correct a record of kind 'angle' in rad or deg, but {record.name!r} is of kind "
+                f"{record.kind!r} in {record.unit}"
+            )
+        return self.at(record.values * record.factor)
+
+    @property
+    def amplitude(self) -> FloatArray:
+        """``sqrt(S^2 + C^2)`` of each order, rad."""
+        return np.hypot(self.sine, self.cosine)
+
+    @property
+    def phase(self) -> FloatArray:
+        """``atan2(C, S)`` of each order, rad: the error is amplitude times sin(k a + phase)."""
+        return np.arctan2(self.cosine, self.sine)
+
+    @property
+    def amplitude_error(self) -> FloatArray:
+        """Standard error of each amplitude, rad: of its projection on the estimated direction."""
+        size = np.where(self.amplitude > 0, self.amplitude, 1.0)
+        along = np.stack([np.where(self.amplitude > 0, self.sine / size, 1.0), self.cosine / size])
+        return np.array([math.sqrt(along[:, i] @ self._part(i) @ along[:, i]) for i in range(len(self.orders))])
+
+    def _part(self, i: int) -> FloatArray:
+        return self.covariance[2 * i : 2 * i + 2, 2 * i : 2 * i + 2]
+
+    def p(self, order: int) -> float:
+        """p-value of each amplitude (chi-square or F of S and C together)."""
+        from scipy.special import fdtrc
+
+        i = self._index(order)
+        pair = np.array([self.sine[i], self.cosine[i]])
+        if not self._part(i).any():
+            return 0.0 if pair.any() else 1.0
+        square = float(pair @ np.linalg.solve(self._part(i), pair))
+        return math.exp(-square / 2) if math.isinf(self.freedom) else float(fdtrc(2, self.freedom, square / 2))
+
+    def found(self, order: int) -> bool:
+        """Whether the harmonic is significant (p below 1 %)."""
+        return self.p(order) < FOUND
+
+    def status(self, order: int) -> str:
+        """Whether it is "identified", "absent", or "weak": significant, but the noise is not as assumed."""
+        if not self.found(order):
+            return "absent"
+        sound = self.solution is None or all(check.passed for check in self.solution.checks)
+        return "identified" if sound else "weak"
+
+    def upper(self, order: int) -> float:
+        """95 % upper limit of an amplitude, rad, for a flat prior of S and C."""
+        from scipy.special import chndtrix
+
+        i = self._index(order)
+        variance = float(np.linalg.eigvalsh(self._part(i))[-1])
+        if variance == 0:
+            return float(self.amplitude[i])
+        return math.sqrt(variance * float(chndtrix(0.95, 2.0, self.amplitude[i] ** 2 / variance)))
+
+    def interval(self, order: int, level: float = 0.95) -> tuple[float, float]:
+        """Two-sided confidence interval of an amplitude, rad."""
+        i = self._index(order)
+        half = quantile(level, self.freedom) * float(self.amplitude_error[i])
+        return max(0.0, float(self.amplitude[i]) - half), float(self.amplitude[i]) + half
+
+    def _index(self, order: int) -> int:
+        if order not in self.orders:
+            raise UsageError(f"order {order!r} was not estimated; orders: {', '.join(map(str, self.orders))}")
+        return self.orders.index(order)
+
+    def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows, rad."""
+        headings = ["angle", "order", "S", "S error", "C", "C error", "amplitude", "low", "high", "phase", "status"]
+        errors = np.sqrt(np.diag(self.covariance))
+        columns = (self.sine, errors[::2], self.cosine, errors[1::2], self.amplitude)
+        rows = [
+            [self.name, k, *numbers, *self.interval(k, level), phase, self.status(k)]
+            for k, phase, *numbers in zip(
+                self.orders, self.phase.tolist(), *(column.tolist() for column in columns), strict=True
+            )
+        ]
+        return headings, rows
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI."""
+        headings, rows = self.rows(level)
+        keys = [heading.replace(" ", "_") for heading in headings]
+        terms = [dict(zip(keys, row, strict=True)) for row in rows]
+        for term in terms:
+            term["upper"] = self.upper(term["order"]) if term["status"] == "absent" else None
+        data: dict[str, Any] = {
+            "allanite": 1,
+            "type": "Harmonics",
+            "name": self.name,
+            "unit": "rad",
+            "level": level,
+            "terms": terms,
+            "covariance": self.covariance.tolist(),
+            "freedom": None if math.isinf(self.freedom) else self.freedom,
+        }
+        return data | ({} if self.solution is None else {"solution": self.solution.shown(level)})
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Harmonics":
+        """The harmonics written by `to_dict`, without their solution."""
+        return cls(
+            orders=tuple(term["order"] for term in data["terms"]),
+            sine=np.array([term["S"] for term in data["terms"]], dtype=np.float64),
+            cosine=np.array([term["C"] for term in data["terms"]], dtype=np.float64),
+            covariance=np.array(data["covariance"], dtype=np.float64),
+            freedom=math.inf if data["freedom"] is None else data["freedom"],
+            name=data["name"],
+        )

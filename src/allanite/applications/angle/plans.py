@@ -1,0 +1,261 @@
+"""Expected accuracy of an experiment, and the best start: without data or random numbers."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+
+from allanite.extending import Finding, FloatArray, UsageError, Value
+
+from .calibration import Prior, prior_of
+from .caveats import caveats
+from .design import USUAL, amplitude_names, design, harmonic_set
+from .geometry import QUARTER, Gimbals, gimbals
+from .solution import correlation_of
+from .squareroot import SquareRoot, batch
+from .sway import Sway, sway_of
+
+READINGS = 4096
+"""Samples of one window of a scan; more are thinned, their noise averaged."""
+
+STEP = 300.0
+"""Between the starts of a scan, s: finer than anybody schedules, and than the total changes."""
+
+
+@dataclass(frozen=True, repr=False)
+class AngleSettings(Value):
+    """Every choice of an experiment but its start.
+
+    Attributes
+    ----------
+    latitude : float
+        rad.
+    duration, interval : float
+        Length of the experiment, and time between samples, s.
+    sigma : float
+        Standard deviation of a sample's white noise, in any unit; results are in the same.
+    q_law, turn_period, sway
+        See `gimbals`.
+    prior : (amplitudes, rest) or None
+        Standard deviations before the samples, in the unit of sigma; None: nothing is known.
+    orders, nuisance
+        See `estimate`.
+    """
+
+    latitude: float
+    duration: float
+    interval: float
+    sigma: float = 1.0
+    q_law: str = "exact"
+    turn_period: float | None = 300.0
+    sway: Sway | tuple[float, float] | None = None
+    prior: Prior | None = (3.0, 10.0)
+    orders: tuple[int, ...] | dict[str, tuple[int, ...]] = (128, 256)
+    nuisance: tuple[str, ...] = USUAL
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sway", sway_of(self.sway))
+        for name in ("duration", "interval", "sigma"):
+            value = getattr(self, name)
+            if not (isinstance(value, (int, float, np.number)) and math.isfinite(value) and value > 0):
+                raise UsageError(f"{name} must be a positive number, not {value!r}")
+        if self.duration < 2 * self.interval:
+            raise UsageError(f"{self.duration:g} s contain fewer than 2 samples at an interval of {self.interval:g} s")
+
+    @property
+    def count(self) -> int:
+        """Number of samples: the first at the start, the last an interval before the end."""
+        return round(self.duration / self.interval)
+
+    def thinned(self) -> "AngleSettings":
+        """The same with at most `READINGS` samples that carry the same information."""
+        stride = max(1, math.ceil(self.count / READINGS))
+        return replace(self, interval=self.interval * stride, sigma=self.sigma / math.sqrt(stride))
+
+    def gimbals(self, start: float) -> Gimbals:
+        """Where the gimbals stand at the samples."""
+        time = start + self.interval * np.arange(self.count)
+        return gimbals(time, latitude=self.latitude, q_law=self.q_law, sway=self.sway, turn_period=self.turn_period)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AnglePlan(Value):
+    """Expected accuracy of an experiment.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the constants; amplitudes first, `amplitudes` of them.
+    errors : array, shape (p,)
+        Expected standard deviations, in the unit of sigma.
+    correlation : array, shape (p, p)
+    condition : float
+        Condition number of the samples alone, columns scaled.
+    start : float
+        s after h = 0.
+    h : (low, high)
+        Range of h of the equatorial gyro, rad.
+    settings : AngleSettings
+    findings : tuple of Finding
+        What is wrong with it.
+    """
+
+    _also: ClassVar[tuple[str, ...]] = ("standard_deviations", "total")
+
+    names: tuple[str, ...]
+    amplitudes: int
+    errors: FloatArray
+    correlation: FloatArray
+    condition: float
+    start: float
+    h: tuple[float, float]
+    settings: AngleSettings
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def standard_deviations(self) -> dict[str, float]:
+        """Expected standard deviations by name."""
+        return dict(zip(self.names, self.errors.tolist(), strict=True))
+
+    @property
+    def total(self) -> float:
+        """Sum of the expected standard deviations of the amplitudes."""
+        return float(self.errors[: self.amplitudes].sum())
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self.names:
+            raise UsageError(f"no constant {name!r}; constants: {', '.join(self.names)}")
+        return float(self.errors[self.names.index(name)])
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows."""
+        return ["constant", "expected standard deviation"], [list(row) for row in self.standard_deviations.items()]
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data; angles in rad, times in s."""
+        chosen = {key: getattr(self.settings, key) for key in ("duration", "interval", "latitude", "q_law", "sigma")}
+        return super().to_dict(level) | chosen
+
+
+def plan(settings: AngleSettings, start: float) -> AnglePlan:
+    """Expected standard deviations of an experiment with these samples.
+
+    Parameters
+    ----------
+    settings : AngleSettings
+    start : float
+        First sample, s after the equatorial gyro's passage of h = 0.
+
+    Raises
+    ------
+    DataError
+        The experiment cannot tell anything of an angle that does not move.
+    UnitError, UsageError
+        A choice is impossible.
+
+    Examples
+    --------
+    >>> hour = plan(AngleSettings(np.radians(60), duration=3600.0, interval=10.0, q_law="linear"), start=7200.0)
+    >>> round(hour.total, 2), np.degrees(hour.h).round(1).tolist(), round(hour.standard_deviations["S128 h"], 2)
+    (1.14, [14.5, 20.7], 0.08)
+    """
+    if not math.isfinite(start):
+        raise UsageError(f"start must be a time in s after h = 0, not {start!r}")
+    angles = settings.gimbals(start)
+    harmonics = harmonic_set(settings.orders)
+    names, rows = design(angles, harmonics, settings.nuisance)
+    before = prior_of(settings.prior, harmonics, len(names))
+    alone, known = _known(rows / settings.sigma, before)
+    return AnglePlan(
+        names=names,
+        amplitudes=len(amplitude_names(harmonics)),
+        errors=known.errors,
+        correlation=correlation_of(known.covariance),
+        condition=alone.condition,
+        start=float(start),
+        h=(float(angles.h.min()), float(angles.h.max())),
+        settings=settings,
+        findings=caveats(angles, harmonics, names, known, before),
+    )
+
+
+def _known(rows: FloatArray, before: FloatArray | None) -> tuple[SquareRoot, SquareRoot]:
+    """From the samples alone, and with what was known before."""
+    alone = batch(rows, np.zeros(len(rows)))
+    if before is None:
+        if not alone.condition < 1e12:
+            raise UsageError("the samples alone do not separate these constants; give prior standard deviations")
+        return alone, alone
+    return alone, batch(alone.factor[:, :-1], alone.factor[:, -1], before)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Scan(Value):
+    """Expected accuracy by the start of the interval: starts, totals, conditions, shape (k,); h, shape (k, 2), rad.
+
+    `errors`, shape (k, a), are the standard deviations of the a amplitudes `names`; `best` is the plan of the window
+    with the smallest total.
+    """
+
+    _keys: ClassVar[dict[str, str]] = {"starts": "start", "totals": "total", "conditions": "condition"}
+
+    starts: FloatArray
+    totals: FloatArray
+    conditions: FloatArray
+    h: FloatArray
+    names: tuple[str, ...]
+    errors: FloatArray
+    best: AnglePlan
+
+    def rows(self) -> tuple[list[str], list[list[float]]]:
+        """Headings and rows."""
+        columns = (self.starts, *self.h.T, self.totals, self.conditions, *self.errors.T)
+        headings = ["start [s]", "h low [rad]", "h high [rad]", "total", "condition", *self.names]
+        return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
+
+
+def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan:
+    """Expected accuracy of every start of the interval, and the best one.
+
+    Parameters
+    ----------
+    settings : AngleSettings
+    starts : sequence of float, optional
+        s after h = 0; if omitted, every five minutes (half a duration, if that is less) from there until the interval
+        reaches the extreme of h, or begins there if it is longer than a quarter of the earth's turn.
+
+    Raises
+    ------
+    DataError, UnitError, UsageError
+        As for `plan`.
+
+    Examples
+    --------
+    >>> day = scan(AngleSettings(np.radians(60), duration=3600.0, interval=10.0, q_law="linear"))
+    >>> np.degrees(day.best.h).round(1).tolist()
+    [13.4, 19.8]
+    """
+    grid = _starts(settings.duration) if starts is None else np.asarray(starts, dtype=np.float64)
+    if grid.ndim != 1 or not grid.size or not np.isfinite(grid).all():
+        raise UsageError(f"starts must be times in s after h = 0, not {starts!r}")
+    thin = settings.thinned()
+    plans = [plan(thin, float(start)) for start in grid]
+    totals = np.array([p.total for p in plans])
+    return Scan(
+        starts=grid,
+        totals=totals,
+        conditions=np.array([p.condition for p in plans]),
+        h=np.array([p.h for p in plans]),
+        names=plans[0].names[: plans[0].amplitudes],
+        errors=np.array([p.errors[: p.amplitudes] for p in plans]),
+        best=plan(settings, float(grid[int(totals.argmin())])),
+    )
+
+
+def _starts(duration: float) -> FloatArray:
+    step = min(STEP, duration / 2)
+    # the last window is the first that reaches the extreme of h
+    last = math.ceil((QUARTER - duration) / step) if duration < QUARTER else math.ceil(QUARTER / step)
+    return np.asarray(step * np.arange(last + 1), dtype=np.float64)

@@ -1,0 +1,207 @@
+"""The filters of roll and pitch: a table, and how each is run."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.extending import DataError, FloatArray, UsageError, say, spelled
+
+from .coning import attitudes, rotation_vectors
+from .density import Densities
+from .gains import best_first_order, best_kalman, best_second_order
+from .inertial import Inertial
+from .loop import Loop
+
+Angles = tuple[FloatArray, int]
+"""Roll and pitch, rad, shape (n, 2), and the number of samples for which the gyros alone were used."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Settings of a filter.
+
+    Attributes
+    ----------
+    loop : Loop
+        Gains: the angle's k1 = 1 / time constant, and the bias's k2.
+    beta : float, optional
+        Gain of Madgwick's filter, rad/s; by default as fast as the time constant in the noise of the accelerometers.
+    gate : float, optional
+        Innovation of the angle, rad, above which the accelerometers are ignored.
+    norm_gate : float, optional
+        Deviation of the size of the specific force from its median, relative, above which they are ignored.
+    samples : int
+        Samples of the coning correction.
+    """
+
+    loop: Loop
+    beta: float | None = None
+    gate: float | None = None
+    norm_gate: float | None = None
+    samples: int = 2
+
+    @property
+    def gates(self) -> FloatArray:
+        """Both gates, infinite where there is none."""
+        return np.array([math.inf if g is None else g for g in (self.gate, self.norm_gate)])
+
+
+@dataclass(frozen=True)
+class AttitudeFilter:
+    """A row of `FILTERS`.
+
+    Attributes
+    ----------
+    name, title, formula, reference
+        Name, description, LaTeX formula and source.
+    run : (inertial, setting) -> angles
+    looped : bool
+        Whether `predicted_error` holds for it: a linear filter with the gains of a `Loop`.
+    estimates : bool
+        Whether it estimates the gyro bias.
+    best : noises -> Loop
+        Its gains for the noise of roll and of pitch.
+    """
+
+    name: str
+    title: str
+    formula: str
+    reference: str
+    run: Callable[[Inertial, Setting], Angles]
+    looped: bool = False
+    estimates: bool = False
+    best: Callable[[Sequence[Densities]], Loop] = best_first_order
+
+
+def _complementary(data: Inertial, setting: Setting) -> Angles:
+    from allanite.kernels.attitude import complementary
+
+    loop, dt = setting.loop, data.interval
+    loop.demand_sampled(dt)
+    gains = np.array([math.exp(-loop.k1 * dt), loop.k2 * dt, dt, data.gravity, *setting.gates])
+    found = np.empty((len(data.gyro), 2))
+    held, steep = complementary(data.gyro, data.force, gains, data.start, found)
+    if steep >= 0:
+        raise DataError(
+            f"the pitch is within 1 degree of 90 at {steep * dt:.6g} s, where roll has no meaning; use a filter of "
+            f"quaternions: {spelled('--filter mahony', 'method=...')}"
+        )
+    return found, held
+
+
+def _mahony(data: Inertial, setting: Setting) -> Angles:
+    from allanite.kernels.attitude import mahony
+
+    found = np.empty((len(data.gyro), 2))
+    gains = np.array([setting.loop.k1, setting.loop.k2, data.interval, data.gravity, *setting.gates])
+    held = mahony(data.gyro, data.force, gains, quaternion(data.start), found)
+    return found, held
+
+
+def _madgwick(data: Inertial, setting: Setting) -> Angles:
+    from allanite.kernels.attitude import madgwick
+
+    found = np.empty((len(data.gyro), 2))
+    beta = equivalent_beta(data, setting.loop.time_constant) if setting.beta is None else setting.beta
+    gains = np.array([beta, 0.0, data.interval, data.gravity, *setting.gates])
+    held = madgwick(data.gyro, data.force, gains, quaternion(data.start), found)
+    return found, held
+
+
+def _bortz(data: Inertial, setting: Setting) -> Angles:
+    from allanite.kernels.attitude import tilts
+
+    vectors = rotation_vectors(data.gyro * data.interval, setting.samples)
+    w, a, b, c = attitudes(vectors, quaternion(data.start)).T
+    up = np.stack([2 * (a * c - w * b), 2 * (w * a + b * c), 1 - 2 * (a * a + b * b)], axis=1)
+    found = np.empty((len(up), 2))
+    tilts(up, found)
+    # an attitude holds at the end of its group of samples; the samples before take that of the group before
+    whole = np.empty((len(data.gyro), 2))
+    index = (np.arange(len(whole)) + 1) // setting.samples - 1
+    whole[:] = np.where(index[:, None] < 0, data.start, found[np.maximum(index, 0)])
+    return whole, len(whole)
+
+
+def _accelerometer(data: Inertial, _: Setting) -> Angles:
+    from allanite.kernels.attitude import tilts
+
+    found = np.empty((len(data.force), 2))
+    tilts(data.force, found)
+    return found, 0
+
+
+def quaternion(angles: FloatArray) -> FloatArray:
+    """The attitude with this roll and pitch, rad, and no yaw; scalar first."""
+    (r, p) = angles / 2
+    sr, cr, sp, cp = math.sin(r), math.cos(r), math.sin(p), math.cos(p)
+    return np.array([cr * cp, sr * cp, cr * sp, -sr * sp])
+
+
+def equivalent_beta(data: Inertial, time_constant: float) -> float:
+    """Madgwick's gain that is as fast as a time constant in noise.
+
+    Its correction turns at 2 beta whatever the error. In noise of the tilt with the standard deviation s of each angle
+    that is on average sqrt(pi / 8) / s of the error, so that beta = s / (sqrt(pi / 2) time constant).
+    """
+    steps = np.diff(data.force[:, :2], axis=0) / data.gravity
+    scatter = math.sqrt(float((steps**2).mean()) / 2)
+    return scatter / (math.sqrt(math.pi / 2) * time_constant)
+
+
+FILTERS: dict[str, AttitudeFilter] = {
+    row.name: row
+    for row in (
+        AttitudeFilter(
+            "complementary", say("complementary filter of first order"),
+            r"\hat\theta = \frac{\tau s}{\tau s + 1} \int \omega + \frac{1}{\tau s + 1} \theta_a",
+            "Higgins, IEEE Trans. AES-11 (1975) 321", _complementary, looped=True,
+        ),
+        AttitudeFilter(
+            "second-order", say("complementary filter of second order, which estimates the gyro bias"),
+            r"\dot\theta = \omega - b + k_1 (\theta_a - \theta), \quad \dot b = -k_2 (\theta_a - \theta)",
+            "Brown and Hwang, Introduction to Random Signals (1997)", _complementary, looped=True, estimates=True,
+            best=best_second_order,
+        ),
+        AttitudeFilter(
+            "kalman", say("steady Kalman filter for angle and rate random walk"),
+            r"k_1 = \sqrt{N^2 + 2 K \sqrt{S_a}} / \sqrt{S_a}, \quad k_2 = K / \sqrt{S_a}",
+            say("the filter of second order with the gains of the Riccati equation"), _complementary, looped=True,
+            estimates=True, best=best_kalman,
+        ),
+        AttitudeFilter(
+            "mahony", say("Mahony's filter, kP = k1 and kI = k2"),
+            r"\dot q = \tfrac{1}{2} q \otimes (\omega - b + k_P\, a \times v), \quad \dot b = -k_I\, a \times v",
+            "Mahony et al., IEEE Trans. AC-53 (2008) 1203", _mahony, looped=True,
+        ),
+        AttitudeFilter(
+            "madgwick", say("Madgwick's filter, which corrects at a constant rate of 2 beta"),
+            r"\dot q = \tfrac{1}{2} q \otimes \omega - \beta \nabla f / |\nabla f|",
+            "Madgwick et al., ICORR (2011)", _madgwick,
+        ),
+        AttitudeFilter(
+            "bortz", say("gyros alone, rotation vector with coning correction"),
+            r"\phi = \theta_1 + \theta_2 + \tfrac{2}{3} \theta_1 \times \theta_2",
+            "Bortz, IEEE Trans. AES-7 (1971) 61", _bortz,
+        ),
+        AttitudeFilter(
+            "accelerometer", say("accelerometers alone"), r"\theta_a = \arctan(-f_x / \sqrt{f_y^2 + f_z^2})",
+            say("the tilt of the specific force"), _accelerometer,
+        ),
+    )
+}  # fmt: skip
+
+
+def filter_named(name: str) -> AttitudeFilter:
+    """The row of `FILTERS` of this name.
+
+    Raises
+    ------
+    UsageError
+        The name is unknown.
+    """
+    if name not in FILTERS:
+        raise UsageError(f"unknown filter {name!r}; known filters: {', '.join(FILTERS)}")
+    return FILTERS[name]

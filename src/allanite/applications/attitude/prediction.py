@@ -1,0 +1,246 @@
+"""Predicted error of a gyro-vertical, and its parts by source."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.extending import (
+    FloatArray,
+    Model,
+    ModelLike,
+    Term,
+    UnitError,
+    UsageError,
+    Value,
+    say,
+    split_quantities,
+    unit_of,
+)
+
+from .density import SENSORS, Densities, scale
+from .loop import Loop
+
+
+@dataclass(frozen=True, repr=False)
+class Source(Value):
+    """What one source of error contributes: `sensor`, `symbol` of the term or "bias", its text, and its RMS, rad."""
+
+    sensor: str
+    symbol: str
+    text: str
+    rms: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Prediction(Value):
+    """Predicted error of one angle of a gyro-vertical.
+
+    Attributes
+    ----------
+    gyro, accelerometer : Model
+    loop : Loop
+        The filter.
+    duration, rate : float or None
+        Horizon, s, and sampling rate, Hz; None for no horizon and for continuous time.
+    sources : tuple of Source
+        The RMS error from each source; their squares add.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> found = predicted_error(N(0.3, "deg/sqrt(h)"), N(100, "ug/sqrt(Hz)"), 1.1459)
+    >>> f"{found.to('arcsec'):.2f}"
+    '19.27'
+    """
+
+    _also = ("rms",)
+
+    gyro: Model
+    accelerometer: Model
+    loop: Loop
+    duration: float | None
+    rate: float | None
+    sources: tuple[Source, ...]
+
+    @property
+    def rms(self) -> float:
+        """RMS error, rad: the standard deviation if there is no constant bias."""
+        return math.sqrt(sum(source.rms**2 for source in self.sources))
+
+    @property
+    def floor(self) -> float:
+        """The part of accelerometer flicker and bias, rad, which hardly depends on the time constant."""
+        return math.sqrt(sum(s.rms**2 for s in self.sources if s.sensor == "accelerometer" and s.symbol in FLOOR))
+
+    def to(self, unit: str) -> float:
+        """The RMS error in another unit.
+
+        Raises
+        ------
+        UnitError
+            It is not a unit of an angle.
+        """
+        return self.rms / angle_unit(unit)
+
+    def _summary(self) -> str:
+        return f"{self.to('arcsec'):.4g} arcsec with {self.loop._summary()}"
+
+
+FLOOR = ("B", "bias")
+"""Sources of the accelerometer that no time constant removes."""
+
+
+def angle_unit(unit: str) -> float:
+    """Size of a unit of angle in rad."""
+    found = unit_of(unit)
+    if found.dimension != unit_of("rad").dimension:
+        raise UnitError(f"{unit!r} is not a unit of an angle, such as arcsec, deg or mrad")
+    return found.factor
+
+
+def predicted_error(
+    gyro: ModelLike,
+    accelerometer: ModelLike,
+    time_constant: float | Loop,
+    *,
+    duration: float | None = None,
+    rate: float | None = None,
+    gyro_bias: str | float = 0.0,
+    accelerometer_bias: str | float = 0.0,
+) -> Prediction:
+    r"""Predict the error of roll or pitch from the noise of one gyro and one accelerometer.
+
+    For small angles and a body without acceleration. The density of the error with the time constant tau is
+
+    .. math:: [S_g(f) \tau^2 + S_a(f) / g^2] / (1 + (2 \pi f \tau)^2),
+
+    integrated from 1 / (2 T), T being the duration.
+
+    Parameters
+    ----------
+    gyro, accelerometer : Model, Term or Fit
+    time_constant : float or Loop
+        Time constant of a filter of first order, s, or any complementary filter.
+    duration : float, optional
+        Horizon, s; needed if the noise has flicker, random walk or a ramp.
+    rate : float, optional
+        Sampling rate of the filter, Hz; by default continuous time.
+    gyro_bias, accelerometer_bias : str or float, optional
+        Constant biases, as ``"10 deg/h"``, or in SI.
+
+    Returns
+    -------
+    Prediction
+
+    Raises
+    ------
+    UsageError, UnitError
+        A model is of another sensor, a needed horizon or rate is missing, or the time constant is not above the sample
+        interval.
+    """
+    noise = Densities.of(gyro, accelerometer, duration, rate)
+    loop = Loop.of(time_constant)
+    if noise.interval is not None:
+        loop.demand_sampled(noise.interval)
+    return predict(noise, loop, biases(gyro_bias, accelerometer_bias))
+
+
+def biases(gyro: str | float, accelerometer: str | float) -> tuple[float, float]:
+    """Constant biases in SI, from texts with units or numbers."""
+    return _bias(gyro, "rad/s", "10 deg/h"), _bias(accelerometer, "m/s^2", "50 ug")
+
+
+def _bias(value: str | float, si: str, example: str) -> float:
+    if not isinstance(value, str):
+        return float(value)
+    found = split_quantities(value.split())
+    if len(found) != 1 or not found[0][1]:
+        raise UsageError(f"a bias has the form {example!r}, not {value!r}")
+    number, unit = found[0]
+    if unit_of(unit).dimension != unit_of(si).dimension:
+        raise UnitError(f"a bias has the form {example!r}; {unit!r} is a unit of something else")
+    return number * unit_of(unit).factor
+
+
+def predict(noise: Densities, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
+    """`predicted_error` of densities that were checked, with biases in SI."""
+    sources = (*_random(noise, loop), *_deterministic(noise, loop, bias))
+    rate = None if noise.interval is None else 1 / noise.interval
+    return Prediction(noise.gyro, noise.accelerometer, loop, noise.duration, rate, sources)
+
+
+def _random(noise: Densities, loop: Loop) -> Iterator[Source]:
+    f, weight = noise.nodes
+    gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
+    for sensor, t, density in noise.noise:
+        variance = float(gain[SENSORS.index(sensor)] @ density)
+        yield Source(sensor, t.symbol, text_of(t), math.sqrt(variance))
+
+
+def _deterministic(noise: Densities, loop: Loop, bias: tuple[float, float]) -> Iterator[Source]:
+    for i, (sensor, model) in enumerate(zip(SENSORS, (noise.gyro, noise.accelerometer), strict=True)):
+        for t in model:
+            if t.row.waveform is not None:
+                rms = _line(t, noise, loop, i) if t.row.periodic else _ramp(t, noise, loop, i)
+                yield Source(sensor, t.symbol, text_of(t), scale(sensor) * rms)
+        if bias[i]:
+            unit = model.signal.sheet[0]
+            said = say("bias {value:.4g} {unit}", value=bias[i] / unit_of(unit).factor, unit=unit)
+            yield Source(sensor, "bias", said, abs(bias[i]) * scale(sensor) * steady(loop, sensor, noise.interval))
+
+
+def text_of(t: Term) -> str:
+    """A term as text; white noise of an accelerometer as data sheets give it.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> text_of(N(100, "ug/sqrt(Hz)"))
+    'N = 100 ug/sqrt(Hz)'
+    """
+    unit = t.signal.density[0]
+    if t.signal.name == "gyro" or unit_of(unit).dimension != unit_of(t.unit).dimension:
+        return str(t)
+    return f"{t.symbol} = {t.to(unit):.4g} {unit}"
+
+
+def texts(model: Model) -> str:
+    """A model as text, with its terms as `text_of` writes them."""
+    return ", ".join(map(text_of, model))
+
+
+def _line(t: Term, noise: Densities, loop: Loop, which: int) -> float:
+    """A sinusoid, averaged over its phase."""
+    found = loop.responses(np.array([t.shape[0]]), noise.interval)[which]
+    return abs(t.value) * float(np.abs(found[0])) / math.sqrt(2)
+
+
+def _ramp(t: Term, noise: Densities, loop: Loop, which: int) -> float:
+    """A ramp that is zero in the middle of the run."""
+    assert noise.duration is not None  # noqa: S101 - a ramp demands one
+    span = abs(t.value) * noise.duration / math.sqrt(12)
+    return abs(t.value) / loop.k2 if which == 0 and loop.k2 else span * steady(loop, SENSORS[which], noise.interval)
+
+
+def steady(loop: Loop, sensor: str, interval: float | None) -> float:
+    """Response of the error to a constant rate, s, or a constant tilt."""
+    if sensor == "accelerometer":
+        return 1.0
+    if loop.k2:
+        return 0.0
+    return loop.time_constant if interval is None else interval / math.expm1(loop.k1 * interval)
+
+
+def error_density(found: Prediction, f: FloatArray) -> dict[str, FloatArray]:
+    """Root of the one-sided density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
+    noise = Densities.of(found.gyro, found.accelerometer, found.duration, found.rate)
+    gain = [np.abs(response) for response in found.loop.responses(f, noise.interval)]
+    lines = {}
+    for i, (sensor, model) in enumerate(zip(SENSORS, (found.gyro, found.accelerometer), strict=True)):
+        for t in model:
+            if t.row.waveform is None:
+                own = Densities(Model((t,)), Model((t,)), interval=noise.interval).total(sensor, f)
+                lines[f"{sensor} {t.symbol}"] = gain[i] * np.sqrt(2 * own)
+    return lines

@@ -1,0 +1,69 @@
+"""Resampling of channels to the sample times of a record, if requested."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from allanite.extending import DataError, Record, Recording, say
+
+from .regressor import FloatArray
+
+
+def aligned(along: Recording, record: Record) -> Recording:
+    """The channels at the intervals of `record`: means if they are faster, otherwise linear interpolation.
+
+    Values before the first sample or after the last one are NaN, and so are values next to a missing sample. Times are
+    those of `start`, or zero.
+
+    Raises
+    ------
+    DataError
+        A channel does not overlap the record, or is an angle.
+
+    Examples
+    --------
+    >>> temp = Record([20.0, 22.0, 24.0], rate=0.5, unit="degC", name="temp")
+    >>> gyro = Record(np.zeros(6), rate=1.0, unit="deg/h", name="z")
+    >>> aligned(Recording((temp,)), gyro)["temp"].values.tolist()
+    [20.0, 21.0, 22.0, 23.0, 24.0, nan]
+    """
+    return replace(along, records=tuple(_aligned(other, record) for other in along))
+
+
+def _aligned(other: Record, record: Record) -> Record:
+    if other.integrated:
+        plain = say("{name!r} is of kind {kind}; only plain samples can be resampled", name=other.name, kind=other.kind)
+        raise DataError(plain)
+    when = np.arange(record.size) / record.rate
+    since = (record.start or 0.0) - (other.start or 0.0)
+    x = np.asarray(other.values, dtype=np.float64)
+    faster = other.rate > record.rate
+    at = when + since
+    values = _means(x, other.rate, at, record.rate) if faster else _lines(x, other.rate, at)
+    if np.isnan(values).all():
+        raise DataError(say("{first!r} and {second!r} do not overlap in time", first=other.name, second=record.name))
+    what = say(
+        "resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
+        rate=other.rate,
+        name=record.name,
+        way=say("means") if faster else say("linear interpolation"),
+    )
+    return Record(
+        values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
+        history=(*other.history, what),
+    )  # fmt: skip
+
+
+def _lines(x: FloatArray, rate: float, when: FloatArray) -> FloatArray:
+    return np.asarray(np.interp(when, np.arange(x.size) / rate, x, left=np.nan, right=np.nan))
+
+
+def _means(x: FloatArray, rate: float, when: FloatArray, wanted: float) -> FloatArray:
+    """Means over the intervals that begin at `when`: differences of the integral; NaN where a reading is missing."""
+    edges = np.arange(x.size + 1) / rate
+    lost = np.concatenate(([0.0], np.cumsum(np.isnan(x))))
+    integral = np.concatenate(([0.0], np.cumsum(np.nan_to_num(x)))) / rate
+    spans = (when, when + 1 / wanted)
+    begin, end = (np.interp(t, edges, integral, left=np.nan, right=np.nan) for t in spans)
+    missing = np.interp(spans[1], edges, lost) - np.interp(spans[0], edges, lost)
+    return np.where(missing > 0, np.nan, (end - begin) * wanted)

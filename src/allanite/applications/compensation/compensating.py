@@ -1,0 +1,255 @@
+"""Compensation of files: every channel fitted on other channels, and the effect on it and on another file."""
+
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+
+from allanite.extending import (
+    SHORTEST,
+    DataError,
+    Finding,
+    Inspected,
+    Noise,
+    Progress,
+    Quality,
+    Recipe,
+    Record,
+    Recording,
+    demand_result,
+    deviation,
+    each_channel,
+    inspect,
+    join,
+    noise_of,
+    open_recording,
+    provenance_of,
+    say,
+    stretches,
+    trim,
+)
+
+from .clocks import aligned
+from .compensated import Compensated, CompensationStudy
+from .fit import compensate
+from .regression import Regression, gain_on, load
+from .settings import CompensationSettings
+
+PathLike = str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class _Source:
+    """The inertial channels of a file, and the regressors under the names that the user gave them."""
+
+    signals: Recording
+    along: Recording
+    named: Mapping[str, str]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((*self.signals.notes, *self.along.notes)))
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """About the clocks of both."""
+        return tuple(dict.fromkeys((*self.signals.findings, *self.along.findings)))
+
+
+def compensate_file(
+    source: PathLike,
+    recipe: Recipe | None = None,
+    settings: CompensationSettings | None = None,
+    *,
+    apply_to: PathLike | None = None,
+    progress: Progress | None = None,
+) -> CompensationStudy:
+    """Fit every inertial channel of a file on other channels, and apply the regressions.
+
+    Parameters
+    ----------
+    source : path
+    recipe : Recipe, optional
+        How files are read, and how the noise is identified.
+    settings : CompensationSettings
+        The regressors, or a saved regression.
+    apply_to : path, optional
+        Another file of the same channels, which is not used for the fit.
+    progress : callable, optional
+        Called with a description of the current step and the fraction completed.
+
+    Raises
+    ------
+    DataError
+        A file cannot be read, or no channel can be fitted.
+    UsageError
+        No regressor is named, or it is not in the file.
+    """
+    recipe, settings = _one_set_of_terms(recipe or Recipe(), settings or CompensationSettings())
+    saved = {} if settings.use is None else {r.name: r for r in load(settings.use)}
+    keys = _keys(settings, saved)
+    if progress is not None:
+        progress("reading", 0.0)
+    here = _open(source, recipe, settings, keys)
+
+    def regression_of(record: Record) -> Regression:
+        return _saved(saved, record.name) if saved else _fitted(record, here, settings)
+
+    fitted = _each(
+        here, regression_of, recipe, held=bool(saved), progress=_part(progress, 0, 1 if apply_to is None else 2)
+    )
+    demand_result(here.signals.channels, fitted)
+    provenance = provenance_of(here.signals)
+    if settings.beside is not None:
+        provenance |= {"regressors": here.along.source, "sha256 regressors": here.along.digest}
+    study = CompensationStudy(fitted, recipe, here.findings, here.notes, provenance, (), settings)
+    return study if apply_to is None else _applied(study, apply_to, keys, progress)
+
+
+def _applied(
+    study: CompensationStudy, path: PathLike, keys: tuple[str, ...], progress: Progress | None
+) -> CompensationStudy:
+    """The study with what its regressions do to another file."""
+    there = _open(path, study.recipe, replace(study.settings, beside=None), keys)
+    known = {regression.name: regression for regression in study.regressions}
+    applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=_part(progress, 1, 2))
+    findings = (replace(f, what=join(": ", (there.signals.source, f.what))) for f in there.findings)
+    return replace(
+        study,
+        applied=applied,
+        findings=(*study.findings, *findings),
+        notes=tuple(dict.fromkeys((*study.notes, *there.notes))),
+        provenance=study.provenance | {"applied to": os.fspath(path), "sha256 applied to": there.signals.digest},
+    )
+
+
+def _part(progress: Progress | None, part: int, parts: int) -> Progress | None:
+    """What tells the progress of one of several parts of the job."""
+    return progress and (lambda what, fraction: progress(what, (part + fraction) / parts))
+
+
+def _one_set_of_terms(recipe: Recipe, settings: CompensationSettings) -> tuple[Recipe, CompensationSettings]:
+    """The recipe and the settings with the same noise terms: those of the settings where they name some."""
+    if settings.fit.terms != "auto":
+        return replace(recipe, terms=settings.fit.terms), settings
+    return recipe, replace(settings, fit=replace(settings.fit, terms=recipe.terms))
+
+
+def _keys(settings: CompensationSettings, saved: Mapping[str, Regression]) -> tuple[str, ...]:
+    """What the user calls the channels that are regressors."""
+    wanted = (r.channel for regression in saved.values() for r in regression.regressors if not r.is_trend)
+    return tuple(dict.fromkeys((*settings.regressors, *settings.derivative_of, *wanted)))
+
+
+def _open(path: PathLike, recipe: Recipe, settings: CompensationSettings, keys: tuple[str, ...]) -> _Source:
+    """The inertial channels of a file, and the regressors, of the part that the recipe selects."""
+    if settings.beside is None:
+        both = open_recording(path, recipe, along=keys)
+        signals, along = (replace(both, records=r) for r in (both.records[: -len(keys)], both.records[-len(keys) :]))
+    else:
+        signals = open_recording(path, recipe)
+        along = open_recording(settings.beside, Recipe(channels=keys))
+    if settings.interpolate:
+        along = aligned(along, signals[0])
+    elif settings.beside is not None and (recipe.start, recipe.until, recipe.quiet_window) != (None, None, None):
+        since = (signals[0].start or 0.0) - (along[0].start or 0.0)
+        along = trim(along, since, since + signals[0].duration)
+    return _Source(signals, along, dict(zip(keys, along.channels, strict=True)))
+
+
+def _each(
+    source: _Source,
+    regression_of: Callable[[Record], Regression],
+    recipe: Recipe,
+    *,
+    held: bool,
+    progress: Progress | None,
+) -> tuple[Compensated, ...]:
+    """Every channel corrected; `held` says that it was not fitted.
+
+    A record that follows a temperature may look as if it moved: whether it does is asked of what the correction leaves.
+    """
+    regression_of = cache(regression_of)
+
+    def look(record: Record) -> Quality:
+        quality = inspect(record)
+        if any(finding.fatal and finding.name == "moving" for finding in quality.findings):
+            with suppress(DataError):  # what cannot be corrected stays refused, because it moves
+                return inspect(regression_of(record).apply(record, source.along))
+        return quality
+
+    def work(seen: Inspected) -> Compensated:
+        regression = regression_of(seen.record)
+        gain = gain_on(regression, seen.record, source.along) if held else None
+        done = _corrected(seen.record, source.along, regression, recipe)
+        return replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
+
+    def refused(seen: Inspected, why: str) -> Compensated:
+        return Compensated(seen.record, refusal=why)
+
+    return each_channel(
+        [(record.name, (record,)) for record in source.signals], work, refused,
+        findings=source.findings, look=look, doing="correcting" if held else "fitting", progress=progress,
+    )  # fmt: skip
+
+
+def _fitted(record: Record, source: _Source, settings: CompensationSettings) -> Regression:
+    regressors, derivative_of = (
+        [source.named[key] for key in keys] for keys in (settings.regressors, settings.derivative_of)
+    )
+    return compensate(
+        record, source.along, regressors, degree=settings.degree, lags=settings.lags, derivative_of=derivative_of,
+        trend=settings.trend, settings=settings.fit,
+    )  # fmt: skip
+
+
+def _saved(there: Mapping[str, Regression], name: str) -> Regression:
+    if name not in there:
+        raise DataError(say("no regression of this name; names: {names}", names=", ".join(there)))
+    return there[name]
+
+
+def _corrected(record: Record, along: Recording, regression: Regression, recipe: Recipe) -> Compensated:
+    corrected = regression.apply(record, along)
+    there = np.isfinite(regression.rate_error(record, along))
+    before, after = (_longest(part, there) for part in (record, corrected))
+    if before.size < SHORTEST:
+        raise DataError(
+            say(
+                "no stretch of {least} samples is complete in {name!r} and its regressors",
+                least=SHORTEST,
+                name=record.name,
+            )
+        )
+    noise, alerts = _noise(before, recipe)
+    curve = partial(deviation, statistic="oadev", taus="octave")
+    curves = curve(before, noise=noise.fit if noise else regression.noise), curve(after, noise=regression.noise)
+    return Compensated(record, regression, corrected, *curves, noise, alerts=alerts)
+
+
+def _longest(record: Record, fine: np.ndarray[Any, np.dtype[np.bool_]]) -> Record:
+    """The rates of the longest stretch without a loss, in SI."""
+    rates = record.rate_values
+    edges = stretches(fine & np.isfinite(rates))
+    a, b = edges[np.diff(edges, axis=1)[:, 0].argmax()] if edges.size else (0, 0)
+    kept = rates[a:b] if b - a > 2 else np.zeros(2)
+    return Record(kept, record.rate, record.signal.unit, record.signal.kind, name=record.name)
+
+
+def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
+    """What the limits of the uncorrected curve suppose: all that is in it, the dependence as well."""
+    try:
+        noise = noise_of(record, recipe)
+    except DataError as error:
+        assumed = say(
+            "the intervals of the deviation before assume the noise identified by the fit: {reason}", reason=str(error)
+        )
+        return None, (assumed,)
+    doubt = say(
+        "the intervals of the deviation before are doubtful: no model of these terms explains the record before"
+    )
+    return noise, (doubt,) if noise.doubts else ()

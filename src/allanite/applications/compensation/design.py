@@ -1,0 +1,237 @@
+"""The columns of a regression: those requested, those that may be added, and whether they can be separated."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.extending import (
+    DataError,
+    Likelihood,
+    Record,
+    Recording,
+    UsageError,
+    join,
+    say,
+    say_count,
+    spelled,
+    stretches,
+)
+
+from .regressor import TREND, Regressor, readings
+from .restricted import FloatArray, Stretch, restricted
+from .settings import CompensationSettings
+
+SHORTEST = 64
+"""Minimum number of samples of a stretch between gaps."""
+
+SAME = 1e-10
+"""Least eigenvalue of the columns' correlation at which one of them is a sum of the others."""
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """Rates and columns of a record, and where they count.
+
+    Attributes
+    ----------
+    y : array, shape (n,)
+        Rates, SI.
+    X : array, shape (n, p)
+        Columns, each divided by its `size`.
+    regressors : tuple of Regressor
+    size : array, shape (p,)
+    stretches : tuple of (first, behind last)
+    rate : float
+    optional : bool array, shape (p,)
+        Columns that enter only where cross-validation wants them.
+    notes : tuple of str
+    """
+
+    y: FloatArray
+    X: FloatArray
+    regressors: tuple[Regressor, ...]
+    size: FloatArray
+    stretches: tuple[Stretch, ...]
+    rate: float
+    optional: NDArray[np.bool_]
+    notes: tuple[str, ...]
+
+    def only(self, kept: Sequence[int]) -> "Design":
+        """The design with some of the columns, at all samples where these have values."""
+        some = list(kept)
+        X, regressors = self.X[:, some], tuple(self.regressors[i] for i in some)
+        parts, notes = _stretches(np.isfinite(self.y) & np.isfinite(X).all(axis=1), self.y.size)
+        return Design(self.y, X, regressors, self.size[some], parts, self.rate, self.optional[some], notes)
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(regressor.label for regressor in self.regressors)
+
+    @property
+    def taken(self) -> list[int]:
+        """Columns that a correction subtracts: all but a trend."""
+        return [i for i, regressor in enumerate(self.regressors) if not regressor.is_trend]
+
+    @property
+    def trend(self) -> list[int]:
+        """The column of a trend, if there is one."""
+        return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
+
+    @property
+    def count(self) -> int:
+        """Samples that count."""
+        return sum(b - a for a, b in self.stretches)
+
+    def likelihood(self, symbols: str, *, y: FloatArray | None = None, parts: Sequence[Stretch] = ()) -> Likelihood:
+        """Restricted likelihood of these noise terms, of other rates or stretches if they are given."""
+        rates = self.y if y is None else y
+        return restricted(rates, self.X, parts or self.stretches, rate=self.rate, symbols=symbols)
+
+
+def design(record: Record, along: Recording, settings: CompensationSettings) -> Design:
+    """The columns of a record.
+
+    Raises
+    ------
+    UsageError
+        A regressor is missing.
+    DataError
+        A regressor is constant or a linear combination of others; samples are missing and the record is not split;
+        nothing remains.
+    """
+    named = dict.fromkeys((*settings.regressors, *settings.derivative_of))
+    channels = {name: _measured(name, record, along) for name in named}
+    listed = list(_regressors(record, channels, settings))
+    regressors, optional = tuple(r for r, _ in listed), np.array([o for _, o in listed])
+    X = np.column_stack([regressor.column(record, along) for regressor in regressors])
+    y = record.rate_values
+    # NaN of the named channels are losses, those of a lag are not
+    lost = int(np.isnan(y).sum()), sum(int(np.isnan(channel.x).sum()) for channel in channels.values())
+    if any(lost) and not settings.fit.split_gaps:
+        raise DataError(
+            say(
+                "{samples} samples of {name!r} and {regressors} of its regressors are missing; use the stretches "
+                "between them, each with its own constant: {option}",
+                samples=lost[0],
+                name=record.name,
+                regressors=lost[1],
+                option=spelled("--split-gaps", "FitSettings(split_gaps=True)"),
+            )
+        )
+    parts, notes = _stretches(np.isfinite(y) & np.isfinite(X).all(axis=1), y.size)
+    used = np.zeros(y.size, dtype=bool)
+    for a, b in parts:
+        used[a:b] = True
+    size = _sizes(regressors, X, used)
+    found = Design(y, X / size, regressors, size, parts, record.rate, optional, notes)
+    _demand_different(found, used)
+    return found
+
+
+def _sizes(regressors: Sequence[Regressor], X: FloatArray, used: NDArray[np.bool_]) -> FloatArray:
+    """RMS of each column about its mean."""
+    inner = np.where(used[:, None], X, 0.0) - np.where(used[:, None], X[used].mean(axis=0), 0.0)
+    size = np.sqrt((inner**2).sum(axis=0) / used.sum())
+    for regressor, rms in zip(regressors, size, strict=True):
+        if not rms > 1e-12 * max(abs(regressor.centre), 1e-300):
+            raise DataError(
+                say(
+                    "the regressor {regressor!r} is constant and cannot explain anything; omit it",
+                    regressor=regressor.label,
+                )
+            )
+    return np.asarray(size)
+
+
+class _Channel(NamedTuple):
+    """Unit, mean and samples of a channel."""
+
+    unit: str
+    centre: float
+    x: FloatArray
+
+
+def _regressors(
+    record: Record, channels: Mapping[str, _Channel], settings: CompensationSettings
+) -> Iterator[tuple[Regressor, bool]]:
+    """Each column, and whether it is optional."""
+    for name in settings.regressors:
+        yield Regressor(name, channels[name].unit, channels[name].centre), False
+    for name in settings.derivative_of:
+        yield Regressor(name, channels[name].unit, smooth=settings.fit.smooth), False
+    for name in settings.regressors:
+        unit, centre, _ = channels[name]
+        yield from ((Regressor(name, unit, centre, power), True) for power in range(2, settings.degree + 1))
+        for lag in settings.lags:
+            if round(lag * record.rate) < 1:
+                raise UsageError(f"a lag of {lag:g} s is shorter than the sample interval of {record.interval:g} s")
+            yield Regressor(name, unit, centre, lag=lag), True
+    if settings.trend:
+        yield Regressor(TREND, "s"), False
+
+
+def _measured(name: str, record: Record, along: Recording) -> _Channel:
+    """A channel; its mean rounded to four digits of its spread, so that it can be written down."""
+    if name not in along.channels:
+        raise UsageError(f"the regressor {name!r} is missing; channels: {', '.join(along.channels)}")
+    channel = along[name]
+    unit = channel.signal.unit if channel.integrated else channel.unit
+    x = readings(name, unit, record, along)
+    there = x[np.isfinite(x)]
+    if not there.size:
+        raise DataError(say("the regressor {regressor!r} has no finite sample", regressor=name))
+    mean, spread = float(there.mean()), float(there.std())
+    if there.min() == there.max():
+        raise DataError(
+            say(
+                "the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
+                regressor=name,
+                value=float(there[0]),
+                unit=unit,
+            )
+        )
+    return _Channel(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
+
+
+def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
+    kept = tuple((int(a), int(b)) for a, b in stretches(fine) if b - a >= SHORTEST)
+    count = sum(b - a for a, b in kept)
+    if not kept:
+        raise DataError(
+            say("no stretch of {least} samples is complete in the record and its regressors", least=SHORTEST)
+        )
+    if count == n:
+        return kept, ()
+    missing = say(
+        "{missing} of {samples} samples are missing, have no regressors, or belong to stretches shorter than {least}",
+        missing=n - count,
+        samples=n,
+        least=SHORTEST,
+    )
+    used = say_count(len(kept), "{count} stretch used", "{count} stretches used, each with its own constant")
+    return kept, (join("; ", (missing, used)),)
+
+
+def _demand_different(design: Design, used: NDArray[np.bool_]) -> None:
+    Z = design.X[used] - design.X[used].mean(axis=0)
+    values, vectors = np.linalg.eigh(Z.T @ Z / used.sum())
+    if values[0] > SAME:
+        return
+    share = np.abs(vectors[:, 0])
+    names = [label for label, part in zip(design.labels, share, strict=True) if part > 0.05]
+    listed = join(", ", [join("", ("'", name, "'")) for name in names])
+    if share[design.trend].max(initial=0.0) > 0.05:
+        raise DataError(
+            say(
+                "{regressors} are collinear: the effect of a regressor that follows a straight line cannot be "
+                "separated from a rate ramp R; record until it returns to its initial value, or attribute the whole "
+                "drift to it with {option}",
+                regressors=listed,
+                option=spelled("--no-trend", "trend=False"),
+            )
+        )
+    raise DataError(say("the regressors {regressors} are collinear: omit one of them", regressors=listed))

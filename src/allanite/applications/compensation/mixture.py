@@ -1,0 +1,176 @@
+"""The distribution of the coefficients if the noise is known only from the same record."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from allanite.extending import TERMS, DataError, Likelihood, Value
+
+from .restricted import FloatArray
+
+NODES = 16
+"""Values of each slow noise coefficient that are tried."""
+
+REACH = 14.0
+"""Excess in 2 L at which nothing is left to be tried."""
+
+PRIOR = -0.5
+"""Power of a slow noise coefficient by which its likelihood is weighted. Flat weights (0) let the trend of a warming
+sensor pass as noise too often where there is little slow noise, 1/c lets false effects pass where there is much of it:
+see benchmarks/compensation.py."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mixture(Value):
+    """Normal distributions of p coefficients under several noises, and the weight of each noise.
+
+    Attributes
+    ----------
+    weights : array, shape (k,)
+    centres, spreads : arrays, shape (k, p)
+        Generalized least-squares estimates and their standard errors.
+    covariance : array, shape (p, p)
+        Covariance of all coefficients.
+
+    Examples
+    --------
+    >>> one = Mixture(np.ones(1), np.array([[2.0]]), np.array([[1.0]]), np.eye(1))
+    >>> round(one.quantile(0.975, 0), 3), round(one.p(0), 4)
+    (3.96, 0.0455)
+    """
+
+    weights: FloatArray
+    centres: FloatArray
+    spreads: FloatArray
+    covariance: FloatArray
+
+    @property
+    def values(self) -> FloatArray:
+        """Means, shape (p,)."""
+        return np.asarray(self.weights @ self.centres)
+
+    @property
+    def errors(self) -> FloatArray:
+        """Standard errors, shape (p,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def below(self, value: float, which: int) -> float:
+        """Probability that a coefficient lies below `value`."""
+        from scipy.special import ndtr
+
+        return float(self.weights @ ndtr((value - self.centres[:, which]) / self.spreads[:, which]))
+
+    def p(self, which: int) -> float:
+        """Probability of a coefficient as far from zero if it is zero, two-sided."""
+        low, high = self.below(0.0, which), 1.0 - self.below(0.0, which)
+        return min(1.0, 2 * min(low, high))
+
+    def quantile(self, level: float, which: int) -> float:
+        """Quantile of a coefficient, by bisection."""
+        reach = 40 * self.spreads[:, which]
+        low, high = float((self.centres[:, which] - reach).min()), float((self.centres[:, which] + reach).max())
+        for _ in range(80):
+            middle = (low + high) / 2
+            low, high = (middle, high) if self.below(middle, which) < level else (low, middle)
+        return (low + high) / 2
+
+    def scaled(self, by: FloatArray, shift: FloatArray) -> "Mixture":
+        """The mixture of by * (coefficient + shift)."""
+        size = np.abs(by)
+        return Mixture(
+            self.weights, by * (self.centres + shift), size * self.spreads, self.covariance * np.outer(by, by)
+        )
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """The mixture written by `to_dict`; DataError if it was changed so that it makes no sense."""
+        found = super().from_dict(data)
+        (k, p), parts = found.centres.shape, (found.weights, found.centres, found.spreads, found.covariance)
+        fine = [part.shape for part in parts] == [(k,), (k, p), (k, p), (p, p)] and found.spreads.min() > 0
+        if not (fine and all(np.isfinite(part).all() for part in parts)):
+            raise DataError("these numbers do not form a valid mixture")
+        return found
+
+    def _summary(self) -> str:
+        return f"of {self.weights.size} noises: {', '.join(f'{value:g}' for value in self.values)}"
+
+
+def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArray, Mixture]:
+    """The most likely noise, and the coefficients averaged over what the slow noise may be.
+
+    Slow noise (bias instability, rate random walk) is what hides a slow effect, and is known from a few coefficients of
+    the spectrum only. With it at its most likely value, a tenth of records show an effect that is not there. Averaged
+    over all noise allowed by the restricted likelihood, each term between zero and where 2 L has risen by `REACH`, the
+    coefficients have the wide tails of Student's t, and the intervals remain valid if the noise was not observed.
+
+    Parameters
+    ----------
+    likelihood : Likelihood
+        Likelihood of `restricted`; its flat directions are the coefficients.
+    symbols : str
+        Its terms.
+
+    Returns
+    -------
+    (best, mean, mixture)
+        Squared noise coefficients, shape (terms,): the most likely ones and their average; and the coefficients.
+    """
+    every = np.ones(len(symbols), dtype=bool)
+    best, least = likelihood.minimise(every)
+    # white rate or angle noise hides nothing slow
+    slow = [i for i, symbol in enumerate(symbols) if TERMS[symbol].slope >= 0]
+    axes = [np.linspace(0.0, math.sqrt(_reach(likelihood, i, best, least)), NODES) for i in slow]
+    thetas, excess = [best], [0.0]
+    if slow:
+        thetas, excess = _grid(likelihood, slow, axes, best)
+    weight = np.exp(-0.5 * (np.array(excess) - min(excess)))
+    for i, axis in zip(slow, axes, strict=True):
+        size = np.sqrt([theta[i] for theta in thetas])
+        # the trapezoidal rule: the end of an axis has half a step, and represents what lies between it and its half
+        weight *= np.maximum(size, axis[1] / 4) ** PRIOR * np.where(size == 0, 0.5, 1.0)
+    kept = weight > 1e-5 * weight.sum()
+    weight = weight[kept] / weight[kept].sum()
+    likely = [theta for theta, k in zip(thetas, kept, strict=True) if k]
+    return best, weight @ np.array(likely), _mixed(likelihood, likely, weight)
+
+
+def _mixed(likelihood: Likelihood, thetas: list[FloatArray], weight: FloatArray) -> Mixture:
+    flat = np.flatnonzero(likelihood.flat)
+    found = [likelihood.directions(theta)[:2] for theta in thetas]
+    centres = np.array([eta[flat] for eta, _ in found])
+    within = np.array([V[np.ix_(flat, flat)] for _, V in found])
+    off = centres - weight @ centres
+    covariance = np.einsum("k,kij->ij", weight, within) + (off.T * weight) @ off
+    return Mixture(weight, centres, np.sqrt(np.einsum("kii->ki", within)), covariance)
+
+
+def _reach(likelihood: Likelihood, which: int, best: FloatArray, least: float) -> float:
+    """Theta of a term, above the best one, at which 2 L has risen by `REACH` or a little more."""
+    high = float(best[which]) + 3 / math.sqrt(likelihood.information(best)[which, which])
+    every = np.ones(best.size, dtype=bool)
+    while 2 * (likelihood.minimise(every, best, (which, high))[1] - least) < REACH:
+        high *= 1.6
+    return high
+
+
+def _grid(
+    likelihood: Likelihood, slow: list[int], axes: list[FloatArray], best: FloatArray
+) -> tuple[list[FloatArray], list[float]]:
+    """The other terms at their most likely values, and 2 L, at all combinations of the slow ones."""
+    moving = np.ones(best.size, dtype=bool)
+    moving[slow] = False
+    thetas, values = [], []
+    start = best
+    for sizes in np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(slow)):
+        start = start.copy()
+        start[slow] = sizes**2
+        start[moving] = np.maximum(start[moving], 1e-3 * best[moving])
+        if not likelihood.expectation(start).min() > 0:
+            continue  # no noise at all
+        if moving.any():
+            start, _ = likelihood.moved(start, moving)
+        thetas.append(start)
+        values.append(2 * likelihood.value(start))
+    return thetas, values

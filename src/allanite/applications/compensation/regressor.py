@@ -1,0 +1,227 @@
+"""Regressor: a column on which an error may depend, derived from a channel. Effect: its coefficient."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.extending import (
+    DataError,
+    Record,
+    Recording,
+    UnitError,
+    UsageError,
+    Value,
+    convert,
+    say,
+    say_count,
+    spelled,
+)
+
+from .slope import local_slope
+
+FloatArray = NDArray[np.float64]
+
+SIGNIFICANT = 0.05
+"""p-value below which an effect is significant."""
+
+TREND = "time"
+"""Name of the regressor that is no channel: seconds, counted from the middle of the record."""
+
+
+@dataclass(frozen=True, repr=False)
+class Regressor(Value):
+    """One column of a regression: a power of a channel minus its centre, optionally with a lag, or its time derivative.
+
+    Attributes
+    ----------
+    channel, unit : str
+        Name of the channel, and the unit of its samples.
+    centre : float
+        Value at which the column is zero, in `unit`; 0 for a derivative.
+    power : int
+        1, 2, 3 ...
+    lag : float
+        Lag, s.
+    smooth : float or None
+        Length of the Hann window in which the derivative is estimated, s; None for samples.
+
+    Examples
+    --------
+    >>> square = Regressor("temp", "degC", centre=20.0, power=2)
+    >>> square.label, square.column_unit
+    ('temp^2', 'degC^2')
+    >>> temp = Record([20.0, 21.0, 23.0], rate=1.0, unit="degC", name="temp")
+    >>> gyro = Record([1.0, 2.0, 3.0], rate=1.0, unit="deg/h", name="z")
+    >>> square.column(gyro, Recording((temp,))).tolist()
+    [0.0, 1.0, 9.0]
+    """
+
+    _also = ("label", "column_unit")
+
+    channel: str
+    unit: str
+    centre: float = 0.0
+    power: int = 1
+    lag: float = 0.0
+    smooth: float | None = None
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.centre) and math.isfinite(self.lag) and self.power >= 1):
+            raise UsageError(f"a regressor needs a finite centre and lag, and a power of at least 1, not {self!r}")
+
+    @property
+    def is_trend(self) -> bool:
+        """Whether it is time itself, which is estimated jointly and never subtracted."""
+        return self.channel == TREND
+
+    @property
+    def label(self) -> str:
+        """Its name in tables."""
+        name = self.channel if self.power == 1 else f"{self.channel}^{self.power}"
+        name = name if self.smooth is None else f"d {name}/dt"
+        if self.is_trend:
+            return say("time")
+        return say("{name}, {lag:g} s before", name=name, lag=self.lag) if self.lag else name
+
+    @property
+    def column_unit(self) -> str:
+        """Unit of its values."""
+        if self.smooth is not None:
+            return "1/s" if self.unit == "1" else f"{self.unit}/s"
+        return self.unit if self.power == 1 or self.unit == "1" else f"{self.unit}^{self.power}"
+
+    def column(self, record: Record, along: Recording | None) -> FloatArray:
+        """Its values at the intervals of `record`, shape (record.size,); NaN where the channel has none.
+
+        Raises
+        ------
+        UsageError
+            The channel is missing.
+        UnitError
+            It measures something else than it did.
+        DataError
+            It is not on the record's clock.
+        """
+        if self.is_trend:
+            return np.asarray((np.arange(record.size) - (record.size - 1) / 2) / record.rate, dtype=np.float64)
+        x = readings(self.channel, self.unit, record, along)
+        if self.smooth is not None:
+            x = local_slope(x, record.rate, self.smooth)
+        steps = round(self.lag * record.rate)
+        if steps >= x.size:
+            raise DataError(say("a lag of {lag:g} s is longer than {name!r}", lag=self.lag, name=record.name))
+        if steps:
+            x = np.concatenate((np.full(steps, np.nan), x[:-steps]))
+        return np.asarray((x - self.centre) ** self.power)
+
+
+@dataclass(frozen=True, repr=False)
+class Effect(Value):
+    """One coefficient: rate per unit of its regressor, SI.
+
+    Attributes
+    ----------
+    regressor : Regressor
+    value, standard_error : float
+    unit : str
+        Unit of both.
+    p : float
+        p-value of no dependence; for a column that was chosen among several, multiplied by their number.
+    low, high : float
+        Confidence interval at `level`.
+    inflation : float
+        Variance inflation factor: how much the other regressors widen its variance.
+    chosen : bool
+        Whether cross-validation chose the column; otherwise it was requested.
+    """
+
+    _also = ("label", "t", "significant", "taken_off")
+
+    regressor: Regressor
+    value: float
+    standard_error: float
+    unit: str
+    p: float
+    low: float
+    high: float
+    inflation: float
+    chosen: bool
+    level: float = 0.95
+
+    @property
+    def label(self) -> str:
+        """Name of the column."""
+        return self.regressor.label
+
+    @property
+    def t(self) -> float:
+        """Value over its standard error."""
+        return self.value / self.standard_error
+
+    @property
+    def significant(self) -> bool:
+        """Whether it is significant."""
+        return self.p < SIGNIFICANT
+
+    @property
+    def taken_off(self) -> bool:
+        """Whether the correction subtracts it: all but a linear drift."""
+        return not self.regressor.is_trend
+
+
+def readings(channel: str, unit: str, record: Record, along: Recording | None) -> FloatArray:
+    """Samples of a channel in `unit` at the intervals of `record`; errors as those of `Regressor.column`."""
+    if along is None or channel not in along.channels:
+        there = "no channels were given" if along is None else f"channels: {', '.join(along.channels)}"
+        raise UsageError(f"the regressor {channel!r} is missing: {there}")
+    found = along[channel]
+    demand_clock(record, found)
+    own = found.signal.unit if found.integrated else found.unit
+    if unit != own and "degC" in (unit, own):
+        raise UnitError(f"{channel!r} was in {unit} and is in {own}, whose zeros differ; give it in {unit}")
+    x = np.asarray(found.rate_values if found.integrated else found.values, dtype=np.float64)
+    if not found.integrated and found.scale is not None:
+        x = x * found.scale
+    factor = 1.0 if unit == own else convert(1.0, own, unit)
+    x = x if factor == 1.0 else x * factor
+    return np.asarray((x[1:] + x[:-1]) / 2) if x.size == record.size + 1 else x
+
+
+def demand_clock(record: Record, other: Record) -> None:
+    """Make sure that a channel is on the record's clock.
+
+    Raises
+    ------
+    DataError
+        Rate, start or length differ.
+    """
+    same_rate = math.isclose(record.rate, other.rate, rel_tol=1e-9)
+    apart = 0.0 if record.start is None or other.start is None else abs(record.start - other.start)
+    lengths = (record.size, record.size + 1) if record.kind == "angle" else (record.size,)
+    if same_rate and apart < 0.5 / record.rate and other.size in lengths:
+        return
+    raise DataError(
+        say(
+            "{regressor!r} ({clock}) does not have the sample times of {name!r} ({own}); interpolate it with {option}",
+            regressor=other.name,
+            clock=_clock(other),
+            name=record.name,
+            own=_clock(record),
+            option=spelled("--interpolate", "compensation.aligned"),
+        )
+    )
+
+
+def _clock(record: Record) -> str:
+    rate, size = record.rate, record.size
+    if record.start is None:
+        return say_count(size, "{rate:.9g} Hz, {count} sample", "{rate:.9g} Hz, {count} samples", rate=rate)
+    return say_count(
+        size,
+        "{rate:.9g} Hz, {count} sample from {start:.9g} s",
+        "{rate:.9g} Hz, {count} samples from {start:.9g} s",
+        rate=rate,
+        start=record.start,
+    )

@@ -1,0 +1,110 @@
+"""Which optional columns a regression gains from, by cross-validation over blocks of the record."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from allanite.extending import Likelihood
+
+from .collinearity import information
+from .design import SHORTEST, Design
+from .restricted import FloatArray, Stretch
+
+
+@dataclass(frozen=True, eq=False)
+class Products:
+    """Products of columns and rates over some stretches: whitened (A, b, q) and plain (S, s, yy)."""
+
+    A: FloatArray
+    b: FloatArray
+    q: float
+    S: FloatArray
+    s: FloatArray
+    yy: float
+
+    @classmethod
+    def of(cls, likelihood: Likelihood, theta: FloatArray) -> "Products":
+        """From a likelihood of `restricted`, under the noise theta."""
+        flat = np.flatnonzero(likelihood.flat)
+        UU, Uc, m = likelihood.UU[:, flat][:, :, flat], likelihood.Uc[:, flat], likelihood.expectation(theta)
+        squares = likelihood.count * likelihood.power
+        return cls(
+            information(likelihood, theta), (1 / m) @ Uc, float((1 / m) @ squares),
+            UU.sum(axis=0), Uc.sum(axis=0), float(squares.sum()),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """A block that is held back, and the rest of the record."""
+
+    rest: Products
+    held: Products
+
+    def coefficients(self, kept: Sequence[int]) -> FloatArray:
+        """Generalized least squares of the rest; the shortest ones where columns are alike there."""
+        some = list(kept)
+        A, b = self.rest.A[np.ix_(some, some)], self.rest.b[some]
+        size = np.sqrt(np.maximum(np.diag(A), 1e-300))
+        return np.asarray(np.linalg.lstsq(A / np.outer(size, size), b / size, rcond=1e-10)[0] / size)
+
+    def misfit(self, kept: Sequence[int]) -> float:
+        """Whitened sum of squares of the held block less what the rest predicts of it."""
+        some = list(kept)
+        if not some:
+            return self.held.q
+        beta = self.coefficients(some)
+        return float(self.held.q - 2 * beta @ self.held.b[some] + beta @ self.held.A[np.ix_(some, some)] @ beta)
+
+    def squares(self, kept: Sequence[int]) -> float:
+        """Sum of squares of the held block, about its mean, less what the rest predicts of it."""
+        some = list(kept)
+        if not some:
+            return self.held.yy
+        beta = self.coefficients(some)
+        return float(self.held.yy - 2 * beta @ self.held.s[some] + beta @ self.held.S[np.ix_(some, some)] @ beta)
+
+
+def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[Fold]:
+    """The record in so many blocks of equal length, each held back once; those without enough samples are omitted."""
+    first, last = design.stretches[0][0], design.stretches[-1][1]
+    edges = np.linspace(first, last, blocks + 1).astype(int)
+    found = []
+    for a, b in pairwise(edges.tolist()):
+        parts = [_within(design.stretches, windows) for windows in ([(first, a), (b, last)], [(a, b)])]
+        if all(parts):
+            found.append(Fold(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
+    return found
+
+
+def _within(stretches: Sequence[Stretch], windows: Sequence[Stretch]) -> list[Stretch]:
+    cut = [(max(a, c), min(b, d)) for a, b in stretches for c, d in windows]
+    return [(a, b) for a, b in cut if b - a >= SHORTEST]
+
+
+def choose(design: Design, folds: Sequence[Fold]) -> list[int]:
+    """The columns that are kept: all that were requested, and one after the other what held-back blocks gain from.
+
+    An optional column enters if it lowers the whitened misfit of the held-back blocks by more than one standard error
+    of that gain over the blocks; a power only after the one below it.
+    """
+    kept = [i for i, optional in enumerate(design.optional) if not optional]
+    open_ = [i for i, optional in enumerate(design.optional) if optional]
+    while True:
+        base = np.array([fold.misfit(kept) for fold in folds])
+        gains = {i: base - [fold.misfit([*kept, i]) for fold in folds] for i in open_ if _may(design, i, kept)}
+        good = {i: float(g.mean()) for i, g in gains.items() if g.mean() > g.std(ddof=1) / np.sqrt(g.size)}
+        if not good:
+            return sorted(kept)
+        best = max(good, key=lambda i: good[i])
+        kept.append(best)
+        open_.remove(best)
+
+
+def _may(design: Design, which: int, kept: Sequence[int]) -> bool:
+    """Whether the power below is there."""
+    regressor = design.regressors[which]
+    lower = [r.power for i, r in enumerate(design.regressors) if i in kept and r.channel == regressor.channel]
+    return regressor.power == 1 or regressor.power - 1 in lower

@@ -1,0 +1,128 @@
+"""The regressors of a regression, and the settings of the fit."""
+
+import math
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from allanite.extending import TERMS, UsageError, Value, spelled
+
+from .regressor import TREND
+
+ORDINARY = "QNBK"
+"""Noise terms that may be present if none are named."""
+
+
+@dataclass(frozen=True, repr=False)
+class FitSettings(Value):
+    """How a regression is made.
+
+    Attributes
+    ----------
+    terms : str
+        Noise terms that may be present, for example "NK"; "auto" means QNBK. A ramp is not a noise: see the trend.
+    smooth : float
+        Length of the Hann window for derivatives, at least 60 s.
+    blocks : int
+        Blocks of the cross-validation.
+    every : bool
+        Keep every column; skip the selection by cross-validation.
+    split_gaps : bool
+        Fit the stretches between gaps, each with its own constant.
+    least : float
+        Effective samples required per regressor.
+    """
+
+    terms: str = "auto"
+    smooth: float = 60.0
+    blocks: int = 5
+    every: bool = False
+    split_gaps: bool = False
+    least: float = 10.0
+
+    def __post_init__(self) -> None:
+        symbols = self.symbols
+        wrong = [s for s in symbols if s not in TERMS or TERMS[s].waveform is not None or TERMS[s].parameters]
+        if wrong or not symbols or len(set(symbols)) < len(symbols):
+            raise UsageError(
+                f"terms must be different noise terms such as QNBK, not {self.terms!r}; a linear drift is "
+                f"estimated beside the regressors, unless {spelled('--no-trend', 'trend=False')} is given"
+            )
+        if not _whole(self.blocks, 3, 50):
+            raise UsageError(f"the number of blocks must be a whole number from 3 to 50, not {self.blocks!r}")
+        if not (math.isfinite(self.least) and self.least > 0):
+            raise UsageError(f"the least number of effective samples must be positive, not {self.least!r}")
+
+    @property
+    def symbols(self) -> str:
+        """The noise terms, one letter each."""
+        return ORDINARY if self.terms == "auto" else self.terms
+
+
+@dataclass(frozen=True, repr=False)
+class CompensationSettings(Value):
+    """The regressors and the settings of the fit.
+
+    Attributes
+    ----------
+    regressors : tuple of str
+        Channels that enter linearly.
+    degree : int
+        Highest power to try.
+    lags : tuple of float
+        Lags to try, s.
+    derivative_of : tuple of str
+        Channels whose time derivative enters.
+    trend : bool
+        Estimate a linear drift beside the regressors; it is never subtracted.
+    fit : FitSettings
+        For files, its noise terms are those of the recipe, unless it names some.
+    beside : path or None
+        File with the regressors, their units and times; by default the file of the record.
+    interpolate : bool
+        Interpolate regressors of another time base to the record's sample times.
+    use : path or None
+        A saved regression, used instead of a new fit.
+    """
+
+    regressors: tuple[str, ...] = ()
+    degree: int = 1
+    lags: tuple[float, ...] = ()
+    derivative_of: tuple[str, ...] = ()
+    trend: bool = True
+    fit: FitSettings = field(default_factory=FitSettings)
+    beside: str | None = None
+    interpolate: bool = False
+    use: str | None = None
+
+    def __post_init__(self) -> None:
+        named = self.regressors or self.derivative_of
+        if self.use is None and not named:
+            raise UsageError(
+                "name at least one regressor, for example " + spelled("--regressors temp", "regressors=('temp',)")
+            )
+        if self.use is not None and named:
+            raise UsageError(
+                "a saved regression has its own regressors: omit "
+                + spelled("--regressors and --derivative-of", "regressors and derivative_of")
+            )
+        for names in (self.regressors, self.derivative_of):
+            if len(set(names)) < len(names):
+                raise UsageError(f"a regressor is named twice: {', '.join(names)}")
+        if TREND in self.regressors:
+            raise UsageError("a linear drift is estimated beside the regressors, and not subtracted: leave out 'time'")
+        if not _whole(self.degree, 1, 6):
+            raise UsageError(f"a degree must be a whole number from 1 to 6, not {self.degree!r}")
+        if len(set(self.lags)) < len(self.lags) or not all(math.isfinite(lag) and lag > 0 for lag in self.lags):
+            raise UsageError(f"lags must be different positive numbers of seconds, not {self.lags!r}")
+
+    def choices(self) -> dict[str, Any]:
+        """Plain data, under the names of the command line; the noise terms are the recipe's."""
+        own = asdict(self)
+        own |= own.pop("fit")
+        del own["terms"]
+        return {k: list(v) if isinstance(v, tuple) else v for k, v in own.items() if v not in (None, ())}
+
+
+def _whole(value: object, low: int, high: int) -> bool:
+    """Whether it is a whole number from `low` to `high`."""
+    return isinstance(value, int) and not isinstance(value, bool) and low <= value <= high

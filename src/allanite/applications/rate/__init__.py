@@ -1,0 +1,21 @@
+"""A constant rate measured in a short time: estimators, their accuracy, the experiment that compares them, north."""
+
+from .earth import North as North
+from .earth import earth_rate as earth_rate
+from .earth import north as north
+from .estimates import RateEstimate as RateEstimate
+from .estimators import RATE_ESTIMATORS as RATE_ESTIMATORS
+from .experiments import Experiment as Experiment
+from .first_interval import Closeup as Closeup
+from .first_interval import closeup as closeup
+from .measure import estimate as estimate
+from .positions import reversal as reversal
+from .positions import subtract_bias as subtract_bias
+from .predict import Ranking as Ranking
+from .predict import predicted_standard_error as predicted_standard_error
+from .predict import rank as rank
+from .run import ExperimentSettings as ExperimentSettings
+from .run import by_duration as by_duration
+from .run import experiment as experiment
+from .setting import TARGETS as TARGETS
+from .setting import EstimatorSettings as EstimatorSettings

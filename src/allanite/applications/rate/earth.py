@@ -1,0 +1,170 @@
+"""The earth as a reference: its rate at a latitude, and north from the rate that a gyro measures."""
+
+import math
+from dataclasses import dataclass
+
+from allanite.extending import DataError, UsageError, Value, say, say_count
+
+from .estimates import RateEstimate
+
+EARTH = 7.292115e-5
+"""Rate of the earth, rad/s (WGS 84)."""
+
+
+def earth_rate(latitude: float, axis: str = "vertical") -> float:
+    """Component of the earth's rate at a latitude, rad/s.
+
+    Parameters
+    ----------
+    latitude : float
+        Geodetic, degrees, north positive.
+    axis : {"vertical", "north"}
+        Up, or horizontally to the north.
+
+    Examples
+    --------
+    >>> round(earth_rate(55.793) * 206264.80624709636, 3)
+    12.439
+    """
+    if not -90 <= latitude <= 90:
+        raise UsageError(f"a latitude must be between -90 and 90 degrees, not {latitude!r}")
+    angle = math.radians(latitude)
+    parts = {"vertical": math.sin(angle), "north": math.cos(angle)}
+    if axis not in parts:
+        raise UsageError(f"the axis must be 'vertical' or 'north', not {axis!r}")
+    return EARTH * parts[axis]
+
+
+@dataclass(frozen=True, repr=False)
+class North(Value):
+    """Heading of a horizontal sensitive axis, degrees from north, clockwise from above.
+
+    Attributes
+    ----------
+    heading : float
+        The one of the two possible headings that is nearer to the approximate heading.
+    other : float
+        The other one, which has the same cosine.
+    standard_error : float
+        Degrees, linearized; infinite where the rate does not change with the heading.
+    low, high : float
+        Interval of the heading at `level`, degrees, including the nonlinearity of the arc cosine.
+    level : float
+    positions : int
+        Number of positions measured.
+    """
+
+    heading: float
+    other: float
+    standard_error: float
+    low: float
+    high: float
+    level: float
+    positions: int
+
+    def words(self) -> str:
+        """The heading in a sentence."""
+        error = (
+            f"{60 * self.standard_error:.3g} arcmin" if self.standard_error < 1 else f"{self.standard_error:.3g} deg"
+        )
+        return say_count(
+            self.positions,
+            "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} position; "
+            "{other:.4f} deg would give the same rate",
+            "heading {heading:.4f} deg ({low:.4f} .. {high:.4f}), standard error {error}; {count} positions; "
+            "{other:.4f} deg would give the same rate",
+            heading=self.heading,
+            low=self.low,
+            high=self.high,
+            error=error,
+            other=self.other,
+        )
+
+
+def north(
+    rate: RateEstimate,
+    latitude: float,
+    *,
+    second: RateEstimate | None = None,
+    turned: float = 180.0,
+    near: float = 90.0,
+    level: float = 0.95,
+) -> North:
+    r"""Find north from the rate about a horizontal axis.
+
+    An axis with the heading psi measures H cos(psi) + bias, with H the earth's rate towards north. One position gives
+    psi = arccos(rate / H), where the bias is known and subtracted. A second one, turned by an angle d clockwise,
+    removes the bias:
+
+        rate - second = 2 H sin(d / 2) sin(psi + d / 2)
+
+    Half a turn (d = 180) is the most sensitive. The standard error is that of the rate over abs(H sin psi): an axis
+    that points east or west determines the heading best, one that points north hardly at all.
+
+    Parameters
+    ----------
+    rate : RateEstimate
+        Rate in the first position; without a second position, with the known bias subtracted.
+    latitude : float
+        Degrees.
+    second : RateEstimate, optional
+        Rate in the second position.
+    turned : float
+        Angle from the first position to the second, degrees clockwise.
+    near : float
+        Approximate heading, degrees; the nearer of two solutions is chosen.
+    level : float
+        Confidence level of the interval.
+
+    Raises
+    ------
+    DataError
+        The rate is larger than the earth's at this latitude.
+    UsageError
+        The latitude is a pole, or the second position is the first.
+
+    Examples
+    --------
+    >>> from allanite.core.units import SIGNALS
+    >>> measured = RateEstimate(0.0, 1e-8, "mean", "", SIGNALS[0], "mean", 120.0)
+    >>> north(measured, 60.0).words()[:56]
+    'heading 90.0000 deg (89.9692 .. 90.0308), standard error'
+    """
+    if rate.signal.name != "gyro" or (second is not None and second.signal.name != "gyro"):
+        raise UsageError("north is found from the rates of a gyro")
+    H = earth_rate(latitude, "north")
+    half = math.radians(turned) / 2 if second is not None else math.pi / 2
+    scale = 2 * H * math.sin(half) if second is not None else H
+    if abs(scale) < 1e-3 * EARTH:
+        why = "at a pole there is no north" if H < 1e-3 * EARTH else f"a rotation by {turned:g} deg is no rotation"
+        raise UsageError(f"the heading cannot be found: {why}")
+    value = rate.value - (second.value if second is not None else 0.0)
+    error = math.hypot(rate.standard_error, second.standard_error if second is not None else 0.0)
+    reach = (rate.interval(level)[1] - rate.value) * error / rate.standard_error if error > 0 else 0.0
+    if abs(value) > abs(scale) + reach:
+        unit = rate.signal.sheet[0]
+        raise DataError(
+            say(
+                "the rate {rate:.6g} {unit} is more than the earth turns about a horizontal axis at latitude "
+                "{latitude:g}; subtract the gyro's bias, or measure in two positions",
+                rate=rate.to(unit),
+                unit=unit,
+                latitude=latitude,
+            )
+        )
+    spreads = error / abs(scale), reach / abs(scale)
+    return _heading(value / scale, spreads, half, (near, level, 1 if second is None else 2))
+
+
+def _heading(sine: float, spreads: tuple[float, float], half: float, choice: tuple[float, float, int]) -> North:
+    """sin(psi + half) = sine: the solution nearest to `near`, and its limits."""
+    (error, reach), (near, level, positions) = spreads, choice
+    s = max(-1.0, min(1.0, sine))
+    rising = math.degrees(math.asin(s) - half)
+    falling = math.degrees(math.pi - math.asin(s) - half)
+    first, second = sorted((rising % 360, falling % 360), key=lambda psi: abs((psi - near + 180) % 360 - 180))
+    slope = 1.0 if first == rising % 360 else -1.0
+    ends = [slope * math.degrees(math.asin(max(-1.0, min(1.0, sine + k * reach))) - math.asin(s)) for k in (-1, 1)]
+    cosine = math.sqrt(1 - s * s)
+    spread = math.degrees(error / cosine) if cosine > 0 else math.inf
+    return North(first, second, spread, first + min(ends), first + max(ends), level, positions)

@@ -1,0 +1,201 @@
+"""How the errors of every method scatter over the intervals of a record."""
+
+import math
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from allanite.extending import Finding, FloatArray, Signal, Value, plain, say
+
+from .estimates import rate_factor
+from .predict import Ranking
+
+DRIFT = 3.0
+"""Standard deviations by which neighbours must be more alike than independent intervals to be called a drift."""
+
+
+class Scatter(NamedTuple):
+    """How the rates of one method scatter over the intervals, SI.
+
+    `low`, `high` are limits of `deviation` (chi-square); `neighbours` is the deviation from differences of neighbouring
+    intervals, which a slow drift does not reach; `bound` is three deviations; `worst` the largest error.
+    """
+
+    method: str
+    mean: float
+    deviation: float
+    low: float
+    high: float
+    neighbours: float
+    bound: float
+    worst: float
+    predicted: float
+
+
+class Ratio(NamedTuple):
+    """Standard deviation of one method over that of another, with limits that allow for their using the same data."""
+
+    first: str
+    second: str
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Experiment(Value):
+    """Rates of all methods over the intervals of a record, SI.
+
+    Attributes
+    ----------
+    name : str
+        Channel.
+    signal : Signal
+    methods : tuple of str
+    start : array, shape (k,)
+        Start of each interval, s after the record's first sample.
+    duration, rate : float
+        Length of an interval, s; sampling rate, Hz.
+    rates : array, shape (methods, k)
+    reference : float
+        The reference of the errors: the known rate, or the mean of the intervals by the last method.
+    known : bool
+        Whether the reference was given.
+    predicted : array, shape (methods,)
+        Standard errors under the model; NaN without one.
+    ranking : Ranking or None
+        Ranking of the methods under the model.
+    left_out : dict
+        Method -> why it could not be used.
+    notes, findings
+        What was omitted from the record; findings to report with the results.
+    """
+
+    _keys: ClassVar[dict[str, str]] = {"methods": "names", "known": "reference_known"}
+    _also: ClassVar[tuple[str, ...]] = ("unit", "drift")
+
+    name: str
+    signal: Signal
+    methods: tuple[str, ...]
+    start: FloatArray
+    duration: float
+    rate: float
+    rates: FloatArray
+    reference: float
+    known: bool
+    predicted: FloatArray
+    ranking: Ranking | None = None
+    left_out: dict[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return self.signal.unit
+
+    @property
+    def errors(self) -> FloatArray:
+        """Rates less the reference, shape (methods, k)."""
+        return self.rates - self.reference
+
+    def scatter(self, method: str, level: float = 0.68) -> Scatter:
+        """How the rates of a method scatter."""
+        row = self.methods.index(method)
+        errors = self.errors[row]
+        k = errors.size
+        deviation = float(errors.std(ddof=1)) if k > 1 else math.nan
+        low, high = (deviation * factor for factor in _chi_limits(k, level))
+        neighbours = math.sqrt(float(np.square(np.diff(errors)).mean()) / 2) if k > 1 else math.nan
+        worst = float(errors[np.abs(errors).argmax()])
+        limits, rest = (deviation, low, high, neighbours), (3 * deviation, worst, float(self.predicted[row]))
+        return Scatter(method, float(errors.mean()), *limits, *rest)
+
+    def ratios(self, level: float = 0.95) -> tuple[Ratio, ...]:
+        """Ratios of the standard deviations of all pairs of methods.
+
+        Limits after Pitman and Morgan: sums and differences of the two standardized errors are uncorrelated where the
+        ratio is right, so that the correlation of the two series, which is high, narrows them.
+
+        References
+        ----------
+        E. J. G. Pitman, Biometrika 31 (1939) 9; W. A. Morgan, ibid. 13.
+        """
+        if self.start.size < 3:
+            return ()
+        return tuple(self._ratio(a, b, level) for a, b in combinations(self.methods, 2))
+
+    def _ratio(self, first: str, second: str, level: float) -> Ratio:
+        from scipy.special import stdtrit
+
+        a, b = (self.rates[self.methods.index(m)] for m in (first, second))
+        value, k = float(a.std(ddof=1) / b.std(ddof=1)), a.size
+        correlation = float(np.corrcoef(a, b)[0, 1])
+        t = float(stdtrit(k - 2, (1 + level) / 2))
+        c = 1 + 2 * (1 - correlation**2) * t**2 / (k - 2)
+        narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))
+        return Ratio(first, second, value, value * narrow, value / narrow if narrow > 0 else math.inf)
+
+    @property
+    def drift(self) -> str:
+        """Drift of the rates over the record, as text; empty if there is none.
+
+        By von Neumann's ratio of the mean square difference of neighbours to the variance, for the method with the
+        least scatter.
+        """
+        k = self.start.size
+        if k < 8:
+            return ""
+        errors = self.errors[int(self.errors.std(axis=1).argmin())]
+        variance = float(errors.var())
+        if not variance > 0:
+            return ""
+        ratio = float(np.square(np.diff(errors)).mean()) / (2 * variance) * (k - 1) / k
+        if (1 - ratio) < DRIFT * math.sqrt((k - 2) / (k**2 - 1)):
+            return ""
+        part = max(1, k // 10)
+        unit = self.signal.sheet[0]
+        change = float(errors[part:].mean() - errors[:part].mean()) / rate_factor(unit, self.signal)
+        return say(
+            "the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not 1); "
+            "the first {part} of {intervals} differ by {change:+.2g} {unit} from the rest",
+            ratio=ratio,
+            part=part,
+            intervals=k,
+            change=-change,
+            unit=unit,
+        )
+
+    def rows(self, unit: str | None = None, level: float = 0.68) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows, one row per method, in `unit`."""
+        unit = unit or self.signal.sheet[0]
+        factor = rate_factor(unit, self.signal)
+        share = f"{100 * level:g} %"
+        headings = ["method", "mean error", "std", f"{share} low", f"{share} high"]
+        headings += ["neighbours", "3 sigma", "worst", "predicted"]
+        found = (self.scatter(method, level) for method in self.methods)
+        return headings, [[s.method, *(v / factor for v in s[1:])] for s in found]
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI."""
+        rates = dict(zip(self.methods, self.rates.tolist(), strict=True))
+        methods = [{**self.scatter(method)._asdict(), "rates": rates[method]} for method in self.methods]
+        ratios = [ratio._asdict() for ratio in self.ratios()]
+        return super().to_dict(level) | {"methods": plain(methods), "ratios": plain(ratios)}
+
+    def _summary(self) -> str:
+        return f"{self.name} {self.start.size} intervals of {self.duration:g} s: {', '.join(self.methods)}"
+
+
+def _chi_limits(k: int, level: float) -> tuple[float, float]:
+    """Limits of a standard deviation of k values, over it."""
+    if k < 2:
+        return math.nan, math.nan
+    from scipy.special import gammaincinv
+
+    low, high = (
+        math.sqrt((k - 1) / (2 * float(gammaincinv((k - 1) / 2, p)))) for p in ((1 + level) / 2, (1 - level) / 2)
+    )
+    return low, high

@@ -1,0 +1,195 @@
+"""Expected accuracy: the variance of an estimator's weights under a model, and the best method."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from allanite.extending import Covariance, FloatArray, Model, ModelLike, Signal, Value, model_of, say, unit_of
+
+from .estimators import RATE_ESTIMATORS, estimator_named
+from .row import RateEstimator
+from .setting import EstimatorSettings, Setting
+
+NEAR = 0.02
+"""Loss of accuracy that is not worth another method."""
+
+
+def variance(weights: FloatArray, setting: Setting) -> float:
+    """Mean square error of a linear estimator, SI squared.
+
+    With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the drifting one, and the
+    square of what a ramp adds, (w - g)'R.
+    """
+    total = 0.0
+    noise = tuple(t for t in setting.wandering if t.row.waveform is None)
+    if setting.settled:
+        total += Covariance(setting.settled, setting.size, setting.rate).variance(weights)
+    if noise:
+        total += Covariance(noise, setting.size, setting.rate).variance(weights - setting.aim)
+    for t in setting.wandering:
+        wave = t.sampled(setting.rate).waveform
+        if wave is not None:
+            drift = t.value * setting.rate**t.row.power * wave(setting.size)
+            total += float((weights - setting.aim) @ drift) ** 2
+    return max(total, 0.0)
+
+
+def through_dither(weights: FloatArray, setting: Setting) -> FloatArray:
+    """The weights on the raw rates of an estimator that is given rates without their dither sinusoids."""
+    X = setting.sinusoids
+    if not X.shape[1]:
+        return weights
+    centred = X - X.mean(axis=0)
+    back = np.linalg.solve(centred.T @ centred, X.T @ weights)
+    return np.asarray(weights - centred @ back)
+
+
+def standard_error(row: RateEstimator, weights: FloatArray, setting: Setting) -> float:
+    """Standard error of an estimator with these weights, SI; NaN if it cannot be predicted."""
+    return math.sqrt(variance(through_dither(weights, setting), setting) + row.excess(setting))
+
+
+def predicted_standard_error(
+    method: str,
+    model: ModelLike,
+    *,
+    n: int,
+    rate: float,
+    target: str = "mean",
+    dither: tuple[float, ...] = (),
+    options: EstimatorSettings | None = None,
+) -> float:
+    """The standard error of a method under a model, without data.
+
+    Parameters
+    ----------
+    method : str
+        A name in `RATE_ESTIMATORS`.
+    model : Model, Term or Fit
+    n : int
+        Number of samples.
+    rate : float
+        Sampling rate, Hz.
+    target, dither, options
+        As for `estimate`; "staircase" needs ``EstimatorSettings(quantum=...)``, here in SI (rad).
+
+    Returns
+    -------
+    float
+        SI; exact for the linear methods. NaN for "staircase" where the angle's noise is below 0.3 quanta.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N
+    >>> white = N(0.003, "deg/sqrt(h)")
+    >>> errors = [predicted_standard_error(m, white, n=48000, rate=400.0) for m in ("mean", "regression")]
+    >>> round(errors[1] / errors[0], 4)
+    1.0954
+    """
+    setting = _expected(model, n, rate, target=target, dither=tuple(dither), options=options)
+    row = estimator_named(method)
+    return standard_error(row, row.weights(setting), setting)
+
+
+@dataclass(frozen=True, repr=False)
+class Ranking(Value):
+    """Predicted standard errors of all methods, the best first.
+
+    Attributes
+    ----------
+    signal : Signal
+    duration : float
+        Measuring time, s.
+    model : Model
+    errors : dict
+        Method -> standard error, SI; NaN where it cannot be predicted.
+    """
+
+    _also: ClassVar[tuple[str, ...]] = ("unit", "verdict")
+
+    signal: Signal
+    duration: float
+    model: Model
+    errors: dict[str, float]
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return self.signal.unit
+
+    @property
+    def best(self) -> float:
+        """The bound: the least standard error any unbiased linear method has, SI."""
+        return self.errors["optimal"]
+
+    def ratio(self, method: str) -> float:
+        """Standard error of a method over the bound."""
+        return self.errors[method] / self.best if self.best > 0 else math.nan
+
+    @property
+    def verdict(self) -> str:
+        """Which method to use, in a sentence."""
+        if not self.best > 0:
+            return say("under this model the rate is measured without error")
+        loss = self.ratio("mean") - 1
+        if loss <= NEAR:
+            return say(
+                "for this gyro averaging is already within {percent:.2g} % of the optimum", percent=max(100 * loss, 0.1)
+            )
+        simple = [m for m in self.errors if self.ratio(m) <= 1 + NEAR and m != "optimal"]
+        use = simple[0] if simple else "optimal"
+        gain = self.errors["mean"] / self.errors[use]
+        if use == "optimal" and self.ratio("regression") < self.ratio("mean"):
+            return say(
+                "use {method}: {gain:.3g} times better than averaging, and {percent:.2g} % better than regression",
+                method=use,
+                gain=gain,
+                percent=100 * (self.ratio("regression") - 1),
+            )
+        return say("use {method}: {gain:.3g} times better than averaging", method=use, gain=gain)
+
+    def rows(self, unit: str | None = None) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: method, standard error in `unit`, its ratio to the bound."""
+        unit = unit or self.signal.sheet[0]
+        factor = unit_of(unit).factor
+        ordered = sorted(self.errors, key=lambda m: math.inf if math.isnan(self.errors[m]) else self.errors[m])
+        rows: list[list[Any]] = [[m, self.errors[m] / factor, self.ratio(m)] for m in ordered]
+        return ["method", f"standard error, {unit}", "over the bound"], rows
+
+
+def ranking(setting: Setting) -> Ranking:
+    """Predicted standard errors of all methods under a setting with a model."""
+    model = setting.needed_model
+    errors = {name: standard_error(row, row.weights(setting), setting) for name, row in RATE_ESTIMATORS.items()}
+    return Ranking(model.signal, setting.duration, model, errors)
+
+
+def rank(
+    model: ModelLike, *, n: int, rate: float, target: str = "mean", options: EstimatorSettings | None = None
+) -> Ranking:
+    """The best method for a gyro, and its advantage; parameters as for `predicted_standard_error`.
+
+    Examples
+    --------
+    >>> from allanite.core.model import N, Q
+    >>> rank(N(0.003, "deg/sqrt(h)"), n=48000, rate=400.0).verdict
+    'for this gyro averaging is already within 0.1 % of the optimum'
+    """
+    return ranking(_expected(model, n, rate, target=target, options=options))
+
+
+def _expected(
+    model: ModelLike,
+    n: int,
+    rate: float,
+    *,
+    target: str,
+    dither: tuple[float, ...] = (),
+    options: EstimatorSettings | None,
+) -> Setting:
+    """The setting of samples that nobody has recorded yet."""
+    options = options or EstimatorSettings()
+    pulse = math.nan if options.quantum is None else options.quantum
+    return Setting(n, rate, model_of(model), target, dither, options, pulse)

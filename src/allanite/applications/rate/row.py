@@ -1,0 +1,77 @@
+"""What a row of the table of estimators holds, and what it measures."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from allanite.extending import FloatArray
+
+from .setting import Setting
+
+
+@dataclass(frozen=True, eq=False)
+class Interval:
+    """The data of one measurement.
+
+    Attributes
+    ----------
+    steps : array, shape (n,)
+        Samples per sample interval, `offset` subtracted, dither sinusoids removed.
+    offset : float
+        In samples.
+    size : float
+        Rate of one sample, SI.
+    pulse : float
+        Quantum of the angle in samples; NaN where there is none.
+    """
+
+    steps: FloatArray
+    offset: float
+    size: float
+    pulse: float
+
+
+class RateMeasurement(NamedTuple):
+    """What an estimator found: in samples beyond the offset, what else there is to say, limits that are certain."""
+
+    value: float
+    details: Mapping[str, float]
+    bounds: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class RateEstimator:
+    """A row of `RATE_ESTIMATORS`.
+
+    Attributes
+    ----------
+    name, title, formula, reference
+        What it is called, as text, LaTeX, source.
+    assumes : str
+        When it is the best there is.
+    weights : setting -> array, shape (n,)
+        The weights of the rates, their sum is 1; of a method that is not linear, those to which it tends.
+    measure : (interval, weights, setting) -> RateMeasurement
+    excess : setting -> float
+        Variance beyond that of the weights, SI; NaN where it is not known.
+    needs_model, needs_quantum : bool
+    color : str
+        Color of its line in figures, ``#RRGGBB``.
+    """
+
+    name: str
+    title: str
+    formula: str
+    reference: str
+    assumes: str
+    weights: Callable[[Setting], FloatArray]
+    measure: Callable[[Interval, FloatArray, Setting], RateMeasurement]
+    excess: Callable[[Setting], float] = lambda setting: 0.0
+    needs_model: bool = False
+    needs_quantum: bool = False
+    color: str = "#6B6B6B"
+
+
+def linear(interval: Interval, weights: FloatArray, _: Setting) -> RateMeasurement:
+    """The weighted mean."""
+    return RateMeasurement(float(weights @ interval.steps), {})

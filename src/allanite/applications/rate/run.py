@@ -1,0 +1,228 @@
+"""The experiment: a long record in short intervals, each measured with every method."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from allanite.extending import (
+    KINDS,
+    DataError,
+    FloatArray,
+    IntArray,
+    ModelLike,
+    Record,
+    UsageError,
+    Value,
+    join,
+    say,
+    say_count,
+    spelled,
+)
+
+from .estimators import RATE_ESTIMATORS, estimator_named
+from .experiments import Experiment
+from .inputs import demand_whole, findings_of, interval_of
+from .measure import in_si, setting_of
+from .predict import ranking, standard_error
+from .setting import EstimatorSettings, Setting
+
+MOST = 100
+"""Intervals of one measuring time, where times are compared: their scatter is known to 7 %."""
+
+
+@dataclass(frozen=True, repr=False)
+class ExperimentSettings(Value):
+    """Choices of an experiment.
+
+    Attributes
+    ----------
+    interval : float
+        Length of an interval, s; the whole record if it is shorter.
+    methods : tuple of str
+        Names in `RATE_ESTIMATORS`.
+    target, dither, options
+        As for `estimate`.
+    reference : float or None
+        The true rate, SI.
+    bias : float
+        A known bias, subtracted from every rate, SI.
+    most : int or None
+        Maximum number of intervals to measure, spread over the record.
+    gaps : {"error", "split"}
+        Whether to split the record at gaps, so that intervals contain no missing samples.
+    """
+
+    interval: float = 120.0
+    methods: tuple[str, ...] = tuple(RATE_ESTIMATORS)
+    target: str = "mean"
+    dither: tuple[float, ...] = ()
+    options: EstimatorSettings = field(default_factory=EstimatorSettings)
+    reference: float | None = None
+    bias: float = 0.0
+    most: int | None = None
+    gaps: str = "error"
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.interval) and self.interval > 0):
+            raise UsageError(f"an interval must be a positive number of seconds, not {self.interval!r}")
+        if self.gaps not in ("error", "split"):
+            raise UsageError(f"gaps must be 'error' or 'split', not {self.gaps!r}")
+        if self.most is not None and self.most < 1:
+            raise UsageError(f"the number of intervals must be at least 1, not {self.most!r}")
+        for method in self.methods:
+            estimator_named(method)
+
+
+def experiment(
+    record: Record, model: ModelLike | None = None, settings: ExperimentSettings | None = None
+) -> Experiment:
+    """Measure the rate in every interval of a record by every method.
+
+    Parameters
+    ----------
+    record : Record
+    model : Model, Term or Fit, optional
+        The noise, ``identify(record).model``; "optimal" and predictions need it.
+    settings : ExperimentSettings, optional
+        By default intervals of two minutes and all methods.
+
+    Returns
+    -------
+    Experiment
+
+    Raises
+    ------
+    DataError
+        A sample is not finite and gaps are not split, or no interval fits between the gaps.
+    UsageError
+        No method can be used; a choice is impossible.
+
+    Examples
+    --------
+    >>> from allanite.simulation.ring_laser import GL1, simulate_ring_laser
+    >>> record = simulate_ring_laser(GL1, 12.4392, 60_000, 400.0, rng=np.random.default_rng(1))
+    >>> found = experiment(record, GL1.model, ExperimentSettings(interval=10.0, methods=("mean", "regression")))
+    >>> found.rates.shape, found.notes
+    ((2, 15), ())
+    """
+    settings = settings or ExperimentSettings()
+    size = min(max(3, round(settings.interval * record.rate)), record.size)
+    starts, notes = _starts(record, size, settings)
+    first = piece(record, int(starts[0]), size)
+    setting = setting_of(first, model, settings.target, dither=settings.dither, options=settings.options)
+    left_out = dict(_unusable(settings, setting))
+    methods = tuple(method for method in settings.methods if method not in left_out)
+    if not methods:
+        raise UsageError("; ".join(f"{method}: {why}" for method, why in left_out.items()))
+    weights = {method: RATE_ESTIMATORS[method].weights(setting) for method in methods}
+    rates = _rates(record, starts, weights, setting) - settings.bias
+    return Experiment(
+        name=record.name,
+        signal=record.signal,
+        methods=methods,
+        start=starts / record.rate,
+        duration=size / record.rate,
+        rate=record.rate,
+        rates=rates,
+        reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
+        known=settings.reference is not None,
+        predicted=_predicted(methods, weights, setting),
+        ranking=None if setting.model is None else ranking(setting),
+        left_out=left_out,
+        notes=notes,
+        findings=() if settings.gaps == "split" else findings_of(record),
+    )
+
+
+def _rates(record: Record, starts: IntArray, weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
+    """The rate of every interval by every method, SI, shape (methods, intervals)."""
+    rates = np.empty((len(weights), starts.size))
+    for i, start in enumerate(starts):
+        interval = interval_of(piece(record, int(start), setting.size), setting)
+        for j, (method, own) in enumerate(weights.items()):
+            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, own, setting), interval).value
+    return rates
+
+
+def _predicted(methods: tuple[str, ...], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
+    if setting.model is None:
+        return np.full(len(methods), math.nan)
+    return np.array([standard_error(RATE_ESTIMATORS[m], weights[m], setting) for m in methods])
+
+
+def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[str, str]]:
+    for method in settings.methods:
+        row = RATE_ESTIMATORS[method]
+        if row.needs_model and setting.model is None:
+            yield method, say("it needs a noise model")
+        if row.needs_quantum and not math.isfinite(setting.pulse):
+            option = spelled("--quantum", "quantum=...")
+            yield method, say("it needs counts, or the quantum of the angle ({option})", option=option)
+
+
+def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:
+    """First samples of the intervals that are measured, and what that omits."""
+    if settings.gaps == "error":
+        demand_whole(record)
+    starts, notes = _intervals(record, size)
+    if settings.most is None or starts.size <= settings.most:
+        return starts, notes
+    spread = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
+    most = say_count(
+        settings.most,
+        "{count} interval, spread over the record, was measured",
+        "{count} intervals, spread over the record, were measured",
+    )
+    return spread, (*notes, most)
+
+
+def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
+    """First samples of intervals that hold no missing sample, and what that omits."""
+    extra = KINDS[record.kind][1]
+    lost = np.flatnonzero(~np.isfinite(record.values))
+    edges = np.concatenate(([-1], lost, [len(record.values)]))
+    starts: list[int] = []
+    for left, right in zip(edges[:-1] + 1, edges[1:], strict=True):
+        starts += range(int(left), int(right) - extra - size + 1, size)
+    if not starts:
+        raise DataError(
+            say(
+                "no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
+                interval=size / record.rate,
+                missing=lost.size,
+                name=record.name,
+            )
+        )
+    rest = record.size - len(starts) * size
+    if not rest:
+        return np.array(starts), ()
+    what = say(
+        "{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
+        rest=rest / record.rate,
+        length=record.duration,
+    )
+    missing = say_count(int(lost.size), "{count} sample missing", "{count} samples missing")
+    return np.array(starts), (join("; ", (what, missing)) if lost.size else what,)
+
+
+def piece(record: Record, start: int, size: int) -> Record:
+    """So many sample intervals of a record, from one on."""
+    return replace(record, values=record.values[start : start + size + KINDS[record.kind][1]])
+
+
+def by_duration(
+    record: Record,
+    durations: tuple[float, ...],
+    model: ModelLike | None = None,
+    settings: ExperimentSettings | None = None,
+) -> tuple[Experiment, ...]:
+    """The experiment for several measuring times, s: the accuracy against the time it takes.
+
+    Times that do not fit twice into the record are omitted. At most a hundred intervals of each, spread over the
+    record, are measured.
+    """
+    settings = settings or ExperimentSettings()
+    fitting = [d for d in durations if 3 <= d * record.rate <= record.size / 2]
+    return tuple(experiment(record, model, replace(settings, interval=d, most=MOST)) for d in fitting)

@@ -1,0 +1,155 @@
+"""Recognition of the staircase floor(k U t + phi0) that an ideal laser gyro at a constant rate would count."""
+
+import math
+
+import numpy as np
+
+from allanite.extending import FloatArray, UsageError, say, spelled
+
+from .linear import parabola
+from .row import Interval, RateEstimator, RateMeasurement
+from .setting import Setting
+
+WORK = 7e6
+"""Samples that the search may look at before it gives its best so far: some 40 ms."""
+
+GRID = (0.4, 0.01)
+"""Steps of the descent that comes first, from and to, pulses."""
+
+NEIGHBOURHOOD = 0.1
+"""Half the side of the box that is searched about the end of the descent, pulses."""
+
+DITHERED = 0.3
+"""Angle noise, quanta, from which the staircase's error can be predicted."""
+
+CUBE_ROOT = 2.2
+"""Standard deviation of (staircase - regression) at the end of n samples, over (angle noise)^(2/3) n^(-1/3) in quanta:
+1.98 to 2.37 for noise of 0.4 to 4 quanta and n of 1000 to 48000."""
+
+
+def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:
+    y, line = _steps_and_line(interval)
+    p, q, least, bound = _search(y, line, math.inf if setting.options.certified else WORK)
+    slope = (line[-1] - line[0] + q - p) / (y.size - 1)
+    details = {
+        "misfit": least,
+        "least possible misfit": max(bound, 0.0),
+        "phase": float(line[0] + p) % 1.0,
+        "RMS residual": math.sqrt(least / y.size),
+    }
+    limits = _feasible(y, slope) if least == 0 else None
+    if limits is None:
+        return RateMeasurement(slope * interval.pulse - interval.offset, details)
+    low, high = (limit * interval.pulse - interval.offset for limit in limits)
+    return RateMeasurement((low + high) / 2, details, (low, high))
+
+
+def recognized(interval: Interval, *, certified: bool = False) -> tuple[FloatArray, FloatArray]:
+    """The angle in quanta, and the line whose floor is the staircase nearest to it."""
+    y, line = _steps_and_line(interval)
+    p, q, _, _ = _search(y, line, math.inf if certified else WORK)
+    return y, line + p + (q - p) * np.linspace(0.0, 1.0, y.size)
+
+
+def _search(y: FloatArray, line: FloatArray, work: float) -> tuple[float, float, float, float]:
+    """Heights p, q over the ends of `line` at which the staircase is nearest, its misfit, and the least possible one.
+
+    A descent on a grid, the whole neighbourhood of where it ends, then whatever could be better.
+    """
+    from allanite.kernels.staircase import compass, misfit, nearest_staircase
+
+    right = np.linspace(0.0, 1.0, y.size)
+    samples = _about(y, line, right)
+    whole = math.sqrt(misfit(*samples, (0.0, 0.0)))
+    p, q, least = compass(samples, *GRID)
+    near = _about(y, line + p + (q - p) * right, right)
+    p_, q_, least, _, looked = nearest_staircase(near, (0.0, 0.0, least), NEIGHBOURHOOD, work)
+    known = (p + p_, q + q_, least)
+    # |floor(x) + 1/2 - x| <= 1/2 puts the best staircase's line into an ellipse about the line through the steps'
+    # middles; in the heights p, q of the two ends it is n (p^2 + p q + q^2) / 3 <= square, so |p|, |q| <= half
+    square = (whole + 0.5 * math.sqrt(y.size)) ** 2 - float(np.square(y + 0.5 - line).sum())
+    half = 2 * math.sqrt(max(square, 0.0) / y.size) * (1 + 1e-6) + 1e-6
+    p, q, least, bound, _ = nearest_staircase(samples, known, half, work - looked)
+    return p, q, least, bound
+
+
+def _about(y: FloatArray, line: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What the search is given: whole pulses of the line subtracted, so that no digit is lost to their number."""
+    whole = np.floor(line)
+    return y - whole, line - whole, right
+
+
+def _steps_and_line(interval: Interval) -> tuple[FloatArray, FloatArray]:
+    """The angle in quanta, and the line through the middles of its steps."""
+    if not math.isfinite(interval.pulse):
+        raise UsageError(
+            "the staircase needs counts, or samples and the step of their angle: pass "
+            + spelled("--quantum", "quantum=...")
+            + (" in the record's unit (for a rate: times s)")
+        )
+    angle = np.concatenate(([0.0], np.cumsum((interval.steps + interval.offset) / interval.pulse)))
+    # whole quanta, except for the rounding of samples that are multiples of one
+    near = np.rint(angle)
+    y = near if np.abs(angle - near).max() < 1e-6 else angle
+    t = np.arange(y.size) - (y.size - 1) / 2
+    return y, y.mean() + 0.5 + float(t @ y) / float(t @ t) * t
+
+
+def _feasible(y: FloatArray, slope: float) -> tuple[float, float] | None:
+    """All slopes a with y <= a t + b < y + 1 for some b: (least, largest); None if `slope` is none of them.
+
+    The gap max(y - a t) - min(y + 1 - a t) is convex in a, made of straight pieces, and must not be positive: Newton's
+    steps from outside end at its zeros exactly.
+    """
+    t = np.arange(y.size) - (y.size - 1) / 2
+
+    def gap(a: float) -> tuple[float, float]:
+        free = y - a * t
+        high, low = int(free.argmax()), int(free.argmin())
+        return float(free[high] - free[low] - 1), float(t[low] - t[high])
+
+    if gap(slope)[0] > 0:
+        return None
+    ends = []
+    for side in (-1.0, 1.0):
+        a = slope + side * 4 / (y.size - 1)
+        while True:
+            value, steep = gap(a)
+            if value <= 1e-12 or steep * side <= 0:
+                break
+            a -= value / steep
+        ends.append(a)
+    return ends[0], ends[1]
+
+
+def _excess(setting: Setting) -> float:
+    """What the steps add to the regression's variance: n^(-1/3) pulses, the rate of a fit to something with jumps.
+
+    Not known where the angle noise does not blur the steps.
+
+    References
+    ----------
+    J. Kim, D. Pollard, Ann. Statist. 18 (1990) 191, for the power of n; the factor is simulated (benchmarks/rate.py).
+    """
+    noise = next((t.value for t in setting.settled if t.row.alpha == 2), 0.0) / setting.pulse
+    if not noise >= DITHERED:
+        return math.nan
+    ends = CUBE_ROOT * noise ** (2 / 3) * (setting.size + 1) ** (-1 / 3)
+    return float((ends * setting.pulse / setting.duration) ** 2)
+
+
+STAIRCASE = RateEstimator(
+    name="staircase",
+    title=say("recognition of the staircase of counts"),
+    formula=r"\min_{U, \varphi} \sum (y_i - \lfloor U t_i + \varphi \rfloor)^2",
+    reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (2)"),
+    assumes=say(
+        "counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
+        "slightly worse than regression"
+    ),
+    weights=lambda setting: parabola(setting.size),
+    measure=_staircase,
+    excess=_excess,
+    needs_quantum=True,
+    color="#AA4499",
+)

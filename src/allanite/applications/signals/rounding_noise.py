@@ -1,0 +1,274 @@
+"""Budget: the noise that quantization adds to a rate, stage by stage, compared with the measured noise."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from allanite.extending import (
+    NO_DITHER,
+    TERMS,
+    Finding,
+    Fit,
+    Noise,
+    Recipe,
+    Record,
+    RecordResult,
+    Signal,
+    UsageError,
+    Value,
+    View,
+    coefficient_factor,
+    noise_of,
+    rounding,
+    say,
+    say_count,
+    spelled,
+    unit_of,
+)
+
+from .codes import Codes, codes
+from .stage import Stage, demand_unclipped
+from .torque import TorqueScale, ampere_of, converted, electric, factor_of, gain_of
+
+MATTERS = 0.01
+"""Share of the measured variance below which a stage does not matter."""
+
+
+@dataclass(frozen=True, repr=False)
+class StageNoise(Value):
+    """The noise added by one stage.
+
+    Attributes
+    ----------
+    stage : Stage
+    symbol : {"N", "Q"}
+        Type of its noise: white rate noise, or quantization noise of the angle.
+    signal : Signal
+    step : float
+        Size of its last bit: rate or angle, SI.
+    coefficient : float
+        step / sqrt(12), for N times the square root of the sample interval; SI.
+    measured : float or None
+        The coefficient identified in the record, SI; None if it is absent.
+    limit : float or None
+        Upper limit of the coefficient in the record, if it is absent.
+    enough : int or None
+        Number of bits at which its share of the measured variance, or of the limit, would be below 1 %.
+    clipped : int
+        Number of samples at the ends of its range.
+    codes : Codes or None
+        Codes of the samples; None if they are not multiples of its step.
+    """
+
+    _also = ("share", "shown")
+
+    stage: Stage
+    symbol: str
+    signal: Signal
+    step: float
+    coefficient: float
+    measured: float | None
+    limit: float | None
+    enough: int | None
+    clipped: int
+    codes: Codes | None
+
+    @property
+    def share(self) -> float | None:
+        """Share of the measured variance; None if there is none."""
+        return None if self.measured is None else (self.coefficient / self.measured) ** 2
+
+    @property
+    def matters(self) -> bool | None:
+        """Whether that share is 1 % or more."""
+        return None if self.share is None else self.share >= MATTERS
+
+    def to(self, value: float | None) -> float | None:
+        """A coefficient in its data-sheet unit."""
+        return None if value is None else value / coefficient_factor(self.symbol, self.sheet_unit, self.signal)
+
+    @property
+    def sheet_unit(self) -> str:
+        """Data-sheet unit of the coefficient."""
+        return self.signal.sheet[TERMS[self.symbol].power]
+
+    @property
+    def shown(self) -> dict[str, Any]:
+        """The coefficients in their data-sheet unit."""
+        names = ("coefficient", "measured", "limit")
+        return {"unit": self.sheet_unit} | {name: self.to(getattr(self, name)) for name in names}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Budget(RecordResult):
+    """Quantization noise compared with the noise of a rate record; see `budget`.
+
+    `record` is the rate, `noise` what was identified of it, `stages` what each adds, `findings` what must be known
+    beside them.
+    """
+
+    noise: Noise
+    stages: tuple[StageNoise, ...]
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def fit(self) -> Fit:
+        """The rate noise."""
+        return self.noise.fit
+
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """What must stand beside the numbers."""
+        return (*self.noise.doubts, *(str(finding) for finding in self.findings))
+
+
+def budget(
+    record: Record,
+    stages: Sequence[Stage],
+    *,
+    scale: TorqueScale | float | None = None,
+    sense: float | None = None,
+    recipe: Recipe | None = None,
+    clipped: Sequence[int] | None = None,
+) -> Budget:
+    r"""Compute the noise that the quantization of each stage adds to a record.
+
+    Rounding a rate to steps s adds errors that are uniform and, with enough noise before the rounding, independent:
+    white rate noise with N = s sqrt(dt / 12), and no quantization noise Q, which is the rounding of an angle:
+    Q = s / sqrt(12).
+
+    Parameters
+    ----------
+    record : Record
+        A rate (angle, increments, counts), or a current, a voltage or codes with what makes a rate of them.
+    stages : sequence of Stage
+        Stages in the order of the signal path; the first one defines the size of codes.
+    scale : TorqueScale or float, optional
+        Scale of the torquer, or rad/s per A; required for currents.
+    sense : float, optional
+        Gain of the current sensor, V per A; required for voltages.
+    recipe : Recipe, optional
+        How the rate noise is identified.
+    clipped : sequence of int, optional
+        Samples at the ends of each stage, where the record does not show them because it combines others.
+
+    Returns
+    -------
+    Budget
+
+    Raises
+    ------
+    UsageError
+        A constant is missing or not positive.
+    DataError
+        More than 0.1 % of the samples are clipped, or the record cannot support the identification.
+
+    References
+    ----------
+    W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446; B. Widrow, I. Kollar, Quantization Noise (Cambridge 2008).
+
+    Examples
+    --------
+    >>> import allanite as al
+    >>> noise = al.simulate(al.N(2.525648, "deg/sqrt(h)"), 20_000, 1000.0, rng=np.random.default_rng(1))
+    >>> found = budget(noise, [Stage("output", 12, 500.0, "deg/s")])
+    >>> [round(found.stages[0].to(found.stages[0].coefficient), 3), found.stages[0].matters]
+    [0.134, False]
+    """
+    if not stages:
+        raise UsageError(
+            "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
+        )
+    counts = [demand_unclipped(record, stage) for stage in stages] if clipped is None else clipped
+    rate = record
+    if not record.signal.inertial:
+        rate = converted(record, _factor(record, scale), ampere_of(record, sense, stages[0]), counts[0])
+    noise = noise_of(rate, recipe or Recipe())
+    pers = [_per(stage, scale, sense) for stage in stages]
+    rows = tuple(_noise(rate, noise.fit, *row) for row in zip(stages, pers, counts, strict=True))
+    return Budget(rate, noise, rows, tuple(f for row in rows for f in _findings(row, rate)))
+
+
+def _factor(record: Record, scale: TorqueScale | float | None) -> float:
+    """Rad/s per A of what a record that is no rate was measured by."""
+    if scale is None:
+        raise UsageError(
+            f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's constants or "
+            f"scale factor ({spelled('--torquer or --scale-factor', 'scale=...')})"
+        )
+    return factor_of(scale)
+
+
+def _per(stage: Stage, scale: TorqueScale | float | None, sense: float | None) -> float:
+    """SI rate (angle) per unit of the stage."""
+    factor = unit_of(stage.unit).factor
+    if not electric(stage.unit):
+        return factor
+    if scale is None:
+        raise UsageError(
+            f"the stage {stage.name!r} is in {stage.unit}: its rate needs the torquer's scale "
+            f"({spelled('--torquer or --scale-factor', 'scale=...')})"
+        )
+    return factor_of(scale) / gain_of(stage.unit, sense) * factor
+
+
+def _noise(rate: Record, fit: Fit, stage: Stage, per: float, clipped: int) -> StageNoise:
+    symbol = "Q" if stage.rounds_angle else "N"
+    step = stage.step * per
+    coefficient = step / math.sqrt(12) * (1.0 if symbol == "Q" else math.sqrt(rate.interval))
+    measured, limit = next(((e.value, e.upper) for e in fit if e.symbol == symbol), (None, None))
+    beside = measured if measured is not None else limit
+    enough = None
+    if beside:
+        # each bit halves the coefficient
+        enough = max(1, stage.bits + math.floor(math.log2(coefficient / (math.sqrt(MATTERS) * beside))) + 1)
+    readings = rate.rate_values / step if symbol == "N" else rate.rate_values * rate.interval / step
+    return StageNoise(
+        stage, symbol, rate.signal, step, coefficient, measured, limit if measured is None else None, enough, clipped,
+        codes(readings),
+    )  # fmt: skip
+
+
+def _findings(row: StageNoise, rate: Record) -> list[Finding]:
+    found = []
+    name = row.stage.name
+    worth = row.step * (rate.rate if row.symbol == "Q" else 1.0)
+    if row.codes is not None and _undithered(rate, worth):
+        found.append(Finding(
+            "no dither",
+            say("the noise of the signal is below {share:g} of the step of {stage}", share=NO_DITHER, stage=name),
+            say("its rounding errors are not a noise: they depend on the signal, and this budget is not valid"),
+            say("amplify before it, or add noise"),
+        ))  # fmt: skip
+    if row.codes is not None and row.codes.missing:
+        found.append(Finding(
+            "missing codes",
+            say_count(
+                row.codes.missing,
+                "{count} code of {stage} never occurs, although adjacent codes are frequent",
+                "{count} codes of {stage} never occur, although adjacent codes are frequent",
+                stage=name,
+            ),
+            say("its steps are uneven, and its noise is larger than in the budget"),
+            say("check the converter"),
+        ))  # fmt: skip
+    if row.clipped:
+        found.append(Finding(
+            "clipped",
+            say_count(
+                row.clipped,
+                "{count} sample is at the ends of {stage}",
+                "{count} samples are at the ends of {stage}",
+                stage=str(row.stage),
+            ),
+            say("the noise beyond the range is missing"),
+            say("use a larger range"),
+        ))  # fmt: skip
+    return found
+
+
+def _undithered(rate: Record, step: float) -> bool:
+    """Whether there is too little fast noise to make rounding errors of a rate on a grid of `step` random."""
+    view = View(Record(rate.rate_values, rate.rate, rate.signal.unit, rate.signal.kind))
+    return view.fast < NO_DITHER * step or rounding(view.steps, view.fast).nearby <= 2

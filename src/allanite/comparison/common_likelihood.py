@@ -1,0 +1,246 @@
+r"""Several records at once: one common model against a model for each, and a coefficient against its like.
+
+The records are independent, so that their likelihoods multiply. Every hypothesis is one `Likelihood` whose columns are
+those of the parts, mixed: with theta_j = H_j theta the squared coefficients of part j, S = [S_1 H_1; S_2 H_2; ...].
+
+    H_j = 1                          one common model
+    H_1 = (cos^2 phi, 1, 0), ...     one coefficient of the second record is tan(phi) times that of the first
+
+Twice the difference of log-likelihoods is the test. Coefficients end at zero, and some stand on few powers, so that it
+is no plain chi-square: its law is drawn, from the common model and the binned powers (a parametric bootstrap).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray
+from allanite.core.errors import DataError
+from allanite.core.model import Term
+from allanite.core.plain import Portable
+from allanite.core.record import SHORTEST, Record
+from allanite.core.sensors import SENSORS
+from allanite.core.units import Signal
+from allanite.core.validity import Scope
+from allanite.identification.likelihood.band import Tuned
+from allanite.identification.likelihood.law import AKAIKE, law, traces
+from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.selection import Subset, select, subsets
+from allanite.identification.likelihood.spectrum import FEWEST, Spectrum, spectrum
+from allanite.identification.likelihood.whittle import column, likelihood
+from allanite.phrases.phrase import join, say, say_count
+from allanite.phrases.wording import spelled
+from allanite.terms import TERMS
+
+from .likelihoods import reduced, tied
+
+PASSED = 0.25
+"""Share of a filter's cut-off up to which records are compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class Joint(Portable):
+    """The likelihoods of several records of one kind of sensor, for squared coefficients in SI.
+
+    Attributes
+    ----------
+    symbols : tuple of str
+        The noise terms: the columns.
+    parts : tuple of Likelihood
+    seen : tuple of Spectrum
+        The spectrum of each part.
+    signal : Signal
+    band : (low, high)
+        The frequencies that every part has, Hz.
+    constant : float or None
+        Time constant of Gauss-Markov noise, s.
+    """
+
+    symbols: tuple[str, ...]
+    parts: tuple[Likelihood, ...]
+    seen: tuple[Spectrum, ...]
+    signal: Signal
+    band: tuple[float, float]
+    constant: float | None = None
+
+    def term(self, symbol: str, value: float) -> Term:
+        """A term of a model, with a coefficient in SI."""
+        shape = () if self.constant is None or not TERMS[symbol].parameters else (self.constant,)
+        return Term(symbol, value, self.signal, shape)
+
+    @cached_property
+    def whole(self) -> Likelihood:
+        """All parts with one common model."""
+        return tied(self.parts)
+
+    @cached_property
+    def fitted(self) -> list[Subset]:
+        """Every set of terms, fitted to all parts in common."""
+        return subsets(self.whole)
+
+    @cached_property
+    def chosen(self) -> Subset:
+        """What any part may hold: the common model, with the terms that gain `AKAIKE` in 2 L."""
+        return select(self.fitted, AKAIKE)
+
+    def limits(self, which: int, level: float) -> tuple[float, float]:
+        """Limits of a common coefficient, SI."""
+        penalty = np.full(len(self.symbols), AKAIKE)
+        return law(traces(self.fitted, which, [penalty]), penalty).limits(level)
+
+    def only(self, columns: BoolArray) -> tuple[Likelihood, ...]:
+        """The parts with some of the terms."""
+        return tuple(reduced(part, columns) for part in self.parts)
+
+
+def joint(
+    records: Sequence[Record],
+    symbols: Sequence[str],
+    band: tuple[float, float] | None = None,
+    *,
+    constant: float | None = None,
+    scopes: Sequence[Scope | None] = (),
+) -> Joint:
+    """The likelihoods of records in the band of frequencies that all of them have.
+
+    Parameters
+    ----------
+    records : sequence of Record
+        At least two, of one kind of sensor; rates, units and lengths may differ.
+    symbols : sequence of str
+        Keys of `TERMS`; a deterministic one is integrated out of each record.
+    band : (low, high), optional
+        Frequencies that count, Hz, within the common band.
+    constant : float, optional
+        Time constant of Gauss-Markov noise, s, in all records, where that is among the terms.
+    scopes : sequence of Scope, optional
+        Where the model of each record holds: all are compared where all of them do, each behind its own filter.
+
+    Raises
+    ------
+    DataError
+        The records are of different sensors, too short, constant, or have no band in common.
+    """
+    demand_one_kind(records)
+    for record in records:
+        if record.size < SHORTEST:
+            short = say_count(
+                record.size,
+                "{name!r} has {count} sample; noise coefficients need at least {least}",
+                "{name!r} has {count} samples; noise coefficients need at least {least}",
+                name=record.name,
+                least=SHORTEST,
+            )
+            raise DataError(short)
+    plain = [s for s in symbols if not TERMS[s].parameters]
+    shaped = [] if constant is None else [s for s in symbols if TERMS[s].parameters and TERMS[s].waveform is None]
+    noise = (*(s for s in plain if TERMS[s].waveform is None), *shaped)
+    seen = tuple(spectrum(record, detrend=any(TERMS[s].waveform is not None for s in plain)) for record in records)
+    band = common_band(records, band, scopes)
+    masks = [mask for scope in scopes if scope for mask in scope.masks]
+    parts = []
+    for record, found, scope in zip(records, seen, scopes or [None] * len(records), strict=True):
+        whole = likelihood(found, plain)
+        for symbol in shaped:
+            row = Term(symbol, 1.0, record.signal, (constant or 0.0,)).sampled(record.rate)
+            whole = whole.with_more(column(row, found))
+        if scope is not None and scope.filter is not None:
+            gain = Tuned(scope.filter.row, scope.filter.cutoff / record.rate).gain(found)
+            whole = whole.behind(gain, float(gain @ found.count / found.count.sum()))
+        parts.append(_in_si(_in_band(found, whole, band, masks), found, noise))
+    return Joint(noise, tuple(parts), seen, records[0].signal, band, constant)
+
+
+def common_band(
+    records: Sequence[Record], band: tuple[float, float] | None = None, scopes: Sequence[Scope | None] = ()
+) -> tuple[float, float]:
+    """The frequencies that all records have, Hz, within a band if one is given, and where the models hold.
+
+    For a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
+
+    Raises
+    ------
+    DataError
+        There are none.
+    """
+    low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
+    for scope in filter(None, scopes):
+        low, high = max(low, scope.band[0]), min(high, scope.band[1])
+        high = min(high, PASSED * scope.filter.cutoff) if scope.filter else high
+    low, high = (low, high) if band is None else (max(low, band[0]), min(high, band[1]))
+    if not low < high:
+        bands = [(1 / (2 * r.duration), r.rate / 2) for r in records]
+        spans = join(", ", [say("{low:.3g} to {high:.3g} Hz", low=start, high=end) for start, end in bands])
+        if band is not None:
+            raise DataError(
+                say(
+                    "the records have no frequency band in common within {low:g} to {high:g} Hz: they cover {spans}; "
+                    "record longer, or at more similar rates",
+                    low=band[0],
+                    high=band[1],
+                    spans=spans,
+                )
+            )
+        raise DataError(
+            say(
+                "the records have no frequency band in common: they cover {spans}; record longer, or at more similar "
+                "rates",
+                spans=spans,
+            )
+        )
+    return low, high
+
+
+def demand_one_kind(records: Sequence[Record]) -> None:
+    """Make sure that records are of one kind of sensor.
+
+    Raises
+    ------
+    DataError
+        They are not.
+    """
+    signals = {record.signal.name: record.name for record in records}
+    if len(signals) > 1:
+        named = ((SENSORS[signal], name) for signal, name in signals.items())
+        kinds = (say("{sensor} ({name})", sensor=sensor, name=name) if name else sensor for sensor, name in named)
+        raise DataError(
+            say(
+                "only sensors of one type can be compared, not {kinds}; select channels of one type with {option}",
+                kinds=reduce(lambda first, second: say("{first} and {second}", first=first, second=second), kinds),
+                option=spelled("--channels", "channels=..."),
+            )
+        )
+
+
+def _in_band(
+    seen: Spectrum, whole: Likelihood, band: tuple[float, float], masks: Sequence[tuple[float, float]]
+) -> Likelihood:
+    """The bins within a band and outside the masks; coefficient k represents frequencies from k - 1/2 to k + 1/2."""
+    low, high = band
+    half = seen.rate / (4 * seen.size)
+    first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
+    inside = (first > low) & (last <= high * (1 + 1e-9))
+    for mask in masks:
+        inside &= (last < mask[0]) | (first > mask[1])
+    if inside.sum() < FEWEST:
+        raise DataError(
+            say_count(
+                int(inside.sum()),
+                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
+                "has {count} bin of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
+                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
+                "has {count} bins of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
+                low=low,
+                high=high,
+                fewest=FEWEST,
+            )
+        )
+    return whole.only(inside)
+
+
+def _in_si(part: Likelihood, seen: Spectrum, noise: Sequence[str]) -> Likelihood:
+    """The same for squared coefficients in SI."""
+    size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])
+    return replace(part, S=part.S * size, W=part.W * size)

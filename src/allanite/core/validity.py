@@ -1,0 +1,223 @@
+"""Scope: the frequencies for which a noise model holds, the filter in it, and its misfit."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from allanite.phrases.phrase import Phrase, join, say
+
+from .arrays import BoolArray, FloatArray
+from .errors import UsageError
+from .plain import Value
+
+Band = str | tuple[float, float]
+"""Frequencies of a fit: "auto", "all", or a pair (low, high), Hz."""
+
+EXPLAINED, APPROXIMATE, UNEXPLAINED = "explained", "approximate", "unexplained"
+
+WEIGHS = (0.2, 3.0)
+"""Averaging times times a frequency between which a vibration of this frequency matters in a deviation."""
+
+SETTLED = 10.0
+"""Multiple of the period of a filter's cut-off beyond which it lowers a deviation by a few per cent at most."""
+
+GRADES = (EXPLAINED, APPROXIMATE, UNEXPLAINED)
+"""How well a model describes a record, from best to worst."""
+
+
+def worst(*grades: str) -> str:
+    """The worst of several grades; empty ones, of methods that have no test, are ignored."""
+    return max(filter(None, grades), key=GRADES.index, default="")
+
+
+def graded(grade: str, scope: "Scope | None" = None) -> Phrase:
+    """A grade as text: "explained", "explained within 4 %", "explained up to 80 s", "not explained"."""
+    if grade == UNEXPLAINED:
+        return say("not explained")
+    if scope is not None and scope.misfit:
+        return say("explained within {share:.2g} %", share=100 * scope.within)
+    if grade == APPROXIMATE and scope is not None and scope.until is not None:
+        return say("explained up to {until:.3g} s", until=scope.until)
+    return say("explained, with a reservation") if grade == APPROXIMATE else say("explained")
+
+
+def demand_band(band: object) -> None:
+    """Check that a band is valid.
+
+    Raises
+    ------
+    UsageError
+        The band is neither "auto" nor "all" nor two frequencies.
+    """
+    numbers = isinstance(band, (tuple, list)) and len(band) == 2 and all(isinstance(f, (int, float)) for f in band)
+    if band not in ("auto", "all") and not numbers:
+        raise UsageError(f"a band must be 'auto', 'all' or two frequencies in Hz, not {band!r}")
+
+
+STOPPED = 0.1
+"""Gain below which a mask is the stop band of a filter."""
+
+
+@dataclass(frozen=True, repr=False)
+class LowPass(Value):
+    """A low-pass filter of the sensor output, identified from a record.
+
+    Attributes
+    ----------
+    row : str
+        Its name in `FILTERS`.
+    title : str
+    cutoff, low, high : float
+        Frequency at which the power is halved, Hz, and its 95 % interval.
+    rate : float
+        Sampling rate, Hz.
+    """
+
+    row: str
+    title: str
+    cutoff: float
+    low: float
+    high: float
+    rate: float
+
+    def words(self) -> str:
+        """The filter as text: ``2nd-order low-pass, -3 dB at 25.1 Hz (24.8 .. 25.4)``."""
+        where = {"filter": self.title, "cutoff": self.cutoff, "low": self.low, "high": self.high}
+        if self.cutoff > self.rate / 2:
+            return say(
+                "{filter}, -3 dB at {cutoff:.3g} Hz ({low:.3g} .. {high:.3g}), above half the sampling rate", **where
+            )
+        return say("{filter}, -3 dB at {cutoff:.3g} Hz ({low:.3g} .. {high:.3g})", **where)
+
+    def _summary(self) -> str:
+        return self.words()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Scope(Value):
+    """The frequencies for which a model holds.
+
+    Attributes
+    ----------
+    choice : {"auto", "all", "asked"}
+        Whether the frequencies were chosen automatically, are all of the spectrum, or were given.
+    band : (low, high)
+        Frequencies used by the fit, Hz.
+    masks : tuple of (low, high)
+        Frequencies within the band that the fit excludes, Hz.
+    filter : LowPass or None
+        Low-pass filter that is part of the model.
+    misfit : float
+        Misfit that the intervals allow for: RMS over cells of the spectrum, relative to the power; 0 if none.
+    within : float
+        The largest significant misfit of a cell, relative to the power; 0 if the model explains the record.
+    frequency, level : arrays, shape (bins,)
+        Frequencies of the spectrum, Hz, and the expected power relative to that of
+        the terms: the gain of the filter, and the observed ratio at excluded frequencies.
+    remarks : tuple of str
+        Descriptions of what was excluded.
+    until : float
+        Longest averaging time, s, at which the deviation of the record agrees with the valid terms; None if it does
+        at all.
+    """
+
+    choice: str
+    band: tuple[float, float]
+    masks: tuple[tuple[float, float], ...]
+    filter: LowPass | None
+    misfit: float
+    within: float
+    frequency: FloatArray
+    level: FloatArray
+    remarks: tuple[str, ...] = ()
+    until: float | None = None
+
+    @property
+    def whole(self) -> bool:
+        """Whether all frequencies are used, without a filter."""
+        return self.choice == "all" or (not self.masks and self.filter is None and not self.limited)
+
+    @property
+    def limited(self) -> bool:
+        """Whether the band excludes one end of the spectrum."""
+        return self.choice == "asked" or self.band[0] > 0 or self.band[1] < float(self.frequency[-1])
+
+    @property
+    def unread(self) -> tuple[tuple[float, float], ...]:
+        """Frequencies that the fit does not use, Hz, up to half the sampling rate."""
+        low, high = self.band
+        outside = [(0.0, low)] if low else []
+        return (*outside, *self.masks, *([(high, math.inf)] if high < float(self.frequency[-1]) else []))
+
+    @property
+    def times(self) -> tuple[float, float]:
+        """Averaging times, s, at which the deviation is that of the terms: the filter has settled, the band holds."""
+        low, high = self.band
+        shortest = 0.5 / high if self.limited else 0.0
+        if self.filter is not None:
+            shortest = max(shortest, SETTLED / self.filter.cutoff)
+        return shortest, min(0.25 / low if low else math.inf, math.inf if self.until is None else self.until)
+
+    def holds(self, tau: FloatArray) -> BoolArray:
+        """At which averaging times, s, the deviation is that of the terms: `times`, without those of the masks."""
+        inside = (tau >= self.times[0]) & (tau <= self.times[1])
+        for low, high in self.masks:
+            inside &= ~((tau * high > WEIGHS[0]) & (tau * low < WEIGHS[1]))
+        return np.asarray(inside)
+
+    @property
+    def grade(self) -> str:
+        """`level` at the frequencies that the fit uses."""
+        return APPROXIMATE if self.misfit else EXPLAINED
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The assumptions beyond the terms, as text; empty if there are none."""
+        said = []
+        if self.filter:
+            found = self.filter.words()
+            said.append(say("the samples are low-pass filtered: {filter}; the model includes the filter", filter=found))
+        if self.masks:
+            out = [
+                (say("{low:.3g} to {high:.3g} Hz", low=low, high=high), self._loud(low, high))
+                for low, high in self.masks
+            ]
+            loud, stop = ([where for where, one in out if one is kind] for kind in (True, False))
+            reasons = (
+                (loud, say("excess power there: vibration or a resonance")),
+                (stop, say("stop band of the filter")),
+            )
+            said += [
+                say("excluded from the fit: {where} ({why})", where=join(", ", where), why=why)
+                for where, why in reasons
+                if where
+            ]
+        if self.limited:
+            low, high = self.band
+            slowest = f"{0.25 / low:.3g} s" if low else say("the whole record")
+            said.append(
+                say(
+                    "the model holds from {low:.3g} to {high:.3g} Hz, that is, from {fastest:.2g} s to {slowest}",
+                    low=low, high=high, fastest=0.5 / high, slowest=slowest,
+                )
+            )  # fmt: skip
+        if self.until is not None:
+            said.append(
+                say(
+                    "beyond {until:.3g} s the deviation is not that of these terms: the slower drift is not described",
+                    until=self.until,
+                )
+            )
+        return (*said, *self.remarks)
+
+    def _loud(self, low: float, high: float) -> bool:
+        """Whether a mask excludes power that the model does not have."""
+        inside = (self.frequency >= low) & (self.frequency <= high)
+        return bool(self.level[inside].max(initial=0.0) > STOPPED)
+
+    def _summary(self) -> str:
+        low, high = self.band
+        said = [f"{low:.3g} to {high:.3g} Hz"]
+        said += [f"without {len(self.masks)} parts"] if self.masks else []
+        return ", ".join([*said, self.filter.words()] if self.filter else said)

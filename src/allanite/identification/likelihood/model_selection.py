@@ -1,0 +1,306 @@
+"""Which terms describe a spectrum, including flicker and Gauss-Markov noise."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.errors import UsageError
+from allanite.core.fit import EXPLAINED
+from allanite.core.plain import Portable
+from allanite.core.record import Record
+from allanite.identification.checks.goodness import goodness
+from allanite.terms import TERMS
+
+from .band import Portion, portion
+from .evidence import rises_to_top
+from .law import AKAIKE, Law, law, traces
+from .selection import PENALTY, Profile, Subset, select, subsets
+from .shapes import Shapes
+from .spectrum import Spectrum, spectrum
+from .timeconstant import Search
+
+SLOW = 30.0
+"""Samples above which a time constant is that of bias drift; a shorter one belongs to a filter or the sampling."""
+
+DISTINGUISHABLE = 2.0
+"""Difference of the Akaike criterion below which two models describe a record equally well."""
+
+NEVER = 1e9
+"""Penalty of angle noise where the spectrum does not rise."""
+
+EVIDENCE = 12.0
+"""What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for replacing
+flicker, which is the usual noise: it displaces true flicker in about 1 % of records.
+"""
+
+ANYWHERE = 8.0
+"""What a term must gain besides for each further parameter: 2 ln 50, as of some fifty resonances that noise may mimic.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Found(Portable):
+    """What describes the part of a spectrum that is read: the subset `chosen`.
+
+    `noise` are the symbols of the columns of the likelihood, `every` the subsets without a Gauss-Markov term that was
+    not requested; `plain` and `markov` are the best without and with one. `elsewhere` gives subsets under other
+    suppositions, a filter's cut-off, that take part in the limits.
+    """
+
+    part: Portion
+    noise: list[str]
+    every: list[Subset]
+    chosen: Subset
+    search: Search | None
+    plain: Subset
+    markov: Subset | None
+    elsewhere: Callable[["Found"], list[Subset]] | None = None
+
+    @property
+    def seen(self) -> Spectrum:
+        """The spectrum."""
+        return self.part.seen
+
+    @property
+    def used(self) -> BoolArray:
+        """Bins that were read, shape (bins,)."""
+        return self.part.used
+
+    @property
+    def shaped(self) -> Portion:
+        """The portion, with the shape that was found of the last term."""
+        return self.part.shaped(self.chosen.constants)
+
+    @property
+    def base(self) -> Portion:
+        """The portion without a Gauss-Markov term that was not requested."""
+        rival = self.search is not None and not self.search.asked
+        return self.part.among(self.part.noise[:-1]) if rival else self.part
+
+    @cached_property
+    def fitted(self) -> list[Subset]:
+        """Subsets that take part in the limits, the last one with every term that could take another's place."""
+        elsewhere = self.elsewhere(self) if self.elsewhere else []
+        if self.search is None or self.markov is None:
+            return [*elsewhere, *self.every] or [self.chosen]
+        if self.counts:
+            return [*elsewhere, *self.every, *self.search.around(self.markov)]
+        return [*elsewhere, *self.search.around(self.markov), *self.every]
+
+    @cached_property
+    def full(self) -> Subset:
+        """All terms free that may stand beside those chosen: nothing is omitted because it was not selected."""
+        p = self.chosen.theta.size
+        if self.search is None or p > len(self.noise):
+            may = np.ones(p, dtype=bool)
+        else:
+            may = self.search.may if self.chosen.constants else ~self.search.must
+        if (self.chosen.free == may).all():
+            return self.chosen
+        part = self.chosen.likelihood
+        return Subset(part, may, *part.minimise(may, self.chosen.theta), self.chosen.constants)
+
+    @property
+    def counts(self) -> bool:
+        """Whether the Gauss-Markov term takes part in the limits: chosen, or requested."""
+        return self.chosen is self.markov or (self.search is not None and self.search.asked)
+
+    @property
+    def everything(self) -> Subset:
+        """The subset in which no term is omitted that could take another's place."""
+        return self.fitted[-1]
+
+    def profile(self, which: int) -> Profile:
+        """Profile of the likelihood of one theta, nothing omitted that could take its place."""
+        return Profile(self.everything, which)
+
+    @property
+    def score(self) -> float:
+        """2 L of the chosen subset and the penalties of its terms."""
+        return self.chosen.score(penalties(self.part))
+
+    @property
+    def slowest(self) -> int:
+        """The column of the noise of the longest memory, which is known from a few coefficients only."""
+        return max(range(len(self.noise)), key=lambda i: np.nan_to_num(TERMS[self.noise[i]].slope, nan=-math.inf))
+
+    @property
+    def akaike(self) -> FloatArray:
+        """Penalties in 2 L of the terms, 2 for each number that is fitted, shape (p,).
+
+        A Gauss-Markov term that was not requested, and that is best in the place of a random walk, needs its
+        `EVIDENCE`.
+        """
+        found = AKAIKE * np.array([1.0 + len(TERMS[symbol].parameters) for symbol in self.noise])
+        if self.search is not None and not self.search.asked and self.markov is not None:
+            found[-1] += EVIDENCE * self._displaced
+        return found
+
+    @property
+    def _displaced(self) -> bool:
+        """Whether noise slower than flicker is in the best model without a Gauss-Markov term, but not beside it."""
+        slower = np.array([TERMS[symbol].slope > 0 for symbol in self.noise])
+        return bool((slower & (self.plain.theta > 0) & (self.markov.theta == 0)).any()) if self.markov else False
+
+    @property
+    def schwarz(self) -> FloatArray:
+        """The same, but angle noise must gain ln n, n the coefficients that it could dominate, shape (p,).
+
+        It is clearly there or of no weight, as n is a fixed share of all (G. Schwarz, 1978). A Gauss-Markov term that
+        was not requested must have its `EVIDENCE`.
+        """
+        part = self.chosen.likelihood
+        share = part.S[:, : len(self.noise)] / part.expectation(self.chosen.theta)[:, None]
+        dominated = part.count @ (share / share.max(axis=0)) ** 2
+        edge = np.array([TERMS[symbol].edge > 0 for symbol in self.noise])
+        found = np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
+        found[edge] += NEVER * (not _shows_angle(self.part))
+        if self.search is not None and not self.search.asked:
+            found[-1] += EVIDENCE - 2 * AKAIKE
+        return found
+
+    def laws(self, which: int) -> tuple[Law, Law] | None:
+        """Laws of a coefficient: the law of its limits and that of its value; None where no model has the term.
+
+        Whether the limits hold zero is a matter of evidence, as the value is.
+        """
+        along = traces(self.fitted, which, (self.akaike, self.schwarz))
+        if not along:
+            return None
+        wide, sharp = law(along, self.akaike), law(along, self.schwarz)
+        return replace(wide, zero=sharp.zero), sharp
+
+    @property
+    def flicker(self) -> Subset | None:
+        """The best without a Gauss-Markov term, if flicker is in it."""
+        which = flicker_in(self.noise)
+        return self.plain if which is not None and self.plain.theta[which] > 0 else None
+
+    def rivals(self) -> list[Subset]:
+        """The best of each family: flicker, Gauss-Markov, both, two Gauss-Markov."""
+        if self.search is None:
+            return []
+        if self.search.symbol not in {TERMS[symbol].substitute for symbol in TERMS}:
+            return [subset for subset in (self.plain, self.markov) if subset is not None]
+        penalty = penalties(self.part)
+        both = replace(self.search, may=np.ones(len(self.noise), dtype=bool), shortest=0.0)
+        found = [self.flicker, self.markov or self.search.best(penalty), both.best(penalty), self.search.pair()]
+        there = [subset for subset in found if subset is not None]
+        complete = [s for s in there if not s.constants or (s.theta[len(self.noise) - 1 :] > 0).all()]
+        flicker = flicker_in(self.noise)
+        # both without flicker is Gauss-Markov alone once more
+        return [s for s in complete if s is not found[2] or (flicker is not None and s.theta[flicker] > 0)]
+
+
+def flicker_in(symbols: Sequence[str]) -> int | None:
+    """The place of the term that a Gauss-Markov term may stand in for; None if it is not there."""
+    return next((i for i, symbol in enumerate(symbols) if TERMS[symbol].substitute), None)
+
+
+def penalties(part: Portion) -> FloatArray:
+    """What each term must gain in 2 L to be selected, a term with a shape the last of them, shape (p,)."""
+    rows = [TERMS[symbol] for symbol in part.noise]
+    shaped = [EVIDENCE + ANYWHERE * (len(row.parameters) - 1) if row.parameters else PENALTY for row in rows]
+    return np.array(shaped) + NEVER * np.array([row.edge > 0 for row in rows]) * (not _shows_angle(part))
+
+
+def _shows_angle(part: Portion) -> bool:
+    """Whether angle noise may be claimed: it was asked for, or the spectrum rises."""
+    return part.vouched or rises_to_top(part)
+
+
+def look(
+    record: Record,
+    symbols: Sequence[str],
+    band: tuple[float, float] | None,
+    masks: Sequence[tuple[float, float]] = (),
+    *,
+    rival: bool,
+) -> Found:
+    """Fit every subset of the terms; with Gauss-Markov noise among them, or as a `rival` of flicker: see `whittle`."""
+    return looked(spectrum(record, detrend=deterministic(symbols)), symbols, band, masks, rival=rival)
+
+
+def deterministic(symbols: Sequence[str]) -> bool:
+    """Whether there is a ramp among the terms."""
+    return any(TERMS[symbol].waveform is not None for symbol in symbols)
+
+
+def looked(
+    seen: Spectrum,
+    symbols: Sequence[str],
+    band: tuple[float, float] | None,
+    masks: Sequence[tuple[float, float]] = (),
+    *,
+    rival: bool,
+) -> Found:
+    """The same of a spectrum."""
+    used = seen.read(band, masks)
+    return fitted(replace(portion(seen, symbols, used), vouched=not rival), rival=rival)
+
+
+def fitted(part: Portion, *, rival: bool, shortest: float = SLOW) -> Found:
+    """Fit every subset of the terms of a portion; see `look`.
+
+    `shortest` is the least time constant, in samples, of a Gauss-Markov term that was not requested; beside resonances
+    it is longer than the period of the lowest, so that it does not stand in for their skirts.
+    """
+    if part.excess is not None and shortest:
+        shortest = max(shortest, 2 * math.pi / part.excess.lowest)
+    asked = [symbol for symbol in part.noise if TERMS[symbol].parameters]
+    noise = [symbol for symbol in part.noise if symbol not in asked]
+    if len(asked) > 1:
+        raise UsageError(
+            f"only one noise with a time constant or a frequency can be looked for at a time, not {', '.join(asked)}"
+        )
+    flicker = flicker_in(noise)
+    if not asked and not (rival and flicker is not None):
+        every = subsets(part.likelihood)
+        best = select(every, penalties(part))
+        return Found(part, noise, every, best, None, best, None)
+    markov = asked[0] if asked else TERMS[noise[flicker or 0]].substitute
+    return _with_markov(part.among((*noise, markov)), 0.0 if asked else shortest, asked=bool(asked))
+
+
+def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
+    """Whether Gauss-Markov noise that was not requested describes the record, and takes no more than flicker's place.
+
+    What no model explains, a filter's roll-off or motion, it describes better than flicker does, but it is not that.
+    At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
+    needs as much evidence once more.
+    """
+    return lacking(plain, markov, part) <= 0 and _explains(markov, part)
+
+
+def lacking(plain: Subset, markov: Subset, part: Portion) -> float:
+    """What Gauss-Markov noise would have to gain in 2 L beyond what it does, to be claimed; see `_believed`."""
+    penalty = penalties(part)
+    other = np.array([not TERMS[symbol].substitute for symbol in part.noise])
+    lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
+    return markov.score(penalty) + lost * EVIDENCE - plain.score(penalty)
+
+
+def _explains(subset: Subset, part: Portion) -> bool:
+    """Whether a model explains what is read."""
+    return goodness(part.seen, subset.likelihood, subset.theta, part.used).p >= EXPLAINED
+
+
+def _with_markov(part: Portion, shortest: float, *, asked: bool) -> Found:
+    """Subsets with and without a Gauss-Markov term; where it was not requested, it stands in the place of flicker."""
+    noise, penalty = list(part.noise), penalties(part)
+    may = np.ones(len(noise), dtype=bool)
+    kind = Shapes if len(TERMS[noise[-1]].parameters) > 1 else Search
+    search = kind(part.likelihood, part, may, shortest, noise[-1], asked)
+    every = subsets(part.likelihood, may=~search.must) if len(noise) > 1 else []
+    plain = select(every, penalty) if every else None
+    markov = search.best(penalty)
+    best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)
+    if plain and markov and best is markov and not (asked or _believed(plain, markov, part)):
+        best = plain
+    if best is None:  # nothing but Gauss-Markov noise was requested, and there is none
+        best = search.coarse
+    return Found(part, noise, every, best, search, plain or best, markov)

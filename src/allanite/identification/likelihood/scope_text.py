@@ -1,0 +1,149 @@
+"""The frequencies for which a model holds, as a value with texts."""
+
+from typing import Any
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.validity import LowPass, Scope
+from allanite.phrases.phrase import say
+
+from .cells import cell_of, surroundings
+from .filters import FILTERS
+from .model_selection import Found
+from .tuning import limits
+
+CONFIDENT = 3.84
+"""Rise of 2 L at the 95 % limits of a cut-off."""
+
+WELL_KNOWN = 50
+"""Coefficients of a bin whose power needs no smoothing."""
+
+CHANGED = 0.2
+"""Relative difference of the level outside a band from that inside, above which it has a cause."""
+
+STANDS_OUT = 1.5
+"""Peak over mean power outside a band above which a frequency is mentioned."""
+
+
+def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None) -> Scope:
+    """The scope of a fit; `asked` is a band that was given."""
+    seen, level = found.seen, _levels(found)
+    band = asked or _band(found)
+    return Scope(
+        choice=choice,
+        band=band,
+        masks=_masks(found, asked),
+        filter=_filter(found),
+        misfit=found.part.misfit,
+        within=largest_misfit(found) if found.part.misfit else 0.0,
+        frequency=seen.frequency(seen.first + (seen.count - 1) / 2),
+        level=level,
+        remarks=_outside(found, band) if choice == "auto" else (),
+    )
+
+
+def _band(found: Found) -> tuple[float, float]:
+    """The limits of the frequencies used, Hz; 0 and half the sampling rate if nothing is excluded."""
+    seen, (first, last) = found.seen, np.flatnonzero(found.used)[[0, -1]]
+    low = float(seen.frequency(seen.first[first])) if first else 0.0
+    high = seen.first[last] + seen.count[last] - 0.5
+    return low, seen.rate / 2 if last == found.used.size - 1 else float(seen.frequency(high))
+
+
+def _masks(found: Found, asked: tuple[float, float] | None) -> tuple[tuple[float, float], ...]:
+    """Runs of bins that are not read between the ends, or in the band that was asked for, Hz."""
+    seen, there = found.seen, np.flatnonzero(found.used if asked is None else found.seen.within(asked))
+    out = ~found.used
+    out[: there[0]] = out[there[-1] :] = False
+    ends = np.flatnonzero(np.diff(np.concatenate(([0], out.astype(np.int8), [0])))).reshape(-1, 2)
+    return tuple(
+        (float(seen.frequency(seen.first[a] - 0.5)), float(seen.frequency(seen.first[b - 1] + seen.count[b - 1] - 0.5)))
+        for a, b in ends
+    )
+
+
+def _filter(found: Found) -> LowPass | None:
+    part, rate = found.shaped, found.seen.rate
+    if part.filter is None:
+        return None
+    low, high = limits(part, part.filter, CONFIDENT)
+    row, cutoff = part.filter.row, part.filter.cutoff
+    return LowPass(row, FILTERS[row].title, cutoff * rate, low * rate, high * rate, rate)
+
+
+def expected_power(found: Found) -> FloatArray:
+    """Power of the terms in every bin, without a filter, shape (bins,)."""
+    part, likelihood = found.part, found.chosen.likelihood
+    m = (likelihood.expectation(found.chosen.theta) - likelihood.added) / part.passed[found.used]
+    if found.used.all():
+        return m
+    rest = found.part.but(used=np.ones_like(found.used))
+    columns = rest.whole.S
+    if found.chosen.constants:
+        columns = _with_shapes(found, columns)
+    return np.asarray(columns @ found.chosen.theta)
+
+
+def _with_shapes(found: Found, columns: FloatArray) -> FloatArray:
+    """All bins' columns with the time constant that was found."""
+    assert found.search is not None  # noqa: S101 - there is a time constant
+    everywhere = found.part.but(used=np.ones_like(found.used))
+    shaped = columns.copy()
+    shaped[:, found.chosen.theta.size - 1] = found.search.column(found.chosen.constants, everywhere)
+    return shaped
+
+
+def _levels(found: Found) -> FloatArray:
+    """The gain of the filter, with what is added, where the fit reads; elsewhere what was observed, smoothed."""
+    ratio = found.seen.power / expected_power(found)
+    around = surroundings(ratio * found.seen.count).sum(axis=1) / surroundings(found.seen.count).sum(axis=1)
+    known = np.where(found.seen.count > WELL_KNOWN, ratio, around)
+    return np.where(found.used, found.part.passed + found.part.added / expected_power(found), known)
+
+
+def largest_misfit(found: Found) -> float:
+    """The largest misfit of a cell beyond twice its standard error, as a share of the power."""
+    seen, used = found.seen, found.used
+    cell = cell_of(seen, used)[used]
+    m = found.chosen.likelihood.expectation(found.chosen.theta)
+    nu = np.bincount(cell, seen.count[used])
+    total = np.bincount(cell, seen.count[used] * seen.power[used] / m)
+    held = nu > WELL_KNOWN
+    beyond = np.abs(total[held] / nu[held] - 1) - 2 * np.sqrt(2 / nu[held])
+    return max(float(beyond.max(initial=0.0)), found.part.misfit)
+
+
+def _outside(found: Found, band: tuple[float, float]) -> tuple[str, ...]:
+    """Behaviour of the spectrum beyond the ends of the band, by its own levels: no model holds there."""
+    there = np.flatnonzero(found.used)
+    first, last, frequency = int(there[0]), int(there[-1]), found.seen.first
+    said = []
+    if first:
+        inside = found.used & (frequency < 2 * frequency[first])
+        where = say("below {frequency:.3g} Hz", frequency=band[0])
+        said.append(_beyond(where, found, slice(0, first), inside, say("drift or motion")))
+    if last < found.used.size - 1:
+        inside = found.used & (frequency > frequency[last] / 2)
+        where = say("above {frequency:.3g} Hz", frequency=band[1])
+        said.append(_beyond(where, found, slice(last + 1, None), inside, say("vibration or interference")))
+    return tuple(said)
+
+
+def _beyond(where: str, found: Found, part: slice, inside: BoolArray, cause: str) -> str:
+    """The median level of an excluded part, over that of the octave next to it, and its highest peak."""
+    power, seen = found.seen.power[part], found.seen
+    octave = float(np.median(seen.power[inside]))
+    ratio, highest = float(np.median(power)) / octave, int(power.argmax())
+    odd: dict[str, Any] = {"where": where, "cause": cause, "ratio": ratio}
+    peak = float(power[highest]) / octave
+    if seen.count[part][highest] > WELL_KNOWN and peak > STANDS_OUT * max(ratio, 1.0):
+        odd |= {"peak": peak, "frequency": float(seen.frequency(seen.first[part][highest]))}
+        return say(
+            "{where} the median power is {ratio:.2g} times that of the octave next to it, and {peak:.2g} times at "
+            "{frequency:.3g} Hz: {cause}",
+            **odd,
+        )
+    if ratio > 1 + CHANGED:
+        return say("{where} the median power is {ratio:.2g} times that of the octave next to it: {cause}", **odd)
+    return say("{where} the median power is {ratio:.2g} times that of the octave next to it", **odd)

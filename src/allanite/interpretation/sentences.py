@@ -1,0 +1,222 @@
+"""What a result says in sentences, each computed from coefficients that were found."""
+
+import math
+from collections.abc import Iterator
+
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
+from allanite.core.readings import FLICKER, Readings
+from allanite.core.titles import title_of
+from allanite.core.units import convert
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import duration
+from allanite.terms import TERMS, WHITE
+
+from .asymptotes import Span, crossing, least, spans
+from .grades import BY_MINIMUM, BY_RANDOM_WALK, Scale
+
+
+def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:
+    """What the coefficients of a fit say, in sentences; none where its model does not explain the record.
+
+    Parameters
+    ----------
+    fit : Fit
+    readings : Readings, optional
+        What was read off the curve of the same record.
+    rate, length : float
+        Sampling rate, Hz, and length of the record, s.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from allanite.core.model import N, R
+    >>> from allanite.identification import identify
+    >>> from allanite.simulation.record import simulate
+    >>> model = N(0.1, "deg/sqrt(h)") + R(3000.0, "deg/h^2")
+    >>> record = simulate(model, 6000, 10.0, rng=np.random.default_rng(1))
+    >>> sentences(identify(record), rate=10.0, length=600.0)[0]  # doctest: +ELLIPSIS
+    'White noise (angle random walk) dominates up to 4.66 s: averaging longer reduces the error more slowly ...'
+    """
+    if fit.valid is None or not fit.validity:
+        return ()
+    found = {e.symbol: e for e in fit if e.claimed and e.value}
+    return (
+        *_dominating(found, rate, length),
+        *_minimum(fit, readings, rate, length),
+        *_drift(fit, found, length),
+        *_time_constants(fit, found),
+        *_grades(found, readings),
+    )
+
+
+def _title(estimate: Estimate) -> str:
+    if estimate.signal.name == "gyro" or estimate.symbol not in "KR":
+        return title_of(estimate.symbol, estimate.signal)
+    return say("random walk") if estimate.symbol == "K" else say("ramp")
+
+
+def _size(value: float, estimate: Estimate, power: float) -> str:
+    """A quantity of the signal times time to the power, in the unit of data sheets."""
+    sheet = estimate.signal.sheet[power]
+    return say("{size:.3g} {unit}", size=convert(value, estimate.signal.si[power], sheet), unit=sheet)
+
+
+def _dominating(found: dict[str, Estimate], rate: float, length: float) -> Iterator[str]:
+    """Up to which averaging time the noise is white, and from which one it drifts."""
+    places = spans(list(found.values()), 1 / rate, length / 2)
+    white = next((span for span in places if TERMS[span.symbol].slope == WHITE), None)
+    drift = next((span for span in places if TERMS[span.symbol].slope > 0), None)
+    parts = [_white(white, found, (1 / rate, length / 2))] if white else []
+    if drift is not None:
+        title = _title(found[drift.symbol])
+        if drift.start <= 1 / rate:
+            parts.append(say("Drift ({term}) dominates at all averaging times", term=title))
+        else:
+            parts.append(say("Drift ({term}) dominates from {start} on", term=title, start=duration(drift.start)))
+    if parts:
+        yield _ended(join(". ", parts))
+
+
+def _ended(sentence: str) -> str:
+    return join("", (sentence, "."))
+
+
+def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) -> str:
+    title, start, end = _title(found[span.symbol]), duration(span.start), duration(span.end)
+    late = span.start > limits[0]
+    if span.end >= limits[1]:
+        if late:
+            where = say(
+                "White noise ({term}) dominates from {start} up to half the length of the record",
+                term=title,
+                start=start,
+            )
+        else:
+            where = say("White noise ({term}) dominates at all averaging times", term=title)
+        return join(": ", (where, say("averaging reduces the error with the square root of time")))
+    if late:
+        where = say("White noise ({term}) dominates from {start} to {end}", term=title, start=start, end=end)
+    else:
+        where = say("White noise ({term}) dominates up to {end}", term=title, end=end)
+    slower = say("averaging longer reduces the error more slowly than with the square root of time")
+    return join(": ", (where, slower))
+
+
+def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) -> Iterator[str]:
+    """The minimum of the curve beside the fitted flicker, and what the other terms alone would make of it."""
+    if readings is None or readings.minimum is None or not readings.inside:
+        return
+    flicker = next((e for e in fit if TERMS[e.symbol].slope == 0 and not TERMS[e.symbol].parameters), None)
+    if flicker is None:
+        return
+    tau, level = readings.minimum.tau, readings.minimum.deviation
+    said = say(
+        "The minimum of the Allan deviation is {minimum} at {tau}; divided by 0.664 it would be a B of {flicker}",
+        minimum=_size(level, flicker, 0),
+        tau=duration(tau),
+        flicker=_size(level * FLICKER, flicker, 0),
+    )
+    if flicker.claimed and flicker.value:
+        own = _size(flicker.value, flicker, 0)
+        because = say("the identified B is {value}, because the minimum contains the other terms too.", value=own)
+        yield join("; ", (said, because))
+    elif flicker.upper is not None:
+        below = _size(flicker.upper, flicker, 0)
+        missing = say("flicker was not identified, B is below {limit}", limit=below)
+        yield _ended(join("; ", (said, missing, *_made(fit, rate, length))))
+
+
+def _made(fit: Fit, rate: float, length: float) -> Iterator[str]:
+    """The minimum that the other terms have together, if they have one within the record."""
+    lowest = least(fit.estimates, 1 / rate, length / 2)
+    if lowest is None:
+        return
+    tau, level = lowest
+    size = _size(level, fit.estimates[0], 0)
+    yield say("the other terms alone make a minimum of {minimum} at {tau}", minimum=size, tau=duration(tau))
+
+
+def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]:
+    """Whether the drift is systematic, a ramp, or random, a random walk."""
+    ramp, walk = found.get("R"), found.get("K")
+    if ramp is not None and walk is not None:
+        yield say(
+            "The drift has a systematic part, R, which changes the output by {systematic} over the record, and a "
+            "random part, K, of {random} (1 sigma); R is larger than K beyond {tau}.",
+            systematic=_over(ramp, length),
+            random=_over(walk, length),
+            tau=duration(crossing(walk, ramp)),
+        )
+    elif ramp is not None:
+        change = _over(ramp, length)
+        said = say("The drift is systematic: R changes the output by {change} over the record", change=change)
+        yield _ended(join("; ", (said, *_absent(fit, "K"))))
+    elif walk is not None:
+        change = _over(walk, length)
+        said = say("The drift is random: K changes the output by {change} (1 sigma) over the record", change=change)
+        yield _ended(join("; ", (said, *_absent(fit, "R"))))
+
+
+def _over(estimate: Estimate, length: float) -> str:
+    """What a ramp or a random walk changes over the record."""
+    power = -TERMS[estimate.symbol].power  # of time: 1 for a ramp, 1/2 for a random walk
+    return _size(abs(estimate.value or 0.0) * length**power, estimate, 0)
+
+
+def _absent(fit: Fit, symbol: str) -> Iterator[str]:
+    """That the other kind of drift was not identified, with its limit."""
+    other = next((e for e in fit if e.symbol == symbol), None)
+    if other is None or other.status != "absent" or other.upper is None:
+        return
+    limit = _size(other.upper, other, TERMS[symbol].power)
+    yield say("{symbol} was not identified, its size is below {limit}", symbol=symbol, limit=limit)
+
+
+def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
+    """The time constant of a Gauss-Markov process or of a filter."""
+    process = found.get("GM")
+    if process is not None and process.shape:
+        yield say(
+            "A Gauss-Markov process with a time constant of {time} was identified: look for a control loop, a "
+            "temperature or a filter with this time constant.",
+            time=duration(process.shape[0]),
+        )
+    if fit.scope is not None and fit.scope.filter is not None:
+        cutoff = fit.scope.filter.cutoff
+        yield say(
+            "A low-pass filter of {cutoff:.3g} Hz was identified (time constant {time:.3g} ms if it is of first "
+            "order): the bandwidth of the sensor, or a filter before the output.",
+            cutoff=cutoff,
+            time=1000 / (2 * math.pi * cutoff),
+        )
+
+
+def _grades(found: dict[str, Estimate], readings: Readings | None) -> Iterator[str]:
+    """The grade of a gyroscope by in-run bias stability and by angle random walk."""
+    """The grades of a gyro: one opens the sentence, the other goes on with it."""
+    by_minimum, white = None, found.get("N")
+    if readings is not None and readings.minimum is not None and readings.signal.name == "gyro":
+        level = readings.minimum.deviation if readings.inside else readings.minimum.interval(0.95)[1]
+        by_minimum = _graded(BY_MINIMUM, convert(level, readings.unit, BY_MINIMUM.unit), reached=readings.inside)
+    if white is not None and white.signal.name == "gyro":
+        opens = by_minimum is None
+        by_walk = _graded(BY_RANDOM_WALK, white.to(BY_RANDOM_WALK.unit), opens=opens)
+        by_minimum = by_walk if by_minimum is None else say("{first}, and {second}", first=by_minimum, second=by_walk)
+    if by_minimum is not None:
+        yield join("; ", (by_minimum, say("grades are conventions, and a data sheet needs more than noise.")))
+
+
+def _graded(scale: Scale, size: float, *, reached: bool = True, opens: bool = True) -> str:
+    """The grade by a size; where the minimum was not reached, it is below that, and the grade may be a better one."""
+    grade = scale.of(size, scale.unit)
+    name, span = grade.opening if opens else grade.name, scale.words(grade)
+    if reached:
+        return say("{grade} by its {scale} ({span}: {size:.3g})", grade=name, scale=scale.title, span=span, size=size)
+    return say(
+        "{grade} or better by its {scale} ({span}: below {size:.3g})",
+        grade=name,
+        scale=scale.title,
+        span=span,
+        size=size,
+    )

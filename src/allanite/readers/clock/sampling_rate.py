@@ -1,0 +1,275 @@
+"""The sampling rate: given by the user, stated in the file, or from time stamps or a counter; never guessed."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from allanite.core.arrays import FloatArray
+from allanite.core.errors import DataError, UsageError
+from allanite.core.finding import Finding
+from allanite.core.units import unit_of
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import percent, spelled
+from allanite.readers.columns.column import Column
+
+from .clocks import Sources, counted_grid, places, unwrapped
+from .grid import ONE_AFTER_THE_OTHER, Grid
+from .stamps import fit, seconds_since
+
+PLAUSIBLE = (0.5, 20e3)
+"""Sampling rates, Hz, considered plausible when the unit of integer time stamps is determined."""
+
+SAME = 1e-3
+"""Relative difference up to which a given rate and that of time stamps are the same."""
+
+REFUSED = 0.01
+"""The same beyond which a rate that the user gives is refused: one of the two is wrong."""
+
+NOMINAL = 0.05
+"""The same for the rate that a file states: sensors are seldom as fast as their data sheet."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beat:
+    """The sampling rate in Hz, the time of the first sample in s, assumptions, open questions, grid, and warnings."""
+
+    rate: float = 0.0
+    start: float | None = None
+    notes: tuple[str, ...] = ()
+    questions: tuple[str, ...] = ()
+    grid: Grid = ONE_AFTER_THE_OTHER
+    contradictions: tuple[Finding, ...] = ()
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Defects of the time stamps, and rates that contradict each other."""
+        return (*self.grid.findings, *self.contradictions)
+
+
+class Stamped(NamedTuple):
+    """Time stamps before their grid is known: their unit, the given rate, and the notes about them so far."""
+
+    column: Column
+    stamps: NDArray[Any]
+    unit: str
+    sources: Sources
+    rate: float | None
+    given: float | None
+    first: tuple[str, ...]
+    again: tuple[str, ...]
+    guessed: str
+    against: tuple[Finding, ...]
+
+
+def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
+    """The sampling rate, and the grid of the rows: from the user's `rate`, otherwise from `sources`.
+
+    `repeated` marks rows with the same samples as the row before, shape (n - 1,).
+    """
+    seen = stamped(sources, rate)
+    if isinstance(seen, Beat):
+        return seen
+    elapsed = seconds_since(seen.stamps, seen.unit)
+    grid = _counted(sources.counter, elapsed) or fit(elapsed, seen.column.label, repeated)
+    if grid.trouble and not seen.given and not elapsed.any():
+        return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
+    return settled(seen, grid, grid.lost)
+
+
+def stamped(sources: Sources, rate: float | None) -> Stamped | Beat:
+    """The time stamps, or the beat where there are none, or their unit is unknown."""
+    given, column = rate if rate is not None else sources.rate, sources.stamps
+    unstamped = column is None or bool(given and column.text)
+    if unstamped and given is None:
+        given = sources.stated
+    first = sources.notes
+    if rate is None and given is not None:
+        source = sources.source if sources.rate else sources.stated_source
+        first = (*first, say("rate {rate} Hz from {source}", rate=_shown(given), source=source))
+    against = _against(sources, rate)
+    if column is None or unstamped:
+        unused = () if column is None else (say("{column} holds text and was not used", column=column.label),)
+        return replace(_unstamped(sources, given, (*first, *unused)), contradictions=against)
+    column.demand_numbers()
+    stamps, wrapped = unwrapped(column.values)
+    again = (
+        (say("{column} wraps around at 2^{bits}: it was continued", column=column.label, bits=wrapped),)
+        if wrapped
+        else ()
+    )
+    unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given or sources.stated)
+    if not unit and not np.any(stamps != stamps[0]):
+        unit = "s"  # time stamps that are all equal are so in any unit
+    if not unit:
+        known = Beat(given or 0.0, notes=first, contradictions=against)
+        return known if given else Beat(questions=(_ask_unit(column),))
+    return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against)
+
+
+def settled(seen: Stamped, grid: Grid, lost: int) -> Beat:
+    """The beat of time stamps by their grid, on which so many samples are missing."""
+    given, label = seen.given, seen.column.label
+    if grid.trouble and not given:
+        raise DataError(
+            say(
+                "{trouble}; {advice}, or {option} for another column",
+                trouble=grid.trouble,
+                advice=_rows(),
+                option=spelled("--time", "time=..."),
+            )
+        )
+    if grid.trouble:
+        return Beat(
+            float(given or 0),
+            notes=(*seen.first, say("{trouble}; the rows are assumed to be evenly spaced", trouble=grid.trouble)),
+            grid=grid,
+            contradictions=seen.against,
+        )
+    measured = 1 / grid.interval
+    if seen.rate and _apart(seen.rate, measured, REFUSED):
+        raise UsageError(
+            say(
+                "the rate given, {rate} Hz, contradicts the time stamps of {column}, {measured} Hz{guessed}: omit it, "
+                "or ignore the time stamps with {option}",
+                rate=_shown(seen.rate), column=label, measured=_shown(measured),
+                guessed=f" ({seen.guessed})" if seen.guessed else "",
+                option=spelled("--time none", "time='none'"),
+            )
+        )  # fmt: skip
+    notes, differing = _notes(label, (given, measured), seen.guessed, lost)
+    stated = seen.sources.stated
+    if given is None and _apart(measured, stated, NOMINAL):
+        differing = (_contradiction(measured, stated or 0.0, seen.sources.stated_source),)
+    origin = seen.stamps[0] if grid.rows is None else seen.stamps[grid.rows[0]]
+    said = (*seen.first, *seen.again, *notes)
+    return Beat(given or measured, float(origin) * unit_of(seen.unit).factor, said, (), grid,
+                (*seen.against, *differing))  # fmt: skip
+
+
+def _against(sources: Sources, rate: float | None) -> tuple[Finding, ...]:
+    """Warnings that the given rate contradicts those that the file states."""
+    stated = ((sources.rate, sources.source), (sources.stated, sources.stated_source))
+    return tuple(
+        _contradiction(rate, other, source) for other, source in stated if rate and other and _apart(rate, other)
+    )
+
+
+def _apart(rate: float, other: float | None, limit: float = SAME) -> bool:
+    """Whether two rates differ by more than a relative `limit`; not if the other is unknown."""
+    return other is not None and abs(rate / other - 1) > limit
+
+
+def _contradiction(rate: float, other: float, source: str, told: Sequence[str] = ()) -> Finding:
+    """The warning that one rate is used although something else gives another."""
+    high, low = max(rate, other), min(rate, other)
+    apart = (
+        say("a factor of {factor:.4g} apart", factor=high / low)
+        if high >= 2 * low
+        else say("{share} apart", share=percent(high / low - 1))
+    )
+    used = say(
+        "rate {rate} Hz is used, but {source} gives {other} Hz, {apart}",
+        rate=_shown(rate), source=source, other=_shown(other), apart=apart,
+    )  # fmt: skip
+    return Finding(
+        say("given rate"),
+        join(", ", (used, *told)),
+        say("if the other is right, averaging times are wrong by that ratio, and coefficients by a power of it"),
+        say("find out which is right, and give it with {option}", option=spelled("--rate HZ", "rate=...")),
+    )
+
+
+def _unstamped(sources: Sources, given: float | None, notes: tuple[str, ...]) -> Beat:
+    """The beat without time stamps: missing samples from a counter, if the rate is given."""
+    column = sources.counter
+    if given:
+        return Beat(given, notes=notes, grid=counted_grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
+    if sources.stated_source:
+        several = say("the file states rates that contradict each other, {places}", places=sources.stated_source)
+        return Beat(questions=(join(": ", (several, _ask())),))
+    if column is None:
+        return Beat(questions=(say("the sampling rate is not in the file: {advice}", advice=_ask()),))
+    asked = say(
+        "the sampling rate is not in the file (the counter {column} shows which samples are missing, but not their "
+        "rate): {advice}",
+        column=column.label, advice=_ask(),
+    )  # fmt: skip
+    return Beat(questions=(asked,))
+
+
+def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
+    """The grid according to a counter with gaps, if the time stamps increase at all."""
+    where = None if column is None else places(column)
+    if column is None or where is None or not elapsed[-1] > 0 or not np.isfinite(elapsed[-1]):
+        return None
+    return counted_grid(column, float(elapsed[-1]) / int(where[-1]))
+
+
+def _notes(
+    label: str, rates: tuple[float | None, float], guessed: str, lost: int
+) -> tuple[list[str], tuple[Finding, ...]]:
+    """The note on the rate of time stamps, or the warning that it is not the given one."""
+    given, measured = rates
+    told: list[str] = [say("including {count} missing intervals", count=lost)] if lost else []
+    told += [guessed] if guessed else []
+    if given is None:
+        return [join(", ", (say("rate {rate} Hz from {source}", rate=_shown(measured), source=label), *told))], ()
+    return [], (_contradiction(given, measured, label, told),) if _apart(given, measured) else ()
+
+
+def _ask() -> str:
+    return spelled(
+        say("pass the sampling rate in Hz with --rate 100, or name the column of time stamps: --time 'stamp[us]'"),
+        say("pass the sampling rate in Hz with rate=100, or name the column of time stamps: time='stamp[us]'"),
+    )
+
+
+def _rows() -> str:
+    return spelled(
+        say(
+            "pass --rate to treat the rows as evenly spaced in the order of the file, with --from and --until to "
+            "exclude the place"
+        ),
+        say(
+            "pass rate=... to treat the rows as evenly spaced in the order of the file, and trim the recording to "
+            "exclude the place"
+        ),
+    )
+
+
+def _shown(rate: float) -> str:
+    return repr(float(f"{rate:.7g}"))
+
+
+def _guess(stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
+    """The unit of time stamps whose header has none, and the text for the note."""
+    if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
+        return "s", say("time stamps assumed to be in seconds")
+    low, high = (given / 3, 3 * given) if given else PLAUSIBLE
+    fits = [unit for unit, rate in _readings(stamps) if low <= rate <= high]
+    if len(fits) != 1:
+        return "", ""
+    if given:
+        return fits[0], say("integer time stamps assumed to be in {unit}, consistent with the rate", unit=fits[0])
+    return fits[0], say("integer time stamps assumed to be in {unit}, the only plausible unit", unit=fits[0])
+
+
+def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
+    span = float(stamps[-1]) - float(stamps[0])
+    return [(unit, (len(stamps) - 1) / (span * unit_of(unit).factor)) for unit in ("s", "ms", "us", "ns") if span > 0]
+
+
+def _ask_unit(column: Column) -> str:
+    readings = [say("{rate:.6g} Hz as {unit}", rate=rate, unit=unit) for unit, rate in _readings(column.values)]
+    how = spelled(f"--time '{column.name}[ms]', or --rate 100", f"time='{column.name}[ms]', or rate=100")
+    if not readings:
+        return say(
+            "the last time stamp of {column} is not later than the first: {advice}", column=column.label, advice=_ask()
+        )
+    return say(
+        "the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
+        column=column.label, readings=join(", ", readings), option=how,
+    )  # fmt: skip

@@ -1,0 +1,139 @@
+"""Pieces of SVG: numbers, paths, styles and words."""
+
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.reporting.language import tr
+
+from .limits import Unsketched
+from .text_width import ABOVE, BELOW, wide
+
+FONT = "'DejaVu Sans',Verdana,sans-serif"
+"""Verdana has the same widths."""
+
+FAR = 20_000.0
+"""Points beyond which a coordinate is not drawn any farther: browsers count in single precision."""
+
+_POWER = re.compile(r"\$(×?)10\^\{(-?\d+)\}\$")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+_BLANKS = re.compile(" {2,}")
+
+
+def _kept(blanks: re.Match[str]) -> str:
+    """Several blanks, of which browsers show one."""
+    return "\N{NO-BREAK SPACE}" * len(blanks[0])
+
+
+def number(value: float) -> str:
+    """A coordinate in points, to a tenth."""
+    return f"{value:.1f}".removesuffix(".0")
+
+
+def path(x: FloatArray, y: FloatArray, *, closed: bool = False) -> str:
+    """Lines through points; a point that is not finite ends one.
+
+    Examples
+    --------
+    >>> path(np.array([0.0, 1.0, np.nan, 2.0, 3.0]), np.array([0.0, 1.5, 0.0, 2.0, 0.0]))
+    'M0 0L1 1.5M2 2L3 0'
+    """
+    there = np.isfinite(x) & np.isfinite(y)
+    x, y = (np.clip(np.round(values, 1), -FAR, FAR) + 0.0 for values in (x, y))
+    parts, last = [], False
+    for known, at, level in zip(there.tolist(), x.tolist(), y.tolist(), strict=True):
+        if known:
+            parts.append(f"{'L' if last else 'M'}{at:g} {level:g}")
+        last = known
+    return "".join(parts) + ("Z" if closed and parts else "")
+
+
+def style(**properties: "str | float | None") -> str:
+    """An attribute of these properties, but for those that are None."""
+    known = (f"{name.replace('_', '-')}: {value}" for name, value in properties.items() if value is not None)
+    return f'style="{"; ".join(known)}"'
+
+
+def hexadecimal(color: str) -> str:
+    """A color as the style sheet of a page names it."""
+    if color != "white" and not re.fullmatch("#[0-9a-fA-F]{6}", color):
+        raise Unsketched(f"color {color}")
+    return "#ffffff" if color == "white" else color.lower()
+
+
+def stroke(color: str, width: float, dash: Sequence[float] = (), opacity: float | None = None) -> str:
+    """The style of a line; dashes are in widths of it."""
+    dashes = ",".join(f"{width * part:.4g}" for part in dash) or None
+    return style(
+        fill="none",
+        stroke=hexadecimal(color),
+        stroke_width=f"{width:.4g}",
+        stroke_dasharray=dashes,
+        stroke_opacity=opacity,
+    )
+
+
+def fill(color: str, opacity: float | None = None) -> str:
+    """The style of an area."""
+    return style(fill=hexadecimal(color), fill_opacity=opacity)
+
+
+def element(d: str, styled: str) -> str:
+    """A path; nothing if it is empty."""
+    return f'<path d="{d}" {styled}/>' if d else ""
+
+
+def shown(text: str) -> list[str]:
+    """Lines of a text as they are read, in the language that is spoken; powers of ten in raised digits."""
+    said = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(_RAISED)}", str(tr(text)))
+    return said.splitlines()
+
+
+def size_of(lines: Iterable[str], size: float, *, bold: bool = False, spacing: float = 1.2) -> tuple[float, float]:
+    """Width and height of lines of text."""
+    widths = [wide(line, bold=bold) * size for line in lines]
+    return max(widths, default=0.0), size * (1 + spacing * (len(widths) - 1)) if widths else 0.0
+
+
+ANCHORS = {"left": "start", "center": "middle", "right": "end"}
+
+
+def words(  # noqa: PLR0913 - each has a default, and is a property of its own
+    lines: Sequence[str],
+    at: tuple[float, float],
+    size: float,
+    *,
+    color: str,
+    ha: str = "left",
+    va: str = "baseline",
+    bold: bool = False,
+    spacing: float = 1.2,
+    turned: bool = False,
+) -> str:
+    """Lines of text at a point; `turned`, it runs upwards."""
+    step = spacing * size
+    _, height = size_of(lines, size, spacing=spacing)
+    above = {"baseline": -ABOVE * size, "top": 0.0, "center": -height / 2, "bottom": -height}[va] + ABOVE * size
+    look = style(
+        font=f"{'bold ' if bold else ''}{size:g}px {FONT}",
+        text_anchor=ANCHORS[ha] if ha != "left" else None,
+        fill=hexadecimal(color),
+    )
+    x, y = at
+    turn = f' transform="rotate(-90 {number(x)} {number(y)})"' if turned else ""
+    return "".join(
+        f'<text x="{number(x)}" y="{number(y + above + i * step)}"{turn} {look}>'
+        f"{escape(_BLANKS.sub(_kept, line))}</text>"
+        for i, line in enumerate(lines)
+        if line.strip()
+    )
+
+
+def below_foot(size: float) -> float:
+    """How far a line of text reaches below its foot."""
+    return BELOW * size

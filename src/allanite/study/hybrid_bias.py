@@ -1,0 +1,48 @@
+"""Where the bias ratio of TheoBR and TheoH is not that of the noise: the curve is wrong beyond the joint."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.model import ModelLike, model_of
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
+from allanite.statistics import STATISTICS
+from allanite.statistics.moments.moments import by_term
+
+SEEN = 0.05
+"""Relative error of a deviation above which a note is given."""
+
+
+def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
+    """A note for each curve whose bias ratio is wrong under this noise by more than 5 % of the deviation."""
+    return tuple(note for curve in curves for note in _joint(curve, noise))
+
+
+def _joint(curve: Curve, noise: ModelLike) -> Iterable[str]:
+    parts = STATISTICS[curve.statistic].parts
+    if not parts:
+        return
+    late = np.flatnonzero(np.abs(curve.tau * curve.rate / curve.m - parts[-1].tau_factor) < 1e-6)
+    if not late.size:
+        return
+    first, last = (_error(curve, int(late[i]), noise) for i in (0, -1))
+    if max(abs(first - 1), abs(last - 1)) < SEEN:
+        return
+    yield say(
+        "the bias ratio of {statistic} assumes one kind of noise: under the identified noise the deviation is "
+        "{first:.2f} times the Allan deviation at {start:g} s and {last:.2f} times at {end:g} s ({cure} corrects it)",
+        statistic=curve.statistic, start=curve.tau[late[0]], end=curve.tau[late[-1]], first=first, last=last,
+        cure=spelled("--bias model", "bias='model'"),
+    )  # fmt: skip
+    if len(parts) > 1:
+        yield say("{statistic} jumps there, where it passes from oadev to TheoBR", statistic=curve.statistic)
+
+
+def _error(curve: Curve, i: int, noise: ModelLike) -> float:
+    """Expected deviation with the bias ratio of the curve over the Allan deviation."""
+    theo1, model = STATISTICS[curve.statistic].parts[-1], model_of(noise)
+    own = by_term(theo1, model, int(curve.m[i]), curve.size, curve.rate).sum()
+    aim = by_term(STATISTICS[theo1.target], model, 1, None, 1 / float(curve.tau[i])).sum()
+    return float(np.sqrt(curve.factor[i] * own / aim))

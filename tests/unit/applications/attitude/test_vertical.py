@@ -1,0 +1,372 @@
+"""Roll and pitch of recordings: identified time constant, predicted limits, bad input, the command."""
+
+import json
+import math
+from dataclasses import replace
+from itertools import permutations, product
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.applications.attitude import (
+    SCENARIOS,
+    Trial,
+    VerticalSettings,
+    optimal_time_constant,
+    predicted_error,
+    simulate_motion,
+    vertical,
+)
+from allanite.applications.attitude.axes import Axes
+from allanite.applications.attitude.tuning import _doubts
+from allanite.cli import main
+from allanite.reporting import table
+
+GYRO, TILT = al.N(0.3, "deg/sqrt(h)"), al.N(100, "ug/sqrt(Hz)")
+NAMES = ("gx", "gy", "gz", "ax", "ay", "az")
+
+
+def records(n=20_000, rate=50.0, seed=1):
+    rng = np.random.default_rng(seed)
+    found = [al.simulate(GYRO if name[0] == "g" else TILT, n, rate, rng=rng, name=name) for name in NAMES]
+    return [*found[:5], replace(found[5], values=found[5].values + 9.80665)]
+
+
+@pytest.fixture(scope="module")
+def still():
+    return al.Recording(tuple(records()))
+
+
+@pytest.fixture(scope="module")
+def found(still):
+    return vertical(still)
+
+
+def changed(recording, name, values):
+    kept = tuple(replace(r, values=values(r.values)) if r.name == name else r for r in recording)
+    return al.Recording(kept)
+
+
+def test_time_constant_follows_from_the_identified_noise(found):
+    assert found.loop.time_constant == pytest.approx(optimal_time_constant(GYRO, TILT).time_constant, rel=0.05)
+    for angle in found.angles:
+        assert angle.deviation == pytest.approx(angle.prediction.rms, rel=0.1)
+        assert angle.optimum.first.rms <= angle.prediction.rms * (1 + 1e-9)
+    assert (found.angles[0].gyro, found.angles[0].accelerometer) == ("gx", "ay")
+    assert len(found.roll) == len(found.pitch) == 20_000
+
+
+def test_a_given_time_constant_needs_no_noise(still):
+    short = al.Recording(tuple(replace(r, values=r.values[:150]) for r in still))
+    got = vertical(short, "mahony", 2.0)
+    assert got.loop.time_constant == 2.0
+    assert all(angle.prediction is None for angle in got.angles)
+    with pytest.raises(al.DataError, match=r"no time constant follows from the noise: .*give it with time_constant"):
+        vertical(short)
+
+
+def test_given_noise_is_not_identified(still):
+    settings = VerticalSettings("second-order", gyro="N 0.3 deg/sqrt(h), K 500 deg/h/sqrt(h)",
+                                accelerometer="N 100 ug/sqrt(Hz)")  # fmt: skip
+    got = vertical(still, settings=settings)
+    assert all(channel.noise is None for channel in got)
+    assert got.loop.order == 2
+    white = replace(settings, method="kalman", gyro="N 0.3 deg/sqrt(h), K 20 deg/h/sqrt(h)")
+    kalman = vertical(still, settings=white)
+    assert kalman.loop.k1 == pytest.approx(0.89099, rel=1e-4)
+    assert kalman.loop.k2 == pytest.approx(0.016160, rel=1e-4)
+
+
+def test_z_may_point_down(still):
+    turned = [replace(r, values=-r.values) if r.name in ("gy", "gz", "ay", "az") else r for r in still]
+    up, down = vertical(still, time_constant=1.0), vertical(al.Recording(tuple(turned)), time_constant=1.0)
+    assert (up.downward, down.downward) == (False, True)
+    assert down.roll == pytest.approx(up.roll, abs=1e-9)
+    assert down.pitch == pytest.approx(-up.pitch, abs=1e-9)
+
+
+@pytest.fixture(scope="module")
+def swaying():
+    trial = Trial(GYRO, TILT, (1e-5, -2e-5, 3e-5), duration=20.0)
+    data, _ = simulate_motion(SCENARIOS["oscillation"], trial, rng=np.random.default_rng(1))
+    return np.hstack((data.gyro, data.force))
+
+
+KNOWN = VerticalSettings(time_constant=2.0, gyro="N 0.3 deg/sqrt(h)", accelerometer="N 100 ug/sqrt(Hz)", keep_bias=True)
+"""Nothing is identified."""
+
+
+def recorded(values):
+    units = 3 * ["rad/s"] + 3 * ["m/s^2"]
+    each = zip(values.T, units, NAMES, strict=True)
+    return al.Recording(tuple(al.Record(column, 100.0, unit, name=name) for column, unit, name in each))
+
+
+def mounted(values, axes):
+    """What sensors read whose axes are forward, sideways and vertical in this way."""
+    return recorded(np.hstack((values[:, :3] @ axes.matrix, values[:, 3:] @ axes.matrix)))
+
+
+EVERY = [",".join(s + a for s, a in zip(signs, names, strict=True))
+         for names in permutations("xyz") for signs in product(("", "-"), repeat=3)]  # fmt: skip
+"""All orders and signs of three axes; half of them are right-handed."""
+
+
+def handed(text):
+    rows = [(-1 if part[0] == "-" else 1) * np.eye(3)["xyz".index(part[-1])] for part in text.split(",")]
+    return np.linalg.det(rows)
+
+
+@pytest.mark.parametrize("text", [text for text in EVERY if handed(text) > 0])
+def test_right_handed_axes(text):
+    assert str(Axes.of(text)) == text
+    assert Axes.of(text).turned(np.array([[1.0, 2.0, 3.0]]))[0] == pytest.approx(Axes.of(text).matrix @ [1, 2, 3])
+
+
+@pytest.mark.parametrize("text", [text for text in EVERY if handed(text) < 0])
+def test_left_handed_axes_are_refused_with_others(text):
+    with pytest.raises(al.UsageError, match=f"the axes {text} are left-handed") as refused:
+        Axes.of(text)
+    suggested = str(refused.value).split("axes='")[1].split("'")[0]
+    assert handed(suggested) == pytest.approx(1)
+    assert suggested.replace("-", "") == text.replace("-", "")
+
+
+@pytest.mark.parametrize("text", ["y,-x,z", "x,-z,y", "-z,y,x", "y,z,x", "-x,-z,-y"])
+def test_a_recording_turned_about(swaying, text):
+    plain = vertical(recorded(swaying), settings=KNOWN)
+    turned = vertical(mounted(swaying, Axes.of(text)), settings=replace(KNOWN, axes=text))
+    assert turned.roll == pytest.approx(plain.roll, abs=1e-12)
+    assert turned.pitch == pytest.approx(plain.pitch, abs=1e-12)
+    names = {angle.name: (angle.gyro, angle.accelerometer) for angle in turned.angles}
+    forward, side, _ = (part[-1] for part in text.split(","))
+    assert names == {"roll": ("g" + forward, "a" + side), "pitch": ("g" + side, "a" + forward)}
+    assert text in table(turned)
+
+
+@pytest.mark.parametrize(
+    ("text", "gravity", "suggested"),
+    [
+        ("y,z,x", "x", "y,z,x"),
+        ("-z,y,x", "x", "y,z,x"),
+        ("y,-z,-x", "-x", "y,-z,-x"),
+        ("x,-z,y", "y", "x,-z,y"),
+        ("x,z,-y", "-y", "x,z,-y"),
+    ],
+)
+def test_gravity_along_another_axis_is_refused_with_axes_that_hold(swaying, text, gravity, suggested):
+    recording = mounted(swaying, Axes.of(text))
+    said = rf"gravity is along {gravity}, not z: \d+% of the mean specific force; give axes='{suggested}'"
+    with pytest.raises(al.DataError, match=said):
+        vertical(recording, time_constant=2.0)
+    found = vertical(recording, settings=replace(KNOWN, axes=suggested))
+    assert not found.downward
+    assert np.abs(np.degrees([angle.mean for angle in found.angles])).max() < 5
+    lying = vertical(recording, settings=replace(KNOWN, method="mahony", axes="x,y,z"))
+    assert np.hypot(*(angle.mean for angle in lying.angles)) > 1.3
+
+
+@pytest.mark.parametrize("wrong", ["x,y", "x,y,y", "x,y,w", "x,y,--z", "", "x,,z", "1,2,3"])
+def test_wrong_axes(wrong):
+    with pytest.raises(al.UsageError, match=r"are x, y and z in some order.*such as axes='y,-x,z', not"):
+        VerticalSettings(axes=wrong)
+
+
+def test_mean_rates_are_subtracted_or_kept(still):
+    biased = changed(still, "gx", lambda v: v + 1e-4)
+    free, kept = (vertical(biased, settings=VerticalSettings(time_constant=2.0, keep_bias=k)) for k in (False, True))
+    assert free[0].bias == pytest.approx(1e-4, rel=1e-3)
+    assert kept.angles[0].mean - free.angles[0].mean == pytest.approx(2e-4, rel=0.05)
+
+
+def test_mean_rates_of_turned_axes_are_those_of_the_file(still):
+    biased = changed(changed(still, "gx", lambda v: v + 1e-4), "gy", lambda v: v - 2e-4)
+    turned = replace(KNOWN, axes="y,-x,z", keep_bias=False)
+    assert vertical(biased, settings=turned)["gx"].bias == pytest.approx(1e-4, rel=1e-2)
+    assert vertical(biased, settings=turned)["gy"].bias == pytest.approx(-2e-4, rel=1e-2)
+
+
+def test_a_turning_body_and_a_time_constant_beyond_the_recording_are_said(still):
+    settings = replace(KNOWN, keep_bias=False)
+    turning = changed(still, "gz", lambda v: v + math.radians(20))
+    shown = " ".join(table(vertical(turning, settings=replace(settings, time_constant=500.0))).split())
+    assert "a mean rate of 20 deg/s is no bias" in shown
+    assert "the time constant is 500 s, but the recording lasts 400 s only" in shown
+    plain = table(vertical(still, settings=settings))
+    assert "is no bias" not in plain
+    assert "the recording lasts" not in plain
+
+
+def test_a_given_time_constant_needs_no_best_one(swaying):
+    silent = replace(KNOWN, accelerometer="N 1e-6 ug/sqrt(Hz)")
+    for angle in vertical(recorded(swaying), settings=silent).angles:
+        assert angle.optimum is None
+        assert angle.prediction.loop.time_constant == 2.0
+        assert "no best filter for this angle: no time constant is best" in angle.doubts[0]
+    with pytest.raises(al.UsageError, match="no time constant is best"):
+        vertical(recorded(swaying), settings=replace(silent, time_constant=None))
+
+
+def test_noise_that_no_model_explains_is_never_used_without_a_warning(still):
+    stepped = changed(still, "ay", lambda v: np.resize(1e-3 * np.array([0, 1, 2, 3, 4, 3, 2, 1]), v.size))
+    study = vertical(stepped, settings=replace(KNOWN, accelerometer=None))
+    roll, pitch = study.angles
+    assert not study["ay"].noise.explained
+    assert roll.doubts[0].startswith("no model explains the noise of ay")
+    assert pitch.doubts == ()
+    assert roll.prediction is None  # its number would be that of a rejected model
+    with pytest.raises(al.DataError, match="no time constant follows from the noise: not explained: no model of these"):
+        vertical(stepped, settings=replace(KNOWN, accelerometer=None, time_constant=None))
+    for shown in (table(study), al.reporting.page(study), json.dumps(study.to_dict())):
+        assert "no model explains the noise of ay" in shown
+
+
+def test_terms_that_are_not_valid_are_left_out_and_what_they_would_do_is_said(still):
+    slow = al.simulate(TILT + al.B(300, "ug"), 20_000, 50.0, rng=np.random.default_rng(5))
+    plain = vertical(changed(still, "ay", lambda _: slow.values))
+    channel = plain["ay"]
+    noise = replace(channel.noise, fit=channel.fit.invalid("it falls like none of the terms", ("B",)))
+    wrong = replace(channel, noise=noise)
+    assert [t.symbol for t in channel.model] == ["N", "B"]
+    assert [t.symbol for t in wrong.model] == ["N"]
+    assert [t.symbol for t in wrong.fitted] == ["N", "B"]
+    p = plain.angles[0].prediction
+    (doubt,) = _doubts((plain["gx"], wrong), predicted_error(p.gyro, wrong.model, p.loop, duration=400.0, rate=50.0))
+    assert doubt.startswith("the prediction is a lower bound: it lacks terms whose coefficients are not valid (B ay)")
+    stated = float(doubt.split("would be ")[1].split(" arcsec")[0])
+    assert stated == pytest.approx(p.to("arcsec"), rel=0.05)
+
+
+def test_free_fall_is_counted(still):
+    def fall(values):
+        values = values.copy()
+        values[5000:5100] = 0.0
+        return values
+
+    dropped = still
+    for name in ("ax", "ay", "az"):
+        dropped = changed(dropped, name, fall)
+    got = vertical(dropped, time_constant=1.0)
+    assert (got.held, got.falling) == (100, 100)
+    assert "100 samples in free fall" in table(got)
+
+
+def lose(values):
+    values = values.copy()
+    values[100:110] = np.nan
+    return values
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda r: al.Recording(r.records[:3]), "three gyros and three accelerometers, but there are 3 gyros and 0"),
+        (lambda r: al.Recording(r.records[:4]), "3 gyros and 1 accelerometer: gx, gy, gz, ax; choose six channels"),
+        (lambda r: changed(r, "gy", lose), r"10 samples of 'gy' are missing.*gap: prepare.trim\(recording, 2.2, 400\)"),
+        (lambda r: changed(r, "gx", lambda v: v + 80.0), "which no vehicle does: are they in deg/s"),
+        (lambda r: changed(r, "az", lambda v: v / 9.80665), "are the accelerometers in g"),
+        (lambda r: changed(r, "az", lambda v: v * 9.80665), r"are the accelerometers in m/s\^2"),
+        (lambda r: changed(r, "az", lambda v: v * 1e-4), "free fall"),
+        (lambda r: al.Recording((*r.records[:5], replace(r.records[5], rate=25.0))), "these differ: gx 20000 samples"),
+    ],
+)  # fmt: skip
+def test_bad_recordings(still, change, said):
+    with pytest.raises(al.DataError, match=said):
+        vertical(change(still), time_constant=1.0)
+
+
+def test_bad_settings(still):
+    with pytest.raises(al.UsageError, match=r"must be above the sample interval of 0.02 s, not 0.02 s"):
+        vertical(still, time_constant=0.02)
+    with pytest.raises(al.UsageError, match="unknown filter 'best'; known filters: complementary"):
+        vertical(still, "best")
+    with pytest.raises(al.UsageError, match="time_constant must be above 0, not -1"):
+        vertical(still, time_constant=-1.0)
+
+
+@pytest.fixture
+def desk(tmp_path, monkeypatch, still):
+    monkeypatch.chdir(tmp_path)
+    al.write(still, "six.csv")
+    return tmp_path
+
+
+def run(*words):
+    return CliRunner().invoke(main, ["vertical", *words])
+
+
+def test_the_command(desk):
+    done = run("six.csv", "--report", "page.html", "--csv", "angles.csv", "--json", "out.json", "--plot", "roll.svg")
+    assert done.exit_code == 0, done.output
+    assert "complementary filter of first order: time constant 1.1" in done.output
+    lines = (desk / "angles.csv").read_text("utf-8").splitlines()
+    assert lines[0] == "time,roll,pitch"
+    assert len(lines) == 20_001
+    stored = json.loads((desk / "out.json").read_text("utf-8"))
+    assert al.from_dict(stored).loop.time_constant == pytest.approx(1.15, rel=0.05)
+    page = (desk / "page.html").read_text("utf-8")
+    assert "Roll and pitch of six.csv" in page
+
+
+def test_a_file_without_units(desk, still):
+    rows = np.stack([record.values for record in still], axis=1)
+    np.savetxt(desk / "bare.csv", rows, "%.17g", ",", header=",".join(NAMES), comments="")
+    units = f"gyro={still['gx'].unit},accel={still['ax'].unit}"
+    short = ["--rate", "50", "--time-constant", "2", "--quiet", "--json", "-"]
+    done = run("bare.csv", "--unit", units, *short)
+    assert done.exit_code == 0, done.output
+    both = [json.loads(text)["angles"] for text in (done.output, run("six.csv", *short).output)]
+    assert [a["deviation"] for a in both[0]] == pytest.approx([a["deviation"] for a in both[1]], rel=1e-9)
+    refused = run("bare.csv", "--unit", "deg/s", *short)
+    assert refused.exit_code == 3
+    assert "--unit gyro=deg/s,accel=g" in " ".join(refused.output.split())
+
+
+def test_the_matrices_are_those_of_the_filter(desk, still):
+    done = run("six.csv", "--time-constant", "2", "--quiet", "--json", "-")
+    k1 = json.loads(done.output)["loop"]["k1"]
+    said = run("six.csv", "--time-constant", "2").output
+    assert k1 == 0.5
+    assert f"K = [[{-math.expm1(-0.5 / 50)!r}]]" in said
+
+
+NOISE = ("--gyro", "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)", "--accelerometer", "N 100 ug/sqrt(Hz), B 50 ug")
+
+
+def test_the_command_without_a_recording():
+    done = run(*NOISE, "--duration", "10 min")
+    assert done.exit_code == 0, done.output
+    for said in ("time constant 0.7587 s: RMS error 26.4 arcsec", "optimal causal (Wiener) filter",
+                 "floor: 13.7 arcsec", "accelerometer  B = 50 ug"):  # fmt: skip
+        assert said in done.output
+
+
+@pytest.mark.slow("scenarios of ten minutes")
+def test_scenarios_are_shown():
+    done = run(*NOISE, "--scenarios", "--gyro-bias", "10 deg/h")
+    assert done.exit_code == 0, done.output
+    assert "no filter is the best in all scenarios" in done.output
+    assert "does not see 1 m/s^2" in done.output
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        ([], 2, "give a recording, or the noise of both sensors with --gyro and --accelerometer"),
+        (NOISE[:2], 2, "the noise of both sensors"),
+        ([*NOISE, "--gate", "3"], 2, "--gate applies to a recording"),
+        (["six.csv", "--scenarios"], 2, "--scenarios applies without a recording only"),
+        (["six.csv", "--time-constant", "0.01"], 2, "give a longer one with --time-constant"),
+        (["six.csv", "--channels", "gx,gy,gz"], 3, "three gyros and three accelerometers"),
+        (["none.csv"], 3, "none.csv"),
+        (["six.csv", "--axes", "x,z,y"], 2, "--axes x,-z,y"),
+        ([*NOISE, "--axes", "x,-z,y"], 2, "--axes applies to a recording"),
+        (["six.csv", "--channels", "gx,gy,gz,az,ax,ay"], 3, "gravity is along x, not z"),
+    ],
+)
+def test_wrong_commands(desk, words, code, said):
+    done = run(*words)
+    assert done.exit_code == code, done.output
+    assert said in done.output

@@ -1,0 +1,451 @@
+"""Compensation by regressors: the algebra against dense matrices, what is chosen, what is refused, what is kept."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.reference.regression import dense
+
+import allanite as al
+from allanite.applications.compensation import FitSettings, Mixture, Regressor, aligned, compensate, gain_on, load
+from allanite.applications.compensation.mixture import mixture
+from allanite.applications.compensation.restricted import restricted
+from allanite.applications.compensation.slope import local_slope
+from allanite.core.model import Term
+from allanite.core.units import SIGNALS
+from allanite.reporting import table
+
+NOISE = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
+HOUR = np.arange(3600.0)
+
+
+def gyro(seed, effect=0.0, *, model=NOISE, n=3600, name="z"):
+    noise = al.simulate(model, n, 1.0, rng=np.random.default_rng(seed), name=name)
+    return al.Record(noise.values + effect, 1.0, "rad/s", name=name)
+
+
+def channel(values, unit="degC", name="temp", **more):
+    return al.Record(values, 1.0, unit, name=name, **more)
+
+
+def cycles(n=3600, period=1300.0):
+    return 20 + 5 * np.sin(2 * np.pi * np.arange(n) / period + 1)
+
+
+TEMP = channel(cycles())
+
+
+def terms_of(theta, symbols="QNBK"):
+    return [Term(s, float(np.sqrt(t)), SIGNALS[0]) for s, t in zip(symbols, theta, strict=True) if t > 0]
+
+
+@pytest.mark.parametrize("stretches", [[(0, 60)], [(0, 25), (30, 60)]], ids=["whole", "gap"])
+@pytest.mark.parametrize(
+    ("theta", "off"), [([0, 1.0, 0, 0.01], 1e-8), ([0.3, 1.0, 0, 0.01], 0.02), ([0.3, 1.0, 0.5, 0.01], 0.15)],
+    ids=["NK", "QNK", "QNBK"],
+)  # fmt: skip
+def test_coefficients_and_likelihood_are_those_of_full_matrices(stretches, theta, off):
+    """Exact for white noise and a random walk; flicker is nearly diagonal in the cosine transform."""
+    rng = np.random.default_rng(1)
+    y, X = np.cumsum(rng.standard_normal(60)), np.column_stack([np.cumsum(rng.standard_normal(60)), np.arange(60.0)])
+    seen = restricted(y, X, stretches, rate=1.0, symbols="QNBK")
+    theta = np.array(theta)
+    eta, V, _ = seen.directions(theta)
+    flat = np.flatnonzero(seen.flat)
+    beta, covariance, likelihood = dense(y, X, stretches, terms_of(theta), 1.0)
+    error = np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose((eta[flat] - beta) / error, 0, atol=10 * off if off < 1e-6 else off)
+    size = np.outer(error, error)
+    np.testing.assert_allclose(V[np.ix_(flat, flat)] / size, covariance / size, atol=off)
+    other = theta * np.array([2.0, 0.5, 2.0, 3.0])
+    difference = 2 * (seen.value(other) - seen.value(theta))
+    wanted = dense(y, X, stretches, terms_of(other), 1.0)[2] - likelihood
+    assert difference == pytest.approx(wanted, rel=1e-8, abs=3 * off)
+
+
+def test_the_mixture_is_wider_than_one_noise_and_its_numbers_agree():
+    y, X = gyro(1).values, (TEMP.values - 20)[:, None]
+    seen = restricted(y, X, [(0, 3600)], rate=1.0, symbols="QNBK")
+    best, mean, found = mixture(seen, "QNBK")
+    plugged = np.sqrt(seen.directions(best)[1][-1, -1])
+    assert found.weights.sum() == pytest.approx(1)
+    assert found.errors[0] > plugged
+    assert np.all(mean >= 0)
+    for level in (0.025, 0.5, 0.9):
+        assert found.below(found.quantile(level, 0), 0) == pytest.approx(level, abs=1e-6)
+    again = Mixture.from_dict(json.loads(json.dumps(found.to_dict())))
+    assert again.p(0) == found.p(0)
+
+
+def test_one_white_noise_term_gives_ordinary_least_squares():
+    record = gyro(2, model=al.Model((al.N(0.1, "deg/sqrt(h)"),)))
+    found = compensate(record, TEMP, ["temp"], trend=False, settings=FitSettings(terms="N"))
+    X = TEMP.values - TEMP.values.mean()
+    assert found["temp"].value == pytest.approx(X @ record.values / (X @ X), rel=1e-6)
+    assert found.effective == pytest.approx(3599)
+
+
+def test_an_effect_is_found_taken_off_and_written_down():
+    slope = 1e-5
+    record = gyro(3, slope * TEMP.values)
+    found = compensate(record, al.Recording((record, TEMP)), ["temp"])
+    effect = found["temp"]
+    assert effect.low < slope < effect.high
+    assert (found.significant, effect.significant, effect.chosen) == (True, True, False)
+    assert effect.t == pytest.approx(slope / effect.standard_error, abs=4)
+    after = found.apply(record, al.Recording((TEMP,)))
+    assert isinstance(found, al.Correction)
+    assert after.history == ("corrected: regression on temp",)
+    # what is taken off is zero at the mean temperature: the bias stays
+    assert after.values.mean() == pytest.approx(record.values.mean(), abs=1e-9)
+    # the drift that was estimated beside it stays, too: the variances are those about a straight line
+    left, whole = (np.sum((r.values - np.polyval(np.polyfit(HOUR, r.values, 1), HOUR)) ** 2) for r in (after, record))
+    assert found.inside.explained == pytest.approx(1 - left / whole, rel=1e-6)
+    alone = compensate(record, TEMP, ["temp"], trend=False)
+    taken = alone.apply(record, al.Recording((TEMP,))).values
+    assert alone.inside.explained == pytest.approx(1 - taken.var() / record.values.var(), rel=1e-9)
+    assert found.held.explained > 0.5
+
+
+def test_an_effect_of_a_million_times_the_noise_loses_no_digits():
+    small, large = (compensate(gyro(4, size * TEMP.values), TEMP, ["temp"]) for size in (0.0, 1.0))
+    assert large["temp"].value - 1.0 == pytest.approx(small["temp"].value, rel=1e-4)
+    assert large["temp"].standard_error == pytest.approx(small["temp"].standard_error, rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["rate", "increment", "angle", "count"])
+def test_every_kind_of_record_is_corrected_alike(kind):
+    found = compensate(gyro(5, 1e-5 * TEMP.values), TEMP, ["temp"])
+    rates = 1e-5 * TEMP.values
+    worth = 1e-9
+    made = {
+        "rate": lambda: channel(rates, "rad/s", "z"),
+        "increment": lambda: channel(rates, "rad", "z", kind="increment"),
+        "angle": lambda: channel(np.concatenate(([0.0], np.cumsum(rates))), "rad", "z", kind="angle"),
+        "count": lambda: channel(np.rint(rates / worth), "rad", "z", kind="count", scale=worth),
+    }[kind]()
+    corrected = found.apply(made, al.Recording((TEMP,)))
+    wanted = rates - found.rate_error(made, al.Recording((TEMP,)))
+    np.testing.assert_allclose(corrected.rate_values, wanted, atol=worth)
+    assert corrected.kind == ("increment" if kind == "count" else kind)
+
+
+def test_a_channel_that_is_read_with_an_angle_has_the_means_of_the_intervals():
+    found = compensate(gyro(5, 1e-5 * TEMP.values), TEMP, ["temp"])
+    angle = channel(np.cumsum(1e-5 * TEMP.values), "rad", "z", kind="angle")
+    ends, middle = (al.Recording((channel(v),)) for v in (TEMP.values, (TEMP.values[1:] + TEMP.values[:-1]) / 2))
+    np.testing.assert_allclose(found.rate_error(angle, ends), found.rate_error(angle, middle), rtol=1e-12)
+
+
+def test_what_was_saved_corrects_in_the_same_way(tmp_path):
+    record = gyro(6, 1e-5 * TEMP.values + 1e-6 * (TEMP.values - 20) ** 2)
+    found = compensate(record, TEMP, ["temp"], derivative_of=["temp"], degree=2, lags=(60.0,), trend=True)
+    path = tmp_path / "regression.json"
+    found.save(path)
+    again = al.Regression.load(path)
+    along = al.Recording((TEMP,))
+    np.testing.assert_array_equal(again.error(record, along), found.error(record, along))
+    assert again.to_dict() == found.to_dict()
+    assert [e.label for e in again] == [e.label for e in found]
+    with pytest.raises(al.UsageError, match="already exists"):
+        found.save(path)
+    assert gain_on(again, record, along) == gain_on(found, record, along)
+
+
+BROKEN = [
+    ("[]", "contains no saved regression"),
+    ("{", "cannot be read"),
+    ('{"regressions": [{"type": "Regression"}]}', "not a saved regression"),
+    ('{"regressions": [{"type": "Fit"}]}', "not a saved regression"),
+]
+
+
+@pytest.mark.parametrize(("text", "words"), BROKEN)
+def test_a_file_that_is_no_regression_is_named(tmp_path, text, words):
+    path = tmp_path / "wrong.json"
+    path.write_text(text)
+    with pytest.raises(al.DataError, match=words):
+        load(path)
+
+
+def test_a_changed_regression_is_refused():
+    data = compensate(gyro(7), TEMP, ["temp"]).to_dict()
+    data["mixture"]["spreads"][0][0] = -1.0
+    with pytest.raises(al.DataError, match="changed"):
+        al.Regression.from_dict(data)
+
+
+def test_powers_and_lags_enter_where_held_back_blocks_gain():
+    temp = channel(cycles(period=400.0))
+    centred = temp.values - temp.values.mean()
+    bent = compensate(gyro(8, 1e-5 * centred + 2e-6 * centred**2), temp, ["temp"], degree=3)
+    assert [e.label for e in bent][:2] == ["temp", "temp^2"]
+    assert bent["temp^2"].chosen
+    assert bent["temp^2"].low < 2e-6 < bent["temp^2"].high
+    late = np.concatenate((np.zeros(60), centred[:-60]))
+    lagged = compensate(gyro(9, 1e-5 * late), temp, ["temp"], lags=(60.0,))
+    assert lagged["temp, 60 s before"].low < 1e-5 < lagged["temp, 60 s before"].high
+    assert lagged["temp, 60 s before"].regressor.column_unit == "degC"
+
+
+def test_nothing_is_added_to_a_straight_line_but_seldom():
+    """Each of two columns enters with a probability of about a sixth; more than 7 of 20 has one of 1 in 1000."""
+    temp = channel(cycles(period=400.0))
+    found = [compensate(gyro(seed, 1e-5 * temp.values), temp, ["temp"], degree=2) for seed in range(1, 21)]
+    assert sum(len(f.taken) > 1 for f in found) <= 7
+    every = compensate(gyro(1), temp, ["temp"], degree=2, settings=FitSettings(every=True))
+    assert [e.label for e in every] == ["temp", "temp^2", "time"]
+
+
+def test_gaps_are_an_error_or_split_the_record():
+    record = gyro(10, 1e-5 * TEMP.values)
+    values = record.values.copy()
+    values[1000:1010] = np.nan
+    holed = al.Record(values, 1.0, "rad/s", name="z")
+    with pytest.raises(al.DataError, match=r"10 samples of 'z' .* missing; .*split"):
+        compensate(holed, TEMP, ["temp"])
+    found = compensate(holed, TEMP, ["temp"], settings=FitSettings(split_gaps=True))
+    assert found["temp"].low < 1e-5 < found["temp"].high
+    assert "2 stretches" in found.notes[0]
+    corrected = found.apply(holed, al.Recording((TEMP,)))
+    np.testing.assert_array_equal(np.isnan(corrected.values), np.isnan(values))
+
+
+def test_many_gaps_lose_no_more_than_their_readings():
+    rng = np.random.default_rng(1)
+    values = gyro(11, 1e-5 * TEMP.values).values.copy()
+    values[rng.choice(3600, 12, replace=False)] = np.nan
+    found = compensate(al.Record(values, 1.0, "rad/s", name="z"), TEMP, ["temp"], settings=FitSettings(split_gaps=True))
+    assert found["temp"].low < 1e-5 < found["temp"].high
+
+
+RAMP = -2e-8 * HOUR
+WARMING = channel(20 + 10 * (1 - np.exp(-HOUR / 1800)))
+
+
+def test_a_temperature_beside_a_ramp_has_its_own_coefficient():
+    """Raw variances hide it, and without the ramp its sign is wrong."""
+    record = gyro(12, 3e-6 * WARMING.values + RAMP, model=al.Model((al.N(0.01, "deg/sqrt(h)"),)))
+    found = compensate(record, WARMING, ["temp"])
+    assert found["temp"].low < 3e-6 < found["temp"].high
+    assert found["temp"].t > 10
+    assert found.significant
+    assert not found.ambiguous
+    assert found.inside.explained > 0.1
+    assert found.held.explained > 0
+    assert "z depends on temp" in table(found)
+    again = gain_on(found, record, al.Recording((WARMING,)))
+    assert again.reduction == pytest.approx(found.inside.reduction, rel=1e-9)
+    assert again.met
+    alone = compensate(record, WARMING, ["temp"], trend=False)
+    assert alone["temp"].high < 0
+    assert any("rate ramp R" in note and "omit trend=False" in note for note in alone.notes)
+
+
+def test_a_ramp_beside_which_a_temperature_does_nothing():
+    found = compensate(gyro(12, RAMP, model=al.Model((al.N(0.01, "deg/sqrt(h)"),))), WARMING, ["temp"])
+    assert not found.significant
+    assert "z shows no dependence on temp" in table(found)
+
+
+def test_a_temperature_that_fits_as_well_as_a_ramp_is_said_to():
+    bent = channel(20 + 5 * HOUR / 3600 + 0.02 * np.sin(np.pi * HOUR / 3600))
+    for effect in (3e-5 * bent.values, 3e-5 / 720 * HOUR):
+        found = compensate(gyro(1, effect), bent, ["temp"])
+        assert (found.significant, found.ambiguous) == (False, True)
+        assert "the effect of temp can hardly be separated from a rate ramp R" in table(found)
+    with pytest.raises(al.DataError, match=r"'temp', 'time' are collinear: .* trend=False"):
+        compensate(gyro(1), channel(20 + 0.01 * HOUR), ["temp"])
+
+
+def test_a_trend_that_is_left_out_is_said_to_be_confounded():
+    warm = channel(20 + 0.002 * HOUR + 0.1 * np.sin(HOUR / 100))
+    record = gyro(12, 1e-5 * warm.values)
+    alone = compensate(record, warm, ["temp"], trend=False)
+    assert any("rate ramp R" in note for note in alone.notes)
+    both = compensate(record, warm, ["temp"])
+    assert not any("rate ramp R" in note for note in both.notes)
+    assert both["temp"].standard_error > 2 * alone["temp"].standard_error
+    assert both["temp"].inflation > 3
+    # a drift is never taken off
+    assert np.ptp(both.error(record, al.Recording((warm,))) / both["temp"].value - warm.values) < 1e-6
+
+
+def test_regressors_that_can_hardly_be_told_apart_are_named():
+    rng = np.random.default_rng(1)
+    twin = channel(TEMP.values + 0.01 * rng.standard_normal(3600), name="twin")
+    found = compensate(gyro(13), al.Recording((TEMP, twin)), ["temp", "twin"])
+    assert found.condition > 30
+    assert any("variance inflation temp" in note for note in found.notes)
+
+
+FLAT = channel(np.full(3600, 21.0), name="flat")
+DOUBLE = channel(2 * TEMP.values, name="double")
+SLOW = al.Record(cycles(360), 0.1, "degC", name="slow")
+HOLED = channel(np.where(HOUR == 7, np.nan, TEMP.values), name="holed")
+ALONG = al.Recording((TEMP, FLAT, DOUBLE, SLOW, HOLED))
+WRONG = [
+    ({"regressors": ["flat"]}, al.DataError, r"'flat' is constant \(always 21 degC\)"),
+    ({"regressors": ["temp", "double"]}, al.DataError, "'temp', 'double' are collinear"),
+    (
+        {"regressors": ["slow"]},
+        al.DataError,
+        r"'slow' \(0.1 Hz, 360 samples\) does not have the sample times .*aligned",
+    ),
+    ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
+    ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing; channels: temp, flat"),
+    ({"regressors": []}, al.UsageError, "at least one regressor"),
+    ({"regressors": "temp"}, al.UsageError, "sequences of names"),
+    ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),
+    ({"regressors": ["time"]}, al.UsageError, "leave out 'time'"),
+    ({"regressors": ["temp"], "degree": 0}, al.UsageError, "from 1 to 6"),
+    ({"regressors": ["temp"], "lags": (-1.0,)}, al.UsageError, "positive numbers of seconds"),
+    ({"regressors": ["temp"], "lags": (0.2,)}, al.UsageError, "shorter than the sample interval"),
+    ({"regressors": ["temp"], "lags": (4000.0,)}, al.DataError, "longer than"),
+    ({"regressors": ["temp"], "settings": FitSettings(least=1e4)}, al.DataError, "effective samples.*least="),
+    ({"derivative_of": ["temp"], "settings": FitSettings(smooth=10.0)}, al.UsageError, "at least 60 s"),
+]
+
+
+@pytest.mark.parametrize(("options", "error", "words"), WRONG, ids=lambda v: str(v)[:40])
+def test_what_cannot_be_fitted_is_said(options, error, words):
+    with pytest.raises(error, match=words):
+        compensate(gyro(14), ALONG, options.pop("regressors", []), **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"terms": "QR"}, "noise terms"), ({"terms": ""}, "noise terms"), ({"terms": "any"}, "noise terms"),
+        ({"blocks": 2}, "from 3 to 50"), ({"least": 0.0}, "positive"),
+    ],
+)  # fmt: skip
+def test_settings_are_checked(options, words):
+    with pytest.raises(al.UsageError, match=words):
+        FitSettings(**options)
+
+
+def test_records_that_are_no_use_are_said_to_be():
+    with pytest.raises(al.DataError, match="at least 200"):
+        compensate(gyro(1, n=100), channel(cycles(100)), ["temp"])
+    with pytest.raises(al.DataError, match="is constant"):
+        compensate(channel(np.zeros(3600), "deg/s", "z"), TEMP, ["temp"])
+    with pytest.raises(al.DataError, match="'z' explain 'z' completely"):
+        compensate(gyro(1), gyro(1), ["z"])
+    with pytest.raises(al.UsageError, match="no channels were given"):
+        compensate(gyro(1), TEMP, ["temp"]).apply(gyro(1))
+    with pytest.raises(al.UsageError, match="belongs to a gyro"):
+        compensate(gyro(1), TEMP, ["temp"]).apply(channel(np.zeros(3600), "m/s^2", "a"), al.Recording((TEMP,)))
+
+
+def test_too_few_effective_samples_are_refused():
+    walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
+    short = channel(cycles(300))
+    with pytest.raises(
+        al.DataError, match=r"has \d+(\.\d+)? effective samples, as a whole or where the regressors vary"
+    ):
+        compensate(gyro(1, model=walk, n=300), short, ["temp"], settings=FitSettings(least=300))
+
+
+def test_a_cycle_under_a_dominant_walk_is_found():
+    """A thermostat: generalised least squares sees it, whatever the walk does between its cycles."""
+    t = np.arange(3600.0)
+    cycle = al.Record(20 + np.sign(np.sin(2 * np.pi * t / 240)), rate=1.0, unit="degC", name="temp")
+    walk = al.N(0.1, "deg/sqrt(h)") + al.K(60.0, "deg/h/sqrt(h)")
+    slope, held = 2e-5, []
+    for seed in range(12):
+        quiet, moved = gyro(seed, model=walk), gyro(seed, slope * cycle.values, model=walk)
+        effect = compensate(moved, cycle, ["temp"], settings=FitSettings(every=True))["temp"]
+        held.append(effect.low < slope < effect.high)
+        assert compensate(quiet, cycle, ["temp"], settings=FitSettings(every=True)).effective > 10
+    assert sum(held) >= 10
+
+
+def test_units_of_a_regressor_are_converted_but_not_between_zeros():
+    flux = Regressor("flux", "uT")
+    record = channel(np.zeros(3), "rad/s", "z")
+    milli = al.Recording((channel([1.0, 2.0, 3.0], "mT", "flux"),))
+    np.testing.assert_allclose(flux.column(record, milli), [1e3, 2e3, 3e3], rtol=1e-12)
+    with pytest.raises(al.UnitError, match="whose zeros differ"):
+        Regressor("temp", "degC").column(record, al.Recording((channel([293.0, 294.0, 295.0], "K"),)))
+    with pytest.raises(al.UnitError, match="their dimensions differ"):
+        flux.column(record, al.Recording((channel([1.0, 2.0, 3.0], "V", "flux"),)))
+
+
+@given(st.floats(-5, 5), st.floats(60, 200), st.integers(0, 299))
+def test_the_slope_of_a_line_is_its_slope_everywhere(slope, window, lost):
+    x = slope * np.arange(300.0) + 7
+    x[lost] = np.nan
+    found = local_slope(x, 1.0, window)
+    assert np.isnan(found[lost])
+    np.testing.assert_allclose(np.delete(found, lost), slope, atol=1e-9)
+
+
+def test_the_slope_is_smooth():
+    rng = np.random.default_rng(1)
+    t = np.arange(2000.0)
+    steps = np.round((20 + np.sin(t / 200) + 0.03 * rng.standard_normal(2000)) / 0.0625) * 0.0625
+    found = local_slope(steps, 1.0, 120.0)
+    assert np.abs(found - np.cos(t / 200) / 200)[60:-60].max() < 0.3 / 200
+
+
+def test_channels_are_brought_onto_a_clock_only_if_asked():
+    record = al.Record(np.zeros(8), 2.0, "deg/s", name="z", start=10.0)
+    slow = al.Record([0.0, 1.0, 2.0, 3.0], 1.0, "V", name="slow", start=11.0)
+    np.testing.assert_allclose(
+        aligned(al.Recording((slow,)), record)["slow"].values, [np.nan, np.nan, 0, 0.5, 1, 1.5, 2, 2.5]
+    )
+    fast = al.Record(np.arange(40.0), 10.0, "V", name="fast", start=10.0)
+    brought = aligned(al.Recording((fast,)), record)["fast"]
+    np.testing.assert_allclose(brought.values, 2 + 5 * np.arange(8.0))
+    assert "means" in brought.history[0]
+    with pytest.raises(al.DataError, match="do not overlap in time"):
+        aligned(al.Recording((al.Record([1.0, 2.0], 1.0, "V", name="late", start=99.0),)), record)
+
+
+def test_the_promise_holds_on_another_record_of_the_same_kind():
+    """Outside of 95 % limits with a probability of 5 %: more than 6 of 30 has one of 1e-3."""
+    temp = cycles(period=700.0)
+    found = compensate(gyro(15, 1e-5 * temp), channel(temp), ["temp"])
+    gains = [gain_on(found, gyro(seed, 1e-5 * temp), al.Recording((channel(temp),))) for seed in range(101, 131)]
+    assert sum(not gain.met for gain in gains) <= 6
+    assert np.mean([g.reduction for g in gains]) == pytest.approx(gains[0].expected, rel=0.1)
+    # a record that does not follow the temperature is done harm, and that is not what was promised
+    harmed = gain_on(found, gyro(131), al.Recording((channel(temp),)))
+    assert harmed.explained < 0
+    assert harmed.met is False
+
+
+def test_a_channel_of_another_kind_goes_along():
+    increments = channel(TEMP.values - 20, "m/s", "dv", kind="increment")
+    found = compensate(gyro(16, 1e-6 * (TEMP.values - 20)), increments, ["dv"])
+    assert re.search("per m/s", found.to_dict()["effects"][0]["unit"])
+    assert found["dv"].low < 1e-6 < found["dv"].high
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "hour.npz"
+    al.write(al.Recording((gyro(5, 1e-5 * TEMP.values), TEMP)), path)
+    return al.compensate_file(path, settings=al.CompensationSettings(regressors=("temp",)))
+
+
+def test_a_study_that_was_stored_has_no_samples_to_write(study):
+    assert study.corrected.channels == ("z",)
+    again = al.from_dict(json.loads(json.dumps(study.to_dict())))
+    with pytest.raises(al.DataError, match="no channel was corrected: there is nothing to write"):
+        _ = again.corrected
+
+
+def test_the_figure_shows_means_of_the_rate_over_minutes(study):
+    axes = al.plot(study).axes[1]
+    before, after, taken = (line.get_xydata() for line in axes.lines)
+    assert axes.get_xlabel() == "time (min)"
+    assert "means of 9 s" in axes.get_ylabel()
+    np.testing.assert_allclose(before[:, 0], (np.arange(400) + 0.5) * 9 / 60)
+    np.testing.assert_allclose(before[:, 1] - after[:, 1], taken[:, 1], atol=1e-9)
+    means = np.degrees(gyro(5, 1e-5 * TEMP.values).values).reshape(400, 9).mean(axis=1) * 3600
+    np.testing.assert_allclose(np.diff(before[:, 1]), np.diff(means), atol=1e-6)

@@ -1,0 +1,315 @@
+"""The experiment's intervals and gaps, bias, reversal, the earth, north, and the simulated ring laser."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.reference.rate import turnaround_kick
+
+import allanite as al
+from allanite.applications.rate import (
+    EstimatorSettings,
+    ExperimentSettings,
+    earth_rate,
+    estimate,
+    experiment,
+    north,
+    reversal,
+    subtract_bias,
+)
+from allanite.applications.rate.campaign import RateSettings, measure_rates
+from allanite.simulation.ring_laser import GL1, RingLaser
+
+DEG_H = math.pi / 180 / 3600
+MODEL = al.N(0.01, "deg/sqrt(h)") + al.Q(0.2, "arcsec")
+
+
+def white(n=1000, mean=10.0, seed=1, rate=10.0):
+    values = mean + 2.0 * np.random.default_rng(seed).standard_normal(n)
+    return al.Record(values, rate=rate, unit="deg/h", name="z")
+
+
+# ---- intervals
+
+
+def test_the_incomplete_end_is_left_out_and_said():
+    found = experiment(white(1050), MODEL, ExperimentSettings(interval=10.0, methods=("mean",)))
+    assert found.start.tolist() == [10.0 * i for i in range(10)]
+    assert found.notes == ("5 s of 105 s do not fill an interval and are omitted",)
+    means = white(1050).values[:1000].reshape(10, 100).mean(axis=1)
+    np.testing.assert_allclose(found.rates[0] / DEG_H, means)
+
+
+def test_a_record_shorter_than_the_interval_is_one_interval():
+    found = experiment(white(100), MODEL, ExperimentSettings(interval=120.0, methods=("mean", "optimal")))
+    assert found.rates.shape == (2, 1)
+    assert found.duration == 10.0
+    assert math.isnan(found.scatter("mean").deviation)
+    assert found.ratios() == ()
+
+
+@pytest.mark.parametrize("kind", ["rate", "angle"])
+def test_gaps_are_an_error_or_split_the_record(kind):
+    record = white(1000)
+    values = record.values.copy() if kind == "rate" else np.r_[0, np.cumsum(record.values) / 10]
+    values[[250, 251, 700]] = np.nan
+    unit = "deg/h" if kind == "rate" else "arcsec"
+    broken = al.Record(values, rate=10.0, unit=unit, kind=kind, name="z")
+    with pytest.raises(al.DataError, match=r"3 of \d+ samples of 'z' are not finite, the first at sample 250"):
+        experiment(broken, MODEL, ExperimentSettings(interval=10.0))
+    found = experiment(broken, MODEL, ExperimentSettings(interval=10.0, methods=("mean",), gaps="split"))
+    starts = [0, 10, *(np.array([252, 352, 452, 552]) / 10), 70.1, 80.1]
+    np.testing.assert_allclose(found.start, starts)
+    assert np.isfinite(found.rates).all()
+    assert "3 samples missing" in found.notes[0]
+    with pytest.raises(al.DataError, match="no interval of 60 s fits between the 3 missing samples"):
+        experiment(broken, MODEL, ExperimentSettings(interval=60.0, gaps="split"))
+
+
+def test_methods_that_cannot_be_used_are_named():
+    found = experiment(white(), None, ExperimentSettings(interval=10.0))
+    assert found.methods == ("mean", "hamming", "regression", "conditional")
+    assert "noise model" in found.left_out["optimal"]
+    assert "quantum" in found.left_out["staircase"]
+    assert np.isnan(found.predicted).all()
+    assert found.ranking is None
+    with pytest.raises(al.UsageError, match="optimal: it needs a noise model"):
+        experiment(white(), None, ExperimentSettings(methods=("optimal",)))
+
+
+@pytest.mark.parametrize(
+    ("choice", "words"),
+    [
+        ({"interval": 0.0}, "positive number of seconds"),
+        ({"interval": math.nan}, "positive number of seconds"),
+        ({"gaps": "fill"}, "'error' or 'split'"),
+        ({"methods": ("median",)}, "unknown rate estimator"),
+    ],
+)
+def test_impossible_plans_are_refused(choice, words):
+    with pytest.raises(al.UsageError, match=words):
+        ExperimentSettings(**choice)
+
+
+def test_errors_are_counted_from_the_reference():
+    known = experiment(white(), MODEL, ExperimentSettings(interval=10.0, reference=9.0 * DEG_H, bias=0.5 * DEG_H))
+    free = experiment(white(), MODEL, ExperimentSettings(interval=10.0))
+    np.testing.assert_allclose(known.errors / DEG_H, free.rates / DEG_H - 9.5)
+    assert free.errors[-1].mean() == pytest.approx(0.0, abs=1e-18)
+    data = known.to_dict()
+    assert data["reference_known"] is True
+    assert len(data["methods"][0]["rates"]) == 10
+
+
+# ---- bias, reversal
+
+
+def test_the_papers_arithmetic():
+    """12.335042 less a bias of -0.0948 is 12.4298; the vertical earth rate there is that of Moscow."""
+    raw = replace(
+        estimate(white(), "mean", model=MODEL), value=12.335042 * DEG_H, limits=(12.33 * DEG_H, 12.34 * DEG_H)
+    )
+    found = subtract_bias(raw, -0.0948, "deg/h")
+    assert found.to("deg/h") == pytest.approx(12.429842)
+    assert found.limits[0] / DEG_H == pytest.approx(12.4248)
+    assert "bias of -0.0948 deg/h subtracted" in found.history
+    worse = subtract_bias(raw, -0.0948, "deg/h", standard_error=0.001)
+    assert worse.standard_error == pytest.approx(math.hypot(raw.standard_error, 0.001 * DEG_H))
+    assert worse.limits is None
+    with pytest.raises(al.UsageError, match="finite numbers"):
+        subtract_bias(raw, math.nan, "deg/h")
+    with pytest.raises(al.UnitError):
+        subtract_bias(raw, 1.0, "deg")
+
+
+def test_reversal_removes_the_bias():
+    up, down = (estimate(white(mean=m, seed=s), "mean", model=MODEL) for m, s in ((12.4 + 0.7, 1), (-12.4 + 0.7, 2)))
+    rate, bias = reversal(up, down)
+    assert rate.to("deg/h") == pytest.approx(12.4, abs=4 * rate.standard_error / DEG_H)
+    assert bias.to("deg/h") == pytest.approx(0.7, abs=4 * rate.standard_error / DEG_H)
+    assert rate.standard_error == pytest.approx(up.standard_error / math.sqrt(2))
+    assert rate.duration == 200.0
+    with pytest.raises(al.UsageError, match="one target"):
+        reversal(up, replace(down, target="start"))
+
+
+# ---- the earth
+
+
+def test_earth_rate():
+    assert earth_rate(90.0) == pytest.approx(15.041067 * DEG_H, rel=1e-6)
+    assert earth_rate(-90.0) == -earth_rate(90.0)
+    assert earth_rate(60.0, "north") == pytest.approx(earth_rate(30.0))
+    assert earth_rate(0.0) == 0.0
+    for wrong in (91.0, -100.0, math.nan):
+        with pytest.raises(al.UsageError, match="between -90 and 90"):
+            earth_rate(wrong)
+    with pytest.raises(al.UsageError, match="'vertical' or 'north'"):
+        earth_rate(0.0, "east")
+
+
+def position(heading, latitude, bias=0.0, error=1e-3):
+    made = estimate(white(), "mean", model=MODEL)
+    value = earth_rate(latitude, "north") * math.cos(math.radians(heading)) + bias * DEG_H
+    return replace(made, value=value, standard_error=error * DEG_H)
+
+
+@pytest.mark.parametrize("heading", [10.0, 60.0, 90.0, 135.0, 225.0, 300.0, 350.0])
+@pytest.mark.parametrize("latitude", [0.0, 55.8, -70.0])
+def test_one_position_finds_north(heading, latitude):
+    found = north(position(heading, latitude), latitude, near=heading + 5)
+    assert found.heading == pytest.approx(heading, abs=1e-6)
+    assert found.other == pytest.approx(360 - heading, abs=1e-6)
+    sensitive = earth_rate(latitude, "north") * abs(math.sin(math.radians(heading)))
+    assert found.standard_error == pytest.approx(math.degrees(1e-3 * DEG_H / sensitive), rel=1e-6)
+    assert found.low < heading < found.high
+    assert found.positions == 1
+
+
+@pytest.mark.parametrize("turned", [180.0, 90.0, -90.0, 150.0])
+@pytest.mark.parametrize("heading", [75.0, 100.0, 200.0, 290.0])
+def test_two_positions_find_north_whatever_the_bias(heading, turned):
+    first, second = (position(h, 55.8, bias=0.7) for h in (heading, heading + turned))
+    found = north(first, 55.8, second=second, turned=turned, near=heading)
+    assert found.heading == pytest.approx(heading, abs=1e-6)
+    assert found.positions == 2
+    step = 1e-4
+    moved = [position(h + step, 55.8, bias=0.7) for h in (heading, heading + turned)]
+    change = (moved[0].value - moved[1].value) - (first.value - second.value)
+    slope = abs(change) / step
+    assert found.standard_error == pytest.approx(math.sqrt(2) * 1e-3 * DEG_H / slope, rel=1e-3)
+
+
+def test_the_interval_of_the_heading_covers():
+    """2000 draws near north, where the cosine bends: 95 % within 1.5 % (three standard errors)."""
+    rng = np.random.default_rng(1)
+    truth, held = 12.0, 0
+    for _ in range(2000):
+        noisy = position(truth, 55.8, error=0.05)
+        found = north(replace(noisy, value=noisy.value + 0.05 * DEG_H * rng.standard_normal()), 55.8, near=20.0)
+        held += found.low <= truth <= found.high
+    assert held / 2000 == pytest.approx(0.95, abs=0.015)
+
+
+def test_what_gives_no_heading_is_refused():
+    with pytest.raises(al.UsageError, match="at a pole there is no north"):
+        north(position(30.0, 90.0), 90.0)
+    with pytest.raises(al.DataError, match="more than the earth turns"):
+        north(position(0.0, 55.8, bias=1.0), 55.8)
+    with pytest.raises(al.UsageError, match="is no rotation"):
+        north(position(30.0, 50.0), 50.0, second=position(30.0, 50.0), turned=360.0)
+    flat = north(replace(position(0.0, 55.8), value=earth_rate(55.8, "north")), 55.8, near=0.0)
+    assert flat.standard_error == math.inf
+    assert flat.low < flat.high
+    accelerometer = estimate(al.Record(np.ones(9), rate=1.0, unit="ug"), "mean")
+    with pytest.raises(al.UsageError, match="a gyro"):
+        north(accelerometer, 50.0)
+
+
+# ---- the ring laser
+
+
+def test_the_model_of_the_gl1_is_that_of_its_counts():
+    """20 records of 4 min, seeds 1 to 20: the spread of the counts over 30 s is that of the model to 4 %."""
+    ends = []
+    for seed in range(1, 21):
+        record = al.simulate_ring_laser(GL1, 12.4392, 96_000, 400.0, rng=np.random.default_rng(seed))
+        angle = np.r_[0, np.cumsum(record.values)][::12_000] * GL1.pulse
+        ends.append(np.diff(angle))
+    spread = np.std(ends)
+    T = 30.0
+    wanted = math.sqrt((GL1.random_walk * 60) ** 2 * T + 2 * (GL1.model["Q"].to("arcsec")) ** 2)
+    assert spread == pytest.approx(wanted, rel=0.19)  # 160 differences: 3.4 standard errors
+
+
+@pytest.mark.slow("ensemble")
+def test_lock_in_makes_the_random_walk_that_is_claimed():
+    """The kick at a turning point by Runge-Kutta over 2000 phases: rms within 3 % of Omega_L' sqrt(pi / psi'')."""
+    K, f = math.radians(0.32795 / 3600), 400.0
+    lock_in, dither = 46.0 * DEG_H, 100.0 * math.pi / 180
+    phases = 2 * math.pi * np.arange(2000) / 2000
+    kicks = turnaround_kick((K, lock_in, dither, 2 * math.pi * f), phases, steps=12_000)
+    bend = 2 * math.pi / K * dither * 2 * math.pi * f
+    size = 2 * math.pi / K * lock_in * math.sqrt(math.pi / bend)
+    assert np.sqrt(np.square(kicks).mean()) == pytest.approx(size, rel=0.03)
+    # two independent kicks a period, K / 2 pi of angle each
+    walk = K / (2 * math.pi) * size * math.sqrt(2 * f)
+    gyro = RingLaser(pulse=0.32795, lock_in=46.0, dither_rate=100.0)
+    assert gyro.model["N"].value == pytest.approx(walk, rel=1e-6)
+
+
+def test_a_warm_up_is_an_exponential():
+    quiet = RingLaser(pulse=0.001, lock_in=0.0, warm_up=-5.0, settling=10.0)
+    record = al.simulate_ring_laser(quiet, 100.0, 10_000, 200.0, rng=np.random.default_rng(1))
+    angle = np.r_[0, np.cumsum(record.values)] * 0.001
+    t = np.arange(10_001) / 200
+    np.testing.assert_allclose(angle, 100 * t - 50 * (1 - np.exp(-t / 10)), atol=0.002)
+
+
+def test_the_bias_wanders_as_told():
+    walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
+    gyro = RingLaser(pulse=0.001, lock_in=0.0, wander=walk)
+    assert [t.symbol for t in gyro.model] == ["Q", "K"]
+    record = al.simulate_ring_laser(gyro, 0.0, 20_000, 200.0, rng=np.random.default_rng(1))
+    fit = al.identify(record, terms="QNK")
+    assert fit["K"].to("deg/h/sqrt(h)") == pytest.approx(100.0, rel=0.5)
+
+
+@pytest.mark.parametrize(
+    ("choice", "words"),
+    [
+        ({"pulse": 0.0}, "pulse of a ring laser must be positive"),
+        ({"lock_in": -1.0}, "must not be negative"),
+        ({"residual_band": (40.0, 30.0)}, "ascending"),
+    ],
+)
+def test_impossible_ring_lasers_are_refused(choice, words):
+    with pytest.raises(al.UsageError, match=words):
+        replace(GL1, **choice)
+
+
+def test_a_ring_laser_is_sampled_faster_than_its_residual():
+    with pytest.raises(al.UsageError, match="needs more than 50 Hz"):
+        al.simulate_ring_laser(GL1, 1.0, 100, 50.0, rng=np.random.default_rng(1))
+    with pytest.raises(al.UsageError, match="at least 2"):
+        al.simulate_ring_laser(GL1, 1.0, 1, 400.0, rng=np.random.default_rng(1))
+
+
+# ---- all of it
+
+
+def test_the_study_identifies_the_noise_where_dither_hides_it():
+    record = al.simulate_ring_laser(GL1, 12.4392, 600_000, 400.0, rng=np.random.default_rng(2))
+    settings = RateSettings(
+        experiment=ExperimentSettings(interval=120.0, bias=-0.0948 * DEG_H, methods=("mean", "optimal")),
+        latitude=55.7936,
+    )
+    study = measure_rates(record, settings=settings)
+    (channel,) = study.channels
+    assert "blocks of 400 samples" in channel.alerts[0]
+    assert channel.fit.model["Q"].to("arcsec") == pytest.approx(GL1.model["Q"].to("arcsec"), rel=0.1)
+    assert channel.experiment.known
+    assert abs(channel.experiment.errors).max() / DEG_H < 0.015
+    assert study.to_dict()["channels"][0]["experiment"]["ranking"]["verdict"].startswith("use optimal")
+
+
+def test_a_record_too_short_for_its_noise_is_measured_with_care():
+    record = al.simulate_ring_laser(GL1, 12.4392, 48_000, 400.0, rng=np.random.default_rng(1))
+    (channel,) = measure_rates(record).channels
+    assert any("assumed at their upper limits" in alert for alert in channel.alerts)
+    best = channel.estimates[-1]
+    assert best.method == "optimal"
+    low, high = (v / DEG_H for v in best.interval())
+    assert low < 12.3444 < high
+    assert (high - low) / 2 < 0.02
+
+
+def test_options_reach_the_methods():
+    found = experiment(
+        white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=3))
+    )
+    plain = experiment(
+        white(), MODEL, ExperimentSettings(interval=10.0, methods=("conditional",), options=EstimatorSettings(lines=1))
+    )
+    assert not np.allclose(found.rates, plain.rates, rtol=1e-12)

@@ -1,0 +1,399 @@
+"""Estimators of a constant rate against their referees, and what they refuse."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import toeplitz
+from tests.reference import rate as referee
+
+import allanite as al
+from allanite.applications.rate import (
+    RATE_ESTIMATORS,
+    TARGETS,
+    EstimatorSettings,
+    estimate,
+    predicted_standard_error,
+    rank,
+)
+from allanite.applications.rate.measure import setting_of
+from allanite.applications.rate.optimal import white_and_angle
+from allanite.applications.rate.predict import through_dither
+from allanite.applications.rate.setting import Setting
+from allanite.statistics.moments.gls import autocovariance
+
+ARCSEC = math.pi / 180 / 3600
+WHITE = al.N(3e-3, "deg/sqrt(h)")
+MODELS = {
+    "N": WHITE,
+    "Q": al.Q(0.25, "arcsec"),
+    "QN": al.N(3e-4, "deg/sqrt(h)") + al.Q(0.25, "arcsec"),
+    "B": al.B(0.01, "deg/h"),
+    "K": al.K(0.02, "deg/h/sqrt(h)"),
+    "NB": WHITE + al.B(0.01, "deg/h"),
+    "QNBK": WHITE + al.Q(0.25, "arcsec") + al.B(0.01, "deg/h") + al.K(0.5, "deg/h/sqrt(h)"),
+    "QNKR": WHITE + al.Q(0.25, "arcsec") + al.K(0.5, "deg/h/sqrt(h)") + al.R(0.3, "deg/h^2"),
+}
+
+
+def model_of(name):
+    found = MODELS[name]
+    return found if isinstance(found, al.Model) else al.Model((found,))
+
+
+def counts(n=4000, rate=100.0, turning=12.3, seed=1):
+    angle = turning * np.arange(n + 1) / rate + 0.3 * np.random.default_rng(seed).standard_normal(n + 1)
+    pulses = np.diff(np.floor(angle / 0.33)).astype(int)
+    return al.Record(pulses, rate=rate, unit="arcsec", kind="count", scale=0.33, name="z")
+
+
+def linear_weights(method, n, model=WHITE, **choices):
+    record = al.Record(np.zeros(n), rate=100.0, unit="deg/h")
+    setting = setting_of(record, model, choices.pop("target", "mean"), **choices)
+    return through_dither(RATE_ESTIMATORS[method].weights(setting), setting)
+
+
+def test_the_mean_of_means_is_the_mean():
+    record = counts()
+    found = estimate(record, "mean").value
+    for parts in (2, 8, 100):
+        means = [estimate(al.Record(p, rate=100.0, unit="arcsec", kind="count", scale=0.33), "mean").value
+                 for p in np.split(record.values, parts)]  # fmt: skip
+        assert np.mean(means) == pytest.approx(found, rel=1e-13)
+
+
+def test_hamming_is_the_printed_formula():
+    record = counts()
+    assert estimate(record, "hamming").value == pytest.approx(referee.hamming(record.rate_values), rel=1e-12)
+
+
+def test_regression_is_the_printed_formula_through_all_angles():
+    record = counts()
+    wanted = referee.regression(record.angle, record.rate)
+    assert estimate(record, "regression").value == pytest.approx(wanted, rel=1e-12)
+
+
+@pytest.mark.parametrize("lines", [1, 2, 25, 300])
+def test_conditional_is_the_mean_of_kept_lines(lines):
+    record = counts()
+    slopes = np.array(referee.lines(record.angle, record.rate, lines))
+    found = estimate(record, "conditional", options=EstimatorSettings(lines=lines))
+    away = np.abs(slopes - np.median(slopes))
+    wanted = slopes[away <= 2 * 1.4826 * np.median(away) * (1 + 1e-9) + 1e-15].mean()
+    assert found.value == pytest.approx(wanted, rel=1e-10)
+    every = estimate(record, "conditional", options=EstimatorSettings(lines=lines, allowed=1.0))
+    assert every.value == pytest.approx(slopes.mean(), rel=1e-12)
+    assert every.details["kept"] == 1.0
+
+
+def test_conditional_is_a_copy_of_regression():
+    """Neighbouring lines share all but a sample; the difference is far below the standard error."""
+    record = counts()
+    one, other = (estimate(record, m, model=MODELS["QN"]) for m in ("conditional", "regression"))
+    assert abs(one.value - other.value) < 0.1 * other.standard_error
+
+
+@pytest.mark.parametrize("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
+@pytest.mark.parametrize("n", [3, 4, 50, 1001])
+def test_weights_are_unbiased_symmetric_and_sum_to_one(method, n):
+    weights = linear_weights(method, n, model_of("QNBK"))
+    assert weights.sum() == pytest.approx(1.0, abs=1e-11)
+    np.testing.assert_allclose(weights, weights[::-1], atol=1e-8 / n)
+
+
+@pytest.mark.parametrize("method", ["mean", "hamming", "regression", "optimal"])
+def test_the_estimate_is_that_of_its_weights(method):
+    record = counts(400)
+    weights = linear_weights(method, 400, model_of("QN"))
+    assert estimate(record, method, model=MODELS["QN"]).value == pytest.approx(weights @ record.rate_values, rel=1e-12)
+
+
+@given(st.integers(3, 300), st.floats(1e-6, 1e3))
+def test_closed_weights_are_the_dense_ones(n, ratio):
+    """q = 1, r = ratio^2: to 1e-12 of the largest weight."""
+    r = ratio**2
+    C = toeplitz(np.r_[1 + 2 * r, -r, np.zeros(n - 2)])
+    found = white_and_angle(n, 2 * math.asinh(0.5 / ratio))
+    # the dense solution itself is known to its condition only
+    limit = max(1e-12, 2e-16 * np.linalg.cond(C)) * found.max()
+    np.testing.assert_allclose(found, referee.best_linear(C), rtol=0, atol=limit)
+
+
+@pytest.mark.parametrize("rho", [0.01, 0.1, 1.0, 3.0])
+def test_closed_weights_to_twelve_digits(rho):
+    n = 2000
+    r = rho**2 * n
+    C = toeplitz(np.r_[1 + 2 * r, -r, np.zeros(n - 2)])
+    found = white_and_angle(n, 2 * math.asinh(0.5 / math.sqrt(r)))
+    np.testing.assert_allclose(found, referee.best_linear(C), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("n", [40, 1500])
+def test_optimal_reaches_the_bound(name, target, n):
+    """w'Cw, without simulation, against the dense optimum: 0.1 %."""
+    model = model_of(name)
+    wanders = [t for t in model if t.symbol in "BKR"]
+    if target == "constant" and wanders:
+        with pytest.raises(al.UsageError, match="drift is unbounded"):
+            predicted_standard_error("optimal", model, n=n, rate=100.0, target=target)
+        return
+    aim = TARGETS[target](n)
+    noise = [t for t in model if t.symbol != "R"]
+    C = toeplitz(autocovariance(noise, n, 100.0))
+    settled = toeplitz(autocovariance([t for t in noise if t.symbol in "QN"], n, 100.0))
+    w = bounded(C, settled, aim, ramp="R" in name)
+    slow = C - settled
+    bound = w @ settled @ w + (w - aim) @ slow @ (w - aim)
+    found = predicted_standard_error("optimal", model, n=n, rate=100.0, target=target)
+    scale = math.sqrt(np.abs(C).max() / n)
+    assert found == pytest.approx(math.sqrt(max(bound, 0.0)), rel=1e-3, abs=1e-5 * scale)
+
+
+def bounded(C, settled, aim, *, ramp):
+    """Weights of the least error that sum to one and, with a ramp, see it as the aim does."""
+    n = len(C)
+    seen = [np.ones(n)] + ([np.arange(n) / n] if ramp else [])
+    X = np.column_stack(seen)
+    # in contrasts, where the generalised covariance is one
+    shifted = C + 10 * abs(C[0, 0])
+    M = np.block([[shifted, X], [X.T, np.zeros((X.shape[1],) * 2)]])
+    right = np.concatenate(((shifted - settled) @ aim, X.T @ aim))
+    return np.linalg.solve(M, right)[:n]
+
+
+@pytest.mark.parametrize("method", RATE_ESTIMATORS)
+def test_nothing_beats_the_optimum(method):
+    for model in MODELS.values():
+        bound = predicted_standard_error("optimal", model, n=500, rate=100.0)
+        options = EstimatorSettings(quantum=0.3 * ARCSEC)
+        error = predicted_standard_error(method, model, n=500, rate=100.0, options=options)
+        assert math.isnan(error) or error >= bound * (1 - 1e-9)
+
+
+# a.4 of the plan of these estimators: standard error over the bound against rho = sigma / (N sqrt T), 48000 samples
+EFFICIENCY = {
+    "mean": [1.000, 1.001, 1.010, 1.085, 1.724, 4.30, 13.5, 73.6],
+    "hamming": [1.167, 1.167, 1.167, 1.168, 1.181, 1.309, 2.29, 11.0],
+    "regression": [1.095, 1.095, 1.095, 1.094, 1.091, 1.081, 1.055, 1.001],
+}
+
+
+@pytest.mark.parametrize("which", range(8))
+def test_efficiency_against_rho(which):
+    rho = (0, 0.03, 0.1, 0.3, 1, 3, 10, 100)[which]
+    T = 120.0
+    sigma = rho * WHITE.value * math.sqrt(T)
+    model = WHITE + al.Q(sigma, "rad")
+    errors = {m: predicted_standard_error(m, model, n=48_000, rate=400.0) for m in (*EFFICIENCY, "optimal")}
+    for method, wanted in EFFICIENCY.items():
+        assert errors[method] / errors["optimal"] == pytest.approx(wanted[which], rel=0.01)
+    # the continuous limit of the bound: N^2 / (T - 2 tc tanh(T / 2 tc))
+    tc = rho * math.sqrt(T / 400.0) if rho else 0.0
+    lost = 2 * tc * math.tanh(T / (2 * tc)) if tc else 0.0
+    if rho <= 3:
+        assert errors["optimal"] == pytest.approx(WHITE.value / math.sqrt(T - lost), rel=1e-4)
+
+
+@pytest.mark.parametrize("method", ["mean", "hamming", "regression"])
+def test_white_noise_factors(method):
+    """1, 1.3628 and 1.2 times N^2 / T."""
+    wanted = {"mean": 1.0, "hamming": 1.3628, "regression": 1.2}[method]
+    found = predicted_standard_error(method, WHITE, n=48_000, rate=400.0)
+    assert (found / WHITE.value) ** 2 * 120.0 == pytest.approx(wanted, rel=1e-4)
+
+
+@pytest.mark.parametrize("target", ["mean", "centre", "start"])
+def test_a_random_walk_is_measured_where_it_is_asked_for(target):
+    """200 walks, seeds 1 to 200: rms error of the target within 17 % of the prediction (error probability 1e-3)."""
+    n, model = 300, al.K(50.0, "deg/h/sqrt(h)") + al.N(0.02, "deg/sqrt(h)")
+    white = model["N"].value * math.sqrt(10.0)
+    errors = []
+    for seed in range(1, 201):
+        rng = np.random.default_rng(seed)
+        walk = al.simulate(model["K"], n, 10.0, rng=rng).values
+        record = al.Record(walk + white * rng.standard_normal(n), rate=10.0, unit="rad/s")
+        errors.append(estimate(record, "optimal", model=model, target=target).value - TARGETS[target](n) @ walk)
+    predicted = predicted_standard_error("optimal", model, n=n, rate=10.0, target=target)
+    assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(predicted, rel=0.17)
+
+
+def test_a_ramp_is_no_error_of_the_mean_but_one_of_the_start():
+    model = WHITE + al.R(10.0, "deg/h^2")
+    mean, start = (predicted_standard_error("mean", model, n=1000, rate=10.0, target=t) for t in ("mean", "start"))
+    assert mean == pytest.approx(predicted_standard_error("mean", WHITE, n=1000, rate=10.0))
+    drift = model["R"].value * 99.9 / 2
+    assert start == pytest.approx(math.hypot(mean, drift), rel=1e-3)
+    # the optimal weights do not see the ramp at all, and pay for it
+    assert predicted_standard_error("optimal", model, n=1000, rate=10.0, target="start") == pytest.approx(
+        2 * mean, rel=2e-3
+    )
+
+
+# ---- dither
+
+
+@pytest.mark.parametrize("method", list(RATE_ESTIMATORS))
+@pytest.mark.parametrize("frequency", [30.37, 412.7])
+def test_dither_is_taken_out_exactly(method, frequency):
+    n, rate = 4001, 400.0
+    t = np.arange(n + 1) / rate
+    angle = 12.4 * t + 5.0 * np.sin(2 * np.pi * frequency * t + 0.4)
+    record = al.Record(angle, rate=rate, unit="arcsec", kind="angle")
+    options = EstimatorSettings(quantum=0.01)
+    found = estimate(record, method, model=MODELS["QN"], dither=(frequency,), options=options)
+    assert found.to("deg/h") == pytest.approx(12.4, abs=1e-9 if method != "staircase" else 1e-3)
+
+
+def test_dither_costs_the_methods_what_is_predicted():
+    weights = linear_weights("mean", 500, dither=(13.3,))
+    wave = np.cos(2 * np.pi * 13.3 * np.arange(500) / 100 + 1.0)
+    assert weights.sum() == pytest.approx(1.0)
+    assert abs(weights @ wave) < 1e-12
+    assert np.abs(linear_weights("mean", 500) @ wave) > 1e-5
+    optimal = linear_weights("optimal", 500, model_of("QNBK"), dither=(13.3,))
+    assert abs(optimal @ wave) < 1e-10
+
+
+@pytest.mark.parametrize("frequency", [0.0, -1.0, math.nan, 400.0, 800.001, 0.05])
+def test_dither_that_cannot_be_told_from_a_rate_is_refused(frequency):
+    record = al.Record(np.ones(4000), rate=400.0, unit="deg/h")
+    with pytest.raises(al.UsageError, match="dither"):
+        estimate(record, "mean", dither=(frequency,))
+
+
+# ---- the same data said in other words
+
+
+@pytest.mark.parametrize("method", RATE_ESTIMATORS)
+def test_counts_increments_angle_and_rate_are_the_same_data(method):
+    record = counts(1000)
+    steps = record.values * 0.33
+    options = EstimatorSettings(quantum=0.33)
+    same = [
+        (al.Record(steps, rate=100.0, unit="arcsec", kind="increment"), options),
+        (al.Record(np.r_[7.0, 7.0 + np.cumsum(steps)], rate=100.0, unit="arcsec", kind="angle"), options),
+        (al.Record(steps * 100, rate=100.0, unit="arcsec/s", kind="rate"), options),
+    ]
+    wanted = estimate(record, method, model=MODELS["QN"])
+    for other, chosen in same:
+        found = estimate(other, method, model=MODELS["QN"], options=chosen)
+        assert found.value == pytest.approx(wanted.value, rel=1e-9)
+        assert found.standard_error == pytest.approx(wanted.standard_error, rel=1e-9)
+
+
+def test_an_accelerometer_is_measured_too():
+    record = al.Record(np.random.default_rng(1).standard_normal(1000) + 5, rate=10.0, unit="ug")
+    found = estimate(record, "mean", model=al.N(0.01, "m/s/sqrt(h)"))
+    assert found.words().endswith(" ug")
+    assert found.to("ug") == pytest.approx(5.0, abs=0.2)
+
+
+# ---- bad input
+
+
+BAD = {
+    "a reading that is no number": (lambda: ([1.0, math.nan, 2.0], "mean", {}), al.DataError, "1 of 3 samples"),
+    "infinity": (lambda: ([1.0, math.inf, 2.0, 3.0], "mean", {}), al.DataError, "first at sample 1"),
+    "two samples": (lambda: ([1.0, 2.0], "mean", {}), al.UsageError, "at least 3 samples"),
+    "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "known estimators: mean, hamming"),
+    "an unknown target": (
+        lambda: (np.ones(9), "mean", {"target": "end"}),
+        al.UsageError,
+        "known targets: mean, constant",
+    ),
+    "too many lines": (
+        lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=9)}),
+        al.UsageError,
+        "do not fit into 9 samples",
+    ),
+    "no lines": (
+        lambda: (np.ones(9), "conditional", {"options": EstimatorSettings(lines=0)}),
+        al.UsageError,
+        "0 regression lines",
+    ),
+    "an unknown window": (
+        lambda: (np.ones(9), "hamming", {"options": EstimatorSettings(window="x")}),
+        al.UsageError,
+        "hann",
+    ),
+    "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, r"allanite.identify\(record\).model"),
+    "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
+    "a quantum of nothing": (
+        lambda: (np.ones(9), "staircase", {"options": EstimatorSettings(quantum=0.0)}),
+        al.UsageError,
+        "positive number",
+    ),
+    "a model of another sensor": (
+        lambda: (np.ones(9), "mean", {"model": al.N(1.0, "m/s/sqrt(h)")}),
+        al.UnitError,
+        "accelerometer",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_bad_input_is_named(what):
+    make, error, words = BAD[what]
+    values, method, choices = make()
+    with pytest.raises(error, match=words):
+        estimate(al.Record(values, rate=1.0, unit="deg/h", name="z"), method, **choices)
+
+
+def test_a_dead_output_gives_zero_and_says_so():
+    dead = al.Record(np.zeros(500, dtype=int), rate=100.0, unit="arcsec", kind="count", scale=0.33)
+    for method in RATE_ESTIMATORS:
+        found = estimate(dead, method, model=MODELS["QN"])
+        assert abs(found.to("deg/h")) <= (0.067 if method == "staircase" else 0)
+        assert [f.name for f in found.findings] == ["dead"]
+
+
+def test_a_slipped_pulse_and_a_stuck_output_are_named():
+    record = counts()
+    values = record.values.copy()
+    values[1234] += 500
+    slipped = al.Record(values, rate=100.0, unit="arcsec", kind="count", scale=0.33)
+    (finding,) = estimate(slipped, "mean").findings
+    assert finding.name == "slip"
+    assert "sample 1234" in finding.what
+    stuck = al.Record(np.full(5000, 7), rate=100.0, unit="arcsec", kind="count", scale=0.33)
+    assert [f.name for f in estimate(stuck, "mean").findings] == ["constant"]
+    assert estimate(record, "mean").findings == ()
+
+
+# ---- the value, the ranking
+
+
+def test_the_value_says_what_it_is():
+    found = estimate(counts(), "optimal", model=MODELS["QN"])
+    low, high = found.interval(0.95)
+    assert (high - low) / 2 == pytest.approx(1.959964 * found.standard_error, rel=1e-6)
+    assert found.to("deg/h") == pytest.approx(found.value / ARCSEC)
+    data = found.to_dict()
+    assert data["type"] == "RateEstimate"
+    assert data["shown"]["value"] == pytest.approx(12.3, abs=0.1)
+    with pytest.raises(al.UnitError, match="not a unit of the gyro"):
+        found.to("deg")
+    with pytest.raises(al.UsageError, match="between 0 and 1"):
+        found.interval(95)
+    assert "no standard error" in estimate(counts(), "mean").words()
+
+
+def test_the_ranking_says_which_method_to_use():
+    white = rank(WHITE, n=48_000, rate=400.0)
+    assert white.verdict == "for this gyro averaging is already within 0.1 % of the optimum"
+    assert white.rows()[1][0][0] in ("mean", "optimal")
+    angle = rank(MODELS["QN"], n=48_000, rate=400.0, options=EstimatorSettings(quantum=0.33 * ARCSEC))
+    assert angle.verdict.startswith("use optimal: 2.0")
+    assert rank(MODELS["Q"], n=48_000, rate=400.0).verdict.startswith("use regression: ")
+    assert angle.to_dict()["verdict"] == angle.verdict
+    assert list(angle.errors) == list(RATE_ESTIMATORS)
+
+
+def test_setting_counts_what_wanders():
+    setting = Setting(10, 1.0, model_of("QNKR"))
+    assert [t.symbol for t in setting.wandering] == ["K", "R"]
+    assert [t.symbol for t in setting.settled] == ["N", "Q"]

@@ -1,0 +1,152 @@
+"""Recognition of the staircase: the global minimum, the limits of counts without noise, speed."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from tests.reference import rate as referee
+
+import allanite as al
+from allanite.applications.rate import EstimatorSettings, estimate, predicted_standard_error
+from allanite.applications.rate.staircase import CUBE_ROOT, DITHERED
+
+ARCSEC = math.pi / 180 / 3600
+PULSE = 0.33
+CERTIFIED = EstimatorSettings(certified=True)
+
+
+def record_of(pulses, rate=1.0):
+    """Counts whose running sum, from 0, is `pulses` less its first."""
+    return al.Record(np.diff(pulses).astype(int), rate=rate, unit="arcsec", kind="count", scale=PULSE)
+
+
+def noisy(n, slope, sigma, seed):
+    rng = np.random.default_rng(seed)
+    y = np.floor(slope * np.arange(n + 1) + rng.random() + sigma * rng.standard_normal(n + 1))
+    return y - y[0]
+
+
+def slope_of(found, rate=1.0):
+    return found.value / (PULSE * ARCSEC * rate)
+
+
+@pytest.mark.parametrize("block", range(10))
+def test_the_certified_search_finds_the_global_minimum(block):
+    """200 small cases, seeds 1 to 200: of any slope, with noise of nothing to two pulses."""
+    for seed in range(20 * block + 1, 20 * block + 21):
+        rng = np.random.default_rng(seed)
+        y = noisy(int(rng.integers(8, 40)), rng.uniform(-1.6, 1.6), rng.choice([0.0, 0.05, 0.3, 0.7, 2.0]), seed)
+        found = estimate(record_of(y), "staircase", options=CERTIFIED)
+        least = referee.global_staircase(y, 8 / len(y))
+        assert found.details["misfit"] == least
+        assert found.details["least possible misfit"] == least
+        # and the slope that is given reaches it, up to what a corner of its cell rounds to
+        near = slope_of(found) + np.array([0.0, 1e-9, -1e-9])
+        if least > 0:
+            assert min(referee.best_phase(y, a) for a in near) == least
+
+
+@pytest.mark.parametrize("seed", range(1, 11))
+def test_counts_without_noise_give_limits_that_are_certain(seed):
+    rng = np.random.default_rng(seed)
+    slope, phase, n = rng.uniform(-2, 2), rng.random(), int(rng.integers(100, 5000))
+    y = np.floor(slope * np.arange(n + 1) + phase)
+    found = estimate(record_of(y - y[0]), "staircase")
+    low, high = (v / (PULSE * ARCSEC) for v in found.limits)
+    assert found.details["misfit"] == 0
+    assert low <= slope <= high
+    assert found.interval(0.5) == found.interval(0.999) == found.limits
+    # nothing outside the limits draws the same staircase, everything just inside does
+    width = high - low
+    for a, reaches in (
+        (low + 1e-3 * width, True),
+        (high - 1e-3 * width, True),
+        (low - width, False),
+        (high + width, False),
+    ):
+        free = y - a * np.arange(n + 1)
+        assert (free.max() - free.min() < 1) == reaches
+    assert width < 8 / n**2 * 40
+
+
+def test_the_slope_of_few_counts_is_exact():
+    """0 1 2 3 could have been counted at any slope from 2/3 to 4/3, and at none else."""
+    found = estimate(record_of(np.arange(4)), "staircase")
+    low, high = (v / (PULSE * ARCSEC) for v in found.limits)
+    assert (low, high) == (pytest.approx(2 / 3), pytest.approx(4 / 3))
+
+
+@pytest.mark.parametrize("seed", range(1, 21))
+def test_the_default_search_against_the_certified_one(seed):
+    """20 records of 48000: within 0.1 %, and never above what the paper's descent reaches."""
+    sigma = (0.0, 0.05, 0.5, 1.0, 2.0)[seed % 5]
+    y = noisy(48_000, 0.094 + 1e-4 * seed, sigma, seed)
+    found, best = (estimate(record_of(y), "staircase", options=o) for o in (EstimatorSettings(), CERTIFIED))
+    assert best.details["least possible misfit"] == best.details["misfit"]
+    assert best.details["misfit"] <= found.details["misfit"] <= best.details["misfit"] * 1.001
+    assert found.details["misfit"] <= referee.descent(y)
+
+
+def test_the_misfit_is_that_of_the_slope_and_phase_given():
+    """Up to the samples at whose step the corner of the best cell lies."""
+    y = noisy(2000, 0.7, 0.4, 5)
+    found = estimate(record_of(y), "staircase", options=CERTIFIED)
+    direct = referee.misfit(y, slope_of(found), found.details["phase"])
+    assert direct == pytest.approx(found.details["misfit"], abs=20)
+
+
+def test_readings_that_are_no_counts_need_a_quantum():
+    y = noisy(500, 0.7, 0.4, 5)
+    floating = al.Record(np.diff(y) * PULSE, rate=1.0, unit="arcsec", kind="increment")
+    with pytest.raises(al.UsageError, match="quantum="):
+        estimate(floating, "staircase")
+    found = estimate(floating, "staircase", options=EstimatorSettings(quantum=PULSE, certified=True))
+    wanted = estimate(record_of(y), "staircase", options=CERTIFIED)
+    assert found.details["misfit"] == pytest.approx(wanted.details["misfit"])
+    assert found.value == pytest.approx(wanted.value)
+
+
+def least_time(job):
+    times = []
+    for _ in range(7):
+        start = time.process_time()
+        job()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def test_the_default_search_is_fast():
+    record = record_of(noisy(48_000, 0.094, 0.7, 1))
+    estimate(record, "staircase")  # compiled
+    # about as long as a loop of a million steps (benchmarks/rate.py has the times); machines differ, and their load
+    loop = least_time(lambda: sum(i * i for i in range(10**6)))
+    assert least_time(lambda: estimate(record, "staircase")) < 2 * loop
+
+
+def test_what_cannot_be_predicted_is_not():
+    def predicted(sigma):
+        model = al.N(3e-4, "deg/sqrt(h)") + al.Q(sigma, "arcsec")
+        options = EstimatorSettings(quantum=PULSE * ARCSEC)
+        return [
+            predicted_standard_error(m, model, n=48_000, rate=400.0, options=options)
+            for m in ("staircase", "regression")
+        ]
+
+    assert math.isnan(predicted(0.9 * DITHERED * PULSE)[0])
+    staircase, regression = predicted(1.1 * DITHERED * PULSE)
+    assert regression < staircase < 1.01 * regression
+    without = predicted_standard_error("staircase", al.Q(0.2, "arcsec"), n=100, rate=1.0)
+    assert math.isnan(without)
+
+
+@pytest.mark.parametrize(("n", "sigma"), [(1000, 0.5), (1000, 2.0), (4000, 1.0)])
+def test_the_excess_over_regression_is_the_cube_root_law(n, sigma):
+    """100 records, seeds 1 to 100: 25 %, three and a half standard errors."""
+    off = []
+    for seed in range(1, 101):
+        record = record_of(noisy(n, 0.31 + 1e-3 * seed, sigma, seed))
+        pair = [slope_of(estimate(record, m)) for m in ("staircase", "regression")]
+        off.append((pair[0] - pair[1]) * n)
+    wanted = CUBE_ROOT * math.hypot(sigma, 1 / math.sqrt(12)) ** (2 / 3) * n ** (-1 / 3)
+    assert np.sqrt(np.mean(np.square(off))) == pytest.approx(wanted, rel=0.25)

@@ -1,0 +1,125 @@
+"""Two torquers of one rotor, and a gain before a converter."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.applications.signals import mixed
+from allanite.applications.signals.budgeting import PathSettings
+from allanite.cli import main
+from allanite.core.record import Recording
+from allanite.reporting.sheet import toml
+
+STAGE = al.Stage("ADC", 14, 5.0, "V")
+AXES = (0.03, -1.1, 0.9, -0.02)
+
+
+@pytest.fixture(scope="module")
+def currents():
+    rng = np.random.default_rng(1)
+    values = np.rint(rng.standard_normal((2, 20_000)) * 300) * STAGE.step / 5 * 1e3  # mA
+    return Recording(tuple(al.Record(v, 100.0, "mA", name=name) for v, name in zip(values, ("ix", "iy"), strict=True)))
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def test_rates_are_the_matrix_times_the_currents(currents):
+    found = al.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
+    i = np.array([record.rate_values for record in currents])
+    rates = np.array([record.rate_values for record in found.rates])
+    np.testing.assert_allclose(rates, 0.2 * np.array(AXES).reshape(2, 2) @ i, rtol=1e-12, atol=1e-15)
+    assert found.rates.channels == ("wx", "wy")
+
+
+def test_rounding_of_both_converters_adds(currents):
+    """The noise of rounding that is found is that of white errors of both, by simulation."""
+    rng = np.random.default_rng(2)
+    exact = rng.standard_normal((2, 200_000)) * 20
+    error = np.array(AXES).reshape(2, 2) @ (np.rint(exact) - exact)  # steps
+    found = al.budget_file(currents, al.Recipe(terms="QN"), PathSettings((STAGE,), 0.2, 5.0, AXES))
+    for channel, deviation in zip(found, error.std(axis=1), strict=True):
+        stage = channel.budget.stages[0]
+        rate = stage.coefficient / np.sqrt(0.01)
+        assert rate == pytest.approx(deviation * STAGE.step / 5 * 0.2, rel=0.01)
+
+
+def test_the_command_line_and_the_recipe(currents, tmp_path):
+    path = tmp_path / "currents.csv"
+    al.write(currents, path)
+    asked = ("--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", "0,-1,1,0", "--terms", "QN")
+    done = run("budget", path, *asked, "--json", "-")
+    assert done.exit_code == 0, done.stderr
+    data = json.loads(done.stdout)
+    assert data["settings"]["axes"] == [0, -1, 1, 0]
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text(toml(data["recipe"]), encoding="utf-8")
+    again = run("budget", path, "--recipe", recipe, "--json", "-")
+    assert json.loads(again.stdout)["settings"] == data["settings"]
+    assert al.from_dict(data).settings == PathSettings((STAGE,), 0.2, 5.0, (0, -1, 1, 0))
+
+
+@pytest.mark.parametrize(
+    ("axes", "words"),
+    [("0,1", "four numbers"), ("1,2,2,4", "singular"), ("nan,1,1,0", "four numbers"), ("0,0,1,1", "singular")],
+)
+def test_impossible_axes_are_refused(axes, words, currents, tmp_path):
+    path = tmp_path / "currents.csv"
+    al.write(currents, path)
+    done = run("budget", path, "--stage", "ADC 14 5V", "--scale-factor", 0.2, "--sense", 5, "--coupling", axes)
+    assert done.exit_code == 2
+    assert words in done.stderr
+
+
+def test_what_is_no_pair_of_currents_is_refused(currents):
+    with pytest.raises(al.DataError, match="need two currents, but there are 'ix'"):
+        mixed(Recording(currents.records[:1]), AXES)
+    rate = al.Record(np.zeros(20_000), 100.0, "deg/h", name="gx")
+    with pytest.raises(al.DataError, match="two currents of one kind"):
+        mixed(Recording((currents.records[0], rate)), AXES)
+
+
+def test_clipping_of_one_current_is_not_hidden_by_the_sum(currents):
+    clipped = al.Record(np.clip(currents.records[0].values, -10, 10), 100.0, "mA", name="ix")
+    stage = al.Stage("ADC", 12, 10.0, "mA")
+    with pytest.raises(al.DataError, match=r"'ix'.*clipped"):
+        mixed(Recording((clipped, currents.records[1])), AXES, (stage,))
+
+
+def test_the_sum_of_two_currents_may_exceed_the_range_of_each():
+    """Each is within +-2.5 V, their sum over the square root of two is not; one sample of each is clipped."""
+    x = np.random.default_rng(1).uniform(-2.4, 2.4, 5000)
+    y = x + np.random.default_rng(2).uniform(-0.05, 0.05, 5000)
+    x[10], y[20] = 2.5, -2.5
+    both = Recording(tuple(al.Record(v, 100.0, "V", name=name) for v, name in ((x, "ix"), (y, "iy"))))
+    found = al.budget_file(
+        both, al.Recipe(terms="QN"), PathSettings((al.Stage("ADC", 12, 2.5, "V"),), 0.2, 5.0, (1, 1, -1, 1))
+    )
+    assert [channel.refusal for channel in found] == ["", ""]
+    assert [channel.budget.stages[0].clipped for channel in found] == [2, 2]
+
+
+def test_a_gain_before_the_converter_makes_its_steps_smaller(currents):
+    plain, gained = al.Stage.parse("ADC 14 5V"), al.Stage.parse("ADC 14 5V gain=8")
+    assert gained.step == plain.step / 8
+    assert al.Stage.parse(gained.text) == gained
+    assert "gain of 8" in str(gained)
+    found = [
+        al.budget(currents.records[0], [stage], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN")).stages[0]
+        for stage in (plain, gained)
+    ]
+    assert found[1].coefficient == pytest.approx(found[0].coefficient / 8)
+    for wrong in ("gain=0", "gain=-1", "gain=x"):
+        with pytest.raises(al.UsageError, match="gain"):
+            al.Stage.parse(f"ADC 12 5V {wrong}")
+
+
+def test_a_gain_lowers_the_range_at_which_samples_are_clipped():
+    record = al.Record(np.linspace(-1, 1, 4001), 100.0, "V", name="ux")
+    al.budget(record, [al.Stage.parse("ADC 14 5V gain=4")], scale=0.2, sense=5.0, recipe=al.Recipe(terms="QN"))
+    with pytest.raises(al.DataError, match="clipped"):
+        al.budget(record, [al.Stage.parse("ADC 14 5V gain=8")], scale=0.2, sense=5.0)

@@ -1,0 +1,248 @@
+"""From a torquer's current to a rate, and what rounding adds to its noise."""
+
+import csv
+import io
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import allanite as al
+from allanite.applications.signals import TorqueScale, rate_from_current
+from allanite.applications.signals.codes import Codes, codes
+from allanite.core.units import convert
+from allanite.reporting import to_csv
+
+SCALE = TorqueScale(turns=100, field=0.4, span=0.05, radius=0.05, inertia=2e-3, spin=1000.0, sides=4)
+N, INTERVAL = 2.525648, 1e-3
+
+
+def rates(seed=1, n=50_000, model=None):
+    model = model or al.Model((al.N(N, "deg/sqrt(h)"),))
+    return al.simulate(model, n, 1 / INTERVAL, rng=np.random.default_rng(seed), name="x")
+
+
+def coefficient(stage):
+    """N of a stage by the formula, deg/sqrt(h)."""
+    return stage.step / math.sqrt(12) * math.sqrt(INTERVAL) * 60
+
+
+def test_the_scale_factor_is_the_torque_over_the_momentum():
+    assert SCALE.factor == pytest.approx(4 * 100 * 0.4 * 0.05 * 0.05 / (2e-3 * 1000))
+    assert replace(SCALE, sides=1.0).factor == pytest.approx(SCALE.factor / 4)
+    # one ampere in arcsec per second, which is the same number in deg/h
+    rate = rate_from_current(al.Record([1.0, 2.0], 1000.0, "A"), SCALE)
+    assert convert(rate.values[0], "rad/s", "deg/h") == pytest.approx(0.2 * 206264.8, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["turns", "field", "span", "radius", "inertia", "spin", "sides"])
+@pytest.mark.parametrize("value", [0, -1.0, math.nan, math.inf, True, "1"])
+def test_constants_are_positive(name, value):
+    with pytest.raises(al.UsageError, match=f"the {name} of a torquer must be a positive number, not"):
+        replace(SCALE, **{name: value})
+
+
+SAME = [
+    (al.Record([1.0, -2.0], 1000.0, "A"), {}),
+    (al.Record([1e3, -2e3], 1000.0, "mA"), {}),
+    (al.Record([0.5, -1.0], 1000.0, "V"), {"sense": 0.5}),
+    (al.Record([500.0, -1000.0], 1000.0, "mV"), {"sense": 0.5}),
+    (al.Record([1024, -2048], 1000.0, "1"), {"sense": 0.5, "stage": al.Stage("ADC", 14, 4.0, "V")}),
+    (al.Record([512, -1024], 1000.0, "1"), {"stage": al.Stage("ADC", 12, 4.0, "A")}),
+]
+
+
+@pytest.mark.parametrize(("record", "options"), SAME, ids=lambda v: str(getattr(v, "unit", "")))
+def test_all_ways_to_a_current_give_the_same_rate(record, options):
+    rate = rate_from_current(record, SCALE, **options)
+    np.testing.assert_allclose(rate.values, [0.2, -0.4], rtol=1e-12)
+    assert (rate.unit, rate.kind, rate.rate) == ("rad/s", "rate", 1000.0)
+    assert "0.2 rad/s per A" in rate.history[-1]
+
+
+def test_the_constants_are_read_from_text():
+    assert TorqueScale.parse(SCALE.text) == SCALE
+    assert TorqueScale.parse("turns=1,field=2, span=3,radius=4,inertia=5,spin=6").sides == 1.0
+
+
+def test_lost_readings_stay_lost_and_history_is_kept():
+    record = al.Record([1.0, math.nan, 2.0], 10.0, "A", name="ix", start=5.0, history=("cut",))
+    rate = rate_from_current(record, 0.5)
+    assert np.isnan(rate.values).tolist() == [False, True, False]
+    assert (rate.name, rate.start, rate.history[0]) == ("ix", 5.0, "cut")
+
+
+WRONG = [
+    (al.Record([1.0, 2.0], 1.0, "V"), {"scale": 0.2}, "gain of its sensor"),
+    (al.Record([1.0, 2.0], 1.0, "V"), {"scale": 0.2, "sense": 0.0}, "sense gain must be a positive number"),
+    (al.Record([1.0, 2.0], 1.0, "A"), {"scale": -0.2}, "scale must be a positive number of rad/s per A"),
+    (al.Record([1.0, 2.0], 1.0, "deg/s"), {"scale": 0.2}, "is in 'deg/s': a rate is computed from a current"),
+    (al.Record([1, 2], 1.0, "1"), {"scale": 0.2}, "computed from a current"),
+    (al.Record([1, 2], 1.0, "1"), {"scale": 0.2, "stage": al.Stage("ADC", 8, 1.0, "deg/s")}, "full scale in A or V"),
+]
+
+
+@pytest.mark.parametrize(("record", "options", "words"), WRONG)
+def test_what_gives_no_rate_is_said(record, options, words):
+    options = dict(options)
+    with pytest.raises(al.UsageError, match=words):
+        rate_from_current(record, options.pop("scale"), **options)
+
+
+@pytest.mark.parametrize(
+    ("bits", "millivolts"), [(8, 39.06), (12, 2.44), (14, 0.610), (16, 0.153)]
+)  # the paper prints the first two
+def test_steps_of_converters_over_5_volts(bits, millivolts):
+    assert 1e3 * al.Stage("ADC", bits, 5.0, "V").step == pytest.approx(millivolts, rel=3e-3)
+
+
+@pytest.mark.parametrize(("scale", "wanted"), [(10.0, 0.0027), (100.0, 0.027), (500.0, 0.134)])
+def test_twelve_bits_were_not_the_limit(scale, wanted):
+    stage = al.Stage("ADC", 12, scale, "deg/s")
+    found = al.budget(rates(), [stage]).stages[0]
+    assert found.to(found.coefficient) == pytest.approx(wanted, rel=0.02)
+    assert found.to(found.measured) == pytest.approx(N, rel=0.02)
+    assert found.share == pytest.approx((wanted / N) ** 2, rel=0.08)
+    assert found.matters is False
+
+
+def test_bits_enough_are_the_fewest_below_one_percent():
+    for bits in (4, 8, 12, 16):
+        found = al.budget(rates(), [al.Stage("ADC", bits, 500.0, "deg/s")]).stages[0]
+        shares = [
+            (coefficient(al.Stage("ADC", b, 500.0, "deg/s")) / found.to(found.measured)) ** 2 for b in range(1, 30)
+        ]
+        assert found.enough == 1 + next(i for i, share in enumerate(shares) if share < 0.01)
+
+
+def test_rounding_a_rate_adds_to_n_what_the_budget_says_and_nothing_to_q():
+    """The square of N rises by a quarter, where its precision from 50000 readings is about 1 %."""
+    stage = al.Stage("ADC", 6, 16 * math.sqrt(12) * N / 60 / math.sqrt(INTERVAL), "deg/s")
+    clean = rates(2)
+    step = math.radians(stage.step)
+    rounded = al.Record(np.round(clean.values / step) * step, clean.rate, "rad/s", name="x")
+    found = al.budget(rounded, [stage])
+    assert found.stages[0].to(found.stages[0].coefficient) == pytest.approx(N / 2, rel=1e-9)
+    assert found.stages[0].to(found.stages[0].measured) == pytest.approx(math.sqrt(1.25) * N, rel=0.03)
+    assert found.fit["Q"].value is None
+    assert found.stages[0].matters is True
+    assert found.stages[0].codes.missing == 0
+
+
+def test_rounding_an_angle_is_quantization():
+    stage = al.Stage("counter", 16, 32768.0, "arcsec")
+    clean = rates(3, model=al.Model((al.N(0.5, "deg/sqrt(h)"),)))
+    angle = np.round(np.degrees(clean.angle) * 3600)
+    counts = al.Record(np.diff(angle), clean.rate, "arcsec", kind="count", scale=1.0, name="x")
+    found = al.budget(counts, [stage]).stages[0]
+    assert (found.symbol, found.sheet_unit) == ("Q", "arcsec")
+    assert found.coefficient == pytest.approx(math.radians(1 / 3600) / math.sqrt(12))
+    assert found.to(found.measured) == pytest.approx(1 / math.sqrt(12), rel=0.1)
+    assert found.codes is not None
+
+
+def test_a_path_of_several_stages_from_the_current_on():
+    stages = [al.Stage("ADC", 12, 5.0, "V"), al.Stage("output", 16, 500.0, "deg/s")]
+    volts = 5.0 * rates(4).values / SCALE.factor
+    recorded = al.Record(np.round(volts / stages[0].step) * stages[0].step, 1000.0, "V", name="ux")
+    found = al.budget(recorded, stages, scale=SCALE, sense=5.0)
+    first, second = found.stages
+    assert first.step == pytest.approx(stages[0].step / 5.0 * SCALE.factor)
+    assert second.to(second.coefficient) == pytest.approx(coefficient(stages[1]), rel=1e-9)
+    assert first.codes.distinct > 500
+    assert second.codes is None
+    headings, *rows = csv.reader(io.StringIO(to_csv(found)))
+    assert [len(row) for row in rows] == 2 * [len(headings)]
+    assert [s["symbol"] for s in found.to_dict()["stages"]] == ["N", "N"]
+    with pytest.raises(al.UsageError, match="give its relation to a rate"):
+        al.budget(recorded, stages)
+    with pytest.raises(al.UsageError, match="at least one stage"):
+        al.budget(rates(), [])
+
+
+def test_codes_are_read_by_the_first_stage():
+    stage = al.Stage("ADC", 12, 5.0, "V")
+    read = np.round(5.0 * rates(5).values / SCALE.factor / stage.step).astype(np.int64)
+    found = al.budget(al.Record(read, 1000.0, "1", name="ux"), [stage], scale=SCALE, sense=5.0).stages[0]
+    assert found.to(found.measured) == pytest.approx(N, rel=0.02)
+    assert found.codes == Codes(np.unique(read).size, int(np.ptp(read)) + 1, 0)
+
+
+@pytest.mark.parametrize(("full_scale", "count"), [(4.0, 20), (3.0, 200)])
+def test_clipped_readings_are_counted_and_refused_above_a_thousandth(full_scale, count):
+    stage = al.Stage("ADC", 12, full_scale, "deg/s")
+    values = np.degrees(rates(6).values)
+    limit = np.sort(np.abs(values))[-count]
+    values = np.clip(values * full_scale / limit, -full_scale, full_scale - stage.step)
+    record = al.Record(values, 1000.0, "deg/s", name="x")
+    if count > 50:
+        with pytest.raises(al.DataError, match=r"samples of 'x' \(0.\d+ %\) are clipped at the ends of ADC, 12 bits"):
+            al.budget(record, [stage])
+        return
+    found = al.budget(record, [stage])
+    assert found.stages[0].clipped == count
+    assert "clipped" in {f.name for f in found.findings}
+
+
+@pytest.mark.parametrize("unit", ["V", "1"], ids=["volts", "codes"])
+def test_both_ends_of_a_converter_count_as_clipped(unit):
+    stage = al.Stage("ADC", 3, 4.0, "V")
+    ends = al.Record([-4, -3, -2, -1, 0, 1, 2, 3] * 2, 1.0, unit)
+    with pytest.raises(al.DataError, match="4 of 16 samples"):
+        rate_from_current(ends, 1.0, sense=1.0, stage=stage)
+    inner = al.Record([-3, -2, -1, 0, 1, 2] * 2, 1.0, unit)
+    assert rate_from_current(inner, 1.0, sense=1.0, stage=stage).size == 12
+
+
+def test_no_dither_is_said():
+    stage = al.Stage("output", 8, 1280.0, "deg/s")  # steps of 10 deg/s, noise of 1.3
+    values = stage.step * np.round(np.degrees(rates(7).values) / stage.step + 0.45)
+    found = al.budget(al.Record(values, 1000.0, "deg/s", name="x"), [stage])
+    assert "no dither" in {f.name for f in found.findings}
+    fine = al.budget(rates(7), [al.Stage("output", 16, 500.0, "deg/s")])
+    assert not fine.findings
+
+
+def test_missing_codes_are_counted():
+    stage = al.Stage("ADC", 12, 100.0, "deg/s")
+    k = np.round(np.degrees(rates(8).values) / stage.step)
+    k[k == 3] = 4  # a converter that skips a code
+    found = al.budget(al.Record(k * stage.step, 1000.0, "deg/s", name="x"), [stage])
+    assert found.stages[0].codes.missing == 1
+    assert "missing codes" in {f.name for f in found.findings}
+
+
+@given(st.lists(st.integers(-50, 50), min_size=2, max_size=60), st.floats(-3, 3))
+def test_codes_are_counted_whatever_the_offset(values, offset):
+    found = codes(np.array(values) + offset)
+    assert found == Codes(len(set(values)), max(values) - min(values) + 1, 0)
+
+
+STAGES = [
+    ("ADC 12 5V", ("ADC", 12, 5.0, "V")),
+    ("output 16 +-100 deg/s", ("output", 16, 100.0, "deg/s")),
+    ("bus 24 1e3mA", ("bus", 24, 1e3, "mA")),
+    ("raw 12 2048", ("raw", 12, 2048.0, "1")),
+    ("e 8 1.5e-2rad/s", ("e", 8, 0.015, "rad/s")),
+]
+
+
+@pytest.mark.parametrize(("text", "wanted"), STAGES)
+def test_stages_are_read_from_text(text, wanted):
+    assert al.Stage.parse(text) == al.Stage(*wanted)
+    assert al.Stage.parse(al.Stage(*wanted).text) == al.Stage(*wanted)
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("ADC", al.UsageError), ("ADC 12", al.UsageError), ("ADC x 5V", al.UsageError), ("ADC 0 5V", al.UsageError),
+        ("ADC 12 -0V", al.UsageError), ("ADC 12 5parsec", al.UnitError), ("ADC 12 5Hz", al.UnitError),
+    ],
+)  # fmt: skip
+def test_a_wrong_stage_is_named(text, error):
+    with pytest.raises(error):
+        al.Stage.parse(text)

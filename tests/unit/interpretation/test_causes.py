@@ -1,0 +1,234 @@
+"""What coefficients mean: tables that are complete and cited, and sentences that are right on fits made for them."""
+
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit, Goodness
+from allanite.core.readings import Reading, Readings
+from allanite.core.units import convert, signal_named
+from allanite.core.validity import LowPass, Scope
+from allanite.interpretation.asymptotes import spans
+from allanite.interpretation.causes import meaning
+from allanite.interpretation.device import REFERENCES
+from allanite.interpretation.grades import SCALES
+from allanite.interpretation.sentences import sentences
+
+GYRO = signal_named("gyro")
+FIVE = {"Q", "N", "B", "K", "R"}
+
+
+def estimate(symbol, value=None, unit=None, *, upper=None, shape=()):
+    """A term that was found, or one that was not, below `upper`."""
+    size = None if value is None else value * convert(1.0, unit, GYRO.si[al.TERMS[symbol].power])
+    most = None if upper is None else upper * convert(1.0, unit, GYRO.si[al.TERMS[symbol].power])
+    status = "absent" if value is None else "identified"
+    return Estimate(symbol, GYRO, size, None, status, most, "whittle", shape=shape)
+
+
+def fit(*estimates, p=0.5, **more):
+    model = al.Model(tuple(al.Term(e.symbol, abs(e.value), GYRO, e.shape) for e in estimates if e.value is not None))
+    edges = np.array([0.1, 1.0])
+    return Fit(estimates, "whittle", GYRO, model, goodness=Goodness(edges, edges[:1], edges[:1], p), **more)
+
+
+def read(minimum, tau, *, inside=True):
+    point = Reading(
+        tau, convert(minimum, "deg/h", "rad/s"), lambda level: (0.0, convert(1.5 * minimum, "deg/h", "rad/s"))
+    )
+    return Readings(GYRO, point, None, point, inside, (), ())
+
+
+N = estimate("N", 0.1, "deg/sqrt(h)")
+K = estimate("K", 20.0, "deg/h/sqrt(h)")
+R = estimate("R", -3000.0, "deg/h^2")
+
+
+def said(*estimates, readings=None, length=3600.0, **more):
+    return " ".join(sentences(fit(*estimates, **more), readings, rate=100.0, length=length))
+
+
+@pytest.mark.parametrize("name", al.DEVICES)
+def test_every_term_of_every_device_has_its_name_sources_remedies_and_reference(name):
+    device = al.DEVICES[name]
+    assert device.name == name
+    assert set(device.terms) >= FIVE
+    assert set(device.signals) - {"angle"} <= {"gyro", "accelerometer", "dimensionless"}
+    for cause in device.terms.values():
+        assert len(cause.name) > 5
+        assert cause.sources
+        assert cause.remedies
+        assert all(len(text) > 10 for text in (*cause.sources, *cause.remedies))
+        assert any(key in cause.reference for key in REFERENCES), cause.reference
+        cited = re.sub(r"\(.*?\)", "", cause.reference)
+        for part in re.split(r"; ", cited):
+            assert any(part.startswith(key) for key in REFERENCES), part
+
+
+def test_every_reference_is_cited():
+    text = " ".join(cause.reference for device in al.DEVICES.values() for cause in device.terms.values())
+    assert [key for key in REFERENCES if key not in text] == []
+
+
+def test_the_tables_of_the_papers_follow_them():
+    stabilizer, mscsg = al.DEVICES["stabilizer"].terms, al.DEVICES["mscsg"].terms
+    assert stabilizer["B"].name == "instability of the zero position of the platform"
+    assert "p. 148" in stabilizer["R"].reference
+    assert "force unloading" in stabilizer["GM"].sources[0]
+    assert "analogue-to-digital converter" in mscsg["Q"].sources[0]
+    assert "micro-vibration" in mscsg["N"].sources[0]
+    assert mscsg["K"].sources[0].startswith("not known")
+    assert all(f"3.2, {i})" in mscsg[symbol].reference for i, symbol in enumerate("QNBKR", 1))
+
+
+@pytest.mark.parametrize("name", ["fgo", "FOG", ""])
+def test_an_unknown_device_is_refused_before_anything_is_read(name):
+    result = CliRunner().invoke(main, ["analyze", "missing.csv", "--device", name])
+    assert result.exit_code == 2
+    assert f"unknown device {name!r}; known devices: stabilizer, mscsg, rlg, fog, mems, accelerometer" in result.stderr
+
+
+def test_grades_follow_each_other():
+    for scale in SCALES:
+        bounds = [grade.below for grade in scale.grades]
+        assert bounds == sorted(bounds)
+        assert math.isinf(bounds[-1])
+        assert scale.source
+        for i, grade in enumerate(scale.grades[:-1]):
+            assert scale.of(grade.below * 0.999, scale.unit) is grade
+            assert scale.of(grade.below, scale.unit) is scale.grades[i + 1]
+            assert f"{grade.below:g}" in scale.words(grade)
+
+
+def test_crossings_are_those_of_the_formulas():
+    n, k, r = (convert(e.value, e.unit, e.sheet_unit) for e in (N, K, R))
+    hours = {s.symbol: (s.start / 3600, s.end / 3600) for s in spans([N, K], 0.01, 1800.0)}
+    assert hours["N"][1] == hours["K"][0] == pytest.approx(math.sqrt(3) * n / k)
+    hours = {s.symbol: (s.start / 3600, s.end / 3600) for s in spans([N, R], 0.01, 1800.0)}
+    assert hours["N"][1] == pytest.approx((math.sqrt(2) * n / abs(r)) ** (2 / 3))
+    b = estimate("B", 2.0, "deg/h")
+    slow = estimate("K", 10.0, "deg/h/sqrt(h)"), estimate("R", 100.0, "deg/h^2")
+    found = spans([estimate("Q", 1.0, "arcsec"), N, b, *slow], 1e-4, 1e5)
+    assert [span.symbol for span in found] == ["Q", "N", "B", "R"]  # K is nowhere the largest
+    assert found[1].end / 3600 == pytest.approx(n**2 / (2 * math.log(2) / math.pi * 2.0**2))
+
+
+def test_a_hump_is_held_against_the_lines():
+    hump = estimate("GM", 60.0, "deg/h", shape=(20.0,))
+    found = spans([N, hump], 0.01, 1800.0)
+    assert [span.symbol for span in found] == ["N", "GM"]
+    tau = found[0].end
+    sizes = [float(al.expected(al.Term(e.symbol, e.value, GYRO, e.shape), "adev", [tau])[0]) for e in (N, hump)]
+    assert sizes[0] == pytest.approx(sizes[1], rel=0.01)
+
+
+def test_white_and_drift():
+    text = said(N, K)
+    at = 3600 * math.sqrt(3) * 0.1 / 20
+    assert f"White noise (angle random walk) dominates up to {at:.3g} s" in text
+    assert f"Drift (rate random walk) dominates from {at:.3g} s on." in text
+    alone = said(N)
+    assert "dominates at all averaging times: averaging reduces the error" in alone
+    assert "rift" not in alone
+    between = said(N, estimate("Q", 1.0, "arcsec"))
+    assert "dominates from 0.0833 s up to half the length" in between
+    assert "White" not in said(K)
+    assert "Drift (rate random walk) dominates at all averaging times." in said(K)
+
+
+def test_systematic_and_random_drift():
+    at = 3600 * 2 * 20.0**2 / (3 * 3000.0**2)  # of R^2 tau^2 / 2 = K^2 tau / 3
+    both = said(N, K, R)
+    assert "a systematic part, R, which changes the output by 3000 deg/h over the record" in both
+    assert "a random part, K, of 20 deg/h (1 sigma)" in both
+    assert f"R is larger than K beyond {at:.3g} s" in both
+    systematic = said(N, R, estimate("K", upper=7.0, unit="deg/h/sqrt(h)"))
+    assert "The drift is systematic: R changes the output by 3000 deg/h over the record; K was not " in systematic
+    assert "its size is below 7 deg/h/sqrt(h)." in systematic
+    assert "The drift is random: K changes the output by 10 deg/h (1 sigma)" in said(N, K, length=900.0)
+
+
+def test_the_minimum_stands_beside_flicker():
+    text = said(N, estimate("B", 1.5, "deg/h"), readings=read(1.5, 50.0))
+    said_of = "minimum of the Allan deviation is 1.5 deg/h at 50 s; divided by 0.664 it would be a B of 2.26 deg/h;"
+    assert f"{said_of} the identified B is" in text
+    absent = estimate("B", upper=0.8, unit="deg/h")
+    level = math.sqrt(2 * 0.1 * 20 / math.sqrt(3))
+    text = said(N, K, absent, readings=read(1.5, 31.2))
+    assert "B is below 0.8 deg/h" in text
+    assert f"the other terms alone make a minimum of {level:.3g} deg/h at 31.2 s." in text
+    assert "minimum of the Allan" not in said(N, absent, readings=read(1.5, 1800.0, inside=False))
+
+
+def test_time_constants():
+    process = estimate("GM", 60.0, "deg/h", shape=(2.0,))
+    looked = "A Gauss-Markov process with a time constant of 2 s was identified: look for a control loop"
+    assert looked in said(N, process)
+    low = LowPass("first order", "1st-order low-pass", 20.0, 19.0, 21.0, 100.0)
+    scope = Scope("auto", (0.0, 50.0), (), low, 0.0, 0.0, np.array([1.0, 50.0]), np.ones(2))
+    assert "A low-pass filter of 20 Hz was identified (time constant 7.96 ms if it is of first order)" in said(
+        N, scope=scope
+    )
+
+
+def test_the_grade_of_a_gyro():
+    text = said(N, readings=read(1.5, 50.0))
+    assert (
+        "Tactical grade by its in-run bias stability (0.01 to 5 deg/h: 1.5), and industrial or consumer grade" in text
+    )
+    assert "(from 0.05 deg/sqrt(h) on: 0.1)" in text
+    better = said(N, readings=read(4.0, 1800.0, inside=False))  # the upper limit counts
+    assert "Industrial grade or better by its in-run bias stability (5 to 360 deg/h: below 6)" in better
+
+
+def test_what_is_not_valid_says_nothing():
+    assert said(N, K, p=1e-6) == ""
+    assert "Drift" not in said(N, replace(K, status="not valid"))
+    curve = al.identify(al.simulate(al.N(0.1, "deg/sqrt(h)"), 3000, 10.0, rng=np.random.default_rng(1)), method="nnls")
+    assert sentences(curve, rate=10.0, length=300.0) == ()  # a method without a test of its model
+
+
+def test_a_device_names_the_causes_of_what_was_found():
+    found = meaning(fit(N, estimate("K", upper=7.0, unit="deg/h/sqrt(h)")), rate=100.0, length=3600.0, device="mems")
+    assert list(found.causes) == ["N"]
+    other = meaning(fit(N), rate=100.0, length=3600.0, device="accelerometer")
+    assert other.causes == {}
+    assert "about accelerometer signals, not about this gyro" in other.note
+    assert meaning(fit(N, p=1e-6), rate=100.0, length=3600.0, device="mems").causes == {}
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("meaning") / "gyro.csv"
+    model = al.N(0.1, "deg/sqrt(h)") + al.R(3000.0, "deg/h^2")
+    al.write(al.simulate(model, 6000, 10.0, rng=np.random.default_rng(1), name="gz"), path)
+    return path
+
+
+def test_the_command_says_it(recorded, tmp_path):
+    page = tmp_path / "page.html"
+    result = CliRunner().invoke(main, ["analyze", str(recorded), "--device", "fog", "--report", str(page)])
+    assert result.exit_code == 0, result.output
+    text = " ".join(result.stdout.split())
+    assert "what it means: gz - White noise (angle random walk) dominates up to 4" in text
+    assert "The drift is systematic" in text
+    assert "R in a fiber-optic gyroscope: rate ramp (gz) - sources: slow monotonic change" in text
+    assert "K in a fiber-optic" not in text
+    html = page.read_text("utf-8")
+    assert "Likely causes in a fiber-optic gyroscope" in html
+    assert "IEEE 952: IEEE Std 952-1997" in html
+
+
+def test_the_device_is_a_part_of_the_recipe(recorded):
+    recipe = al.Recipe(device="mems")
+    study = al.analyze(recorded, recipe)
+    assert al.from_dict(study.to_dict()).recipe == recipe
+    with pytest.raises(al.UsageError, match="unknown device 'x'"):
+        al.Recipe(device="x")
