@@ -155,15 +155,15 @@ allanite("analyze rr.csv --terms N,RR --to rad/s^2.5 --report page.html")
 assert "driven relaxation" in Path("page.html").read_text("utf-8")
 allanite("simulate made.csv --model 'RR 1 rad/s^2.5' --rate 1 --samples 9")""", ("driven relaxation", "RR = ")),
     "format": ({"readers/formats/tones.py": TONES}, (
-        ("readers/formats/table.py", '    "kfgins": "kfgins",\n', '    "tones": "tones",\n'),), r"""
+        ("readers/formats/registry.py", '    "kfgins": "kfgins",\n', '    "tones": "tones",\n'),), r"""
 values = simulated(al.N(0.1, "deg/sqrt(h)")).values
 Path("a.tones").write_text("\n".join(["TONES 50", *(f"{v:.9g}" for v in values)]))
 allanite("info a.tones")
 Path("b.bin").write_bytes(bytes(100))
 allanite("info b.bin", 3)""", ("rate 50.0 Hz from its first line", "; tones of a recorder;")),
     "target of export": ({"exporting/targets/pilot.py": PILOT}, (
-        ("exporting/table.py", "from .targets.pegasus import PEGASUS\n", "from .targets.pilot import PILOT\n"),
-        ("exporting/table.py", '    "pegasus": PEGASUS,\n', '    "pilot": PILOT,\n')), """
+        ("exporting/exports.py", "from .targets.pegasus import PEGASUS\n", "from .targets.pilot import PILOT\n"),
+        ("exporting/exports.py", '    "pegasus": PEGASUS,\n', '    "pilot": PILOT,\n')), """
 allanite("export --model 'N 0.1 deg/sqrt(h)' --model 'N 60 ug/sqrt(Hz)' --to pilot --output pilot.cfg")
 print(Path("pilot.cfg").read_text("utf-8"))
 allanite("convert --from pilot pilot.cfg")
