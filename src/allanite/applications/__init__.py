@@ -1,7 +1,7 @@
 """Applications: special jobs of laboratories, which use what lies below through its public names only.
 
 A rate measured with a laser gyro, angle sensors of gimbals, gyro-verticals, stages of a signal path, compensation of
-temperature effects. `VISION.md` says what each is for.
+temperature effects.
 """
 
 import lazy_loader

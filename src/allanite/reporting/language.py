@@ -1,6 +1,6 @@
 """The language that results are shown in: English, or one with a catalogue in `locale`.
 
-What is shown is made of phrases (`core.language`), and stays English until `tr` says it in the language of the context.
+What is shown is made of phrases (`phrases.phrase`), and stays English until `tr` says it in that language.
 """
 
 import gettext

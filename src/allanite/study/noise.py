@@ -111,8 +111,14 @@ def graded(noise: Noise, record: Record) -> Noise:
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
     if any(finding.name == "heavy tails" for finding in left.findings):
         fit = widened(fit, math.sqrt(1 + left["kurtosis"].value / 2))
+    until = held(fit, record)
+    if until == 0:
+        nowhere = say("the deviation of these terms is that of the record at no averaging time")
+        claimed = [e.symbol for e in fit if e.claimed]
+        others = [e.symbol for e in fit if e.symbol not in claimed and e.status != "not valid"]
+        fit = fit.invalid(nowhere, claimed).invalid(REJECTED, others)
     if fit.scope is not None:
-        fit = replace(fit, scope=replace(fit.scope, until=held(fit, record)))
+        fit = replace(fit, scope=replace(fit.scope, until=until))
     return replace(noise, fit=fit)
 
 

@@ -247,3 +247,14 @@ def test_the_recipe_says_what_was_used(file, verb, expected):
     found = json.loads(run(verb[0], file, "--channels", "good", *verb[1:], "--json", "-").stdout)["recipe"]
     assert {key: found[key] for key in expected} == expected
     assert ("method" in found) == (verb[0] == "deviation")
+
+
+def test_a_model_whose_deviation_is_nowhere_that_of_the_record_explains_nothing(monkeypatch):
+    """It was "explained up to 0 s"."""
+    record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 20_000, 10.0, rng=np.random.default_rng(1))
+    monkeypatch.setattr("allanite.study.noise.held", lambda fit, record: 0.0)
+    channel = al.analyze(record)[0]
+    assert not channel.explained
+    assert "is that of the record at no averaging time" in channel.verdict
+    assert "0 s" not in channel.verdict
+    assert channel.fit["N"].status == "not valid"

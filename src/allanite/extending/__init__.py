@@ -1,7 +1,6 @@
-"""Names for packages that build on allanite, as its own applications do, and plug-ins of others.
+"""Names for packages that build on allanite, as its own applications do.
 
-They are those that a statistic, a reader, a verb with its result and view are written with; `allanite.testing` checks
-what a package registers. Names are imported when they are first used; ``extending.pyi`` says where each of them is.
+Names are imported when they are first used; ``__init__.pyi`` says where each of them is.
 """
 
 import ast
@@ -20,5 +19,5 @@ def __getattr__(name: str) -> Any:
     """What the stub names."""
     if name not in _WHERE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = globals()[name] = getattr(import_module(f"allanite.{_WHERE[name]}"), name)
+    value = globals()[name] = getattr(import_module(_WHERE[name]), name)
     return value
