@@ -53,7 +53,7 @@ TOPICS: dict[str, tuple[str, str]] = {
 INNER = {"statistics": ("edf", "expectation", "Expectation", "covariance", "integrated")}
 """Packages of which only these names are for users; of the others, whatever is not a module."""
 
-WITHOUT = {"identification", "readers", "study", "batch", "meaning"}
+WITHOUT = {"identification", "readers", "study", "batch", "interpretation"}
 """Packages whose public names are all those of `allanite` itself."""
 
 
