@@ -22,7 +22,7 @@ from .comparison import Comparison, ComparisonSettings, Pair
 from .intervals import compare_fits
 from .pooled import Pool
 from .pooling import pool_records, refuse_pool
-from .sources import Sources, name_both, open_source, open_sources, run_together
+from .sources import SourceSet, name_both, open_source, open_sources, run_together
 from .two_records import compare_records, refuse_pair
 
 Source = channels.Source | Study
@@ -112,7 +112,7 @@ def compare_channels(
                 "give a second recording, more channels, or use truncation to compare its beginning with the rest",
             )
         )
-    sources = Sources((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
+    sources = SourceSet((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
     if len(recording) == 2:
         return _compare(sources, recipe, rng=rng, progress=progress)
     return _pool(sources, recipe, rng=rng, progress=progress)
@@ -207,7 +207,7 @@ def truncation(
     recording = open_source(source, recipe, progress)
     part, rest = trim(recording, None, until), trim(recording, until, None)
     pairs = [(record.name, (part[record.name], rest[record.name])) for record in recording]
-    sources = Sources((recording,), (say("first {until:g} s", until=until), say("rest")), pairs)
+    sources = SourceSet((recording,), (say("first {until:g} s", until=until), say("rest")), pairs)
     found = _compare(sources, recipe, ComparisonSettings(part=until), rng=rng, progress=progress)
     return replace(found, channels=tuple(_with_whole(pair, recording, recipe) for pair in found))
 
@@ -231,7 +231,7 @@ def _ready(recipe: Recipe | None) -> Recipe:
 
 
 def _compare(
-    sources: Sources,
+    sources: SourceSet,
     recipe: Recipe,
     settings: ComparisonSettings | None = None,
     *,
@@ -243,6 +243,6 @@ def _compare(
     return run_together(kind, sources, recipe, work, refuse_pair, progress=progress)
 
 
-def _pool(sources: Sources, recipe: Recipe, *, rng: "np.random.Generator | None", progress: Progress | None) -> Pool:
+def _pool(sources: SourceSet, recipe: Recipe, *, rng: "np.random.Generator | None", progress: Progress | None) -> Pool:
     work = partial(pool_records, names=sources.names, recipe=recipe, rng=rng or np.random.default_rng(1))
     return run_together(Pool, sources, recipe, work, refuse_pool, doing="pooling", progress=progress)

@@ -19,7 +19,7 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
-class Sources:
+class SourceSet:
     """Recordings that are taken together.
 
     `names` say what is compared, `channels` which records belong together, `notes` what was assumed in pairing them.
@@ -43,7 +43,7 @@ class Sources:
 
 def run_together(
     kind: Callable[..., Result],
-    sources: Sources,
+    sources: SourceSet,
     recipe: Recipe,
     work: Callable[[Inspected], Any],
     refused: Callable[[Inspected, str], Any],
@@ -73,7 +73,7 @@ def open_sources(
     *,
     against: Sequence[str] | None = None,
     progress: Progress | None = None,
-) -> Sources:
+) -> SourceSet:
     """Open each source and pair the channels; those of the last one may be named, and are then taken in order.
 
     Raises
@@ -87,7 +87,7 @@ def open_sources(
     recipes = [*[recipe] * (len(sources) - 1), last]
     recordings = tuple(open_source(source, r, progress) for source, r in zip(sources, recipes, strict=True))
     channels, notes = pair_channels(recordings, ordered=against is not None)
-    return Sources(recordings, name_sources(*sources), channels, notes)
+    return SourceSet(recordings, name_sources(*sources), channels, notes)
 
 
 def open_source(source: Source | Job[Any], recipe: Recipe, progress: Progress | None = None) -> Recording:

@@ -11,9 +11,9 @@ from allanite.study.noise import rejected
 
 from .axes import Axis
 from .bounds import remedy
-from .choice import POLICIES, Coefficient, Found, coefficients, selected
+from .choice import POLICIES, AxisCoefficient, Found, coefficients, selected
 from .content import Entry
-from .target import GYRO, Field, Target, demand_rate
+from .target import GYRO, Target, TargetField, demand_rate
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
     return Filled(tuple(entries), tuple(missing))
 
 
-def _absent(field: Field) -> str:
+def _absent(field: TargetField) -> str:
     if field.sensor == GYRO:
         return say("{field} is not written: no gyro", field=field.full)
     return say("{field} is not written: no accelerometer", field=field.full)
@@ -132,7 +132,7 @@ def _demand_sensors(target: Target, by_sensor: Mapping[str, Sequence[Axis]], axe
         raise DataError(f"{target.name} needs {names}, and there is only {there}: {remedy}")
 
 
-def _entry(field: Field, found: Found, where: tuple[Sequence[Axis], Target, How]) -> Entry:
+def _entry(field: TargetField, found: Found, where: tuple[Sequence[Axis], Target, How]) -> Entry:
     group, target, how = where
     rates = {axis.name: target.rate(axis.rate, how.filter_rate) for axis in group}
     if field.rate or (target.rated and not how.partial):
@@ -155,7 +155,7 @@ def _entry(field: Field, found: Found, where: tuple[Sequence[Axis], Target, How]
     )  # fmt: skip
 
 
-def _value(field: Field, one: Coefficient, rate: float, inflate: float) -> tuple[float, str]:
+def _value(field: TargetField, one: AxisCoefficient, rate: float, inflate: float) -> tuple[float, str]:
     """The value of a field, and the remark on it."""
     if not field.term:
         said = (
@@ -176,7 +176,7 @@ def _value(field: Field, one: Coefficient, rate: float, inflate: float) -> tuple
     )  # fmt: skip
 
 
-def _remark(field: Field, one: Coefficient, rate: float, inflate: float) -> str:
+def _remark(field: TargetField, one: AxisCoefficient, rate: float, inflate: float) -> str:
     parts = [one.note] if one.note else []
     if one.limit:
         parts.append(say("this is its 95 % upper limit"))

@@ -30,7 +30,7 @@ def spread(values: Sequence[float]) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True)
-class Lines:
+class LineLayout:
     """A file of lines.
 
     Attributes
@@ -42,7 +42,7 @@ class Lines:
     first : tuple of str
         What must stand before any comment.
     start, end : tuple of str
-        Lines around the fields, templates with `rate`.
+        LineLayout around the fields, templates with `rate`.
     alone : tuple of str
         Fields with one number where the others have a list of three.
     """
@@ -81,7 +81,7 @@ def told(entry: Entry) -> str:
 
 
 @dataclass(frozen=True)
-class Json:
+class JsonLayout:
     """A JSON file: an object for each section of the fields; `extra` are further keys of each, `root` encloses all.
 
     JSON has no comments: they are the last key, "comment".

@@ -33,7 +33,7 @@ FINE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Densities:
+class SensorNoise:
     """Noise of both sensors, its horizon, and the sample interval; None for continuous time or no horizon."""
 
     gyro: Model
@@ -44,7 +44,7 @@ class Densities:
     @classmethod
     def of(
         cls, gyro: ModelLike, accelerometer: ModelLike, duration: float | None = None, rate: float | None = None
-    ) -> "Densities":
+    ) -> "SensorNoise":
         """Both noises, checked.
 
         Raises

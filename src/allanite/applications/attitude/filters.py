@@ -9,7 +9,7 @@ import numpy as np
 from allanite.extending import DataError, FloatArray, UsageError, say, spelled
 
 from .coning import attitudes, rotation_vectors
-from .density import Densities
+from .density import SensorNoise
 from .gains import best_first_order, best_kalman, best_second_order
 from .inertial import Inertial
 from .loop import Loop
@@ -72,7 +72,7 @@ class AttitudeFilter:
     run: Callable[[Inertial, Setting], Angles]
     looped: bool = False
     estimates: bool = False
-    best: Callable[[Sequence[Densities]], Loop] = best_first_order
+    best: Callable[[Sequence[SensorNoise]], Loop] = best_first_order
 
 
 def _complementary(data: Inertial, setting: Setting) -> Angles:

@@ -19,7 +19,7 @@ from allanite.extending import (
     unit_of,
 )
 
-from .density import SENSORS, Densities, scale
+from .density import SENSORS, SensorNoise, scale
 from .loop import Loop
 
 
@@ -140,7 +140,7 @@ def predicted_error(
         A model is of another sensor, a needed horizon or rate is missing, or the time constant is not above the sample
         interval.
     """
-    noise = Densities.of(gyro, accelerometer, duration, rate)
+    noise = SensorNoise.of(gyro, accelerometer, duration, rate)
     loop = Loop.of(time_constant)
     if noise.interval is not None:
         loop.demand_sampled(noise.interval)
@@ -164,14 +164,14 @@ def _bias(value: str | float, si: str, example: str) -> float:
     return number * unit_of(unit).factor
 
 
-def predict(noise: Densities, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
+def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
     """`predicted_error` of densities that were checked, with biases in SI."""
     sources = (*_random(noise, loop), *_deterministic(noise, loop, bias))
     rate = None if noise.interval is None else 1 / noise.interval
     return Prediction(noise.gyro, noise.accelerometer, loop, noise.duration, rate, sources)
 
 
-def _random(noise: Densities, loop: Loop) -> Iterator[Source]:
+def _random(noise: SensorNoise, loop: Loop) -> Iterator[Source]:
     f, weight = noise.nodes
     gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
     for sensor, t, density in noise.noise:
@@ -179,7 +179,7 @@ def _random(noise: Densities, loop: Loop) -> Iterator[Source]:
         yield Source(sensor, t.symbol, text_of(t), math.sqrt(variance))
 
 
-def _deterministic(noise: Densities, loop: Loop, bias: tuple[float, float]) -> Iterator[Source]:
+def _deterministic(noise: SensorNoise, loop: Loop, bias: tuple[float, float]) -> Iterator[Source]:
     for i, (sensor, model) in enumerate(zip(SENSORS, (noise.gyro, noise.accelerometer), strict=True)):
         for t in model:
             if t.row.waveform is not None:
@@ -211,13 +211,13 @@ def texts(model: Model) -> str:
     return ", ".join(map(text_of, model))
 
 
-def _line(t: Term, noise: Densities, loop: Loop, which: int) -> float:
+def _line(t: Term, noise: SensorNoise, loop: Loop, which: int) -> float:
     """A sinusoid, averaged over its phase."""
     found = loop.responses(np.array([t.shape[0]]), noise.interval)[which]
     return abs(t.value) * float(np.abs(found[0])) / math.sqrt(2)
 
 
-def _ramp(t: Term, noise: Densities, loop: Loop, which: int) -> float:
+def _ramp(t: Term, noise: SensorNoise, loop: Loop, which: int) -> float:
     """A ramp that is zero in the middle of the run."""
     assert noise.duration is not None  # noqa: S101 - a ramp demands one
     span = abs(t.value) * noise.duration / math.sqrt(12)
@@ -235,12 +235,12 @@ def steady(loop: Loop, sensor: str, interval: float | None) -> float:
 
 def error_density(found: Prediction, f: FloatArray) -> dict[str, FloatArray]:
     """Root of the one-sided density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
-    noise = Densities.of(found.gyro, found.accelerometer, found.duration, found.rate)
+    noise = SensorNoise.of(found.gyro, found.accelerometer, found.duration, found.rate)
     gain = [np.abs(response) for response in found.loop.responses(f, noise.interval)]
     lines = {}
     for i, (sensor, model) in enumerate(zip(SENSORS, (found.gyro, found.accelerometer), strict=True)):
         for t in model:
             if t.row.waveform is None:
-                own = Densities(Model((t,)), Model((t,)), interval=noise.interval).total(sensor, f)
+                own = SensorNoise(Model((t,)), Model((t,)), interval=noise.interval).total(sensor, f)
                 lines[f"{sensor} {t.symbol}"] = gain[i] * np.sqrt(2 * own)
     return lines

@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.extending import FloatArray, Model, Value, say, simulate
 
-from .density import GRAVITY, Densities
+from .density import GRAVITY, SensorNoise
 from .inertial import Inertial
 
 Motion = tuple[FloatArray, FloatArray]
@@ -90,7 +90,7 @@ class Trial(Value):
     instant: bool = False
 
     def __post_init__(self) -> None:
-        noise = Densities.of(self.gyro, self.accelerometer, self.duration, self.rate)
+        noise = SensorNoise.of(self.gyro, self.accelerometer, self.duration, self.rate)
         object.__setattr__(self, "gyro", noise.gyro)
         object.__setattr__(self, "accelerometer", noise.accelerometer)
 

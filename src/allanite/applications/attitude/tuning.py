@@ -27,7 +27,7 @@ from allanite.extending import (
 )
 
 from .axes import Axes
-from .density import Densities
+from .density import SensorNoise
 from .filters import Setting
 from .inertial import Inertial, inertial, six_channels
 from .loop import Loop
@@ -138,15 +138,15 @@ def _model(channel: VerticalChannel, settings: VerticalSettings) -> Model | None
     return channel.model if known is None else known
 
 
-def _noises(models: Sequence[Model | None], data: Inertial) -> list[Densities]:
+def _noises(models: Sequence[Model | None], data: Inertial) -> list[SensorNoise]:
     """The noise of roll and of pitch; empty where that of one is not known."""
     duration = len(data.gyro) * data.interval
     pairs = [(models[g], models[2 + a]) for g, a in PAIRS]
     known = [(g, a) for g, a in pairs if g is not None and a is not None]
-    return [Densities.of(g, a, duration, data.rate) for g, a in known] if len(known) == len(pairs) else []
+    return [SensorNoise.of(g, a, duration, data.rate) for g, a in known] if len(known) == len(pairs) else []
 
 
-def _loop(settings: VerticalSettings, noises: list[Densities], refusals: Sequence[str]) -> Loop:
+def _loop(settings: VerticalSettings, noises: list[SensorNoise], refusals: Sequence[str]) -> Loop:
     """The filter, as given or the best for the noise."""
     if settings.time_constant is not None:
         slow = settings.bias_time or (SLOWER * settings.time_constant if settings.row.estimates else None)
@@ -162,7 +162,10 @@ def _loop(settings: VerticalSettings, noises: list[Densities], refusals: Sequenc
 
 
 def _angle(
-    i: int, values: FloatArray, how: tuple[VerticalSettings, Loop, list[Densities]], channels: Sequence[VerticalChannel]
+    i: int,
+    values: FloatArray,
+    how: tuple[VerticalSettings, Loop, list[SensorNoise]],
+    channels: Sequence[VerticalChannel],
 ) -> Angle:
     settings, loop, noises = how
     pair = channels[PAIRS[i][0]], channels[2 + PAIRS[i][1]]
@@ -176,7 +179,7 @@ def _angle(
     )  # fmt: skip
 
 
-def _best(noise: Densities) -> tuple[Optimum | None, list[str]]:
+def _best(noise: SensorNoise) -> tuple[Optimum | None, list[str]]:
     """The best filters for an angle, or why there are none: a given time constant does not need them."""
     try:
         return optimum(noise), []
@@ -192,7 +195,7 @@ def _doubts(pair: Sequence[VerticalChannel], prediction: Prediction | None) -> I
     lacking = [join(" ", (", ".join(e.symbol for e in c.wrong), c.record.name)) for c in pair if c.wrong]
     if lacking and prediction is not None:
         gyro, tilt = (channel.fitted for channel in pair)
-        noise = Densities.of(
+        noise = SensorNoise.of(
             gyro or prediction.gyro, tilt or prediction.accelerometer, prediction.duration, prediction.rate
         )
         yield say("the prediction is a lower bound: it lacks terms whose coefficients are not valid ({terms}); with "

@@ -19,7 +19,7 @@ import numpy as np
 
 from allanite.extending import FloatArray, UsageError
 
-from .density import Densities
+from .density import SensorNoise
 from .loop import ComplexArray, Loop
 
 STEPS = 64.0
@@ -44,7 +44,7 @@ PER_OCTAVE = 128
 """Points of a density between which its logarithm is taken to be straight."""
 
 
-def wiener_error(noise: Densities, best: Loop) -> float:
+def wiener_error(noise: SensorNoise, best: Loop) -> float:
     """Standard deviation of the angle of the optimal causal filter, rad; sinusoids and biases are taken to be known.
 
     Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without a
@@ -52,7 +52,7 @@ def wiener_error(noise: Densities, best: Loop) -> float:
 
     Parameters
     ----------
-    noise : Densities
+    noise : SensorNoise
     best : Loop
         The best filter of first order.
 
@@ -62,7 +62,7 @@ def wiener_error(noise: Densities, best: Loop) -> float:
         One of the sensors has no noise.
     """
     n, interval = _grid(noise, best.time_constant)
-    sampled = Densities(noise.gyro, noise.accelerometer, noise.duration, interval)
+    sampled = SensorNoise(noise.gyro, noise.accelerometer, noise.duration, interval)
     f = np.asarray(np.fft.rfftfreq(n, interval), dtype=np.float64)
     rate, tilt = (_held(sampled, sensor, f) for sensor in ("gyro", "accelerometer"))
     to_angle, to_tilt = _optimal(rate * interval**2, tilt, n)
@@ -71,14 +71,14 @@ def wiener_error(noise: Densities, best: Loop) -> float:
     return random_error(noise, best) * optimal / first
 
 
-def random_error(noise: Densities, loop: Loop) -> float:
+def random_error(noise: SensorNoise, loop: Loop) -> float:
     """Standard deviation of the angle from noise alone, rad."""
     f, weight = noise.nodes
     gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
     return math.sqrt(sum(float(gain[sensor != "gyro"] @ density) for sensor, _, density in noise.noise))
 
 
-def _grid(noise: Densities, time_constant: float) -> tuple[int, float]:
+def _grid(noise: SensorNoise, time_constant: float) -> tuple[int, float]:
     """Points of the transform, and the sample interval."""
     interval = noise.interval or time_constant / STEPS
     longest = FINER * 2 * noise.duration if noise.duration else MEMORY * time_constant
@@ -86,7 +86,7 @@ def _grid(noise: Densities, time_constant: float) -> tuple[int, float]:
     return n, interval if noise.interval else min(max(interval, longest / n), COARSE * interval)
 
 
-def _held(noise: Densities, sensor: str, f: FloatArray) -> FloatArray:
+def _held(noise: SensorNoise, sensor: str, f: FloatArray) -> FloatArray:
     """Density of a sensor, which falls steeply below the lowest frequency."""
     low = noise.lowest if noise.duration else float(f[1])
     x = np.geomspace(low, f[-1], max(16, math.ceil(PER_OCTAVE * math.log2(f[-1] / low))))

@@ -147,7 +147,7 @@ def _sizes(regressors: Sequence[Regressor], X: FloatArray, used: NDArray[np.bool
     return np.asarray(size)
 
 
-class _Channel(NamedTuple):
+class _Readings(NamedTuple):
     """Unit, mean and samples of a channel."""
 
     unit: str
@@ -156,7 +156,7 @@ class _Channel(NamedTuple):
 
 
 def _regressors(
-    record: Record, channels: Mapping[str, _Channel], settings: CompensationSettings
+    record: Record, channels: Mapping[str, _Readings], settings: CompensationSettings
 ) -> Iterator[tuple[Regressor, bool]]:
     """Each column, and whether it is optional."""
     for name in settings.regressors:
@@ -174,7 +174,7 @@ def _regressors(
         yield Regressor(TREND, "s"), False
 
 
-def _measured(name: str, record: Record, along: Recording) -> _Channel:
+def _measured(name: str, record: Record, along: Recording) -> _Readings:
     """A channel; its mean rounded to four digits of its spread, so that it can be written down."""
     if name not in along.channels:
         raise UsageError(f"the regressor {name!r} is missing; channels: {', '.join(along.channels)}")
@@ -194,7 +194,7 @@ def _measured(name: str, record: Record, along: Recording) -> _Channel:
                 unit=unit,
             )
         )
-    return _Channel(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
+    return _Readings(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
 
 
 def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:

@@ -27,7 +27,7 @@ from .gain import Gain, about_line
 from .mixture import mixture
 from .regression import Regression
 from .restricted import FloatArray
-from .selection import Fold, choose, folds
+from .selection import HeldBlock, choose, folds
 from .settings import CompensationSettings, FitSettings
 
 WHOLLY = 1e-11
@@ -131,7 +131,7 @@ def compensate(
     return _regression(record, whole, kept, settings, held=_held(whole, blocks, kept))
 
 
-def _held(whole: Design, blocks: Sequence[Fold], kept: list[int]) -> Gain:
+def _held(whole: Design, blocks: Sequence[HeldBlock], kept: list[int]) -> Gain:
     """Mean squares of the held-back blocks, less a trend alone, and less all columns."""
     trend = [i for i in kept if i in whole.trend]
     before, after = (sum(fold.squares(columns) for fold in blocks) for columns in (trend, kept))

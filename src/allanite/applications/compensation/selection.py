@@ -37,7 +37,7 @@ class Products:
 
 
 @dataclass(frozen=True, eq=False)
-class Fold:
+class HeldBlock:
     """A block that is held back, and the rest of the record."""
 
     rest: Products
@@ -67,7 +67,7 @@ class Fold:
         return float(self.held.yy - 2 * beta @ self.held.s[some] + beta @ self.held.S[np.ix_(some, some)] @ beta)
 
 
-def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[Fold]:
+def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[HeldBlock]:
     """The record in so many blocks of equal length, each held back once; those without enough samples are omitted."""
     first, last = design.stretches[0][0], design.stretches[-1][1]
     edges = np.linspace(first, last, blocks + 1).astype(int)
@@ -75,7 +75,7 @@ def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[
     for a, b in pairwise(edges.tolist()):
         parts = [_within(design.stretches, windows) for windows in ([(first, a), (b, last)], [(a, b)])]
         if all(parts):
-            found.append(Fold(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
+            found.append(HeldBlock(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
     return found
 
 
@@ -84,7 +84,7 @@ def _within(stretches: Sequence[Stretch], windows: Sequence[Stretch]) -> list[St
     return [(a, b) for a, b in cut if b - a >= SHORTEST]
 
 
-def choose(design: Design, folds: Sequence[Fold]) -> list[int]:
+def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
     """The columns that are kept: all that were requested, and one after the other what held-back blocks gain from.
 
     An optional column enters if it lowers the whitened misfit of the held-back blocks by more than one standard error

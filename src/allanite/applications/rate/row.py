@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from allanite.extending import FloatArray
 
-from .setting import Setting
+from .setting import Task
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +49,10 @@ class RateEstimator:
         What it is called, as text, LaTeX, source.
     assumes : str
         When it is the best there is.
-    weights : setting -> array, shape (n,)
+    weights : task -> array, shape (n,)
         The weights of the rates, their sum is 1; of a method that is not linear, those to which it tends.
-    measure : (interval, weights, setting) -> RateMeasurement
-    excess : setting -> float
+    measure : (interval, weights, task) -> RateMeasurement
+    excess : task -> float
         Variance beyond that of the weights, SI; NaN where it is not known.
     needs_model, needs_quantum : bool
     color : str
@@ -64,14 +64,14 @@ class RateEstimator:
     formula: str
     reference: str
     assumes: str
-    weights: Callable[[Setting], FloatArray]
-    measure: Callable[[Interval, FloatArray, Setting], RateMeasurement]
-    excess: Callable[[Setting], float] = lambda setting: 0.0
+    weights: Callable[[Task], FloatArray]
+    measure: Callable[[Interval, FloatArray, Task], RateMeasurement]
+    excess: Callable[[Task], float] = lambda task: 0.0
     needs_model: bool = False
     needs_quantum: bool = False
     color: str = "#6B6B6B"
 
 
-def linear(interval: Interval, weights: FloatArray, _: Setting) -> RateMeasurement:
+def linear(interval: Interval, weights: FloatArray, _: Task) -> RateMeasurement:
     """The weighted mean."""
     return RateMeasurement(float(weights @ interval.steps), {})

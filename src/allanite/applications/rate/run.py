@@ -24,9 +24,9 @@ from allanite.extending import (
 from .estimators import RATE_ESTIMATORS, estimator_named
 from .experiments import Experiment
 from .inputs import demand_whole, findings_of, interval_of
-from .measure import in_si, setting_of
+from .measure import in_si, task_of
 from .predict import ranking, standard_error
-from .setting import EstimatorSettings, Setting
+from .setting import EstimatorSettings, Task
 
 MOST = 100
 """Intervals of one measuring time, where times are compared: their scatter is known to 7 %."""
@@ -111,13 +111,13 @@ def experiment(
     size = min(max(3, round(settings.interval * record.rate)), record.size)
     starts, notes = _starts(record, size, settings)
     first = piece(record, int(starts[0]), size)
-    setting = setting_of(first, model, settings.target, dither=settings.dither, options=settings.options)
-    left_out = dict(_unusable(settings, setting))
+    task = task_of(first, model, settings.target, dither=settings.dither, options=settings.options)
+    left_out = dict(_unusable(settings, task))
     methods = tuple(method for method in settings.methods if method not in left_out)
     if not methods:
         raise UsageError("; ".join(f"{method}: {why}" for method, why in left_out.items()))
-    weights = {method: RATE_ESTIMATORS[method].weights(setting) for method in methods}
-    rates = _rates(record, starts, weights, setting) - settings.bias
+    weights = {method: RATE_ESTIMATORS[method].weights(task) for method in methods}
+    rates = _rates(record, starts, weights, task) - settings.bias
     return Experiment(
         name=record.name,
         signal=record.signal,
@@ -128,36 +128,36 @@ def experiment(
         rates=rates,
         reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
         known=settings.reference is not None,
-        predicted=_predicted(methods, weights, setting),
-        ranking=None if setting.model is None else ranking(setting),
+        predicted=_predicted(methods, weights, task),
+        ranking=None if task.model is None else ranking(task),
         left_out=left_out,
         notes=notes,
         findings=() if settings.gaps == "split" else findings_of(record),
     )
 
 
-def _rates(record: Record, starts: IntArray, weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
+def _rates(record: Record, starts: IntArray, weights: dict[str, FloatArray], task: Task) -> FloatArray:
     """The rate of every interval by every method, SI, shape (methods, intervals)."""
     rates = np.empty((len(weights), starts.size))
     for i, start in enumerate(starts):
-        interval = interval_of(piece(record, int(start), setting.size), setting)
+        interval = interval_of(piece(record, int(start), task.size), task)
         for j, (method, own) in enumerate(weights.items()):
-            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, own, setting), interval).value
+            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, own, task), interval).value
     return rates
 
 
-def _predicted(methods: tuple[str, ...], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
-    if setting.model is None:
+def _predicted(methods: tuple[str, ...], weights: dict[str, FloatArray], task: Task) -> FloatArray:
+    if task.model is None:
         return np.full(len(methods), math.nan)
-    return np.array([standard_error(RATE_ESTIMATORS[m], weights[m], setting) for m in methods])
+    return np.array([standard_error(RATE_ESTIMATORS[m], weights[m], task) for m in methods])
 
 
-def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[str, str]]:
+def _unusable(settings: ExperimentSettings, task: Task) -> Iterator[tuple[str, str]]:
     for method in settings.methods:
         row = RATE_ESTIMATORS[method]
-        if row.needs_model and setting.model is None:
+        if row.needs_model and task.model is None:
             yield method, say("it needs a noise model")
-        if row.needs_quantum and not math.isfinite(setting.pulse):
+        if row.needs_quantum and not math.isfinite(task.pulse):
             option = spelled("--quantum", "quantum=...")
             yield method, say("it needs counts, or the quantum of the angle ({option})", option=option)
 

@@ -37,7 +37,7 @@ class EstimatorSettings(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
+class Task:
     """What the weights of an estimator follow from: everything but the data.
 
     Attributes

@@ -8,7 +8,7 @@ from allanite.extending import FloatArray, UsageError, say, spelled
 
 from .linear import parabola
 from .row import Interval, RateEstimator, RateMeasurement
-from .setting import Setting
+from .setting import Task
 
 WORK = 7e6
 """Samples that the search may look at before it gives its best so far: some 40 ms."""
@@ -27,9 +27,9 @@ CUBE_ROOT = 2.2
 1.98 to 2.37 for noise of 0.4 to 4 quanta and n of 1000 to 48000."""
 
 
-def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:
+def _staircase(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement:
     y, line = _steps_and_line(interval)
-    p, q, least, bound = _search(y, line, math.inf if setting.options.certified else WORK)
+    p, q, least, bound = _search(y, line, math.inf if task.options.certified else WORK)
     slope = (line[-1] - line[0] + q - p) / (y.size - 1)
     details = {
         "misfit": least,
@@ -122,7 +122,7 @@ def _feasible(y: FloatArray, slope: float) -> tuple[float, float] | None:
     return ends[0], ends[1]
 
 
-def _excess(setting: Setting) -> float:
+def _excess(task: Task) -> float:
     """What the steps add to the regression's variance: n^(-1/3) pulses, the rate of a fit to something with jumps.
 
     Not known where the angle noise does not blur the steps.
@@ -131,11 +131,11 @@ def _excess(setting: Setting) -> float:
     ----------
     J. Kim, D. Pollard, Ann. Statist. 18 (1990) 191, for the power of n; the factor is simulated (benchmarks/rate.py).
     """
-    noise = next((t.value for t in setting.settled if t.row.alpha == 2), 0.0) / setting.pulse
+    noise = next((t.value for t in task.settled if t.row.alpha == 2), 0.0) / task.pulse
     if not noise >= DITHERED:
         return math.nan
-    ends = CUBE_ROOT * noise ** (2 / 3) * (setting.size + 1) ** (-1 / 3)
-    return float((ends * setting.pulse / setting.duration) ** 2)
+    ends = CUBE_ROOT * noise ** (2 / 3) * (task.size + 1) ** (-1 / 3)
+    return float((ends * task.pulse / task.duration) ** 2)
 
 
 STAIRCASE = RateEstimator(
@@ -147,7 +147,7 @@ STAIRCASE = RateEstimator(
         "counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
         "slightly worse than regression"
     ),
-    weights=lambda setting: parabola(setting.size),
+    weights=lambda task: parabola(task.size),
     measure=_staircase,
     excess=_excess,
     needs_quantum=True,
