@@ -11,10 +11,6 @@ REACH = 2 * 1.4826
 """Median absolute deviations from the median within which a line's slope is kept: two standard deviations."""
 
 
-def _flat(task: Task) -> FloatArray:
-    return np.full(task.size, 1 / task.size)
-
-
 def _window(task: Task) -> FloatArray:
     n, name = task.size, task.options.window
     if name == "hamming":
@@ -64,12 +60,10 @@ def _many_parabolas(task: Task) -> FloatArray:
     return np.asarray(total[1 : task.size + 1] - shifted[1 : task.size + 1]) / lines
 
 
-def _slopes(interval: Interval, task: Task) -> FloatArray:
-    """Slopes of all lines, all in one pass, shape (lines,).
-
-    The line through everything is subtracted first, so that the running sums stay small.
-    """
+def regression_lines(interval: Interval, task: Task) -> tuple[FloatArray, BoolArray]:
+    """Slopes of the regression lines in samples, and which are near enough to their median, shape (lines,)."""
     lines, length = _lines(task)
+    # the line through everything is subtracted first, so that the running sums stay small
     whole = float(parabola(task.size) @ interval.steps)
     angle = np.concatenate(([0.0], np.cumsum(interval.steps - whole)))
     position = np.arange(angle.size, dtype=np.float64)
@@ -77,12 +71,7 @@ def _slopes(interval: Interval, task: Task) -> FloatArray:
     start = np.arange(lines)
     sums, moments = (s[start + length + 1] - s[start] for s in (level, moment))
     centred = moments - (start + length / 2) * sums
-    return np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
-
-
-def regression_lines(interval: Interval, task: Task) -> tuple[FloatArray, BoolArray]:
-    """Slopes of the regression lines in samples, and which are near enough to their median, shape (lines,)."""
-    slopes = _slopes(interval, task)
+    slopes = np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
     away = np.abs(slopes - float(np.median(slopes)))
     allowed = task.options.allowed
     reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
@@ -106,7 +95,7 @@ MEAN = RateEstimator(
     formula=r"\hat\Omega = \theta(T) / T",
     reference=say("IEEE Std 647; the mean of means of equal parts is the same number"),
     assumes=say("white rate noise (angle random walk) alone"),
-    weights=_flat,
+    weights=lambda task: np.full(task.size, 1 / task.size),
     measure=linear,
 )
 HAMMING = RateEstimator(

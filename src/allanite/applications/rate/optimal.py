@@ -52,11 +52,7 @@ def _optimal(task: Task) -> FloatArray:
     if set(sizes) <= {"Q", "N"} and not task.dither:
         ratio = sizes.get("N", 0.0) / math.sqrt(task.rate) / sizes["Q"] if "Q" in sizes else math.inf
         return white_and_angle(task.size, 2 * math.asinh(ratio / 2))
-    return _kriging(task)
-
-
-def _kriging(task: Task) -> FloatArray:
-    """The general case, by conjugate gradients."""
+    # the general case, by conjugate gradients
     n, rate, g = task.size, task.rate, task.aim
     noise = tuple(t for t in (*task.settled, *task.wandering) if t.row.waveform is None)
     if not noise:

@@ -1,10 +1,11 @@
 """What a row of the table of estimators holds, and what it measures."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from allanite.extending import FloatArray
+from allanite.extending import FloatArray, say, spelled
 
 from .setting import Task
 
@@ -70,6 +71,13 @@ class RateEstimator:
     needs_model: bool = False
     needs_quantum: bool = False
     color: str = "#6B6B6B"
+
+    def lacks(self, task: Task) -> str:
+        """What the method needs and a task does not have; empty if it can be used."""
+        if self.needs_quantum and not math.isfinite(task.pulse):
+            option = spelled("--quantum", "quantum=...")
+            return say("it needs counts, or the quantum of the angle ({option})", option=option)
+        return say("it needs a noise model") if self.needs_model and task.model is None else ""
 
 
 def linear(interval: Interval, weights: FloatArray, _: Task) -> RateMeasurement:

@@ -37,10 +37,26 @@ def _staircase(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement
         "phase": float(line[0] + p) % 1.0,
         "RMS residual": math.sqrt(least / y.size),
     }
-    limits = _feasible(y, slope) if least == 0 else None
-    if limits is None:
+    t = np.arange(y.size) - (y.size - 1) / 2
+
+    def gap(a: float) -> tuple[float, float]:
+        free = y - a * t
+        high, low = int(free.argmax()), int(free.argmin())
+        return float(free[high] - free[low] - 1), float(t[low] - t[high])
+
+    if least > 0 or gap(slope)[0] > 0:
         return RateMeasurement(slope * interval.pulse - interval.offset, details)
-    low, high = (limit * interval.pulse - interval.offset for limit in limits)
+    # all slopes a with y <= a t + b < y + 1 for some b: the gap max(y - a t) - min(y + 1 - a t) is convex in a, made of
+    # straight pieces, and must not be positive: Newton's steps from outside end at its zeros exactly
+    limits = []
+    for side in (-1.0, 1.0):
+        a = slope + side * 4 / (y.size - 1)
+        value, steep = gap(a)
+        while not (value <= 1e-12 or steep * side <= 0):
+            a -= value / steep
+            value, steep = gap(a)
+        limits.append(a * interval.pulse - interval.offset)
+    low, high = limits
     return RateMeasurement((low + high) / 2, details, (low, high))
 
 
@@ -93,33 +109,6 @@ def _steps_and_line(interval: Interval) -> tuple[FloatArray, FloatArray]:
     y = near if np.abs(angle - near).max() < 1e-6 else angle
     t = np.arange(y.size) - (y.size - 1) / 2
     return y, y.mean() + 0.5 + float(t @ y) / float(t @ t) * t
-
-
-def _feasible(y: FloatArray, slope: float) -> tuple[float, float] | None:
-    """All slopes a with y <= a t + b < y + 1 for some b: (least, largest); None if `slope` is none of them.
-
-    The gap max(y - a t) - min(y + 1 - a t) is convex in a, made of straight pieces, and must not be positive: Newton's
-    steps from outside end at its zeros exactly.
-    """
-    t = np.arange(y.size) - (y.size - 1) / 2
-
-    def gap(a: float) -> tuple[float, float]:
-        free = y - a * t
-        high, low = int(free.argmax()), int(free.argmin())
-        return float(free[high] - free[low] - 1), float(t[low] - t[high])
-
-    if gap(slope)[0] > 0:
-        return None
-    ends = []
-    for side in (-1.0, 1.0):
-        a = slope + side * 4 / (y.size - 1)
-        while True:
-            value, steep = gap(a)
-            if value <= 1e-12 or steep * side <= 0:
-                break
-            a -= value / steep
-        ends.append(a)
-    return ends[0], ends[1]
 
 
 def _excess(task: Task) -> float:
