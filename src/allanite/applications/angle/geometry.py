@@ -187,16 +187,11 @@ def gimbals(
         rho=None if turn_period is None else 2 * math.pi / turn_period * clock,
     )  # fmt: skip
     swaying = sway_of(sway)
-    return still if swaying is None else _swaying(still, swaying)
-
-
-def _swaying(still: Gimbals, sway: Sway) -> Gimbals:
-    seen = {}
-    for h, q in (("h", "q"), ("h_polar", "q_polar")):
-        east, north, up = sway.turn(_vector(getattr(still, h), getattr(still, q)), still.time)
-        seen[h], seen[q] = np.arcsin(np.clip(up, -1.0, 1.0)), np.unwrap(np.arctan2(east, north))
-    return still.moved(**seen)
-
-
-def _vector(h: FloatArray, q: FloatArray) -> FloatArray:
-    return np.array([np.cos(h) * np.sin(q), np.cos(h) * np.cos(q), np.sin(h)])
+    if swaying is None:
+        return still
+    angles = {}
+    for h_name, q_name in (("h", "q"), ("h_polar", "q_polar")):
+        h, q = getattr(still, h_name), getattr(still, q_name)
+        east, north, up = swaying.turn(np.array([np.cos(h) * np.sin(q), np.cos(h) * np.cos(q), np.sin(h)]), clock)
+        angles[h_name], angles[q_name] = np.arcsin(np.clip(up, -1.0, 1.0)), np.unwrap(np.arctan2(east, north))
+    return still.moved(**angles)
