@@ -96,17 +96,13 @@ def noise_in(text: str, target: Target, rate: float | None, name: str = "the tex
 
 
 def _model(sensor: str, values: dict[TargetField, list[float]], rate: float) -> Model | None:
-    signal, terms, time = signal_named(sensor), [], _time(sensor, values)
-    for field, found in values.items():
-        if field.sensor == sensor and field.term and found and max(found) > 0:
-            terms.append(Term(field.term, field.coefficient(max(found), rate, time), signal))
-    return Model(tuple(terms)) if terms else None
-
-
-def _time(sensor: str, values: dict[TargetField, list[float]]) -> float:
-    """The correlation time of a sensor, or the one that both have in common, s."""
+    # the correlation time of the sensor, or the one that both have in common, s
     times = {f.sensor: max(found) * unit_of(f.unit).factor for f, found in values.items() if found and not f.term}
-    return times.get(sensor, next(iter(times.values()), LONG))
+    time = times.get(sensor, next(iter(times.values()), LONG))
+    largest = {f: max(found) for f, found in values.items() if found and f.sensor == sensor and f.term}
+    signal = signal_named(sensor)
+    terms = [Term(f.term, f.coefficient(size, rate, time), signal) for f, size in largest.items() if size > 0]
+    return Model(tuple(terms)) if terms else None
 
 
 def _section(text: str, field: TargetField, target: Target) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from allanite.core.errors import UsageError
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 
 if TYPE_CHECKING:
@@ -69,6 +70,13 @@ class TargetField:
     def full(self) -> str:
         """Its name with that of its section."""
         return f"{self.section}.{self.name}".strip(".")
+
+    @property
+    def absent(self) -> str:
+        """That it is not written, for there is no such sensor."""
+        if self.sensor == GYRO:
+            return say("{field} is not written: no gyro", field=self.full)
+        return say("{field} is not written: no accelerometer", field=self.full)
 
     @property
     def formula(self) -> str:
