@@ -12,10 +12,9 @@ from allanite.extending import Finding, FloatArray, UsageError, Value
 from .calibration import Prior, prior_of
 from .caveats import caveats
 from .design import USUAL, amplitude_names, design, harmonic_set
-from .geometry import QUARTER, Gimbals, gimbals
+from .geometry import QUARTER, Gimbals, Sway, gimbals, sway_of
 from .solution import correlation_of
 from .squareroot import batch
-from .sway import Sway, sway_of
 
 READINGS = 4096
 """Samples of one window of a scan; more are thinned, their noise averaged."""

@@ -48,9 +48,9 @@ def _optimal(task: Task) -> FloatArray:
     model = task.needed_model
     if not task.settled and not task.wandering:
         return np.full(task.size, 1 / task.size)
-    sizes = {t.symbol: t.value for t in model if t.value != 0}
-    if set(sizes) <= {"Q", "N"} and not task.dither:
-        ratio = sizes.get("N", 0.0) / math.sqrt(task.rate) / sizes["Q"] if "Q" in sizes else math.inf
+    sizes = {t.row.alpha: t.value for t in model if t.value != 0}
+    if set(sizes) <= {0, 2} and not task.dither:  # white noise of the rate and of the angle
+        ratio = sizes.get(0, 0.0) / math.sqrt(task.rate) / sizes[2] if 2 in sizes else math.inf
         return white_and_angle(task.size, 2 * math.asinh(ratio / 2))
     # the general case, by conjugate gradients
     n, rate, g = task.size, task.rate, task.aim

@@ -27,8 +27,7 @@ from allanite.extending import (
     unit_of,
 )
 
-from .codes import Codes, codes
-from .stage import Stage, demand_unclipped
+from .stage import Codes, Stage, codes, demand_unclipped
 from .torque import TorqueScale, ampere_of, converted, electric, factor_of, gain_of
 
 MATTERS = 0.01
