@@ -30,7 +30,7 @@ from allanite.applications.rate import (
     experiment,
     predicted_standard_error,
 )
-from allanite.applications.rate.measure import setting_of
+from allanite.applications.rate.measure import task_of
 from allanite.applications.rate.setting import TARGETS
 from allanite.simulation.ring_laser import GL1
 from allanite.statistics.moments.gls import autocovariance
@@ -78,7 +78,7 @@ def correlated_angle(sigma: float, seconds: float) -> dict[str, float]:
     """Standard errors under angle noise that is exponentially correlated and nothing else, deg/h."""
     c = sigma**2 * np.exp(-np.arange(N + 1) / RATE / seconds)
     rates = RATE**2 * np.r_[2 * (c[0] - c[1]), 2 * c[1:-1] - c[:-2] - c[2:]]
-    setting = setting_of(al.Record(np.zeros(N), rate=RATE, unit="deg/h"), None, "mean")
+    setting = task_of(al.Record(np.zeros(N), rate=RATE, unit="deg/h"), None, "mean")
     weights = {m: RATE_ESTIMATORS[m].weights(setting) for m in ("mean", "hamming", "regression")}
     found = {m: math.sqrt(w @ product(rates, w)) for m, w in weights.items()}
     return found | {"bound": 1 / math.sqrt(solve_toeplitz(rates, np.ones(N)).sum())}

@@ -21,7 +21,7 @@ from allanite.applications.rate import closeup
 from allanite.applications.rate.campaign import RateSettings, measure_rates
 from allanite.applications.signals import TorqueScale
 from allanite.applications.signals.budgeting import PathSettings
-from allanite.applications.signals.codes import codes
+from allanite.applications.signals.stage import codes
 from allanite.batch.scatter import Outlying, Trend
 from allanite.comparison.comparison import ComparisonSettings
 from allanite.core.averaged import averaged

@@ -76,10 +76,10 @@ def read(path, options):
 
 PILOT = """
 from allanite.phrases.phrase import say
-from allanite.exporting.layouts import Lines
+from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import DENSITY, Target, pair
 PILOT = Target(name="pilot", title=say("settings of Pilot"), fields=pair("gyro_noise", "accel_noise", *DENSITY),
-               forms={".cfg": Lines("{name} = {value}")}, source="manual of Pilot, section 3: two-sided densities")
+               forms={".cfg": LineLayout("{name} = {value}")}, source="manual of Pilot, section 3: two-sided densities")
 """
 
 EXTENT = """

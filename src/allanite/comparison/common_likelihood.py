@@ -135,22 +135,57 @@ def joint(
             )
             raise DataError(short)
     plain = [s for s in symbols if not TERMS[s].parameters]
-    shaped = [] if constant is None else [s for s in symbols if TERMS[s].parameters and TERMS[s].waveform is None]
-    noise = (*(s for s in plain if TERMS[s].waveform is None), *shaped)
-    seen = tuple(spectrum(record, detrend=any(TERMS[s].waveform is not None for s in plain)) for record in records)
-    band = common_band(records, band, scopes)
-    masks = [mask for scope in scopes if scope for mask in scope.masks]
-    parts = []
-    for record, found, scope in zip(records, seen, scopes or [None] * len(records), strict=True):
-        whole = likelihood(found, plain)
-        for symbol in shaped:
-            row = Term(symbol, 1.0, record.signal, (constant or 0.0,)).sampled(record.rate)
-            whole = whole.with_more(column(row, found))
-        if scope is not None and scope.filter is not None:
-            gain = Tuned(scope.filter.row, scope.filter.cutoff / record.rate).gain(found)
-            whole = whole.behind(gain, float(gain @ found.count / found.count.sum()))
-        parts.append(_in_si(_in_band(found, whole, band, masks), found, noise))
-    return Joint(noise, tuple(parts), seen, records[0].signal, band, constant)
+    shaped = [s for s in symbols if constant and TERMS[s].parameters and TERMS[s].waveform is None]
+    quiet = [s for s in plain if TERMS[s].waveform is None]
+    noise = (*quiet, *shaped)
+    seen = tuple(spectrum(record, detrend=len(quiet) < len(plain)) for record in records)
+    band, scopes = common_band(records, band, scopes), scopes or [None] * len(records)
+    wholes = [likelihood(found, plain) for found in seen]
+    for symbol in shaped:
+        one = Term(symbol, 1.0, records[0].signal, (constant or 0.0,))
+        every = zip(wholes, records, seen, strict=True)
+        wholes = [whole.with_more(column(one.sampled(record.rate), found)) for whole, record, found in every]
+    own = zip(wholes, seen, scopes, strict=True)
+    parts = tuple(_part(whole, found, noise, scope, band=band, scopes=scopes) for whole, found, scope in own)
+    return Joint(noise, parts, seen, records[0].signal, band, constant)
+
+
+def _part(
+    whole: Likelihood,
+    seen: Spectrum,
+    noise: Sequence[str],
+    scope: Scope | None,
+    *,
+    band: tuple[float, float],
+    scopes: Sequence[Scope | None],
+) -> Likelihood:
+    """The likelihood of one record behind its filter, within the band and outside all masks, in SI."""
+    if scope and scope.filter:
+        gain = Tuned(scope.filter.row, scope.filter.cutoff / seen.rate).gain(seen)
+        whole = whole.behind(gain, float(gain @ seen.count / seen.count.sum()))
+    low, high = band
+    # coefficient k represents frequencies from k - 1/2 to k + 1/2
+    half = seen.rate / (4 * seen.size)
+    first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
+    inside = (first > low) & (last <= high * (1 + 1e-9))
+    for start, end in (mask for other in filter(None, scopes) for mask in other.masks):
+        inside &= (last < start) | (first > end)
+    if inside.sum() < FEWEST:
+        raise DataError(
+            say_count(
+                int(inside.sum()),
+                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
+                "has {count} bin of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
+                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
+                "has {count} bins of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
+                low=low,
+                high=high,
+                fewest=FEWEST,
+            )
+        )
+    part = whole.only(inside)
+    size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])  # of squares, in SI
+    return replace(part, S=part.S * size, W=part.W * size)
 
 
 def common_band(
@@ -212,35 +247,3 @@ def demand_one_kind(records: Sequence[Record]) -> None:
                 option=spelled("--channels", "channels=..."),
             )
         )
-
-
-def _in_band(
-    seen: Spectrum, whole: Likelihood, band: tuple[float, float], masks: Sequence[tuple[float, float]]
-) -> Likelihood:
-    """The bins within a band and outside the masks; coefficient k represents frequencies from k - 1/2 to k + 1/2."""
-    low, high = band
-    half = seen.rate / (4 * seen.size)
-    first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
-    inside = (first > low) & (last <= high * (1 + 1e-9))
-    for mask in masks:
-        inside &= (last < mask[0]) | (first > mask[1])
-    if inside.sum() < FEWEST:
-        raise DataError(
-            say_count(
-                int(inside.sum()),
-                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
-                "has {count} bin of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
-                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
-                "has {count} bins of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
-                low=low,
-                high=high,
-                fewest=FEWEST,
-            )
-        )
-    return whole.only(inside)
-
-
-def _in_si(part: Likelihood, seen: Spectrum, noise: Sequence[str]) -> Likelihood:
-    """The same for squared coefficients in SI."""
-    size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])
-    return replace(part, S=part.S * size, W=part.W * size)

@@ -8,7 +8,6 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.prepare import trim
@@ -20,10 +19,10 @@ from allanite.study.recipe import Recipe
 
 from .comparison import Comparison, ComparisonSettings, Pair
 from .intervals import compare_fits
-from .pooled import Pool
-from .pooling import pool_records, refuse_pool
-from .sources import Sources, name_both, open_source, open_sources, run_together
-from .two_records import compare_records, refuse_pair
+from .pooled import Pool, PooledChannel
+from .pooling import pool_records
+from .sources import SourceSet, name_both, open_source, open_sources, run_together
+from .two_records import compare_records
 
 Source = channels.Source | Study
 
@@ -112,7 +111,7 @@ def compare_channels(
                 "give a second recording, more channels, or use truncation to compare its beginning with the rest",
             )
         )
-    sources = Sources((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
+    sources = SourceSet((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
     if len(recording) == 2:
         return _compare(sources, recipe, rng=rng, progress=progress)
     return _pool(sources, recipe, rng=rng, progress=progress)
@@ -207,19 +206,17 @@ def truncation(
     recording = open_source(source, recipe, progress)
     part, rest = trim(recording, None, until), trim(recording, until, None)
     pairs = [(record.name, (part[record.name], rest[record.name])) for record in recording]
-    sources = Sources((recording,), (say("first {until:g} s", until=until), say("rest")), pairs)
+    sources = SourceSet((recording,), (say("first {until:g} s", until=until), say("rest")), pairs)
     found = _compare(sources, recipe, ComparisonSettings(part=until), rng=rng, progress=progress)
-    return replace(found, channels=tuple(_with_whole(pair, recording, recipe) for pair in found))
 
+    def with_whole(pair: Pair) -> Pair:
+        """The pair and the fit of the whole, of the terms that were compared."""
+        terms = ",".join(change.symbol for change in pair.changes if change.frequency is None)
+        whole = noise_of(recording[pair.name], recipe, terms=terms)
+        doubts = (say("the whole: {doubt}", doubt=doubt) for doubt in whole.doubts)
+        return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *doubts))
 
-def _with_whole(pair: Pair, recording: Recording, recipe: Recipe) -> Pair:
-    """The pair and the fit of the whole, of the terms that were compared."""
-    if pair.refusal:
-        return pair
-    terms = ",".join(change.symbol for change in pair.changes if change.frequency is None)
-    whole = noise_of(recording[pair.name], recipe, terms=terms)
-    doubts = (say("the whole: {doubt}", doubt=doubt) for doubt in whole.doubts)
-    return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *doubts))
+    return replace(found, channels=tuple(pair if pair.refusal else with_whole(pair) for pair in found))
 
 
 def _ready(recipe: Recipe | None) -> Recipe:
@@ -231,7 +228,7 @@ def _ready(recipe: Recipe | None) -> Recipe:
 
 
 def _compare(
-    sources: Sources,
+    sources: SourceSet,
     recipe: Recipe,
     settings: ComparisonSettings | None = None,
     *,
@@ -240,9 +237,9 @@ def _compare(
 ) -> Comparison:
     kind = partial(Comparison, settings=settings or ComparisonSettings())
     work = partial(compare_records, recipe=recipe, rng=rng or np.random.default_rng(1))
-    return run_together(kind, sources, recipe, work, refuse_pair, progress=progress)
+    return run_together(kind, sources, recipe, work, Pair.refused, progress=progress)
 
 
-def _pool(sources: Sources, recipe: Recipe, *, rng: "np.random.Generator | None", progress: Progress | None) -> Pool:
+def _pool(sources: SourceSet, recipe: Recipe, *, rng: "np.random.Generator | None", progress: Progress | None) -> Pool:
     work = partial(pool_records, names=sources.names, recipe=recipe, rng=rng or np.random.default_rng(1))
-    return run_together(Pool, sources, recipe, work, refuse_pool, doing="pooling", progress=progress)
+    return run_together(Pool, sources, recipe, work, PooledChannel.refused, doing="pooling", progress=progress)

@@ -18,8 +18,8 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import join, say, say_count
 from allanite.phrases.wording import duration
 
-from .change import Change, Homogeneity, holm, told
-from .job_of_pairs import Together, of_symbol
+from .change import Change, holm, told
+from .together import ComparedChannel, Together, of_symbol
 
 SECOND = 5.0
 """Factor of the p of curves: with it the share of equal records that are called different stays that of the test."""
@@ -90,52 +90,31 @@ class Ratios(Value):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Pair(Value):
-    """One channel before and after; `refusal` says why it could not be compared.
+class Pair(ComparedChannel):
+    """One channel before and after.
 
     Attributes
     ----------
-    name : str
-        Name of the channel; of both if they differ.
-    test : Homogeneity or None
-        The likelihood ratio of one common model against two; None where only fits were at hand.
     changes : tuple of Change
         One a term.
     ratios : Ratios or None
-    band : (low, high) or None
-        Frequencies that were compared, Hz.
-    fits : (Fit, Fit) or None
-    explained : tuple of bool
-        Whether each fit explains its record.
-    grades : tuple of str
-        How well, as text.
-    records : (Record, Record) or None
-        Only the header of each where the comparison was stored.
-    alerts : tuple of str
-        What must stand beside the numbers.
     whole : Fit or None
         Fit of the record of which both are parts, in a study of truncation.
     paired : bool
         Whether both hold the same noise, and are compared sample by sample.
+    name, test, band, fits, explained, grades, records, alerts, refusal, alpha
+        See `ComparedChannel`. Where only fits were at hand there is no test, and there are no records.
     """
 
     _keys: ClassVar = {"changes": "terms"}
     _also = ("verdict", "changed")
 
-    name: str
-    test: Homogeneity | None = None
+    fits: tuple[Fit, Fit] | None = None  # type: ignore[assignment]
+    records: tuple[Record | Header, Record | Header] | None = None  # type: ignore[assignment]
     changes: tuple[Change, ...] = ()
     ratios: Ratios | None = None
-    band: tuple[float, float] | None = None
-    fits: tuple[Fit, Fit] | None = None
-    explained: tuple[bool, ...] = ()
-    records: tuple[Record | Header, Record | Header] | None = None
-    alerts: tuple[str, ...] = ()
-    refusal: str = ""
-    alpha: float = 0.05
     whole: Fit | None = None
     paired: bool = False
-    grades: tuple[str, ...] = ()
 
     def __getitem__(self, symbol: str) -> Change:
         return of_symbol(self.changes, symbol, "compared")
@@ -158,27 +137,33 @@ class Pair(Value):
         """What has changed and what has not, in a sentence or two."""
         if self.refusal:
             return say("not compared: {reason}", reason=self.refusal)
-        same = [c.label for c in self.changes if c.outcome == "no change"]
-        open_ = [_open(c) for c in self.changes if c.outcome == "not resolvable"]
-        parts = [self._first]
-        parts += [self._curves] if self._curves else []
-        parts += (
-            [say("unchanged within their intervals: {coefficients}", coefficients=join(", ", same))] if same else []
-        )
-        longer = say(
-            "not resolvable in these records, but in longer ones: {coefficients}, where a coefficient as large as its "
-            "limit changes by a factor of 2",
-            coefficients=join(", ", open_),
-        )
-        return join("; ", [*parts, longer] if open_ else parts)
-
-    @property
-    def _first(self) -> str:
-        """Whether the noise has changed, and in which coefficients."""
         named = join(", ", [told(change) for change in self.changes if change.significant])
         if self.changed:
-            return join(": ", [self._headline, named or say("no single coefficient changes significantly")])
-        return say("{verdict}; by itself {changes}", verdict=self._headline, changes=named) if named else self._headline
+            parts: list[str] = [
+                join(": ", [self._headline, named or say("no single coefficient changes significantly")])
+            ]
+        elif named:
+            parts = [say("{verdict}; by itself {changes}", verdict=self._headline, changes=named)]
+        else:
+            parts = [self._headline]
+        if self._curves:
+            parts.append(self._curves)
+        same = [c.label for c in self.changes if c.outcome == "no change"]
+        if same:
+            parts.append(say("unchanged within their intervals: {coefficients}", coefficients=join(", ", same)))
+        open_ = [
+            say("{coefficient} (at {length} or more)", coefficient=c.label, length=duration(c.needed))
+            if c.needed is not None
+            else c.label
+            for c in self.changes
+            if c.outcome == "not resolvable"
+        ]
+        if open_:
+            parts.append(
+                say("not resolvable in these records, but in longer ones: {coefficients}, where a coefficient as large "
+                    "as its limit changes by a factor of 2", coefficients=join(", ", open_))
+            )  # fmt: skip
+        return join("; ", parts)
 
     @property
     def _headline(self) -> str:
@@ -222,16 +207,6 @@ class Pair(Value):
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
         return super().to_dict(level) | {"p": finite(self.p)}
-
-    def _summary(self) -> str:
-        return f"{self.name!r}: {self.verdict}"
-
-
-def _open(change: Change) -> str:
-    """What is not resolved, and from which length of the records on it would be."""
-    if change.needed is None:
-        return change.label
-    return say("{coefficient} (at {length} or more)", coefficient=change.label, length=duration(change.needed))
 
 
 @dataclass(frozen=True, repr=False)

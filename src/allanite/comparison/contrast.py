@@ -128,7 +128,8 @@ class Contrast(Portable):
         drop = float(ndtri((1 + level) / 2)) ** 2
         best = self.ratio
         at = math.pi / 4 if math.isnan(best) else math.atan(best)
-        return math.tan(self._solve(drop, at, 0.0)), _tangent(self._solve(drop, at, math.pi / 2))
+        high = self._solve(drop, at, math.pi / 2)
+        return math.tan(self._solve(drop, at, 0.0)), math.inf if high == math.pi / 2 else math.tan(high)
 
     def _solve(self, drop: float, best: float, end: float) -> float:
         """Where the excess is `drop` between the best angle and an end; the end if it is less there."""
@@ -144,10 +145,6 @@ class Contrast(Portable):
             return math.sqrt(self.excess(phi)) - math.sqrt(drop)
 
         return float(brentq(beyond, inside, outside, xtol=1e-4 * abs(outside - best), rtol=1e-12))
-
-
-def _tangent(phi: float) -> float:
-    return math.inf if phi == math.pi / 2 else math.tan(phi)
 
 
 def outlying(joint: Joint) -> list[float]:

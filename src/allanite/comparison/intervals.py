@@ -63,16 +63,15 @@ class IntervalContrast:
 
     def limits(self, level: float) -> tuple[float, float]:
         """Limits of the ratio; from 0 (for a signed coefficient: minus infinity) to infinity where it is open."""
-        signed = [e.value is not None and e.value < 0 for e in (self.first, self.second)]
         (l1, v1, u1), (l2, v2, u2) = (_sizes(e, level) for e in (self.first, self.second))
-        if signed[0] != signed[1]:
-            return (-u2 / l1 if l1 > 0 else -math.inf), 0.0
+        if ((self.first.value or 0.0) < 0) != ((self.second.value or 0.0) < 0):
+            return -_over(u2, l1), 0.0
         low = math.exp(-math.hypot(_log(v2, l2), _log(u1, v1))) if min(l2, v1) > 0 and math.isfinite(u1) else 0.0
         high = math.exp(math.hypot(_log(u2, v2), _log(v1, l1))) if min(l1, v2) > 0 and math.isfinite(u2) else math.inf
         if v1 > 0 and v2 > 0:
             return low * v2 / v1, high * v2 / v1
         if v1 > 0:  # the second one was not found
-            return 0.0, u2 / l1 if l1 > 0 else math.inf
+            return 0.0, _over(u2, l1)
         return _over(l2, u1), math.inf
 
 

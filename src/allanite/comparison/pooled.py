@@ -8,19 +8,16 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
 from allanite.core.estimate import Estimate
-from allanite.core.fit import Fit, chance
-from allanite.core.header import Header
+from allanite.core.fit import chance
 from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
 from allanite.core.plain import Value
-from allanite.core.record import Record
 from allanite.core.titles import title_of
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
-from .change import Homogeneity
-from .job_of_pairs import Together, of_symbol
+from .together import ComparedChannel, Together, of_symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -87,14 +84,11 @@ class PooledTerm(Value):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PooledChannel(Value):
-    """One channel of all runs; `refusal` says why it could not be pooled.
+class PooledChannel(ComparedChannel):
+    """One channel of all runs.
 
     Attributes
     ----------
-    name : str
-    test : Homogeneity or None
-        Test of one common model against one for each run.
     terms : tuple of PooledTerm
     curve : Curve or None
         Variances averaged by their degrees of freedom, which add up.
@@ -106,35 +100,19 @@ class PooledChannel(Value):
         Outlying runs with the adjusted p, in the order in which they were removed.
     rest : float
         p of one common model for the runs that are left.
-    fits : tuple of Fit
-    explained : tuple of bool
-        Whether each fit explains its record.
-    grades : tuple of str
-        How well, as text.
-    records : tuple of Record
-    band : (low, high) or None
-        Frequencies that were compared, Hz.
+    name, test, band, fits, explained, grades, records, alerts, refusal, alpha
+        See `ComparedChannel`.
     """
 
     _keys: ClassVar = {"rest": "p_rest"}
     _also = ("verdict",)
 
-    name: str
-    test: Homogeneity | None = None
     terms: tuple[PooledTerm, ...] = ()
     curve: Curve | None = None
     curves: tuple[Curve, ...] = ()
     p: FloatArray | None = None
     apart: dict[str, float] = field(default_factory=dict)
     rest: float = 1.0
-    fits: tuple[Fit, ...] = ()
-    explained: tuple[bool, ...] = ()
-    records: tuple[Record | Header, ...] = ()
-    band: tuple[float, float] | None = None
-    alerts: tuple[str, ...] = ()
-    refusal: str = ""
-    alpha: float = 0.05
-    grades: tuple[str, ...] = ()
 
     def __getitem__(self, symbol: str) -> PooledTerm:
         return of_symbol(self.terms, symbol, "pooled")
@@ -164,20 +142,15 @@ class PooledChannel(Value):
         parts = [first]
         if self.apart:
             runs_apart = join(", ", [join("", (name, f" ({chance(p)})")) for name, p in self.apart.items()])
-            parts += [say("different from the others: {runs}", runs=runs_apart), self._remaining]
+            parts.append(say("different from the others: {runs}", runs=runs_apart))
+            if self.rest > self.alpha:
+                parts.append(say("the remaining runs have the same noise ({p})", p=chance(self.rest)))
+            else:
+                parts.append(say("the remaining runs still differ ({p})", p=chance(self.rest)))
         named = [t.symbol for t in self.terms if t.adjusted <= self.alpha]
         if named:
             parts.append(say("the scatter between runs exceeds that within them in {terms}", terms=", ".join(named)))
         return join("; ", parts)
-
-    @property
-    def _remaining(self) -> str:
-        if self.rest > self.alpha:
-            return say("the remaining runs have the same noise ({p})", p=chance(self.rest))
-        return say("the remaining runs still differ ({p})", p=chance(self.rest))
-
-    def _summary(self) -> str:
-        return f"{self.name!r}: {self.verdict}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,10 +8,8 @@ from functools import partial
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.curve import Curve
 from allanite.core.fit import Fit
 from allanite.core.limits import Remembered
-from allanite.core.record import Record
 from allanite.identification.likelihood.selection import standard_error
 from allanite.phrases.phrase import say
 from allanite.study.channels import Inspected
@@ -38,16 +36,24 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
     """
     alpha = alpha_of(recipe.level)
     joined = join_records(seen.records, recipe)
-    curves, curve, p = _curves(joined.records, joined.fits, recipe)
+    _, curves = shared_curves(joined.records, joined.fits, recipe.statistic, recipe.taus)
+    edf, variance = (np.array(values) for values in zip(*((c.edf, c.variance) for c in curves), strict=True))
+    whole = edf.sum(axis=0)
+    curve = replace(
+        curves[0], variance=(edf * variance).sum(axis=0) / whole, count=np.sum([c.count for c in curves], axis=0),
+        name=say("all runs"), law=PooledLaw(whole), noise=None, history=(),
+    )  # fmt: skip
     apart, left = _apart(joined.joint, names, alpha)
     test = homogeneity(joined.joint, rng)
+    terms = [*_noise_terms(joined.joint, joined.fits), *_ramp_terms(joined.joint, joined.fits)]
+    adjusted = holm([term.p for term in terms])
     return PooledChannel(
         seen.name,
         test=test,
-        terms=_terms(joined.joint, joined.fits),
+        terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
         curve=curve,
         curves=curves,
-        p=p,
+        p=bartlett(variance, edf),
         apart=apart,
         rest=(homogeneity(left, rng) if apart else test).p,
         fits=joined.fits,
@@ -60,21 +66,19 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
     )
 
 
-def refuse_pool(seen: Inspected, why: str) -> PooledChannel:
-    """A channel without a result."""
-    return PooledChannel(seen.name, records=seen.records, alerts=seen.alerts, refusal=why)
-
-
-def _terms(together: Joint, fits: Sequence[Fit]) -> tuple[PooledTerm, ...]:
-    found = [*_noise_terms(together, fits), *_ramp_terms(together, fits)]
-    return tuple(replace(t, adjusted=p) for t, p in zip(found, holm([term.p for term in found]), strict=True))
-
-
 def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
     alone, _ = least(together.only(together.chosen.free))
     for i, symbol in enumerate(together.symbols):
         statistic, p = spread(together, i)
-        between, within = _scatter(together, i, alone)
+        theta = float(together.chosen.theta[i])
+        # scatter of the runs' coefficients over the common one, and as expected of equal sensors
+        between = within = math.nan
+        if theta > 0:
+            column = int(together.chosen.free[:i].sum())
+            common = [replace(together.chosen, likelihood=part) for part in together.parts]
+            errors = [standard_error(subset, i) / (2 * theta) for subset in common]
+            between = float(np.sqrt([part[column] / theta for part in alone]).std(ddof=1))
+            within = float(np.sqrt(np.mean(np.square(errors))))
         yield PooledTerm(
             symbol,
             together.signal,
@@ -115,18 +119,6 @@ def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
         )
 
 
-def _scatter(together: Joint, which: int, alone: Sequence[FloatArray]) -> tuple[float, float]:
-    """Scatter of the runs' coefficients over the common one, and as expected of equal sensors; NaN where that is 0."""
-    theta = float(together.chosen.theta[which])
-    if theta <= 0:
-        return math.nan, math.nan
-    column = int(together.chosen.free[:which].sum())
-    values = np.sqrt([part[column] / theta for part in alone])
-    common = [replace(together.chosen, likelihood=part) for part in together.parts]
-    errors = [standard_error(subset, which) / (2 * theta) for subset in common]
-    return float(values.std(ddof=1)), float(np.sqrt(np.mean(np.square(errors))))
-
-
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:
     """Runs that differ from all others, the worst one removed at a time, and what is left."""
     apart: dict[str, float] = {}
@@ -156,23 +148,6 @@ class PooledLaw:
 
         low, high = (self.edf / chdtri(self.edf, p) for p in ((1 - level) / 2, (1 + level) / 2))
         return self.edf, low, high
-
-
-def _curves(
-    records: tuple[Record, ...], fits: Sequence[Fit], recipe: Recipe
-) -> tuple[tuple[Curve, ...], Curve, FloatArray]:
-    """The curve of each run, that of all, and p of their being the same at each averaging time."""
-    _, curves = shared_curves(records, fits, recipe.statistic, recipe.taus)
-    edf = np.array([curve.edf for curve in curves])
-    variance = np.array([curve.variance for curve in curves])
-    whole = edf.sum(axis=0)
-    mean = (edf * variance).sum(axis=0) / whole
-
-    count = np.sum([curve.count for curve in curves], axis=0)
-    curve = replace(
-        curves[0], variance=mean, count=count, name=say("all runs"), law=PooledLaw(whole), noise=None, history=()
-    )
-    return curves, curve, bartlett(variance, edf)
 
 
 def bartlett(variance: FloatArray, edf: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
-class Sources:
+class SourceSet:
     """Recordings that are taken together.
 
     `names` say what is compared, `channels` which records belong together, `notes` what was assumed in pairing them.
@@ -43,7 +43,7 @@ class Sources:
 
 def run_together(
     kind: Callable[..., Result],
-    sources: Sources,
+    sources: SourceSet,
     recipe: Recipe,
     work: Callable[[Inspected], Any],
     refused: Callable[[Inspected, str], Any],
@@ -73,7 +73,7 @@ def open_sources(
     *,
     against: Sequence[str] | None = None,
     progress: Progress | None = None,
-) -> Sources:
+) -> SourceSet:
     """Open each source and pair the channels; those of the last one may be named, and are then taken in order.
 
     Raises
@@ -87,7 +87,7 @@ def open_sources(
     recipes = [*[recipe] * (len(sources) - 1), last]
     recordings = tuple(open_source(source, r, progress) for source, r in zip(sources, recipes, strict=True))
     channels, notes = pair_channels(recordings, ordered=against is not None)
-    return Sources(recordings, name_sources(*sources), channels, notes)
+    return SourceSet(recordings, name_sources(*sources), channels, notes)
 
 
 def open_source(source: Source | Job[Any], recipe: Recipe, progress: Progress | None = None) -> Recording:
@@ -105,20 +105,20 @@ def open_source(source: Source | Job[Any], recipe: Recipe, progress: Progress | 
 
 def name_sources(*sources: Source | Job[Any]) -> tuple[str, ...]:
     """The names of files or records where these differ; otherwise "before" and "after", or numbers."""
-    names = [_own_name(source) for source in sources]
+
+    def own(source: Source | Job[Any]) -> str:
+        if isinstance(source, (str, os.PathLike)):
+            return os.path.basename(source)
+        if isinstance(source, Recording):
+            return source[0].name if len(source) == 1 else ""
+        return str(getattr(source, "name", ""))
+
+    names = [own(source) for source in sources]
     if all(names) and len(set(names)) == len(names):
         return tuple(names)
     if len(sources) == 2:
         return say("before"), say("after")
     return tuple(say("run {number}", number=i + 1) for i in range(len(sources)))
-
-
-def _own_name(source: Source | Job[Any]) -> str:
-    if isinstance(source, (str, os.PathLike)):
-        return os.path.basename(source)
-    if isinstance(source, Recording):
-        return source[0].name if len(source) == 1 else ""
-    return str(getattr(source, "name", ""))
 
 
 def pair_channels(
@@ -127,29 +127,34 @@ def pair_channels(
     """The records of each channel, by name or in order, and notes about that."""
     names = [recording.channels for recording in recordings]
     common = [name for name in names[0] if all(name in others for others in names)]
-    if common and not ordered:
-        alone = ", ".join(sorted({name for some in names for name in some} - set(common)))
-        if len(recordings) == 2:
-            missing = say("not in both recordings, and not compared: {channels}", channels=alone)
-        else:
-            missing = say("not in all recordings, and not compared: {channels}", channels=alone)
-        notes = (missing,) if alone else ()
-        return [(name, tuple(recording[name] for recording in recordings)) for name in common], notes
-    if len({len(some) for some in names}) > 1 or (len(recordings) > 2 and len(names[0]) > 1):
-        shown = "; ".join(", ".join(some) for some in names)
-        why = "their numbers differ" if ordered else "the recordings have no channel in common"
+    if ordered or not common:
+        return _in_order(recordings, "their numbers differ" if ordered else "the recordings have no channel in common")
+    alone = ", ".join(sorted(set().union(*names) - set(common)))
+    both = say("not in both recordings, and not compared: {channels}", channels=alone)
+    every = say("not in all recordings, and not compared: {channels}", channels=alone)
+    missing = both if len(recordings) == 2 else every
+    return [(name, tuple(recording[name] for recording in recordings)) for name in common], (missing,) * bool(alone)
+
+
+def _in_order(
+    recordings: Sequence[Recording], why: str
+) -> tuple[list[tuple[str, tuple[Record, ...]]], tuple[str, ...]]:
+    """The channels one after the other; where that is not possible, an error says why it had to be."""
+    counts = {len(recording) for recording in recordings}
+    if len(counts) > 1 or (len(recordings) > 2 and len(recordings[0]) > 1):
+        shown = "; ".join(", ".join(recording.channels) for recording in recordings)
         raise UsageError(
             f"the channels cannot be paired ({shown}): {why}; select the same number of each "
             f"({spelled('--channels, --against', 'channels, against')})"
         )
     matched = list(zip(*recordings, strict=True))
-    unlike = [list(dict.fromkeys(r.name for r in records if r.name)) for records in matched]
-    said = tuple(
+    named = [list(dict.fromkeys(r.name for r in records if r.name)) for records in matched]
+    notes = tuple(
         say("channel {first} is compared with {others}", first=first, others=", ".join(rest))
-        for first, *rest in filter(None, unlike)
+        for first, *rest in filter(None, named)
         if rest
     )
-    return [(name_both(*records), records) for records in matched], said
+    return [(name_both(*records), records) for records in matched], notes
 
 
 def name_both(*records: Any) -> str:

@@ -1,41 +1,43 @@
 """Two records of a channel become a pair: the verdict, the change of each coefficient, the ratio of the variances."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
 from allanite.core.errors import DataError
 from allanite.core.fit import Fit
-from allanite.core.limits import Remembered
-from allanite.core.model import Model
+from allanite.core.limits import Remembered, quantile
+from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
+from allanite.planning.bound import bound
 from allanite.study.channels import Inspected
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
-from .change import Change, alpha_of, changes_of
+from .change import RESOLVED, Change, alpha_of, changes_of
 from .common_likelihood import Joint
 from .comparison import Pair, Ratios
 from .contrast import Contrast, homogeneity, partly_common
+from .paired import ALIKE, paired_homogeneity, paired_law, resemblance
 from .ramps import RampContrast, ramp_law
 from .ratio import ratio_law, shared_curves
 from .records_joined import join_records
-from .resolving import with_needed
-from .sinusoids import LineContrast, line_contrasts
-from .synchronous import ALIKE, paired_homogeneity, paired_law, resemblance
+from .sinusoids import line_contrasts
 
 if TYPE_CHECKING:
     import numpy as np
 
+STEP = 4.0
+"""Factor between the lengths that are tried."""
 
-def _paired(correlation: float) -> str:
-    return say(
-        "both records contain the same noise, like raw and corrected samples (their correlation is "
-        "{correlation:.3g}): they are compared as a pair; the intervals of the coefficients are those of independent "
-        "records, wider than necessary",
-        correlation=correlation,
-    )
+LIKELY = 0.8
+"""Probability with which records of the length that is named resolve the coefficient."""
+
+LONGEST = 365 * 86400.0
+"""Length, s, beyond which none is named."""
 
 
 def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
@@ -49,13 +51,25 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
     records = cast(tuple[Record, Record], seen.records)
     joined = join_records(records, recipe)
     both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *seen.alerts)
-    changes = _changes(both, (first, second), recipe.level, tuple(line_contrasts(records, (first, second))))
+    contrasts: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
+    ramps = ramp_law(both, 0), ramp_law(both, 1)
+    if ramps[0] is not None and ramps[1] is not None:
+        drift = [e.symbol for e in first if TERMS[e.symbol].waveform is not None]
+        contrasts |= dict.fromkeys(drift, RampContrast(ramps[0], ramps[1]))
+    kept = {e.symbol: contrasts[e.symbol] for e in first if e.symbol in contrasts}
+    changes = changes_of(kept, (first, second), recipe.level, tuple(line_contrasts(records, (first, second))))
     each = partly_common(both, both.symbols)
     largest = {symbol: max(found[symbol] for found in each) for symbol in both.symbols}
     noise = [both.term(symbol, size) for symbol, size in largest.items() if size > 0]
     changes = with_needed(changes, noise, min(r.rate for r in records), min(r.size for r in records))
     alike = resemblance(records)
-    alerts = (*alerts, _paired(alike)) if alike > ALIKE else alerts
+    if alike > ALIKE:
+        alerts = (
+            *alerts,
+            say("both records contain the same noise, like raw and corrected samples (their correlation is "
+                "{correlation:.3g}): they are compared as a pair; the intervals of the coefficients are those of "
+                "independent records, wider than necessary", correlation=alike),
+        )  # fmt: skip
     ratios = None
     try:
         clean = cast(tuple[Record, Record], joined.records)
@@ -76,20 +90,6 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
         alpha=alpha_of(recipe.level),
         paired=alike > ALIKE,
     )
-
-
-def refuse_pair(seen: Inspected, why: str) -> Pair:
-    """A pair without a result."""
-    return Pair(seen.name, records=cast(tuple[Record, Record], seen.records), alerts=seen.alerts, refusal=why)
-
-
-def _changes(both: Joint, fits: tuple[Fit, Fit], level: float, lines: tuple[LineContrast, ...]) -> tuple[Change, ...]:
-    found: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
-    ramps = ramp_law(both, 0), ramp_law(both, 1)
-    if ramps[0] is not None and ramps[1] is not None:
-        found |= {e.symbol: RampContrast(ramps[0], ramps[1]) for e in fits[0] if TERMS[e.symbol].waveform is not None}
-    kept = {e.symbol: found[e.symbol] for e in fits[0] if e.symbol in found}
-    return changes_of(kept, fits, level, lines)
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
@@ -115,3 +115,48 @@ def ratios_of(
     law = paired_law(records, (before, after)) if alike else ratio_law(records, recipe.statistic, m, supposed)
     ratio = after.variance / before.variance
     return Ratios(before, after, law.p(ratio), Remembered(partial(law.limits, ratio)))
+
+
+def with_needed(changes: Sequence[Change], noise: Sequence[Term], rate: float, size: int) -> tuple[Change, ...]:
+    """The changes, those that are not resolved with the length at which a change by a factor of 2 would be.
+
+    The coefficient is taken to be as large as its upper limit: an estimate of what is not resolved may be anything down
+    to zero, and the length for it anything up to infinity.
+
+    Parameters
+    ----------
+    changes : sequence of Change
+    noise : sequence of Term
+        What may be in both records.
+    rate : float
+        Sampling rate, Hz.
+    size : int
+        Samples of the shorter record.
+    """
+    return tuple(
+        replace(c, needed=_needed(c, noise, rate, size)) if c.outcome == "not resolvable" else c for c in changes
+    )
+
+
+def _needed(change: Change, noise: Sequence[Term], rate: float, size: int) -> float | None:
+    """Length of each record, s; None where these would do or no practical length does, or no limit is known."""
+    estimates = [e for e in (change.before, change.after) if e.upper]
+    if not estimates or change.frequency is not None:
+        return None
+    largest = max(estimates, key=lambda e: e.upper or 0.0)
+    shape = next((t.shape for t in noise if t.symbol == change.symbol), largest.shape)
+    own = Term(change.symbol, largest.upper or 0.0, change.signal, shape)
+    model = Model((*(t for t in noise if t.symbol != change.symbol), own))
+    if not any(t.row.waveform is None for t in model):
+        return None
+    wanted = math.log(RESOLVED) / (math.sqrt(2) * (quantile(1 - change.alpha / 2) + quantile(LIKELY)))
+    before, n = math.inf, float(size)
+    while n <= STEP * LONGEST * rate:
+        error = bound(model, round(n), rate)[change.symbol]
+        if error <= wanted:
+            # between two lengths it falls as a power of the length
+            back = math.log(wanted / error) / math.log(before / error) if math.isfinite(before) else 0.0
+            length = float(n / STEP**back / rate)
+            return length if size / rate < length <= LONGEST else None
+        before, n = error, n * STEP
+    return None

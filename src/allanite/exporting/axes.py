@@ -69,6 +69,11 @@ class Axis:
         return next((e for e in self.fit if e.symbol == symbol), None)
 
 
+def by_sensor(axes: Sequence[Axis]) -> dict[str, list[Axis]]:
+    """The axes of each sensor."""
+    return {sensor: [a for a in axes if a.sensor == sensor] for sensor in dict.fromkeys(a.sensor for a in axes)}
+
+
 @singledispatch
 def axes_of(source: Any) -> Iterator[Axis]:
     """The axes of a source; refused channels are left out.

@@ -10,8 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
-from allanite.core.curve import Curve
 from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
@@ -51,28 +49,23 @@ def bounded(axis: Axis, *, asked: bool) -> Axis:
     DataError
         Bounds are asked for, and there is no Allan deviation with intervals.
     """
-    if asked and axis.doubt:
-        return _from_curve(axis)
-    missing = [e for e in axis.fit if e.status == "not valid" and TERMS[e.symbol].slope >= 0 and e.symbol in BOUNDED]
-    if asked:
-        missing += [e for e in axis.fit if e.symbol in BOUNDED and e.value is None and not e.upper]
+    if asked and axis.doubt:  # nothing but bounds; a model of them is one of too much noise
+        estimates = tuple(_estimates(axis, BOUNDED).values())
+        model = Model(tuple(Term(e.symbol, e.upper or 0.0, e.signal) for e in estimates))
+        words = say("{why}: every value is an {bound}", why=axis.doubt.partition(";")[0], bound=BOUND)
+        fit = Fit(estimates, READ, axis.fit.signal, model, name=axis.fit.name)
+        return replace(axis, fit=fit, doubt="", alerts=(words, *axis.alerts))
+    slow = [e.symbol for e in axis.fit if e.status == "not valid" and TERMS[e.symbol].slope >= 0]
+    empty = [e.symbol for e in axis.fit if asked and e.value is None and not e.upper]
+    missing = {*slow, *empty} & set(BOUNDED)
     if axis.doubt or not missing or (axis.curve is None and not asked):
         return axis
-    known = {e.symbol: e for e in _estimates(axis, [e.symbol for e in missing])}
-    estimates = tuple(known.get(e.symbol, e) for e in axis.fit)
-    return replace(axis, fit=replace(axis.fit, estimates=estimates))
+    known = _estimates(axis, missing)
+    return replace(axis, fit=replace(axis.fit, estimates=tuple(known.get(e.symbol, e) for e in axis.fit)))
 
 
-def _from_curve(axis: Axis) -> Axis:
-    """The axis with nothing but bounds; a model of them is one of too much noise."""
-    estimates = _estimates(axis, BOUNDED)
-    model = Model(tuple(Term(e.symbol, e.upper or 0.0, e.signal) for e in estimates))
-    told = say("{why}: every value is an {bound}", why=axis.doubt.partition(";")[0], bound=BOUND)
-    fit = Fit(estimates, READ, axis.fit.signal, model, name=axis.fit.name)
-    return replace(axis, fit=fit, doubt="", alerts=(told, *axis.alerts))
-
-
-def _estimates(axis: Axis, symbols: Iterable[str]) -> tuple[Estimate, ...]:
+def _estimates(axis: Axis, symbols: Iterable[str]) -> dict[str, Estimate]:
+    """Upper bounds of coefficients by symbol, SI."""
     curve, signal = axis.curve, axis.fit.signal
     if curve is None or curve.law is None:
         raise DataError(
@@ -82,18 +75,11 @@ def _estimates(axis: Axis, symbols: Iterable[str]) -> tuple[Estimate, ...]:
                 option=spelled("--statistic oadev", "statistic='oadev'"),
             )
         )
-    curve = curve.to(signal.unit)
-    upper = curve.interval(axis.level)[1]
-    return tuple(
-        Estimate(s, signal, None, None, "absent", _bound(s, curve, upper), READ, reason=BOUND) for s in symbols
-    )
-
-
-def _bound(symbol: str, curve: Curve, upper: FloatArray) -> float:
-    """Upper bound of a coefficient, SI."""
-    row = TERMS[symbol]
-    through = upper / (np.sqrt(row.level) * curve.tau**row.slope)
-    if row.slope < 0:
-        return float(through[np.abs(np.log(curve.tau / ONCE)).argmin()])
-    late = curve.tau >= min(ONCE, curve.tau[-1])
-    return float(through[late].min())
+    tau, upper = curve.tau, curve.to(signal.unit).interval(axis.level)[1]
+    late = tau >= min(ONCE, tau[-1])
+    found = {}
+    for row in (TERMS[symbol] for symbol in symbols):
+        through = upper / (np.sqrt(row.level) * tau**row.slope)
+        most = through[late].min() if row.slope >= 0 else through[np.abs(np.log(tau / ONCE)).argmin()]
+        found[row.symbol] = Estimate(row.symbol, signal, None, None, "absent", float(most), READ, reason=BOUND)
+    return found

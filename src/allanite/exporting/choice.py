@@ -14,11 +14,11 @@ from allanite.terms import TERMS
 from .axes import Axis
 from .target import LONG
 
-Found = tuple["Coefficient", ...]
+Found = tuple["AxisCoefficient", ...]
 
 
 @dataclass(frozen=True)
-class Coefficient:
+class AxisCoefficient:
     """A coefficient of one axis, SI; of one that was not identified, its upper limit (`limit`)."""
 
     channel: str
@@ -85,7 +85,7 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
 
     `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
     """
-    found: list[Coefficient] = []
+    found: list[AxisCoefficient] = []
     reasons: list[str] = []
     for axis in axes:
         e = axis.estimate(symbol)
@@ -100,20 +100,20 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
     return tuple(found), reasons
 
 
-def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> Coefficient | None:
+def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> AxisCoefficient | None:
     forced = unexplained and e.status == "not valid" and e.value is not None
     if (e.valued or forced) and e.value:
         low, high = e.interval(axis.level)
         note = say("the model does not explain the record") if forced else ""
         given = axis.fit.method == "given"
-        return Coefficient(axis.name, e.value, low, high, False, given, note, level=axis.level)
+        return AxisCoefficient(axis.name, e.value, low, high, False, given, note, level=axis.level)
     if e.value is None and e.upper:
         note = e.reason or say("{symbol} not identified", symbol=e.symbol)
-        return Coefficient(axis.name, e.upper, math.nan, math.nan, limit=True, note=note)
+        return AxisCoefficient(axis.name, e.upper, math.nan, math.nan, limit=True, note=note)
     return None
 
 
-def _markov(axis: Axis) -> Coefficient | None:
+def _markov(axis: Axis) -> AxisCoefficient | None:
     """The random walk from which a Gauss-Markov process is not to be told at times far below its time constant."""
     e = axis.estimate("GM")
     if e is None or not e.valued or not e.value:
@@ -122,4 +122,4 @@ def _markov(axis: Axis) -> Coefficient | None:
     walk = math.sqrt(2 / time)
     low, high = e.interval(axis.level)
     note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(), time=time)
-    return Coefficient(axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level)
+    return AxisCoefficient(axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from allanite.core.plain import Value
 
 from .axes import Axis
-from .target import Target
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,7 +51,6 @@ class Content:
     `inflate` is a factor on the coefficients of whole models; the fields have it already.
     """
 
-    target: Target
     header: tuple[str, ...]
     entries: tuple[Entry, ...]
     axes: tuple[Axis, ...]

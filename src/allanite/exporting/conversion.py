@@ -64,17 +64,15 @@ def load(
     """What is to be exported: recordings are analyzed, results in JSON are read, models are taken as they are."""
     found: list[Source] = []
     for file in files:
-        found.append(_stored(file) if file.endswith(".json") else analyze(file, recipe, progress=progress))
+        if not file.endswith(".json"):
+            found.append(analyze(file, recipe, progress=progress))
+            continue
+        try:
+            data = json.loads(Path(file).read_text("utf-8"))
+        except (OSError, ValueError) as error:
+            raise DataError(f"{file!r} is not a result of allanite in JSON: {error}") from None
+        found.append(from_dict(data))
     return [*found, *models_of(models)]
-
-
-def _stored(file: str) -> Source:
-    try:
-        data = json.loads(Path(file).read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise DataError(f"{file!r} is not a result of allanite in JSON: {error}") from None
-    stored: Source = from_dict(data)
-    return stored
 
 
 @dataclass(frozen=True, repr=False)
@@ -98,13 +96,7 @@ class Explanation(Value):
                 "name": row.name,
                 "title": row.title,
                 "fields": [
-                    {
-                        "name": f.full,
-                        "sensor": f.sensor,
-                        "unit": f.unit,
-                        "formula": f.formula,
-                    }
-                    for f in row.fields
+                    {"name": f.full, "sensor": f.sensor, "unit": f.unit, "formula": f.formula} for f in row.fields
                 ],
                 "notes": list(row.notes),
                 "source": row.source,

@@ -3,6 +3,7 @@
 import base64
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
@@ -13,12 +14,12 @@ from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.study.analysis import Study
 
-from .axes import Axis, Source, axes_of
+from .axes import Axis, Source, axes_of, by_sensor
 from .bounds import bounded
 from .choice import demand_policy, selected
 from .content import Content, Entry, one_line
 from .exports import target_named
-from .fields import Filled, How, demand_how, fill, usable
+from .fields import How, demand_how, fill, usable
 from .provenance import header, left_out
 from .target import Target, demand_rate
 
@@ -83,13 +84,11 @@ class Export(Value):
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: a field each."""
-        headings = ["field", "value", "unit", "formula", "channel", "remark"]
-        rows = [
+        return ["field", "value", "unit", "formula", "channel", "remark"], [
             [e.full, ", ".join(f"{v:.6g}" for v in dict.fromkeys(e.values)), e.unit,
              e.formula, ", ".join(dict.fromkeys(e.channels)), e.remark]
             for e in self.entries
         ]  # fmt: skip
-        return headings, rows
 
     def _summary(self) -> str:
         return f"for {self.target}: {len(self.data)} bytes of {self.suffix}"
@@ -175,62 +174,46 @@ def prepared(target: str, how: How, suffix: str) -> tuple[Target, str]:
 
 def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     """The file of a target for a source, in the form of one of its suffixes."""
-    inertial = _inertial(list(axes_of(source)))
-    known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
-    axes = tuple(_written(bounded(replace(axis, rate=axis.rate or known), asked=how.from_curve)) for axis in inertial)
-    kept = usable(axes, how, () if how.partial else target.sensors)
-    filled = fill(target, kept, how) if target.fields else Filled((), ())
+    axes = _axes(source, how)
+    kept = usable(axes, how, target.sensors)
+    entries, missing = fill(target, kept, how)
     if not target.fields:
-        kept = _picked(kept, how)
+        kept = tuple(axis for group in by_sensor(kept).values() for axis in selected(group, how.axis))
     rate = next((target.rate(axis.rate, how.filter_rate) for axis in kept), None)
     if not how.partial:
         demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
-    notes = (*filled.missing, *left_out(target, kept))
+    notes = (*missing, *left_out(target, kept))
     head = (*header(target, kept, how), *notes, *(f"left out: {axis.name} ({axis.doubt})" for axis in doubts))
-    made = target.forms[suffix](Content(target, tuple(map(one_line, head)), filled.entries, kept, rate, how.inflate))
-    text, binary = (base64.b64encode(made).decode(), True) if isinstance(made, bytes) else (made, False)
-    studies = _studies(source)
-    rejected = dict.fromkeys([*(axis.name for axis in doubts), *(name for study in studies for name in study.rejected)])
+    made = target.forms[suffix](Content(tuple(map(one_line, head)), entries, kept, rate, how.inflate))
+    binary = isinstance(made, bytes)
+    text = base64.b64encode(made).decode() if isinstance(made, bytes) else made
+    studies = [s for s in (source if isinstance(source, (list, tuple)) else (source,)) if isinstance(s, Study)]
+    recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, {})
+    rejected = dict.fromkeys(chain((axis.name for axis in doubts), *(study.rejected for study in studies)))
     return Export(
-        target.name, suffix, text, binary, filled.entries, (*notes, *target.notes),
-        tuple(_alerts(kept, doubts, studies)), tuple(rejected),
-        studies[0].choices() if studies else {}, studies[0].provenance if studies else {},
+        target.name, suffix, text, binary, entries, (*notes, *target.notes), tuple(_alerts(kept, doubts, studies)),
+        tuple(rejected), recipe, provenance,
     )  # fmt: skip
 
 
-def _written(axis: Axis) -> Axis:
-    """An axis whose names may stand in a file."""
-    source = {key: one_line(text) for key, text in axis.source.items()}
-    return replace(axis, name=one_line(axis.name), doubt=one_line(axis.doubt), source=source)
-
-
-def _inertial(axes: list[Axis]) -> list[Axis]:
-    """The axes of gyros and accelerometers; DataError if there are others only."""
-    found = [axis for axis in axes if axis.fit.signal.inertial]
-    if axes and not found:
+def _axes(source: Source, how: How) -> tuple[Axis, ...]:
+    """The axes of gyros and accelerometers with their bounds, whose names may stand in a file."""
+    axes = list(axes_of(source))
+    inertial = [axis for axis in axes if axis.fit.signal.inertial]
+    if axes and not inertial:
         names = ", ".join(f"{axis.label!r} ({SENSORS[axis.sensor]})" for axis in axes)
         raise DataError(
             f"files for other programs hold the noise of gyroscopes and accelerometers, not of {names}; write the "
-            f"coefficients of any quantity with {_writing()}"
+            "coefficients of any quantity with " + spelled("'allanite analyze FILE --coefficients PATH'", "fit.rows()")
         )
-    return found
-
-
-def _writing() -> str:
-    return spelled("'allanite analyze FILE --coefficients PATH'", "fit.rows()")
-
-
-def _picked(axes: Sequence[Axis], how: How) -> tuple[Axis, ...]:
-    """Of every sensor all axes, or the one that is asked for."""
-    sensors = dict.fromkeys(axis.sensor for axis in axes)
-    groups = ([axis for axis in axes if axis.sensor == sensor] for sensor in sensors)
-    return tuple(axis for group in groups for axis in selected(group, how.axis))
-
-
-def _studies(source: Source) -> tuple[Study, ...]:
-    parts = source if isinstance(source, (list, tuple)) else (source,)
-    return tuple(part for part in parts if isinstance(part, Study))
+    known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
+    found = []
+    for axis in inertial:
+        own = bounded(replace(axis, rate=axis.rate or known), asked=how.from_curve)
+        lines = {key: one_line(text) for key, text in own.source.items()}
+        found.append(replace(own, name=one_line(own.name), doubt=one_line(own.doubt), source=lines))
+    return tuple(found)
 
 
 def _alerts(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:

@@ -9,11 +9,11 @@ from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.study.noise import rejected
 
-from .axes import Axis
+from .axes import Axis, by_sensor
 from .bounds import remedy
-from .choice import POLICIES, Coefficient, Found, coefficients, selected
+from .choice import POLICIES, AxisCoefficient, Found, coefficients, selected
 from .content import Entry
-from .target import GYRO, Field, Target, demand_rate
+from .target import Target, TargetField, demand_rate
 
 
 @dataclass(frozen=True)
@@ -46,14 +46,6 @@ class How:
     partial: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Filled:
-    """The fields with values, and what could not be filled in, in sentences."""
-
-    entries: tuple[Entry, ...]
-    missing: tuple[str, ...]
-
-
 def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[Axis, ...]:
     """The axes whose models explain their records, or all if that is asked for.
 
@@ -63,7 +55,7 @@ def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[
         There is none, or none of a `needed` sensor although there are axes of it.
     """
     kept = tuple(axis for axis in axes if how.unexplained or not axis.doubt)
-    lost = set(needed) - {axis.sensor for axis in kept}
+    lost = set(() if how.partial else needed) - {axis.sensor for axis in kept}
     doubted = [axis for axis in axes if axis.sensor in lost] if kept else axes
     if doubted or not kept:
         reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt}" for axis in doubted)
@@ -71,8 +63,8 @@ def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[
     return kept
 
 
-def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
-    """The fields of a target.
+def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
+    """The fields of a target with their values, and what could not be filled in, in sentences.
 
     Raises
     ------
@@ -81,21 +73,22 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
     UsageError
         The sampling rate is needed and unknown.
     """
-    by_sensor = {sensor: [axis for axis in axes if axis.sensor == sensor] for sensor in _sensors(target)}
+    groups = by_sensor(axes)
     if not how.partial:
-        _demand_sensors(target, by_sensor, axes)
-    chosen = {sensor: selected(group, how.axis) for sensor, group in by_sensor.items() if group}
+        _demand_sensors(target, groups, axes)
+    sensors = dict.fromkeys(field.sensor for field in target.fields)
+    chosen = {sensor: selected(groups[sensor], how.axis) for sensor in sensors if sensor in groups}
     entries: list[Entry] = []
     missing: list[str] = []
     fatal: list[str] = []
     for field in target.fields:
         group = chosen.get(field.sensor)
         if group is None:
-            missing.append(_absent(field))
+            missing.append(field.absent)
             continue
         found, reasons = coefficients(group, field.term or "K", markov=target.markov, unexplained=how.unexplained)
         if found and (how.axis != "each" or len(found) == 3):
-            entries.append(_entry(field, POLICIES[how.axis](found), (group, target, how)))
+            entries.append(_entry(field, POLICIES[how.axis](found), group, target, how))
             if reasons and field.term:
                 left = join("; ", reasons)
                 missing.append(say("{field} is of the other axes ({reasons})", field=field.full, reasons=left))
@@ -107,21 +100,11 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> Filled:
             f"{target.name} cannot be written: {'; '.join(fatal)}. A longer record gives at least an upper limit "
             f"(allanite plan), or choose an axis that has one with {spelled('--axis', 'axis')}; {remedy()}"
         )
-    return Filled(tuple(entries), tuple(missing))
+    return tuple(entries), tuple(missing)
 
 
-def _absent(field: Field) -> str:
-    if field.sensor == GYRO:
-        return say("{field} is not written: no gyro", field=field.full)
-    return say("{field} is not written: no accelerometer", field=field.full)
-
-
-def _sensors(target: Target) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(field.sensor for field in target.fields))
-
-
-def _demand_sensors(target: Target, by_sensor: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:
-    absent = [sensor for sensor in target.sensors if not by_sensor[sensor]]
+def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:
+    absent = [sensor for sensor in target.sensors if sensor not in groups]
     if absent:
         there = ", ".join(f"{axis.label} ({axis.sensor})" for axis in axes)
         remedy = spelled(
@@ -132,51 +115,27 @@ def _demand_sensors(target: Target, by_sensor: Mapping[str, Sequence[Axis]], axe
         raise DataError(f"{target.name} needs {names}, and there is only {there}: {remedy}")
 
 
-def _entry(field: Field, found: Found, where: tuple[Sequence[Axis], Target, How]) -> Entry:
-    group, target, how = where
+def _entry(field: TargetField, found: Found, group: Sequence[Axis], target: Target, how: How) -> Entry:
     rates = {axis.name: target.rate(axis.rate, how.filter_rate) for axis in group}
     if field.rate or (target.rated and not how.partial):
         for rate in rates.values():
             demand_rate(target, rate)
-    values, remarks = [], []
-    for one in found:
-        value, remark = _value(field, one, rates[one.channel] or 1.0, how.inflate)
-        values.append(value)
-        remarks.append(remark)
-    shared = (
-        remarks[:1]
-        if len(set(remarks)) == 1
-        else [join(" ", (c.channel, r)) for c, r in zip(found, remarks, strict=True)]
-    )
+    pairs = [_value(field, c, rates[c.channel] or 1.0, how.inflate) for c in found]
+    values, remarks = zip(*pairs, strict=True)
+    each = (join(" ", (c.channel, remark)) for c, remark in zip(found, remarks, strict=True))
     return Entry(
-        field.name, field.sensor, field.section, field.unit, field.formula, tuple(values),
-        tuple(one.channel for one in found if one.channel), join("; ", shared),
-        not any(one.limit for one in found),
+        field.name, field.sensor, field.section, field.unit, field.formula, values,
+        tuple(c.channel for c in found if c.channel), join("; ", remarks[:1] if len(set(remarks)) == 1 else each),
+        not any(c.limit for c in found),
     )  # fmt: skip
 
 
-def _value(field: Field, one: Coefficient, rate: float, inflate: float) -> tuple[float, str]:
+def _value(field: TargetField, one: AxisCoefficient, rate: float, inflate: float) -> tuple[float, str]:
     """The value of a field, and the remark on it."""
     if not field.term:
-        said = (
-            say("correlation time of {process}", process=one.note)
-            if one.note and not one.limit
-            else say("correlation time")
-        )
-        return field.value(1.0, rate, one.time), said
-    value = field.value(one.value * inflate, rate, one.time)
-    remark = _remark(field, one, rate, inflate)
-    least, most = field.span
-    if least <= value <= most:
-        return value, remark
-    bound = least if value < least else most
-    return bound, say(
-        "{value:.4g} is outside of what is accepted, {least:g} to {most:g}; {remark}",
-        value=value, least=least, most=most, remark=remark,
-    )  # fmt: skip
-
-
-def _remark(field: Field, one: Coefficient, rate: float, inflate: float) -> str:
+        known = one.note and not one.limit
+        time = say("correlation time of {process}", process=one.note) if known else say("correlation time")
+        return field.value(1.0, rate, one.time), time
     parts = [one.note] if one.note else []
     if one.limit:
         parts.append(say("this is its 95 % upper limit"))
@@ -187,7 +146,14 @@ def _remark(field: Field, one: Coefficient, rate: float, inflate: float) -> str:
         parts.append(say("given") if one.given else say("no interval"))
     if inflate != 1:
         parts.append(say("value inflated by {factor:g}", factor=inflate))
-    return join(", ", parts)
+    remark, value = join(", ", parts), field.value(one.value * inflate, rate, one.time)
+    least, most = field.span
+    if least <= value <= most:
+        return value, remark
+    return least if value < least else most, say(
+        "{value:.4g} is outside of what is accepted, {least:g} to {most:g}; {remark}",
+        value=value, least=least, most=most, remark=remark,
+    )  # fmt: skip
 
 
 def demand_how(target: Target, how: How) -> None:

@@ -12,7 +12,7 @@ from allanite.core.units import signal_named, unit_of
 from allanite.phrases.wording import spelled
 
 from .exports import target_named
-from .target import LONG, Field, Target
+from .target import LONG, Target, TargetField
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _VALUES = rf"[\"']?[\s:=,>(]*(?:np\.array\()?\s*(?:\[\s*({_NUMBER}(?:[\s,;]+{_NUMBER})*)\s*\]|({_NUMBER}))"
@@ -95,21 +95,17 @@ def noise_in(text: str, target: Target, rate: float | None, name: str = "the tex
     return Imported(target.name, models[0], models[1], rate)
 
 
-def _model(sensor: str, values: dict[Field, list[float]], rate: float) -> Model | None:
-    signal, terms, time = signal_named(sensor), [], _time(sensor, values)
-    for field, found in values.items():
-        if field.sensor == sensor and field.term and found and max(found) > 0:
-            terms.append(Term(field.term, field.coefficient(max(found), rate, time), signal))
+def _model(sensor: str, values: dict[TargetField, list[float]], rate: float) -> Model | None:
+    # the correlation time of the sensor, or the one that both have in common, s
+    times = {f.sensor: max(found) * unit_of(f.unit).factor for f, found in values.items() if found and not f.term}
+    time = times.get(sensor, next(iter(times.values()), LONG))
+    largest = {f: max(found) for f, found in values.items() if found and f.sensor == sensor and f.term}
+    signal = signal_named(sensor)
+    terms = [Term(f.term, f.coefficient(size, rate, time), signal) for f, size in largest.items() if size > 0]
     return Model(tuple(terms)) if terms else None
 
 
-def _time(sensor: str, values: dict[Field, list[float]]) -> float:
-    """The correlation time of a sensor, or the one that both have in common, s."""
-    times = {f.sensor: max(found) * unit_of(f.unit).factor for f, found in values.items() if found and not f.term}
-    return times.get(sensor, next(iter(times.values()), LONG))
-
-
-def _section(text: str, field: Field, target: Target) -> str:
+def _section(text: str, field: TargetField, target: Target) -> str:
     """The part of a file that holds a field."""
     if not field.section:
         return text

@@ -30,7 +30,7 @@ def spread(values: Sequence[float]) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True)
-class Lines:
+class LineLayout:
     """A file of lines.
 
     Attributes
@@ -42,7 +42,7 @@ class Lines:
     first : tuple of str
         What must stand before any comment.
     start, end : tuple of str
-        Lines around the fields, templates with `rate`.
+        LineLayout around the fields, templates with `rate`.
     alone : tuple of str
         Fields with one number where the others have a list of three.
     """
@@ -60,14 +60,11 @@ class Lines:
         lines = [*self.first, *map(self._comment, content.header)]
         lines += [line.replace("{rate}", rate) for line in self.start]
         indent = self.line[: len(self.line) - len(self.line.lstrip())]
-        for entry in content.entries:
-            lines += [indent + self._comment(told(entry)), self._field(entry)]
+        for e in content.entries:
+            line = self.line.replace("[{triple}]", "{value}") if e.name in self.alone else self.line
+            forms = {"value": number(e.values[0]), "triple": triple(e.values), "diagonal": diagonal(e.values)}
+            lines += [indent + self._comment(told(e)), line.format(name=e.name, **forms)]
         return "\n".join([*lines, *(line.replace("{rate}", rate) for line in self.end)]) + "\n"
-
-    def _field(self, entry: Entry) -> str:
-        forms = {"value": number(entry.values[0]), "triple": triple(entry.values), "diagonal": diagonal(entry.values)}
-        line = self.line.replace("[{triple}]", "{value}") if entry.name in self.alone else self.line
-        return line.format(name=entry.name, **forms)
 
     def _comment(self, text: str) -> str:
         # two hyphens end a comment of XML
@@ -81,7 +78,7 @@ def told(entry: Entry) -> str:
 
 
 @dataclass(frozen=True)
-class Json:
+class JsonLayout:
     """A JSON file: an object for each section of the fields; `extra` are further keys of each, `root` encloses all.
 
     JSON has no comments: they are the last key, "comment".
@@ -94,14 +91,13 @@ class Json:
 
     def __call__(self, content: Content) -> str:
         """The file."""
-        sections = dict.fromkeys(entry.section for entry in content.entries)
-        found: dict[str, Any] = {section: self._section(content.of(section)) for section in sections}
+        found: dict[str, Any] = {}
+        for section in dict.fromkeys(entry.section for entry in content.entries):
+            entries = content.of(section)
+            values = {e.name: list(spread(e.values)) if self.each else e.values[0] for e in entries}
+            found[section] = {**values, **dict(self.extra)}
         if self.rate:
             found[self.rate] = content.rate
         remarks = [f"{entry.section} {entry.name}: {told(entry)}" for entry in content.entries]
         whole = {self.root: found} if self.root else found
         return json.dumps({**whole, "comment": [*content.header, *remarks]}, indent=2, ensure_ascii=False) + "\n"
-
-    def _section(self, entries: Sequence[Entry]) -> dict[str, Any]:
-        values = {entry.name: list(spread(entry.values)) if self.each else entry.values[0] for entry in entries}
-        return {**values, **dict(self.extra)}

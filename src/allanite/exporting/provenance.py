@@ -9,7 +9,7 @@ from allanite.core.version import __version__
 from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
-from .axes import Axis
+from .axes import Axis, by_sensor
 from .bounds import BOUND, READ
 from .fields import How
 from .target import Target
@@ -20,21 +20,17 @@ def header(target: Target, axes: Sequence[Axis], how: How) -> Iterator[str]:
     yield f"{target.title}, written by allanite {__version__}"
     for source, digest in dict.fromkeys((a.source.get("source", ""), a.source.get("sha256", "")) for a in axes):
         yield f"source: {source or 'noise model given'}" + (f", sha256 {digest}" if digest else "")
-    for sensor in dict.fromkeys(axis.sensor for axis in axes):
-        yield from _of_sensor(sensor, [axis for axis in axes if axis.sensor == sensor])
+    for sensor, group in by_sensor(axes).items():
+        names = ", ".join(axis.name or "given" for axis in group)
+        rates = ", ".join(dict.fromkeys(f"{axis.rate:.9g} Hz" for axis in group if axis.rate))
+        yield f"{sensor}: {names}{f' at {rates}' if rates else ''}"
+        for axis in group:
+            yield from (f"  {axis.label}: {line}" for line in _fitted(axis.fit, axis.doubt))
+            yield from (f"  {axis.label}: warning: {alert}" for alert in axis.alerts)
     yield f"axis: {how.axis}; inflation: {how.inflate:g}"
     if target.fields:
         yield f"values: {time_of(target, axes, how)}"
     yield from (f"note: {note}" for note in target.notes)
-
-
-def _of_sensor(sensor: str, axes: Sequence[Axis]) -> Iterator[str]:
-    names = ", ".join(axis.name or "given" for axis in axes)
-    rates = ", ".join(dict.fromkeys(f"{axis.rate:.9g} Hz" for axis in axes if axis.rate))
-    yield f"{sensor}: {names}{f' at {rates}' if rates else ''}"
-    for axis in axes:
-        for line in (*_fitted(axis.fit, axis.doubt), *(f"warning: {alert}" for alert in axis.alerts)):
-            yield f"  {axis.label}: {line}"
 
 
 def _fitted(fit: Fit, doubt: str) -> Iterator[str]:
@@ -65,7 +61,7 @@ def left_out(target: Target, axes: Sequence[Axis]) -> Iterator[str]:
         return
     for axis in axes:
         terms = {field.term for field in target.fields if field.sensor == axis.sensor}
-        terms |= {"GM"} if target.markov and not _claimed(axis, "K") else set()
+        terms |= {"GM"} if target.markov and not any(e.symbol == "K" and e.valued for e in axis.fit) else set()
         lost = [e for e in axis.fit if e.valued and e.symbol not in terms]
         for e in lost:
             name = title_of(e.symbol, e.signal)
@@ -77,8 +73,3 @@ def left_out(target: Target, axes: Sequence[Axis]) -> Iterator[str]:
                       axis=axis.label, symbols=join(", ", slow))  # fmt: skip
         for line in axis.fit.lines:
             yield say("{axis}: no field for the sinusoid at {line}", axis=axis.label, line=line.words())
-
-
-def _claimed(axis: Axis, symbol: str) -> bool:
-    e = axis.estimate(symbol)
-    return e is not None and e.valued

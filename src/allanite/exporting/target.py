@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from allanite.core.errors import UsageError
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ LONG = 360_000.0
 
 
 @dataclass(frozen=True)
-class Field:
+class TargetField:
     """A field of a target: its value is (coefficient sqrt(weight f^rate T^time))^power, in `unit`.
 
     Attributes
@@ -71,13 +72,20 @@ class Field:
         return f"{self.section}.{self.name}".strip(".")
 
     @property
+    def absent(self) -> str:
+        """That it is not written, for there is no such sensor."""
+        if self.sensor == GYRO:
+            return say("{field} is not written: no gyro", field=self.full)
+        return say("{field} is not written: no accelerometer", field=self.full)
+
+    @property
     def formula(self) -> str:
         """How the value follows from the coefficient: ``N sqrt(2 f)``.
 
         Examples
         --------
-        >>> vins = Field("gyr_n", GYRO, "N", "rad/s", weight=2.0, rate=1)
-        >>> vins.formula, Field("c", GYRO, "N", "rad^2/s", power=2).formula
+        >>> vins = TargetField("gyr_n", GYRO, "N", "rad/s", weight=2.0, rate=1)
+        >>> vins.formula, TargetField("c", GYRO, "N", "rad^2/s", power=2).formula
         ('N sqrt(2 f)', 'N^2')
         """
         if not self.term:
@@ -105,7 +113,7 @@ class Target:
     ----------
     name, title : str
         Name at the command line, and what it is.
-    fields : tuple of Field
+    fields : tuple of TargetField
         Empty for a target that takes whole models.
     forms : suffix -> Write
         The forms of its file, the usual one first.
@@ -130,7 +138,7 @@ class Target:
 
     name: str
     title: str
-    fields: tuple[Field, ...]
+    fields: tuple[TargetField, ...]
     forms: Mapping[str, Write]
     source: str
     notes: tuple[str, ...] = ()
@@ -168,15 +176,15 @@ class Target:
         raise UsageError(f"{self.name} is written as {', '.join(self.forms)}, not as {suffix!r}")
 
 
-def pair(gyro: str, accelerometer: str, like: Field, unit: str) -> tuple[Field, Field]:
+def pair(gyro: str, accelerometer: str, like: TargetField, unit: str) -> tuple[TargetField, TargetField]:
     """The fields of both sensors for one term: names, that of the gyro without its name, the accelerometer's unit."""
     return replace(like, name=gyro), replace(like, name=accelerometer, sensor=ACCELEROMETER, unit=unit)
 
 
-DENSITY = Field("", GYRO, "N", "rad/s/sqrt(Hz)"), "m/s^2/sqrt(Hz)"
+DENSITY = TargetField("", GYRO, "N", "rad/s/sqrt(Hz)"), "m/s^2/sqrt(Hz)"
 """A field that is N itself, in SI, and its unit for accelerometers."""
 
-WALK = Field("", GYRO, "K", "rad/s^2/sqrt(Hz)"), "m/s^3/sqrt(Hz)"
+WALK = TargetField("", GYRO, "K", "rad/s^2/sqrt(Hz)"), "m/s^3/sqrt(Hz)"
 """A field that is K itself, in SI, and its unit for accelerometers."""
 
 

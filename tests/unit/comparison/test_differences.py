@@ -9,8 +9,8 @@ import pytest
 
 import allanite as al
 from allanite.comparison.change import told
+from allanite.comparison.paired import paired_homogeneity, paired_law, resemblance
 from allanite.comparison.sinusoids import Amplitude, LineContrast
-from allanite.comparison.synchronous import paired_homogeneity, paired_law, resemblance
 from allanite.reporting.views.comparison import change_of
 
 RATE = 100.0

@@ -5,6 +5,7 @@ from .calibration import estimate as estimate
 from .design import NUISANCES as NUISANCES
 from .encoder import calibrate as calibrate
 from .geometry import Gimbals as Gimbals
+from .geometry import Sway as Sway
 from .geometry import gimbals as gimbals
 from .harmonics import Harmonics as Harmonics
 from .plans import AnglePlan as AnglePlan
@@ -15,4 +16,3 @@ from .plans import scan as scan
 from .simulation import readings as readings
 from .simulation import simulate as simulate
 from .solution import Solution as Solution
-from .sway import Sway as Sway

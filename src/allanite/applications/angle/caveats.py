@@ -43,13 +43,30 @@ def caveats(
     """
     count = 2 * sum(map(len, harmonics.values()))
     errors, correlation = known.errors, correlation_of(known.covariance)
-    return (
-        *_short(gimbals, harmonics, names, correlation),
-        *_alike(names[:count], correlation),
-        *_disturbed(names, errors[:count], known),
-        *_sparse(gimbals, harmonics),
-        *(_untold(names, errors, prior) if prior is not None else ()),
-    )
+    found = [*_short(gimbals, harmonics, names, correlation), *_alike(names[:count], correlation)]
+    turning = [i for i, name in enumerate(names) if name in ("ax", "az")]
+    if turning:
+        growth = errors[:count] / known.without(turning).errors[:count]
+        worst = int(growth.argmax())
+        if growth[worst] > DISTURBED:
+            increased = say(
+                "the auto-compensating rotation increases the standard error of {constant} by a factor of {factor:.2g}",
+                constant=names[worst],
+                factor=float(growth[worst]),
+            )
+            remedy = say("choose another period of the rotation, or another range of angles")
+            found.append(Finding("turn", increased, say("its period is near that of an error"), remedy))
+    found += _sparse(gimbals, harmonics)
+    ratios = errors / (math.inf if prior is None else prior)
+    little = [name for name, ratio in zip(names, ratios, strict=True) if ratio > UNTOLD and name[0] in "SC"]
+    if little:
+        untold = say(
+            "the samples carry little information about {constants}: their estimates depend mostly on the prior",
+            constants=", ".join(little),
+        )
+        remedy = say("choose a longer interval or another range of angles")
+        found.append(Finding("untold", untold, say("their estimates are biased towards zero"), remedy))
+    return tuple(found)
 
 
 def _short(
@@ -107,26 +124,6 @@ def _alike(names: tuple[str, ...], correlation: FloatArray) -> Iterator[Finding]
         )
 
 
-def _disturbed(names: tuple[str, ...], errors: FloatArray, known: SquareRoot) -> Iterator[Finding]:
-    turning = [i for i, name in enumerate(names) if name in ("ax", "az")]
-    if not turning:
-        return
-    without = known.without(turning).errors[: errors.size]
-    growth = errors / without
-    worst = int(growth.argmax())
-    if growth[worst] > DISTURBED:
-        yield Finding(
-            "turn",
-            say(
-                "the auto-compensating rotation increases the standard error of {constant} by a factor of {factor:.2g}",
-                constant=names[worst],
-                factor=float(growth[worst]),
-            ),
-            say("its period is near that of an error"),
-            say("choose another period of the rotation, or another range of angles"),
-        )
-
-
 def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Iterator[Finding]:
     step = np.diff(gimbals.time)
     for angle, orders in harmonics.items():
@@ -149,17 +146,3 @@ def _sparse(gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]]) -> Itera
                 ),
                 say("sample at least four times per period"),
             )
-
-
-def _untold(names: tuple[str, ...], errors: FloatArray, prior: FloatArray) -> Iterator[Finding]:
-    little = [name for name, ratio in zip(names, errors / prior, strict=True) if ratio > UNTOLD and name[0] in "SC"]
-    if little:
-        yield Finding(
-            "untold",
-            say(
-                "the samples carry little information about {constants}: their estimates depend mostly on the prior",
-                constants=", ".join(little),
-            ),
-            say("their estimates are biased towards zero"),
-            say("choose a longer interval or another range of angles"),
-        )

@@ -38,19 +38,13 @@ def _turning(g: Gimbals) -> tuple[FloatArray, FloatArray]:
     return np.sin(g.rho), np.cos(g.rho)
 
 
-def _across(g: Gimbals) -> FloatArray:
-    sine, cosine = _turning(g)
-    return np.asarray(g.partials["h"] * cosine + g.g * sine)
-
-
-def _along(g: Gimbals) -> FloatArray:
-    sine, cosine = _turning(g)
-    return np.asarray(g.g * cosine - g.partials["h"] * sine)
-
-
 NUISANCES: dict[str, Nuisance] = {
-    "ax": Nuisance(say("misalignment of the rotor's optical sensor in the rotating frame, x"), 0, _across),
-    "az": Nuisance(say("the same, z"), 0, _along),
+    "ax": Nuisance(
+        say("misalignment of the rotor's optical sensor in the rotating frame, x"),
+        0,
+        lambda g: g.partials["h"] * _turning(g)[1] + g.g * _turning(g)[0],
+    ),
+    "az": Nuisance(say("the same, z"), 0, lambda g: g.g * _turning(g)[1] - g.partials["h"] * _turning(g)[0]),
     "A1": Nuisance(say("daily sine of the gyros' unknown drift"), 0, lambda g: np.sin(EARTH_RATE * g.time)),
     "A2": Nuisance(say("daily cosine of it"), 0, lambda g: np.cos(EARTH_RATE * g.time)),
     "A3": Nuisance(say("linear growth of it"), 1, lambda g: g.time),
@@ -61,6 +55,13 @@ NUISANCES: dict[str, Nuisance] = {
 The rows of ax and az, ``f1 cos(rho) + g sin(rho)`` and ``-f1 sin(rho) + g cos(rho)``, are an assumption: a small vector
 fixed in the turning frame, seen along the measured direction. The literature names the two constants only.
 """
+
+REMEDIES = (
+    "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base",
+    "The polar gyro's gimbals do not move on a fixed base (they stay at the latitude and 0): its sensors can be "
+    "estimated under sway only",
+)
+"""What makes an angle move, of the equatorial gyro and of the polar one."""
 
 USUAL = ("ax", "az", "A1", "A2", "A3")
 
@@ -106,17 +107,8 @@ def design(
     if len(set(nuisance)) < len(nuisance):
         raise UsageError(f"a nuisance is given twice: {', '.join(nuisance)}")
     for angle, orders in harmonics.items():
-        demand_motion(f"the angle {angle}", gimbals.span(angle), orders, _remedy(angle))
+        demand_motion(f"the angle {angle}", gimbals.span(angle), orders, REMEDIES["polar" in angle])
     f = gimbals.partials
     blocks = [f[a][:, None] * waves(getattr(gimbals, a), orders) for a, orders in harmonics.items()]
     columns = [NUISANCES[name].column(gimbals) for name in nuisance]
     return (*amplitude_names(harmonics), *nuisance), np.column_stack([*blocks, *columns])
-
-
-def _remedy(angle: str) -> str:
-    if "polar" in angle:
-        return (
-            "The polar gyro's gimbals do not move on a fixed base (they stay at the latitude and 0): its sensors "
-            "can be estimated under sway only"
-        )
-    return "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base"

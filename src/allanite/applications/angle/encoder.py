@@ -85,23 +85,34 @@ def calibrate(
         raise DataError(f"reference has {against.size} samples instead of {angle.size}, as many as measured")
     if trend not in (0, 1, 2):
         raise UsageError(f"trend must be the degree 0, 1 or 2 of a polynomial, not {trend!r}")
-    _demand_radians(angle, unit)
-    z = _wrapped(angle - against)
+    steps = np.abs(np.diff(angle))
+    torn = np.abs(steps - 360.0) < 5.0  # a jump of 360 in what are said to be radians is a turn in degrees
+    if torn.any() and np.median(steps) < 5.0:
+        at = int(torn.argmax())
+        raise UnitError(
+            f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? "
+            f"({spelled('--unit deg', f'unit={unit!r}')})"
+        )
+    # into half a turn about the mean direction, so that an offset near half a turn is not torn
+    middle = float(np.angle(np.exp(1j * (angle - against)).mean()))
+    z = np.asarray(np.mod(angle - against - middle + math.pi, 2 * math.pi) - math.pi + middle)
     demand_motion("the angle", float(np.ptp(np.unwrap(angle))), chosen, "Turn the sensor")
-    _demand_small(z, chosen)
-    names = (
-        tuple(f"{wave}{k}" for k in chosen for wave in "SC") + (say("offset"), say("drift"), say("bend"))[: trend + 1]
-    )
+    if (scatter := float(np.std(z))) * max(chosen) > ABSURD:
+        raise DataError(
+            f"measured and reference differ by {scatter:.3g} rad about their mean, which is not small relative to a "
+            f"period of harmonic {max(chosen)} ({2 * math.pi / max(chosen):.3g} rad): are units, signs and columns "
+            "right?"
+        )
+    amplitudes = (f"{wave}{k}" for k in chosen for wave in "SC")
+    names = (*amplitudes, *(say("offset"), say("drift"), say("bend"))[: trend + 1])
     number = np.linspace(-1.0, 1.0, angle.size)
     rows = np.column_stack([waves(angle, chosen), *(number**i for i in range(trend + 1))])
     system = System(names, rows, z, np.arange(angle.size, dtype=np.float64))
     solution = solve(system, sigma=None if sigma is None else sigma * factor)
-    title = name or getattr(measured, "name", "")
-    harmonics = part(solution, title, chosen, 0)
+    harmonics = part(solution, name or getattr(measured, "name", ""), chosen, 0)
     left = z - rows @ solution.values
     findings = (*_caveats(angle, chosen, solution), *_remaining(angle, left, chosen), *too_large([harmonics]))
-    solution = replace(solution, findings=findings)
-    return replace(harmonics, solution=solution)
+    return replace(harmonics, solution=replace(solution, findings=findings))
 
 
 def _angle(what: str, values: Any, unit: str) -> tuple[FloatArray, float]:
@@ -116,33 +127,6 @@ def _angle(what: str, values: Any, unit: str) -> tuple[FloatArray, float]:
     if size.dimension != unit_of("rad").dimension:
         raise UnitError(f"{unit!r} is not a unit of an angle; for example rad, deg, arcsec")
     return column(what, values) * size.factor, size.factor
-
-
-def _wrapped(difference: FloatArray) -> FloatArray:
-    """Into half a turn about the mean direction, so that an offset near half a turn is not torn."""
-    middle = float(np.angle(np.exp(1j * difference).mean()))
-    return np.asarray(np.mod(difference - middle + math.pi, 2 * math.pi) - math.pi + middle)
-
-
-def _demand_radians(angle: FloatArray, unit: str) -> None:
-    """A jump of 360 in what are said to be radians is a turn in degrees."""
-    steps = np.abs(np.diff(angle))
-    if steps.size and np.any(np.abs(steps - 360.0) < 5.0) and np.median(steps) < 5.0:
-        at = int(np.argmax(np.abs(steps - 360.0) < 5.0))
-        raise UnitError(
-            f"measured jumps by {steps[at]:.5g} rad at sample {at + 1}: is it in degrees? "
-            f"({spelled('--unit deg', f'unit={unit!r}')})"
-        )
-
-
-def _demand_small(z: FloatArray, orders: tuple[int, ...]) -> None:
-    spread = float(np.std(z))
-    if spread * max(orders) > ABSURD:
-        raise DataError(
-            f"measured and reference differ by {spread:.3g} rad about their mean, which is not small relative to a "
-            f"period of harmonic {max(orders)} ({2 * math.pi / max(orders):.3g} rad): are units, signs and columns "
-            "right?"
-        )
 
 
 def _remaining(angle: FloatArray, left: FloatArray, orders: tuple[int, ...]) -> Iterator[Finding]:

@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 from allanite.extending import DataError, FloatArray, UnitError, UsageError, Value
 
 from .checks import column, demand_increasing
-from .sway import Sway, sway_of
 
 EARTH_RATE = 7.292115e-5
 """Rate of the earth against the stars, rad/s."""
@@ -31,6 +30,55 @@ Q_LAWS: dict[str, Callable[[FloatArray, float], FloatArray]] = {
 
 ANGLES = ("h", "q", "h_polar", "q_polar")
 """The four angle sensors: of the equatorial and of the polar gyro."""
+
+
+@dataclass(frozen=True, repr=False)
+class Sway(Value):
+    """A ship's sway: roll and pitch of one period, a quarter of it apart.
+
+    Attributes
+    ----------
+    roll, pitch : float
+        Amplitudes, rad.
+    period : float
+        s.
+    heading : float
+        Heading of the ship, from north to east, rad.
+    """
+
+    roll: float
+    pitch: float
+    period: float
+    heading: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not np.isfinite([self.roll, self.pitch, self.period, self.heading]).all() or self.period <= 0:
+            raise UsageError(f"sway must be two finite amplitudes in rad and a period in s above 0, not {self}")
+        if max(abs(self.roll), abs(self.pitch)) > math.pi / 4:
+            raise UnitError(
+                f"sway of {max(abs(self.roll), abs(self.pitch)):g} rad: is that in degrees? rad is expected"
+            )
+
+    def turn(self, vectors: FloatArray, time: FloatArray) -> FloatArray:
+        """Vectors of the local axes, shape (3, n), as the swaying base sees them at `time`, s."""
+        phase = 2 * math.pi / self.period * time
+        forward = np.array([math.sin(self.heading), math.cos(self.heading), 0.0])
+        starboard = np.array([math.cos(self.heading), -math.sin(self.heading), 0.0])
+        rotation = np.outer(forward, self.roll * np.sin(phase)) + np.outer(starboard, self.pitch * np.cos(phase))
+        size = np.linalg.norm(rotation, axis=0)
+        axis = rotation / np.where(size > 0, size, 1.0)
+        # Rodrigues' formula; the base turns by +size, so that what stands still turns by -size in its axes
+        along = axis * (axis * vectors).sum(axis=0) * (1 - np.cos(size))
+        return np.asarray(vectors * np.cos(size) - np.cross(axis, vectors, axis=0) * np.sin(size) + along)
+
+
+def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
+    """Sway given as (amplitude, period) is roll and pitch of that amplitude."""
+    if sway is None or isinstance(sway, Sway):
+        return sway
+    if not isinstance(sway, (tuple, list)) or len(sway) != 2:
+        raise UsageError(f"sway must be (amplitude in rad, period in s) or a Sway, not {sway!r}")
+    return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
 
 
 def demand_angles(names: Iterable[str]) -> None:
@@ -187,16 +235,11 @@ def gimbals(
         rho=None if turn_period is None else 2 * math.pi / turn_period * clock,
     )  # fmt: skip
     swaying = sway_of(sway)
-    return still if swaying is None else _swaying(still, swaying)
-
-
-def _swaying(still: Gimbals, sway: Sway) -> Gimbals:
-    seen = {}
-    for h, q in (("h", "q"), ("h_polar", "q_polar")):
-        east, north, up = sway.turn(_vector(getattr(still, h), getattr(still, q)), still.time)
-        seen[h], seen[q] = np.arcsin(np.clip(up, -1.0, 1.0)), np.unwrap(np.arctan2(east, north))
-    return still.moved(**seen)
-
-
-def _vector(h: FloatArray, q: FloatArray) -> FloatArray:
-    return np.array([np.cos(h) * np.sin(q), np.cos(h) * np.cos(q), np.sin(h)])
+    if swaying is None:
+        return still
+    angles = {}
+    for h_name, q_name in (("h", "q"), ("h_polar", "q_polar")):
+        h, q = getattr(still, h_name), getattr(still, q_name)
+        east, north, up = swaying.turn(np.array([np.cos(h) * np.sin(q), np.cos(h) * np.cos(q), np.sin(h)]), clock)
+        angles[h_name], angles[q_name] = np.arcsin(np.clip(up, -1.0, 1.0)), np.unwrap(np.arctan2(east, north))
+    return still.moved(**angles)

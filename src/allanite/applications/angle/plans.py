@@ -12,10 +12,9 @@ from allanite.extending import Finding, FloatArray, UsageError, Value
 from .calibration import Prior, prior_of
 from .caveats import caveats
 from .design import USUAL, amplitude_names, design, harmonic_set
-from .geometry import QUARTER, Gimbals, gimbals
+from .geometry import QUARTER, Gimbals, Sway, gimbals, sway_of
 from .solution import correlation_of
-from .squareroot import SquareRoot, batch
-from .sway import Sway, sway_of
+from .squareroot import batch
 
 READINGS = 4096
 """Samples of one window of a scan; more are thinned, their noise averaged."""
@@ -167,7 +166,11 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
     harmonics = harmonic_set(settings.orders)
     names, rows = design(angles, harmonics, settings.nuisance)
     before = prior_of(settings.prior, harmonics, len(names))
-    alone, known = _known(rows / settings.sigma, before)
+    alone = known = batch(rows / settings.sigma, np.zeros(len(rows)))  # from the samples alone
+    if before is not None:
+        known = batch(alone.factor[:, :-1], alone.factor[:, -1], before)
+    elif not alone.condition < 1e12:
+        raise UsageError("the samples alone do not separate these constants; give prior standard deviations")
     return AnglePlan(
         names=names,
         amplitudes=len(amplitude_names(harmonics)),
@@ -179,16 +182,6 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
         settings=settings,
         findings=caveats(angles, harmonics, names, known, before),
     )
-
-
-def _known(rows: FloatArray, before: FloatArray | None) -> tuple[SquareRoot, SquareRoot]:
-    """From the samples alone, and with what was known before."""
-    alone = batch(rows, np.zeros(len(rows)))
-    if before is None:
-        if not alone.condition < 1e12:
-            raise UsageError("the samples alone do not separate these constants; give prior standard deviations")
-        return alone, alone
-    return alone, batch(alone.factor[:, :-1], alone.factor[:, -1], before)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -237,7 +230,12 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
     >>> np.degrees(day.best.h).round(1).tolist()
     [13.4, 19.8]
     """
-    grid = _starts(settings.duration) if starts is None else np.asarray(starts, dtype=np.float64)
+    if starts is None:
+        duration, step = settings.duration, min(STEP, settings.duration / 2)
+        # the last window is the first that reaches the extreme of h
+        last = math.ceil((QUARTER - duration) / step) if duration < QUARTER else math.ceil(QUARTER / step)
+        starts = (step * np.arange(last + 1)).tolist()
+    grid = np.asarray(starts, dtype=np.float64)
     if grid.ndim != 1 or not grid.size or not np.isfinite(grid).all():
         raise UsageError(f"starts must be times in s after h = 0, not {starts!r}")
     thin = settings.thinned()
@@ -252,10 +250,3 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
         errors=np.array([p.errors[: p.amplitudes] for p in plans]),
         best=plan(settings, float(grid[int(totals.argmin())])),
     )
-
-
-def _starts(duration: float) -> FloatArray:
-    step = min(STEP, duration / 2)
-    # the last window is the first that reaches the extreme of h
-    last = math.ceil((QUARTER - duration) / step) if duration < QUARTER else math.ceil(QUARTER / step)
-    return np.asarray(step * np.arange(last + 1), dtype=np.float64)

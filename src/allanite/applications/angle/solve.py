@@ -64,11 +64,11 @@ def solve(
     True
     """
     alone, spread, freedom = _alone(system, sigma, prior)
-    start = _start(system, spread, prior)
+    vague = prior if prior is not None else VAGUE * spread / np.sqrt((system.rows**2).mean(axis=0))
     rows, values = system.rows / spread, system.values / spread
     if method not in METHODS:
         raise UsageError(f"unknown method {method!r}; known methods: {', '.join(METHODS)}")
-    end, history, left = METHODS[method](start, rows, values, system.time)
+    end, history, left = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
     level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(
         names=system.names,
@@ -101,7 +101,11 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
     values, directions = alone.singular
     seen = int((values > SINGULAR * values[0]).sum())
     if seen < p and prior is None:
-        raise DataError(_undetermined(system.names, seen, directions))
+        mixed = [name for name, part in zip(system.names, np.abs(directions[-1]), strict=True) if part > 0.1]
+        raise DataError(
+            f"the samples determine {seen} combinations of {p} constants; {', '.join(mixed)} cannot be separated: omit "
+            "one of them, let the angles move further, or give a prior"
+        )
     # a column in the span of others leaves rounding noise on the diagonal; least squares proper ignores it
     x, *_ = np.linalg.lstsq(alone.factor[:, :-1], alone.factor[:, -1], rcond=SINGULAR)
     squares = alone.squares + float(((alone.factor[:, -1] - alone.factor[:, :-1] @ x) ** 2).sum())
@@ -109,21 +113,6 @@ def _alone(system: System, sigma: float | None, prior: FloatArray | None) -> tup
     if spread == 0:
         raise DataError("the constants explain every sample exactly, so that the noise cannot be estimated; give sigma")
     return SquareRoot(alone.factor, squares, n), spread, n - seen
-
-
-def _undetermined(names: tuple[str, ...], seen: int, directions: FloatArray) -> str:
-    mixed = [name for name, part in zip(names, np.abs(directions[-1]), strict=True) if part > 0.1]
-    return (
-        f"the samples determine {seen} combinations of {len(names)} constants; {', '.join(mixed)} cannot be "
-        "separated: omit one of them, let the angles move further, or give a prior"
-    )
-
-
-def _start(system: System, spread: float, prior: FloatArray | None) -> SquareRoot:
-    if prior is not None:
-        return SquareRoot.before(prior)
-    size = np.sqrt((system.rows**2).mean(axis=0))
-    return SquareRoot.before(VAGUE * spread / size)
 
 
 Run = tuple[SquareRoot, History, FloatArray]

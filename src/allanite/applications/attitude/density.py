@@ -33,7 +33,7 @@ FINE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Densities:
+class SensorNoise:
     """Noise of both sensors, its horizon, and the sample interval; None for continuous time or no horizon."""
 
     gyro: Model
@@ -44,7 +44,7 @@ class Densities:
     @classmethod
     def of(
         cls, gyro: ModelLike, accelerometer: ModelLike, duration: float | None = None, rate: float | None = None
-    ) -> "Densities":
+    ) -> "SensorNoise":
         """Both noises, checked.
 
         Raises
@@ -57,13 +57,13 @@ class Densities:
             if model.signal.name != sensor:
                 raise UnitError(f"the noise of the {sensor} is that of another sensor ({model.signal.name}): {model}")
         for value, name, unit in ((duration, "duration", "s"), (rate, "rate", "Hz")):
-            if value is not None and not (math.isfinite(value) and value > 0):
+            if not 0 < (1.0 if value is None else value) < math.inf:
                 raise UsageError(f"the {name} must be a number of {unit} above 0, not {given(value)}")
-        for t in (*models[0], *models[1]):
-            if rate is None and (t.row.alpha or 0) > 0 and t.value:  # its power is infinite in continuous time
+        for t in (t for model in models for t in model if t.value):
+            if rate is None and (t.row.alpha or 0) > 0:  # its power is infinite in continuous time
                 raise UsageError(f"{t.symbol} ({t.row.title}) depends on the sampling rate: give it with "
                                  + spelled("--rate HZ", "rate=..."))  # fmt: skip
-            if duration is None and (t.row.slope >= 0) and t.value:
+            if duration is None and t.row.slope >= 0:
                 raise UsageError(f"the error that {t.symbol} ({t.row.title}) causes grows with time: give a horizon "
                                  + spelled("with --duration TIME", "with duration=..."))  # fmt: skip
         return cls(*models, duration, None if rate is None else 1 / rate)

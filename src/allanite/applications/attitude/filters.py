@@ -9,7 +9,7 @@ import numpy as np
 from allanite.extending import DataError, FloatArray, UsageError, say, spelled
 
 from .coning import attitudes, rotation_vectors
-from .density import Densities
+from .density import SensorNoise
 from .gains import best_first_order, best_kalman, best_second_order
 from .inertial import Inertial
 from .loop import Loop
@@ -72,7 +72,7 @@ class AttitudeFilter:
     run: Callable[[Inertial, Setting], Angles]
     looped: bool = False
     estimates: bool = False
-    best: Callable[[Sequence[Densities]], Loop] = best_first_order
+    best: Callable[[Sequence[SensorNoise]], Loop] = best_first_order
 
 
 def _complementary(data: Inertial, setting: Setting) -> Angles:
@@ -91,46 +91,31 @@ def _complementary(data: Inertial, setting: Setting) -> Angles:
     return found, held
 
 
-def _mahony(data: Inertial, setting: Setting) -> Angles:
-    from allanite.kernels.attitude import mahony
+def _steered(name: str, data: Inertial, setting: Setting, first: float, second: float) -> Angles:
+    """A filter of quaternions with its two gains."""
+    from allanite.kernels import attitude
 
     found = np.empty((len(data.gyro), 2))
-    gains = np.array([setting.loop.k1, setting.loop.k2, data.interval, data.gravity, *setting.gates])
-    held = mahony(data.gyro, data.force, gains, quaternion(data.start), found)
-    return found, held
+    gains = np.array([first, second, data.interval, data.gravity, *setting.gates])
+    return found, getattr(attitude, name)(data.gyro, data.force, gains, quaternion(data.start), found)
 
 
-def _madgwick(data: Inertial, setting: Setting) -> Angles:
-    from allanite.kernels.attitude import madgwick
+def _tilts(up: FloatArray) -> FloatArray:
+    """Roll and pitch of vectors that point up, shape (n, 2)."""
+    from allanite.kernels.attitude import tilts
 
-    found = np.empty((len(data.gyro), 2))
-    beta = equivalent_beta(data, setting.loop.time_constant) if setting.beta is None else setting.beta
-    gains = np.array([beta, 0.0, data.interval, data.gravity, *setting.gates])
-    held = madgwick(data.gyro, data.force, gains, quaternion(data.start), found)
-    return found, held
+    found = np.empty((len(up), 2))
+    tilts(up, found)
+    return found
 
 
 def _bortz(data: Inertial, setting: Setting) -> Angles:
-    from allanite.kernels.attitude import tilts
-
     vectors = rotation_vectors(data.gyro * data.interval, setting.samples)
     w, a, b, c = attitudes(vectors, quaternion(data.start)).T
-    up = np.stack([2 * (a * c - w * b), 2 * (w * a + b * c), 1 - 2 * (a * a + b * b)], axis=1)
-    found = np.empty((len(up), 2))
-    tilts(up, found)
+    found = _tilts(np.stack([2 * (a * c - w * b), 2 * (w * a + b * c), 1 - 2 * (a * a + b * b)], axis=1))
     # an attitude holds at the end of its group of samples; the samples before take that of the group before
-    whole = np.empty((len(data.gyro), 2))
-    index = (np.arange(len(whole)) + 1) // setting.samples - 1
-    whole[:] = np.where(index[:, None] < 0, data.start, found[np.maximum(index, 0)])
-    return whole, len(whole)
-
-
-def _accelerometer(data: Inertial, _: Setting) -> Angles:
-    from allanite.kernels.attitude import tilts
-
-    found = np.empty((len(data.force), 2))
-    tilts(data.force, found)
-    return found, 0
+    index = (np.arange(len(data.gyro)) + 1) // setting.samples - 1
+    return np.where(index[:, None] < 0, data.start, found[np.maximum(index, 0)]), len(index)
 
 
 def quaternion(angles: FloatArray) -> FloatArray:
@@ -140,15 +125,17 @@ def quaternion(angles: FloatArray) -> FloatArray:
     return np.array([cr * cp, sr * cp, cr * sp, -sr * sp])
 
 
-def equivalent_beta(data: Inertial, time_constant: float) -> float:
-    """Madgwick's gain that is as fast as a time constant in noise.
+def beta_of(data: Inertial, setting: Setting) -> float:
+    """Madgwick's gain: as given, or as fast as the time constant in noise.
 
     Its correction turns at 2 beta whatever the error. In noise of the tilt with the standard deviation s of each angle
     that is on average sqrt(pi / 8) / s of the error, so that beta = s / (sqrt(pi / 2) time constant).
     """
+    if setting.beta is not None:
+        return setting.beta
     steps = np.diff(data.force[:, :2], axis=0) / data.gravity
     scatter = math.sqrt(float((steps**2).mean()) / 2)
-    return scatter / (math.sqrt(math.pi / 2) * time_constant)
+    return scatter / (math.sqrt(math.pi / 2) * setting.loop.time_constant)
 
 
 FILTERS: dict[str, AttitudeFilter] = {
@@ -174,12 +161,14 @@ FILTERS: dict[str, AttitudeFilter] = {
         AttitudeFilter(
             "mahony", say("Mahony's filter, kP = k1 and kI = k2"),
             r"\dot q = \tfrac{1}{2} q \otimes (\omega - b + k_P\, a \times v), \quad \dot b = -k_I\, a \times v",
-            "Mahony et al., IEEE Trans. AC-53 (2008) 1203", _mahony, looped=True,
+            "Mahony et al., IEEE Trans. AC-53 (2008) 1203",
+            lambda data, setting: _steered("mahony", data, setting, setting.loop.k1, setting.loop.k2), looped=True,
         ),
         AttitudeFilter(
             "madgwick", say("Madgwick's filter, which corrects at a constant rate of 2 beta"),
             r"\dot q = \tfrac{1}{2} q \otimes \omega - \beta \nabla f / |\nabla f|",
-            "Madgwick et al., ICORR (2011)", _madgwick,
+            "Madgwick et al., ICORR (2011)",
+            lambda data, setting: _steered("madgwick", data, setting, beta_of(data, setting), 0.0),
         ),
         AttitudeFilter(
             "bortz", say("gyros alone, rotation vector with coning correction"),
@@ -188,7 +177,7 @@ FILTERS: dict[str, AttitudeFilter] = {
         ),
         AttitudeFilter(
             "accelerometer", say("accelerometers alone"), r"\theta_a = \arctan(-f_x / \sqrt{f_y^2 + f_z^2})",
-            say("the tilt of the specific force"), _accelerometer,
+            say("the tilt of the specific force"), lambda data, setting: (_tilts(data.force), 0),
         ),
     )
 }  # fmt: skip

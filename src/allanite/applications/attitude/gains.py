@@ -7,7 +7,7 @@ import numpy as np
 
 from allanite.extending import DataError, Model, UsageError, spelled
 
-from .density import GRAVITY, Densities
+from .density import GRAVITY, SensorNoise
 from .loop import Loop, kalman
 from .prediction import predict
 
@@ -24,7 +24,7 @@ Bias = tuple[float, float]
 """Constant biases of the gyro, rad/s, and of the accelerometer, m/s^2."""
 
 
-def best_loop(noises: Sequence[Densities], bias: Sequence[Bias]) -> Loop:
+def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
     """The filter of first order with the least sum of squares of the errors of several angles.
 
     Raises
@@ -52,7 +52,7 @@ def best_loop(noises: Sequence[Densities], bias: Sequence[Bias]) -> Loop:
     return Loop.of(math.exp(found.x))
 
 
-def best_second(noises: Sequence[Densities], bias: Sequence[Bias], first: Loop) -> Loop | None:
+def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop) -> Loop | None:
     """The filter of second order with the least sum of squares of several angles; None if `first` is as good.
 
     A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
@@ -81,18 +81,18 @@ def best_second(noises: Sequence[Densities], bias: Sequence[Bias], first: Loop) 
     return None if found.fun > 1 - 2e-4 else loop_of(found.x)
 
 
-def best_first_order(noises: Sequence[Densities]) -> Loop:
+def best_first_order(noises: Sequence[SensorNoise]) -> Loop:
     """`best_loop` without constant biases: the mean rates are subtracted."""
     return best_loop(noises, [(0.0, 0.0)] * len(noises))
 
 
-def best_second_order(noises: Sequence[Densities]) -> Loop:
+def best_second_order(noises: Sequence[SensorNoise]) -> Loop:
     """`best_second` without constant biases, or the filter of first order where that is as good."""
     first = best_first_order(noises)
     return best_second(noises, [(0.0, 0.0)] * len(noises), first) or first
 
 
-def best_kalman(noises: Sequence[Densities]) -> Loop:
+def best_kalman(noises: Sequence[SensorNoise]) -> Loop:
     """The steady Kalman filter for the mean power of several angles.
 
     Raises

@@ -102,7 +102,21 @@ def inertial(recording: Recording, axes: Axes | None = None) -> Inertial:
     for record in (*gyros, *accelerometers):
         demand_whole(record)
     gyro, force = (np.stack([r.rate_values for r in records], axis=1) for records in (gyros, accelerometers))
-    _demand_plausible(gyro, force)
+    fastest = float(np.sqrt((gyro**2).mean(axis=0)).max())
+    if fastest > FASTEST:
+        raise DataError(
+            f"the gyros read {fastest:.3g} rad/s (RMS), which no vehicle does: are they in deg/s? Give the unit with "
+            f"{spelled('--unit gyro=deg/s', 'unit=...')}"
+        )
+    size = float(np.median(np.linalg.norm(force, axis=1)))
+    if size < 0.1:
+        raise DataError("the accelerometers read nothing (free fall): without specific force there is no vertical")
+    for wrong, unit in ((1.0, "g"), (GRAVITY**2, "m/s^2")):
+        if abs(size / wrong - 1) < PLAUSIBLE:
+            raise DataError(
+                f"the median specific force is {size:.4g} m/s^2, not {GRAVITY:.4g}: are the accelerometers in {unit}? "
+                f"Give the unit with {spelled(f'--unit accel={unit}', 'unit=...')}"
+            )
     if axes is None:
         demand_upright(force.mean(axis=0))
     else:
@@ -116,8 +130,7 @@ def demand_whole(record: Record) -> None:
     lost = ~np.isfinite(record.rate_values)
     if not lost.any():
         return
-    edges = np.flatnonzero(np.diff(np.concatenate(([1], lost.astype(np.int8), [1]))))
-    runs = edges.reshape(-1, 2)
+    runs = np.flatnonzero(np.diff(np.concatenate(([1], lost.astype(np.int8), [1])))).reshape(-1, 2)
     first, last = runs[np.diff(runs, axis=1)[:, 0].argmax()] if runs.size else (0, 0)
     where = between(record.cut + first / record.rate, record.cut + last / record.rate)
     raise DataError(
@@ -125,22 +138,3 @@ def demand_whole(record: Record) -> None:
         f"{record.cut + int(lost.argmax()) / record.rate:.6g} s, and an attitude cannot be carried across a gap; the "
         f"longest stretch without a gap: {where}"
     )
-
-
-def _demand_plausible(gyro: FloatArray, force: FloatArray) -> None:
-    fastest = float(np.sqrt((gyro**2).mean(axis=0)).max())
-    if fastest > FASTEST:
-        raise DataError(
-            f"the gyros read {fastest:.3g} rad/s (RMS), which no vehicle does: are they in deg/s? Give the unit with "
-            f"{spelled('--unit gyro=deg/s', 'unit=...')}"
-        )
-    size = float(np.median(np.linalg.norm(force, axis=1)))
-    if size < 0.1:
-        raise DataError("the accelerometers read nothing (free fall): without specific force there is no vertical")
-    units = {1.0: "g", GRAVITY**2: "m/s^2"}
-    for wrong, unit in units.items():
-        if abs(size / wrong - 1) < PLAUSIBLE:
-            raise DataError(
-                f"the median specific force is {size:.4g} m/s^2, not {GRAVITY:.4g}: are the accelerometers in {unit}? "
-                f"Give the unit with {spelled(f'--unit accel={unit}', 'unit=...')}"
-            )

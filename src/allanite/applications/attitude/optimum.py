@@ -6,7 +6,7 @@ from typing import Any
 
 from allanite.extending import ModelLike, Value
 
-from .density import Densities
+from .density import SensorNoise
 from .gains import Bias, best_loop, best_second
 from .prediction import Prediction, biases, predict
 from .wiener import random_error, wiener_error
@@ -113,11 +113,11 @@ def optimal_time_constant(
     UsageError, UnitError
         As for `predicted_error`; or no time constant is best, because one of the sensors has no noise.
     """
-    noise = Densities.of(gyro, accelerometer, duration, rate)
+    noise = SensorNoise.of(gyro, accelerometer, duration, rate)
     return optimum(noise, biases(gyro_bias, accelerometer_bias))
 
 
-def optimum(noise: Densities, bias: Bias = (0.0, 0.0)) -> Optimum:
+def optimum(noise: SensorNoise, bias: Bias = (0.0, 0.0)) -> Optimum:
     """`optimal_time_constant` of densities that were checked, with biases in SI."""
     loop = best_loop([noise], [bias])
     other = best_second([noise], [bias], loop)

@@ -1,7 +1,6 @@
 """Predicted error of a gyro-vertical, and its parts by source."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +18,7 @@ from allanite.extending import (
     unit_of,
 )
 
-from .density import SENSORS, Densities, scale
+from .density import SENSORS, SensorNoise, density, scale
 from .loop import Loop
 
 
@@ -140,7 +139,7 @@ def predicted_error(
         A model is of another sensor, a needed horizon or rate is missing, or the time constant is not above the sample
         interval.
     """
-    noise = Densities.of(gyro, accelerometer, duration, rate)
+    noise = SensorNoise.of(gyro, accelerometer, duration, rate)
     loop = Loop.of(time_constant)
     if noise.interval is not None:
         loop.demand_sampled(noise.interval)
@@ -164,31 +163,31 @@ def _bias(value: str | float, si: str, example: str) -> float:
     return number * unit_of(unit).factor
 
 
-def predict(noise: Densities, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
+def predict(noise: SensorNoise, loop: Loop, bias: tuple[float, float] = (0.0, 0.0)) -> Prediction:
     """`predicted_error` of densities that were checked, with biases in SI."""
-    sources = (*_random(noise, loop), *_deterministic(noise, loop, bias))
-    rate = None if noise.interval is None else 1 / noise.interval
-    return Prediction(noise.gyro, noise.accelerometer, loop, noise.duration, rate, sources)
-
-
-def _random(noise: Densities, loop: Loop) -> Iterator[Source]:
     f, weight = noise.nodes
     gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
-    for sensor, t, density in noise.noise:
-        variance = float(gain[SENSORS.index(sensor)] @ density)
-        yield Source(sensor, t.symbol, text_of(t), math.sqrt(variance))
-
-
-def _deterministic(noise: Densities, loop: Loop, bias: tuple[float, float]) -> Iterator[Source]:
+    sources = [
+        Source(sensor, t.symbol, text_of(t), math.sqrt(float(gain[SENSORS.index(sensor)] @ power)))
+        for sensor, t, power in noise.noise
+    ]
     for i, (sensor, model) in enumerate(zip(SENSORS, (noise.gyro, noise.accelerometer), strict=True)):
-        for t in model:
-            if t.row.waveform is not None:
-                rms = _line(t, noise, loop, i) if t.row.periodic else _ramp(t, noise, loop, i)
-                yield Source(sensor, t.symbol, text_of(t), scale(sensor) * rms)
+        constant = steady(loop, sensor, noise.interval)
+        for t in (t for t in model if t.row.waveform is not None):
+            if t.row.periodic:  # averaged over its phase
+                rms = abs(t.value) * float(np.abs(loop.responses(np.array([t.shape[0]]), noise.interval)[i][0]))
+                rms /= math.sqrt(2)
+            elif sensor == "gyro" and loop.k2:
+                rms = abs(t.value) / loop.k2
+            else:  # a ramp, zero in the middle of the run; it demands a duration
+                rms = abs(t.value) * (noise.duration or math.nan) / math.sqrt(12) * constant
+            sources.append(Source(sensor, t.symbol, text_of(t), scale(sensor) * rms))
         if bias[i]:
             unit = model.signal.sheet[0]
-            said = say("bias {value:.4g} {unit}", value=bias[i] / unit_of(unit).factor, unit=unit)
-            yield Source(sensor, "bias", said, abs(bias[i]) * scale(sensor) * steady(loop, sensor, noise.interval))
+            words = say("bias {value:.4g} {unit}", value=bias[i] / unit_of(unit).factor, unit=unit)
+            sources.append(Source(sensor, "bias", words, abs(bias[i]) * scale(sensor) * constant))
+    rate = None if noise.interval is None else 1 / noise.interval
+    return Prediction(noise.gyro, noise.accelerometer, loop, noise.duration, rate, tuple(sources))
 
 
 def text_of(t: Term) -> str:
@@ -211,19 +210,6 @@ def texts(model: Model) -> str:
     return ", ".join(map(text_of, model))
 
 
-def _line(t: Term, noise: Densities, loop: Loop, which: int) -> float:
-    """A sinusoid, averaged over its phase."""
-    found = loop.responses(np.array([t.shape[0]]), noise.interval)[which]
-    return abs(t.value) * float(np.abs(found[0])) / math.sqrt(2)
-
-
-def _ramp(t: Term, noise: Densities, loop: Loop, which: int) -> float:
-    """A ramp that is zero in the middle of the run."""
-    assert noise.duration is not None  # noqa: S101 - a ramp demands one
-    span = abs(t.value) * noise.duration / math.sqrt(12)
-    return abs(t.value) / loop.k2 if which == 0 and loop.k2 else span * steady(loop, SENSORS[which], noise.interval)
-
-
 def steady(loop: Loop, sensor: str, interval: float | None) -> float:
     """Response of the error to a constant rate, s, or a constant tilt."""
     if sensor == "accelerometer":
@@ -235,12 +221,12 @@ def steady(loop: Loop, sensor: str, interval: float | None) -> float:
 
 def error_density(found: Prediction, f: FloatArray) -> dict[str, FloatArray]:
     """Root of the one-sided density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
-    noise = Densities.of(found.gyro, found.accelerometer, found.duration, found.rate)
+    noise = SensorNoise.of(found.gyro, found.accelerometer, found.duration, found.rate)
     gain = [np.abs(response) for response in found.loop.responses(f, noise.interval)]
     lines = {}
     for i, (sensor, model) in enumerate(zip(SENSORS, (found.gyro, found.accelerometer), strict=True)):
         for t in model:
             if t.row.waveform is None:
-                own = Densities(Model((t,)), Model((t,)), interval=noise.interval).total(sensor, f)
+                own = scale(sensor) ** 2 * density(t, f, noise.interval)
                 lines[f"{sensor} {t.symbol}"] = gain[i] * np.sqrt(2 * own)
     return lines

@@ -1,13 +1,15 @@
 """What a gyro-vertical finds in a recording, and the choices it is found with."""
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from allanite.extending import (
     ChannelResult,
+    DataError,
     Estimate,
     FloatArray,
     Header,
@@ -24,10 +26,17 @@ from allanite.extending import (
 )
 
 from .axes import Axes
-from .filters import FILTERS, AttitudeFilter, filter_named
+from .density import SensorNoise
+from .filters import FILTERS, AttitudeFilter, Setting, filter_named
 from .loop import Loop
 from .optimum import Optimum
 from .prediction import Prediction
+
+PAIRS = ((0, 1), (1, 0))
+"""The gyro and the accelerometer, among x, y, z, that an angle is found from."""
+
+SLOWER = 5.0
+"""Time of the bias estimate over the time constant, where only the latter is given."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,11 +94,42 @@ class VerticalSettings(Value):
         """The given axes."""
         return None if self.axes is None else Axes.of(self.axes)
 
-    @property
-    def models(self) -> tuple[Model | None, Model | None]:
-        """The given noise of gyro and accelerometer."""
-        gyro, accelerometer = (None if t is None else parse_model(t) for t in (self.gyro, self.accelerometer))
-        return gyro, accelerometer
+    def model(self, record: Record | Header) -> Model | None:
+        """The given noise of a sensor."""
+        text = self.gyro if record.signal.name == "gyro" else self.accelerometer
+        return None if text is None else parse_model(text)
+
+    def noises(self, channels: Sequence["VerticalChannel"], duration: float, rate: float) -> list[SensorNoise]:
+        """The noise of roll and of pitch, given or identified; empty where that of one is not known."""
+        models = [self.model(c.record) or c.model for c in channels]
+        pairs = [(models[g], models[2 + a]) for g, a in PAIRS]
+        noises = [SensorNoise.of(g, a, duration, rate) for g, a in pairs if g and a]
+        return noises if len(noises) == len(pairs) else []
+
+    def filter_with(self, loop: Loop) -> Setting:
+        """What the filter is run with."""
+        gate = None if self.gate is None else math.radians(self.gate)
+        return Setting(loop, gate=gate, samples=self.samples)
+
+    def loop(self, noises: Sequence[SensorNoise], reasons: Iterable[str]) -> Loop:
+        """The filter, as given or the best for the noise; if that is not known, an error gives the reasons.
+
+        Raises
+        ------
+        DataError
+            Neither is a time constant given nor the noise known.
+        """
+        if self.time_constant is not None:
+            slow = self.bias_time or (SLOWER * self.time_constant if self.row.estimates else None)
+            return Loop(1 / self.time_constant, 0.0 if slow is None else slow**-2)
+        if not noises:
+            why = "; ".join(dict.fromkeys(filter(None, reasons))) or "the noise is not known"
+            raise DataError(
+                f"no time constant follows from the noise: {why}; give it with "
+                + spelled("--time-constant S, or the noise with --gyro and --accelerometer", "time_constant=...")
+            )
+        first = self.row.best(noises)
+        return first if self.bias_time is None else replace(first, k2=self.bias_time**-2)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,6 +143,11 @@ class VerticalChannel(ChannelResult):
     def model(self) -> Model | None:
         """The noise of the prediction: the valid terms; None where no model explains the record."""
         return None if self.noise is None or not self.noise.explained else self.noise.usable()
+
+    @property
+    def unknown(self) -> str:
+        """Why there is no model; empty if there is one, or it was given."""
+        return self.refusal or ("" if self.noise is None else self.noise.rejection)
 
     @property
     def wrong(self) -> tuple[Estimate, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.extending import FloatArray, Model, Value, say, simulate
 
-from .density import GRAVITY, Densities
+from .density import GRAVITY, SensorNoise
 from .inertial import Inertial
 
 Motion = tuple[FloatArray, FloatArray]
@@ -38,22 +38,16 @@ def _level(t: FloatArray) -> Motion:
     return np.zeros_like(t), np.zeros_like(t)
 
 
-def _sway(t: FloatArray) -> Motion:
-    return np.radians(8.0) * np.sin(2 * math.pi * 0.12 * t), np.radians(10.0) * np.sin(2 * math.pi * 0.2 * t)
-
-
-def _dash(t: FloatArray) -> FloatArray:
-    phase = t % 120.0
-    return np.where(phase < 20, 1.0, np.where(phase < 40, -1.0, 0.0))
-
-
 SCENARIOS: dict[str, Scenario] = {
     row.name: row
     for row in (
         Scenario(say("fixed base"), "level and at rest", _level, np.zeros_like),
-        Scenario(say("acceleration"), "1 m/s^2 for 20 s and -1 m/s^2 for 20 s, every two minutes", _level, _dash),
+        Scenario(say("acceleration"), "1 m/s^2 for 20 s and -1 m/s^2 for 20 s, every two minutes", _level,
+                 lambda t: np.where(t % 120.0 < 20, 1.0, np.where(t % 120.0 < 40, -1.0, 0.0))),
         Scenario(
-            say("oscillation"), "roll 8 deg at 0.12 Hz and pitch 10 deg at 0.2 Hz, sensor 1 m above the center", _sway,
+            say("oscillation"), "roll 8 deg at 0.12 Hz and pitch 10 deg at 0.2 Hz, sensor 1 m above the center",
+            lambda t: (np.radians(8.0) * np.sin(2 * math.pi * 0.12 * t),
+                       np.radians(10.0) * np.sin(2 * math.pi * 0.2 * t)),
             np.zeros_like, 1.0,
         ),
     )
@@ -90,7 +84,7 @@ class Trial(Value):
     instant: bool = False
 
     def __post_init__(self) -> None:
-        noise = Densities.of(self.gyro, self.accelerometer, self.duration, self.rate)
+        noise = SensorNoise.of(self.gyro, self.accelerometer, self.duration, self.rate)
         object.__setattr__(self, "gyro", noise.gyro)
         object.__setattr__(self, "accelerometer", noise.accelerometer)
 
@@ -121,9 +115,18 @@ def simulate_motion(scenario: Scenario, trial: Trial, *, rng: np.random.Generato
         np.stack([simulate(model, n, rate, rng=rng).rate_values for _ in range(3)], axis=1)
         for model in (trial.gyro, trial.accelerometer)
     ]
-    roll, pitch = (float(angle[0]) for angle in scenario.angles(np.zeros(1)))
-    gyro, force = np.asarray(rates) + noise[0] + np.array(trial.bias), _force(scenario, t) + noise[1]
-    return Inertial(gyro, force, rate, aligned=(roll, pitch)), np.stack(scenario.angles(t), axis=1)
+    roll, pitch = scenario.angles(t)
+    ahead = scenario.forward(t)
+    along, up = ahead * np.cos(pitch) - GRAVITY * np.sin(pitch), ahead * np.sin(pitch) + GRAVITY * np.cos(pitch)
+    force = np.stack([along, up * np.sin(roll), up * np.cos(roll)], axis=1)
+    if scenario.lever:
+        h = 1e-3
+        omega, turning = _rates(scenario, t), (_rates(scenario, t + h) - _rates(scenario, t - h)) / (2 * h)
+        arm = np.broadcast_to(np.array([0.0, 0.0, scenario.lever]), omega.shape)
+        force = np.asarray(force + np.cross(turning, arm) + np.cross(omega, np.cross(omega, arm)))
+    start = [float(angle[0]) for angle in scenario.angles(np.zeros(1))]
+    gyro = np.asarray(rates) + noise[0] + np.array(trial.bias)
+    return Inertial(gyro, force + noise[1], rate, aligned=(start[0], start[1])), np.stack((roll, pitch), axis=1)
 
 
 def _rates(scenario: Scenario, t: FloatArray) -> FloatArray:
@@ -132,17 +135,3 @@ def _rates(scenario: Scenario, t: FloatArray) -> FloatArray:
     (roll, _), after, before = scenario.angles(t), scenario.angles(t + h), scenario.angles(t - h)
     droll, dpitch = ((a - b) / (2 * h) for a, b in zip(after, before, strict=True))
     return np.stack([droll, dpitch * np.cos(roll), -dpitch * np.sin(roll)], axis=1)
-
-
-def _force(scenario: Scenario, t: FloatArray) -> FloatArray:
-    """Specific force in the axes of the body."""
-    roll, pitch = scenario.angles(t)
-    ahead = scenario.forward(t)
-    along, up = ahead * np.cos(pitch) - GRAVITY * np.sin(pitch), ahead * np.sin(pitch) + GRAVITY * np.cos(pitch)
-    force = np.stack([along, up * np.sin(roll), up * np.cos(roll)], axis=1)
-    if not scenario.lever:
-        return force
-    h = 1e-3
-    omega, turning = _rates(scenario, t), (_rates(scenario, t + h) - _rates(scenario, t - h)) / (2 * h)
-    arm = np.broadcast_to(np.array([0.0, 0.0, scenario.lever]), omega.shape)
-    return np.asarray(force + np.cross(turning, arm) + np.cross(omega, np.cross(omega, arm)))

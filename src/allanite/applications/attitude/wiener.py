@@ -19,7 +19,7 @@ import numpy as np
 
 from allanite.extending import FloatArray, UsageError
 
-from .density import Densities
+from .density import SensorNoise
 from .loop import ComplexArray, Loop
 
 STEPS = 64.0
@@ -44,7 +44,7 @@ PER_OCTAVE = 128
 """Points of a density between which its logarithm is taken to be straight."""
 
 
-def wiener_error(noise: Densities, best: Loop) -> float:
+def wiener_error(noise: SensorNoise, best: Loop) -> float:
     """Standard deviation of the angle of the optimal causal filter, rad; sinusoids and biases are taken to be known.
 
     Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without a
@@ -52,7 +52,7 @@ def wiener_error(noise: Densities, best: Loop) -> float:
 
     Parameters
     ----------
-    noise : Densities
+    noise : SensorNoise
     best : Loop
         The best filter of first order.
 
@@ -61,57 +61,48 @@ def wiener_error(noise: Densities, best: Loop) -> float:
     UsageError
         One of the sensors has no noise.
     """
-    n, interval = _grid(noise, best.time_constant)
-    sampled = Densities(noise.gyro, noise.accelerometer, noise.duration, interval)
-    f = np.asarray(np.fft.rfftfreq(n, interval), dtype=np.float64)
-    rate, tilt = (_held(sampled, sensor, f) for sensor in ("gyro", "accelerometer"))
-    to_angle, to_tilt = _optimal(rate * interval**2, tilt, n)
-    optimal = _error((to_angle * interval, to_tilt), (rate, tilt))
-    first = _error(best.responses(np.maximum(f, f[1] / 4), interval), (rate, tilt))
-    return random_error(noise, best) * optimal / first
-
-
-def random_error(noise: Densities, loop: Loop) -> float:
-    """Standard deviation of the angle from noise alone, rad."""
-    f, weight = noise.nodes
-    gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
-    return math.sqrt(sum(float(gain[sensor != "gyro"] @ density) for sensor, _, density in noise.noise))
-
-
-def _grid(noise: Densities, time_constant: float) -> tuple[int, float]:
-    """Points of the transform, and the sample interval."""
-    interval = noise.interval or time_constant / STEPS
-    longest = FINER * 2 * noise.duration if noise.duration else MEMORY * time_constant
+    interval, longest = noise.interval or best.time_constant / STEPS, MEMORY * best.time_constant
+    if noise.duration:
+        longest = FINER * 2 * noise.duration
     n = 1 << math.ceil(math.log2(min(MOST, max(1024, longest / interval))))
-    return n, interval if noise.interval else min(max(interval, longest / n), COARSE * interval)
-
-
-def _held(noise: Densities, sensor: str, f: FloatArray) -> FloatArray:
-    """Density of a sensor, which falls steeply below the lowest frequency."""
-    low = noise.lowest if noise.duration else float(f[1])
+    interval = interval if noise.interval else min(max(interval, longest / n), COARSE * interval)
+    sampled = SensorNoise(noise.gyro, noise.accelerometer, noise.duration, interval)
+    f = np.asarray(np.fft.rfftfreq(n, interval), dtype=np.float64)
+    low = sampled.lowest if noise.duration else float(f[1])
     x = np.geomspace(low, f[-1], max(16, math.ceil(PER_OCTAVE * math.log2(f[-1] / low))))
-    density = noise.total(sensor, x)
-    if not density.all():
-        raise UsageError(f"the bound needs noise of both sensors, but that of the {sensor} is 0")
-    held = np.exp(np.interp(np.log(np.maximum(f, low)), np.log(x), np.log(density)))
     below = np.maximum(f, f[1] / 4) / low if noise.duration else np.ones(f.size)
-    return np.asarray(held * np.minimum(below, 1.0) ** STEEP)
 
+    def held(sensor: str) -> FloatArray:
+        """Density of a sensor, which falls steeply below the lowest frequency."""
+        density = sampled.total(sensor, x)
+        if not density.all():
+            raise UsageError(f"the bound needs noise of both sensors, but that of the {sensor} is 0")
+        smooth = np.exp(np.interp(np.log(np.maximum(f, low)), np.log(x), np.log(density)))
+        return np.asarray(smooth * np.minimum(below, 1.0) ** STEEP)
 
-def _error(responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatArray, FloatArray]) -> float:
-    """Standard deviation of the error, in steps of the grid."""
-    density = np.abs(responses[0]) ** 2 * densities[0] + np.abs(responses[1]) ** 2 * densities[1]
-    return math.sqrt(float(np.sum(density[1:-1])) + float(density[0] + density[-1]) / 2)
-
-
-def _optimal(gyro: FloatArray, tilt: FloatArray, n: int) -> tuple[ComplexArray, ComplexArray]:
-    """Responses of the optimal filter to dt n_g and to n_a, from their densities."""
+    rate, tilt = held("gyro"), held("accelerometer")
+    # responses of the optimal filter to dt n_g and to n_a, from their densities
     rise = 1 - np.exp(-2j * math.pi / n * np.arange(n // 2 + 1))
-    cepstrum = np.fft.irfft(np.log(gyro + np.abs(rise) ** 2 * tilt), n) / 2
+    cepstrum = np.fft.irfft(np.log(rate * interval**2 + np.abs(rise) ** 2 * tilt), n) / 2
     cepstrum[1 : n // 2] *= 2
     cepstrum[n // 2 + 1 :] = 0.0
     L = np.exp(np.fft.rfft(cepstrum))
     cross = np.fft.irfft(tilt * np.conj(rise / L), n)
     cross[n // 2 :] = 0.0  # what precedes the innovation
     causal = np.fft.rfft(cross)
-    return causal / L, 1 - causal * rise / L
+    optimal = _error((causal / L * interval, 1 - causal * rise / L), (rate, tilt))
+    first = _error(best.responses(np.maximum(f, f[1] / 4), interval), (rate, tilt))
+    return random_error(noise, best) * optimal / first
+
+
+def random_error(noise: SensorNoise, loop: Loop) -> float:
+    """Standard deviation of the angle from noise alone, rad."""
+    f, weight = noise.nodes
+    gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
+    return math.sqrt(sum(float(gain[sensor != "gyro"] @ density) for sensor, _, density in noise.noise))
+
+
+def _error(responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatArray, FloatArray]) -> float:
+    """Standard deviation of the error, in steps of the grid."""
+    density = np.abs(responses[0]) ** 2 * densities[0] + np.abs(responses[1]) ** 2 * densities[1]
+    return math.sqrt(float(np.sum(density[1:-1])) + float(density[0] + density[-1]) / 2)

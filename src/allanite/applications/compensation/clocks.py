@@ -27,35 +27,31 @@ def aligned(along: Recording, record: Record) -> Recording:
     >>> aligned(Recording((temp,)), gyro)["temp"].values.tolist()
     [20.0, 21.0, 22.0, 23.0, 24.0, nan]
     """
-    return replace(along, records=tuple(_aligned(other, record) for other in along))
-
-
-def _aligned(other: Record, record: Record) -> Record:
-    if other.integrated:
-        plain = say("{name!r} is of kind {kind}; only plain samples can be resampled", name=other.name, kind=other.kind)
-        raise DataError(plain)
-    when = np.arange(record.size) / record.rate
-    since = (record.start or 0.0) - (other.start or 0.0)
-    x = np.asarray(other.values, dtype=np.float64)
-    faster = other.rate > record.rate
-    at = when + since
-    values = _means(x, other.rate, at, record.rate) if faster else _lines(x, other.rate, at)
-    if np.isnan(values).all():
-        raise DataError(say("{first!r} and {second!r} do not overlap in time", first=other.name, second=record.name))
-    what = say(
-        "resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
-        rate=other.rate,
-        name=record.name,
-        way=say("means") if faster else say("linear interpolation"),
-    )
-    return Record(
-        values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
-        history=(*other.history, what),
-    )  # fmt: skip
-
-
-def _lines(x: FloatArray, rate: float, when: FloatArray) -> FloatArray:
-    return np.asarray(np.interp(when, np.arange(x.size) / rate, x, left=np.nan, right=np.nan))
+    at = np.arange(record.size) / record.rate
+    found = []
+    for other in along:
+        if other.integrated:
+            raise DataError(
+                say("{name!r} is of kind {kind}; only plain samples can be resampled", name=other.name, kind=other.kind)
+            )
+        x, faster = np.asarray(other.values, dtype=np.float64), other.rate > record.rate
+        when = at + ((record.start or 0.0) - (other.start or 0.0))
+        if faster:
+            values = _means(x, other.rate, when, record.rate)
+        else:
+            values = np.interp(when, np.arange(x.size) / other.rate, x, left=np.nan, right=np.nan)
+        if np.isnan(values).all():
+            raise DataError(
+                say("{first!r} and {second!r} do not overlap in time", first=other.name, second=record.name)
+            )
+        way = say("means") if faster else say("linear interpolation")
+        what = say("resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
+                   rate=other.rate, name=record.name, way=way)  # fmt: skip
+        found.append(Record(
+            values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
+            history=(*other.history, what),
+        ))  # fmt: skip
+    return replace(along, records=tuple(found))
 
 
 def _means(x: FloatArray, rate: float, when: FloatArray, wanted: float) -> FloatArray:

@@ -1,12 +1,11 @@
 """Whether the whitened columns of a regression can be separated from each other, and from a ramp that is left out."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from allanite.extending import Likelihood, Phrase, join, say, spelled
+from allanite.extending import Likelihood, join, say, spelled
 
 from .design import Design
 from .restricted import FloatArray
@@ -49,7 +48,22 @@ def collinearity(design: Design, likelihood: Likelihood, theta: FloatArray, symb
                 worst=worst or say("spread over all"),
             )
         )
-    notes += [] if design.trend else _without_ramp(design, theta, symbols)
+    if design.trend:
+        return Collinearity(condition, inflation, tuple(notes))
+    # the share of a ramp that the columns explain, whitened, and the ramp beside them over its standard error
+    ramp = np.linspace(-1.0, 1.0, design.y.size)
+    wider = replace(design, X=np.column_stack((design.X, ramp))).likelihood(symbols)
+    eta, V, _ = wider.directions(theta)
+    share, t = 1 - 1 / float(V[-1, -1] * information(wider, theta)[-1, -1]), float(eta[-1] / np.sqrt(V[-1, -1]))
+    why = None
+    if share > TRENDING:
+        why = say("the regressors have a trend: they explain {percent:.3g} % of a linear drift, so that a rate ramp R "
+                  "would be taken for their effect", percent=100 * share)  # fmt: skip
+    elif abs(t) > LARGE:
+        why = say("the record shows a rate ramp R beside the regressors ({t:.3g} standard errors): part of it is taken "
+                  "for their effect", t=abs(t))  # fmt: skip
+    if why:
+        notes.append(join("; ", (why, say("omit {option}", option=spelled("--no-trend", "trend=False")))))
     return Collinearity(condition, inflation, tuple(notes))
 
 
@@ -57,31 +71,3 @@ def information(likelihood: Likelihood, theta: FloatArray) -> FloatArray:
     """X' C^-1 X of the flat directions, shape (p, p), the edges known."""
     flat = np.flatnonzero(likelihood.flat)
     return np.asarray(np.einsum("bij,b->ij", likelihood.UU[:, flat][:, :, flat], 1 / likelihood.expectation(theta)))
-
-
-def _without_ramp(design: Design, theta: FloatArray, symbols: str) -> Iterator[Phrase]:
-    """What leaving a ramp out does to the other columns."""
-    share, t = _of_ramp(design, theta, symbols)
-    if share > TRENDING:
-        why = say(
-            "the regressors have a trend: they explain {percent:.3g} % of a linear drift, so that a rate ramp R would "
-            "be taken for their effect",
-            percent=100 * share,
-        )
-    elif abs(t) > LARGE:
-        why = say(
-            "the record shows a rate ramp R beside the regressors ({t:.3g} standard errors): part of it is taken for "
-            "their effect",
-            t=abs(t),
-        )
-    else:
-        return
-    yield join("; ", (why, say("omit {option}", option=spelled("--no-trend", "trend=False"))))
-
-
-def _of_ramp(design: Design, theta: FloatArray, symbols: str) -> tuple[float, float]:
-    """Share of a ramp that the columns explain, whitened, and the ramp beside them over its standard error."""
-    ramp = np.linspace(-1.0, 1.0, design.y.size)
-    seen = replace(design, X=np.column_stack((design.X, ramp))).likelihood(symbols)
-    eta, V, _ = seen.directions(theta)
-    return 1 - 1 / float(V[-1, -1] * information(seen, theta)[-1, -1]), float(eta[-1] / np.sqrt(V[-1, -1]))

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from allanite.extending import (
     DataError,
     Finding,
     Inspected,
-    Noise,
     Progress,
     Quality,
     Recipe,
@@ -59,6 +57,10 @@ class _Source:
         """About the clocks of both."""
         return tuple(dict.fromkeys((*self.signals.findings, *self.along.findings)))
 
+    def columns(self, keys: tuple[str, ...]) -> list[str]:
+        """The names of channels in the file."""
+        return [self.named[key] for key in keys]
+
 
 def compensate_file(
     source: PathLike,
@@ -89,60 +91,47 @@ def compensate_file(
     UsageError
         No regressor is named, or it is not in the file.
     """
-    recipe, settings = _one_set_of_terms(recipe or Recipe(), settings or CompensationSettings())
+    recipe, settings = recipe or Recipe(), settings or CompensationSettings()
+    if settings.fit.terms != "auto":
+        recipe = replace(recipe, terms=settings.fit.terms)
+    settings = replace(settings, fit=replace(settings.fit, terms=recipe.terms))
     saved = {} if settings.use is None else {r.name: r for r in load(settings.use)}
-    keys = _keys(settings, saved)
+    wanted = (r.channel for regression in saved.values() for r in regression.regressors if not r.is_trend)
+    keys = tuple(dict.fromkeys((*settings.regressors, *settings.derivative_of, *wanted)))
     if progress is not None:
         progress("reading", 0.0)
     here = _open(source, recipe, settings, keys)
 
-    def regression_of(record: Record) -> Regression:
-        return _saved(saved, record.name) if saved else _fitted(record, here, settings)
+    def fitted(record: Record) -> Regression:
+        return compensate(
+            record, here.along, here.columns(settings.regressors), degree=settings.degree, lags=settings.lags,
+            derivative_of=here.columns(settings.derivative_of), trend=settings.trend, settings=settings.fit,
+        )  # fmt: skip
 
-    fitted = _each(
-        here, regression_of, recipe, held=bool(saved), progress=_part(progress, 0, 1 if apply_to is None else 2)
-    )
-    demand_result(here.signals.channels, fitted)
+    parts = 1 if apply_to is None else 2
+    channels = _each(here, saved or fitted, recipe, progress=_part(progress, 0, parts))
+    demand_result(here.signals.channels, channels)
     provenance = provenance_of(here.signals)
     if settings.beside is not None:
         provenance |= {"regressors": here.along.source, "sha256 regressors": here.along.digest}
-    study = CompensationStudy(fitted, recipe, here.findings, here.notes, provenance, (), settings)
-    return study if apply_to is None else _applied(study, apply_to, keys, progress)
-
-
-def _applied(
-    study: CompensationStudy, path: PathLike, keys: tuple[str, ...], progress: Progress | None
-) -> CompensationStudy:
-    """The study with what its regressions do to another file."""
-    there = _open(path, study.recipe, replace(study.settings, beside=None), keys)
+    study = CompensationStudy(channels, recipe, here.findings, here.notes, provenance, (), settings)
+    if apply_to is None:
+        return study
+    other = _open(apply_to, recipe, replace(settings, beside=None), keys)
     known = {regression.name: regression for regression in study.regressions}
-    applied = _each(there, lambda r: _saved(known, r.name), study.recipe, held=True, progress=_part(progress, 1, 2))
-    findings = (replace(f, what=join(": ", (there.signals.source, f.what))) for f in there.findings)
+    findings = (replace(f, what=join(": ", (other.signals.source, f.what))) for f in other.findings)
     return replace(
         study,
-        applied=applied,
+        applied=_each(other, known, recipe, progress=_part(progress, 1, parts)),
         findings=(*study.findings, *findings),
-        notes=tuple(dict.fromkeys((*study.notes, *there.notes))),
-        provenance=study.provenance | {"applied to": os.fspath(path), "sha256 applied to": there.signals.digest},
+        notes=tuple(dict.fromkeys((*study.notes, *other.notes))),
+        provenance=provenance | {"applied to": os.fspath(apply_to), "sha256 applied to": other.signals.digest},
     )
 
 
 def _part(progress: Progress | None, part: int, parts: int) -> Progress | None:
     """What tells the progress of one of several parts of the job."""
     return progress and (lambda what, fraction: progress(what, (part + fraction) / parts))
-
-
-def _one_set_of_terms(recipe: Recipe, settings: CompensationSettings) -> tuple[Recipe, CompensationSettings]:
-    """The recipe and the settings with the same noise terms: those of the settings where they name some."""
-    if settings.fit.terms != "auto":
-        return replace(recipe, terms=settings.fit.terms), settings
-    return recipe, replace(settings, fit=replace(settings.fit, terms=recipe.terms))
-
-
-def _keys(settings: CompensationSettings, saved: Mapping[str, Regression]) -> tuple[str, ...]:
-    """What the user calls the channels that are regressors."""
-    wanted = (r.channel for regression in saved.values() for r in regression.regressors if not r.is_trend)
-    return tuple(dict.fromkeys((*settings.regressors, *settings.derivative_of, *wanted)))
 
 
 def _open(path: PathLike, recipe: Recipe, settings: CompensationSettings, keys: tuple[str, ...]) -> _Source:
@@ -163,17 +152,24 @@ def _open(path: PathLike, recipe: Recipe, settings: CompensationSettings, keys: 
 
 def _each(
     source: _Source,
-    regression_of: Callable[[Record], Regression],
+    regressions: Mapping[str, Regression] | Callable[[Record], Regression],
     recipe: Recipe,
     *,
-    held: bool,
     progress: Progress | None,
 ) -> tuple[Compensated, ...]:
-    """Every channel corrected; `held` says that it was not fitted.
+    """Every channel corrected by the regression of its name, or by one that is fitted to it.
 
     A record that follows a temperature may look as if it moved: whether it does is asked of what the correction leaves.
     """
-    regression_of = cache(regression_of)
+    held = isinstance(regressions, Mapping)
+
+    @cache
+    def regression_of(record: Record) -> Regression:
+        if not isinstance(regressions, Mapping):
+            return regressions(record)
+        if record.name not in regressions:
+            raise DataError(say("no regression of this name; names: {names}", names=", ".join(regressions)))
+        return regressions[record.name]
 
     def look(record: Record) -> Quality:
         quality = inspect(record)
@@ -197,59 +193,34 @@ def _each(
     )  # fmt: skip
 
 
-def _fitted(record: Record, source: _Source, settings: CompensationSettings) -> Regression:
-    regressors, derivative_of = (
-        [source.named[key] for key in keys] for keys in (settings.regressors, settings.derivative_of)
-    )
-    return compensate(
-        record, source.along, regressors, degree=settings.degree, lags=settings.lags, derivative_of=derivative_of,
-        trend=settings.trend, settings=settings.fit,
-    )  # fmt: skip
-
-
-def _saved(there: Mapping[str, Regression], name: str) -> Regression:
-    if name not in there:
-        raise DataError(say("no regression of this name; names: {names}", names=", ".join(there)))
-    return there[name]
-
-
 def _corrected(record: Record, along: Recording, regression: Regression, recipe: Recipe) -> Compensated:
     corrected = regression.apply(record, along)
-    there = np.isfinite(regression.rate_error(record, along))
-    before, after = (_longest(part, there) for part in (record, corrected))
+    known = np.isfinite(regression.rate_error(record, along))
+
+    def longest(record: Record) -> Record:
+        """The rates of the longest stretch without a loss, in SI."""
+        rates = record.rate_values
+        edges = stretches(known & np.isfinite(rates))
+        a, b = edges[np.diff(edges, axis=1)[:, 0].argmax()] if edges.size else (0, 0)
+        kept = rates[a:b] if b - a > 2 else np.zeros(2)
+        return Record(kept, record.rate, record.signal.unit, record.signal.kind, name=record.name)
+
+    before, after = longest(record), longest(corrected)
     if before.size < SHORTEST:
         raise DataError(
-            say(
-                "no stretch of {least} samples is complete in {name!r} and its regressors",
-                least=SHORTEST,
-                name=record.name,
-            )
-        )
-    noise, alerts = _noise(before, recipe)
+            say("no stretch of {least} samples is complete in {name!r} and its regressors", least=SHORTEST,
+                name=record.name)
+        )  # fmt: skip
+    # what the limits of the uncorrected curve suppose: all that is in it, the dependence as well
+    noise, alerts = None, []
+    try:
+        noise = noise_of(before, recipe)
+    except DataError as error:
+        alerts.append(say("the intervals of the deviation before assume the noise identified by the fit: {reason}",
+                          reason=str(error)))  # fmt: skip
+    if noise is not None and noise.doubts:
+        alerts.append(say("the intervals of the deviation before are doubtful: no model of these terms explains the "
+                          "record before"))  # fmt: skip
     curve = partial(deviation, statistic="oadev", taus="octave")
     curves = curve(before, noise=noise.fit if noise else regression.noise), curve(after, noise=regression.noise)
-    return Compensated(record, regression, corrected, *curves, noise, alerts=alerts)
-
-
-def _longest(record: Record, fine: np.ndarray[Any, np.dtype[np.bool_]]) -> Record:
-    """The rates of the longest stretch without a loss, in SI."""
-    rates = record.rate_values
-    edges = stretches(fine & np.isfinite(rates))
-    a, b = edges[np.diff(edges, axis=1)[:, 0].argmax()] if edges.size else (0, 0)
-    kept = rates[a:b] if b - a > 2 else np.zeros(2)
-    return Record(kept, record.rate, record.signal.unit, record.signal.kind, name=record.name)
-
-
-def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
-    """What the limits of the uncorrected curve suppose: all that is in it, the dependence as well."""
-    try:
-        noise = noise_of(record, recipe)
-    except DataError as error:
-        assumed = say(
-            "the intervals of the deviation before assume the noise identified by the fit: {reason}", reason=str(error)
-        )
-        return None, (assumed,)
-    doubt = say(
-        "the intervals of the deviation before are doubtful: no model of these terms explains the record before"
-    )
-    return noise, (doubt,) if noise.doubts else ()
+    return Compensated(record, regression, corrected, *curves, noise, alerts=tuple(alerts))

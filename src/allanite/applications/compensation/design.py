@@ -91,6 +91,28 @@ class Design:
         rates = self.y if y is None else y
         return restricted(rates, self.X, parts or self.stretches, rate=self.rate, symbols=symbols)
 
+    def demand_separable(self, used: NDArray[np.bool_]) -> None:
+        """Refuse columns of which one is, where the samples are used, a sum of others.
+
+        Raises
+        ------
+        DataError
+        """
+        Z = self.X[used] - self.X[used].mean(axis=0)
+        values, vectors = np.linalg.eigh(Z.T @ Z / used.sum())
+        if values[0] > SAME:
+            return
+        share = np.abs(vectors[:, 0])
+        names = [label for label, part in zip(self.labels, share, strict=True) if part > 0.05]
+        listed = join(", ", [join("", ("'", name, "'")) for name in names])
+        if share[self.trend].max(initial=0.0) <= 0.05:
+            raise DataError(say("the regressors {regressors} are collinear: omit one of them", regressors=listed))
+        raise DataError(
+            say("{regressors} are collinear: the effect of a regressor that follows a straight line cannot be "
+                "separated from a rate ramp R; record until it returns to its initial value, or attribute the whole "
+                "drift to it with {option}", regressors=listed, option=spelled("--no-trend", "trend=False"))
+        )  # fmt: skip
+
 
 def design(record: Record, along: Recording, settings: CompensationSettings) -> Design:
     """The columns of a record.
@@ -126,28 +148,20 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
     used = np.zeros(y.size, dtype=bool)
     for a, b in parts:
         used[a:b] = True
-    size = _sizes(regressors, X, used)
-    found = Design(y, X / size, regressors, size, parts, record.rate, optional, notes)
-    _demand_different(found, used)
-    return found
-
-
-def _sizes(regressors: Sequence[Regressor], X: FloatArray, used: NDArray[np.bool_]) -> FloatArray:
-    """RMS of each column about its mean."""
     inner = np.where(used[:, None], X, 0.0) - np.where(used[:, None], X[used].mean(axis=0), 0.0)
     size = np.sqrt((inner**2).sum(axis=0) / used.sum())
     for regressor, rms in zip(regressors, size, strict=True):
         if not rms > 1e-12 * max(abs(regressor.centre), 1e-300):
             raise DataError(
-                say(
-                    "the regressor {regressor!r} is constant and cannot explain anything; omit it",
-                    regressor=regressor.label,
-                )
-            )
-    return np.asarray(size)
+                say("the regressor {regressor!r} is constant and cannot explain anything; omit it",
+                    regressor=regressor.label)
+            )  # fmt: skip
+    found = Design(y, X / size, regressors, np.asarray(size), parts, record.rate, optional, notes)
+    found.demand_separable(used)
+    return found
 
 
-class _Channel(NamedTuple):
+class _Readings(NamedTuple):
     """Unit, mean and samples of a channel."""
 
     unit: str
@@ -156,7 +170,7 @@ class _Channel(NamedTuple):
 
 
 def _regressors(
-    record: Record, channels: Mapping[str, _Channel], settings: CompensationSettings
+    record: Record, channels: Mapping[str, _Readings], settings: CompensationSettings
 ) -> Iterator[tuple[Regressor, bool]]:
     """Each column, and whether it is optional."""
     for name in settings.regressors:
@@ -174,7 +188,7 @@ def _regressors(
         yield Regressor(TREND, "s"), False
 
 
-def _measured(name: str, record: Record, along: Recording) -> _Channel:
+def _measured(name: str, record: Record, along: Recording) -> _Readings:
     """A channel; its mean rounded to four digits of its spread, so that it can be written down."""
     if name not in along.channels:
         raise UsageError(f"the regressor {name!r} is missing; channels: {', '.join(along.channels)}")
@@ -194,7 +208,7 @@ def _measured(name: str, record: Record, along: Recording) -> _Channel:
                 unit=unit,
             )
         )
-    return _Channel(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
+    return _Readings(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
 
 
 def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:
@@ -214,24 +228,3 @@ def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tu
     )
     used = say_count(len(kept), "{count} stretch used", "{count} stretches used, each with its own constant")
     return kept, (join("; ", (missing, used)),)
-
-
-def _demand_different(design: Design, used: NDArray[np.bool_]) -> None:
-    Z = design.X[used] - design.X[used].mean(axis=0)
-    values, vectors = np.linalg.eigh(Z.T @ Z / used.sum())
-    if values[0] > SAME:
-        return
-    share = np.abs(vectors[:, 0])
-    names = [label for label, part in zip(design.labels, share, strict=True) if part > 0.05]
-    listed = join(", ", [join("", ("'", name, "'")) for name in names])
-    if share[design.trend].max(initial=0.0) > 0.05:
-        raise DataError(
-            say(
-                "{regressors} are collinear: the effect of a regressor that follows a straight line cannot be "
-                "separated from a rate ramp R; record until it returns to its initial value, or attribute the whole "
-                "drift to it with {option}",
-                regressors=listed,
-                option=spelled("--no-trend", "trend=False"),
-            )
-        )
-    raise DataError(say("the regressors {regressors} are collinear: omit one of them", regressors=listed))

@@ -27,7 +27,7 @@ from .gain import Gain, about_line
 from .mixture import mixture
 from .regression import Regression
 from .restricted import FloatArray
-from .selection import Fold, choose, folds
+from .selection import choose, folds
 from .settings import CompensationSettings, FitSettings
 
 WHOLLY = 1e-11
@@ -120,7 +120,19 @@ def compensate(
         )
     wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(derivative_of), trend, settings)
     whole = design(record, beside, wanted)
-    _demand_noise(whole, record)
+    left = whole.y - whole.X @ _plain(whole)
+    size, rest = (max(float(np.ptp(y[a:b])) for a, b in whole.stretches) for y in (whole.y, left))
+    if size == 0:
+        raise DataError(
+            say("{name!r} is constant (always {value:g} SI): check the sensor", name=record.name,
+                value=float(whole.y[whole.stretches[0][0]]))
+        )  # fmt: skip
+    if rest < WHOLLY * size:
+        raise DataError(
+            say("{regressors} explain {name!r} completely: no noise remains. Is the record, or something derived from "
+                "it, among the regressors?", name=record.name,
+                regressors=join(", ", [join("", ("'", whole.labels[i], "'")) for i in whole.taken]))
+        )  # fmt: skip
     terms = settings.symbols
     theta, _ = whole.likelihood(terms).minimise(np.ones(len(terms), dtype=bool))
     blocks = folds(whole, theta, terms, settings.blocks)
@@ -128,14 +140,10 @@ def compensate(
         notes = (say("the record is too short for cross-validation: every column is kept"),)
         return _regression(record, whole, list(range(len(whole.regressors))), settings, notes=notes)
     kept = list(range(len(whole.regressors))) if settings.every else choose(whole, blocks)
-    return _regression(record, whole, kept, settings, held=_held(whole, blocks, kept))
-
-
-def _held(whole: Design, blocks: Sequence[Fold], kept: list[int]) -> Gain:
-    """Mean squares of the held-back blocks, less a trend alone, and less all columns."""
-    trend = [i for i in kept if i in whole.trend]
-    before, after = (sum(fold.squares(columns) for fold in blocks) for columns in (trend, kept))
-    return Gain(before / whole.count, after / whole.count, 0.0)
+    # mean squares of the held-back blocks, less a trend alone, and less all columns
+    ramp = [i for i in kept if i in whole.trend]
+    before, after = (sum(fold.squares(columns) for fold in blocks) for columns in (ramp, kept))
+    return _regression(record, whole, kept, settings, held=Gain(before / whole.count, after / whole.count, 0.0))
 
 
 def _regression(
@@ -156,53 +164,29 @@ def _regression(
     inside = _inside(part, seen, theta, found.values + first)
     effective = _effective(part, seen, theta)
     if effective < settings.least * len(part.taken):
-        raise DataError(_few(record, effective, len(part.taken), settings))
+        raise DataError(
+            say_count(
+                len(part.taken),
+                "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors vary: "
+                "too few for {count} regressor, each of which needs {least:g}. Use fewer regressors, record for "
+                "longer, or require fewer samples per regressor with {option}",
+                "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors vary: "
+                "too few for {count} regressors, each of which needs {least:g}. Use fewer regressors, record for "
+                "longer, or require fewer samples per regressor with {option}",
+                name=record.name, effective=effective, least=settings.least,
+                option=spelled("--least", "FitSettings(least=...)"),
+            )
+        )  # fmt: skip
+    sizes = zip(settings.symbols, mean, strict=True)
+    noise = [Term(s, math.sqrt(v) * record.rate ** -TERMS[s].power, record.signal) for s, v in sizes if v > 0]
     return Regression(
         record.signal, record.name, part.regressors, found.scaled(1 / part.size, first),
         chosen=tuple(bool(o) and not settings.every for o in part.optional),
         candidates=int(whole.optional.sum()),
         inflation=alike.inflation, condition=alike.condition,
-        noise=_model(record, settings.symbols, mean), effective=effective,
+        noise=Model(tuple(noise)), effective=effective,
         inside=inside, held=held, notes=(*part.notes, *notes, *alike.notes),
     )  # fmt: skip
-
-
-def _few(record: Record, effective: float, regressors: int, settings: FitSettings) -> str:
-    return say_count(
-        regressors,
-        "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors vary: too few "
-        "for {count} regressor, each of which needs {least:g}. Use fewer regressors, record for longer, or require "
-        "fewer samples per regressor with {option}",
-        "the noise of {name!r} has {effective:.3g} effective samples, as a whole or where the regressors vary: too few "
-        "for {count} regressors, each of which needs {least:g}. Use fewer regressors, record for longer, or require "
-        "fewer samples per regressor with {option}",
-        name=record.name,
-        effective=effective,
-        least=settings.least,
-        option=spelled("--least", "FitSettings(least=...)"),
-    )
-
-
-def _demand_noise(part: Design, record: Record) -> None:
-    if all(np.ptp(part.y[a:b]) == 0 for a, b in part.stretches):
-        raise DataError(
-            say(
-                "{name!r} is constant (always {value:g} SI): check the sensor",
-                name=record.name,
-                value=float(part.y[part.stretches[0][0]]),
-            )
-        )
-    left = part.y - part.X @ _plain(part)
-    rest, whole = (np.array([np.ptp(y[a:b]) for a, b in part.stretches]).max() for y in (left, part.y))
-    if rest < WHOLLY * whole:
-        raise DataError(
-            say(
-                "{regressors} explain {name!r} completely: no noise remains. Is the record, or something derived from "
-                "it, among the regressors?",
-                regressors=join(", ", [join("", ("'", part.labels[i], "'")) for i in part.taken]),
-                name=record.name,
-            )
-        )
 
 
 def _plain(part: Design) -> FloatArray:
@@ -248,8 +232,3 @@ def _effective(part: Design, seen: Likelihood, theta: FloatArray) -> float:
     weight = np.einsum("kii->ik", seen.UU[:, flat][:, :, flat]) / m
     g = weight @ share / weight.sum(axis=1, keepdims=True)
     return max(whole, float((2 / np.einsum("ri,ij,rj->r", g, C, g)).min(initial=part.count)))
-
-
-def _model(record: Record, symbols: str, theta: FloatArray) -> Model:
-    sizes = ((s, math.sqrt(value) * record.rate ** -TERMS[s].power) for s, value in zip(symbols, theta, strict=True))
-    return Model(tuple(Term(s, size, record.signal) for s, size in sizes if size > 0))

@@ -121,7 +121,13 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     best, least = likelihood.minimise(every)
     # white rate or angle noise hides nothing slow
     slow = [i for i, symbol in enumerate(symbols) if TERMS[symbol].slope >= 0]
-    axes = [np.linspace(0.0, math.sqrt(_reach(likelihood, i, best, least)), NODES) for i in slow]
+    axes = []
+    for i in slow:
+        # from zero to where, above the best value, 2 L has risen by `REACH` or a little more
+        high = float(best[i]) + 3 / math.sqrt(likelihood.information(best)[i, i])
+        while 2 * (likelihood.minimise(every, best, (i, high))[1] - least) < REACH:
+            high *= 1.6
+        axes.append(np.linspace(0.0, math.sqrt(high), NODES))
     thetas, excess = [best], [0.0]
     if slow:
         thetas, excess = _grid(likelihood, slow, axes, best)
@@ -133,26 +139,14 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     kept = weight > 1e-5 * weight.sum()
     weight = weight[kept] / weight[kept].sum()
     likely = [theta for theta, k in zip(thetas, kept, strict=True) if k]
-    return best, weight @ np.array(likely), _mixed(likelihood, likely, weight)
-
-
-def _mixed(likelihood: Likelihood, thetas: list[FloatArray], weight: FloatArray) -> Mixture:
     flat = np.flatnonzero(likelihood.flat)
-    found = [likelihood.directions(theta)[:2] for theta in thetas]
+    found = [likelihood.directions(theta)[:2] for theta in likely]
     centres = np.array([eta[flat] for eta, _ in found])
     within = np.array([V[np.ix_(flat, flat)] for _, V in found])
     off = centres - weight @ centres
     covariance = np.einsum("k,kij->ij", weight, within) + (off.T * weight) @ off
-    return Mixture(weight, centres, np.sqrt(np.einsum("kii->ki", within)), covariance)
-
-
-def _reach(likelihood: Likelihood, which: int, best: FloatArray, least: float) -> float:
-    """Theta of a term, above the best one, at which 2 L has risen by `REACH` or a little more."""
-    high = float(best[which]) + 3 / math.sqrt(likelihood.information(best)[which, which])
-    every = np.ones(best.size, dtype=bool)
-    while 2 * (likelihood.minimise(every, best, (which, high))[1] - least) < REACH:
-        high *= 1.6
-    return high
+    spreads = np.sqrt(np.einsum("kii->ki", within))
+    return best, weight @ np.array(likely), Mixture(weight, centres, spreads, covariance)
 
 
 def _grid(

@@ -115,13 +115,14 @@ class Regression(Correction):
         """
         if self.shared < TRENDING:
             return False
-        both, regressors, drift = (self._evidence(of) for of in (self.taken + self.trend, self.taken, self.trend))
-        return both > CHI_SQUARE > abs(regressors - drift) and min(regressors, drift) < LARGE**2
 
-    def _evidence(self, columns: list[int]) -> float:
-        """What twice the log-likelihood would lose without some of the columns."""
-        b, V = self.mixture.values[columns], self.mixture.covariance[np.ix_(columns, columns)]
-        return float(b @ np.linalg.solve(V, b))
+        def evidence(columns: list[int]) -> float:
+            """What twice the log-likelihood would lose without some of the columns."""
+            b, V = self.mixture.values[columns], self.mixture.covariance[np.ix_(columns, columns)]
+            return float(b @ np.linalg.solve(V, b))
+
+        both, regressors, drift = (evidence(of) for of in (self.taken + self.trend, self.taken, self.trend))
+        return both > CHI_SQUARE > abs(regressors - drift) and min(regressors, drift) < LARGE**2
 
     def __iter__(self) -> Iterator[Effect]:
         return (self.effect(i) for i in range(len(self.regressors)))
@@ -167,12 +168,9 @@ class Regression(Correction):
             return rate / record.rate
         if np.isnan(rate).any():
             raise DataError(
-                say(
-                    "{samples} samples of the regressors are missing, and therefore every later angle; correct the "
-                    "rates or increments instead",
-                    samples=int(np.isnan(rate).sum()),
-                )
-            )
+                say("{samples} samples of the regressors are missing, and therefore every later angle; correct the "
+                    "rates or increments instead", samples=int(np.isnan(rate).sum()))
+            )  # fmt: skip
         return np.concatenate(([0.0], np.cumsum(rate / record.rate)))
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:

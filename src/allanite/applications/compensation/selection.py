@@ -10,7 +10,7 @@ from allanite.extending import Likelihood
 
 from .collinearity import information
 from .design import SHORTEST, Design
-from .restricted import FloatArray, Stretch
+from .restricted import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class Products:
 
 
 @dataclass(frozen=True, eq=False)
-class Fold:
+class HeldBlock:
     """A block that is held back, and the rest of the record."""
 
     rest: Products
@@ -67,24 +67,27 @@ class Fold:
         return float(self.held.yy - 2 * beta @ self.held.s[some] + beta @ self.held.S[np.ix_(some, some)] @ beta)
 
 
-def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[Fold]:
+def folds(design: Design, theta: FloatArray, symbols: str, blocks: int) -> list[HeldBlock]:
     """The record in so many blocks of equal length, each held back once; those without enough samples are omitted."""
     first, last = design.stretches[0][0], design.stretches[-1][1]
     edges = np.linspace(first, last, blocks + 1).astype(int)
     found = []
     for a, b in pairwise(edges.tolist()):
-        parts = [_within(design.stretches, windows) for windows in ([(first, a), (b, last)], [(a, b)])]
+        parts = [
+            [
+                (max(i, c), min(j, d))
+                for i, j in design.stretches
+                for c, d in windows
+                if min(j, d) - max(i, c) >= SHORTEST
+            ]
+            for windows in ([(first, a), (b, last)], [(a, b)])
+        ]
         if all(parts):
-            found.append(Fold(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
+            found.append(HeldBlock(*(Products.of(design.likelihood(symbols, parts=p), theta) for p in parts)))
     return found
 
 
-def _within(stretches: Sequence[Stretch], windows: Sequence[Stretch]) -> list[Stretch]:
-    cut = [(max(a, c), min(b, d)) for a, b in stretches for c, d in windows]
-    return [(a, b) for a, b in cut if b - a >= SHORTEST]
-
-
-def choose(design: Design, folds: Sequence[Fold]) -> list[int]:
+def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
     """The columns that are kept: all that were requested, and one after the other what held-back blocks gain from.
 
     An optional column enters if it lowers the whitened misfit of the held-back blocks by more than one standard error
@@ -92,19 +95,15 @@ def choose(design: Design, folds: Sequence[Fold]) -> list[int]:
     """
     kept = [i for i, optional in enumerate(design.optional) if not optional]
     open_ = [i for i, optional in enumerate(design.optional) if optional]
+    columns = [(r.channel, r.power) for r in design.regressors]
     while True:
         base = np.array([fold.misfit(kept) for fold in folds])
-        gains = {i: base - [fold.misfit([*kept, i]) for fold in folds] for i in open_ if _may(design, i, kept)}
+        allowed = {(channel, power + 1) for channel, power in (columns[i] for i in kept)}
+        some = [i for i in open_ if columns[i][1] == 1 or columns[i] in allowed]
+        gains = {i: base - [fold.misfit([*kept, i]) for fold in folds] for i in some}
         good = {i: float(g.mean()) for i, g in gains.items() if g.mean() > g.std(ddof=1) / np.sqrt(g.size)}
         if not good:
             return sorted(kept)
         best = max(good, key=lambda i: good[i])
         kept.append(best)
         open_.remove(best)
-
-
-def _may(design: Design, which: int, kept: Sequence[int]) -> bool:
-    """Whether the power below is there."""
-    regressor = design.regressors[which]
-    lower = [r.power for i, r in enumerate(design.regressors) if i in kept and r.channel == regressor.channel]
-    return regressor.power == 1 or regressor.power - 1 in lower

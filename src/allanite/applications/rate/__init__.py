@@ -4,13 +4,13 @@ from .earth import North as North
 from .earth import earth_rate as earth_rate
 from .earth import north as north
 from .estimates import RateEstimate as RateEstimate
+from .estimates import reversal as reversal
+from .estimates import subtract_bias as subtract_bias
 from .estimators import RATE_ESTIMATORS as RATE_ESTIMATORS
 from .experiments import Experiment as Experiment
 from .first_interval import Closeup as Closeup
 from .first_interval import closeup as closeup
 from .measure import estimate as estimate
-from .positions import reversal as reversal
-from .positions import subtract_bias as subtract_bias
 from .predict import Ranking as Ranking
 from .predict import predicted_standard_error as predicted_standard_error
 from .predict import rank as rank

@@ -1,9 +1,8 @@
 """From a recording to its rates: noise, experiment, bias, north."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, Self
+from typing import Any
 
 from allanite.applications.rate import (
     Experiment,
@@ -20,15 +19,12 @@ from allanite.applications.rate import (
 )
 from allanite.extending import (
     SENSORS,
+    ChannelResult,
     DataError,
-    Fit,
-    Header,
     Inspected,
     Job,
     Model,
-    Noise,
     Progress,
-    Quality,
     Recipe,
     Record,
     Signal,
@@ -37,19 +33,12 @@ from allanite.extending import (
     Value,
     demand_result,
     each_channel,
-    header_dict,
-    header_from,
-    noise_dict,
-    noise_from,
     open_recording,
     provenance_of,
     say,
     spelled,
-    stored_fields,
     written,
 )
-from allanite.extending import read_plain as read
-from allanite.extending import write_plain as write
 
 from .noise import noise_of_rates
 
@@ -103,6 +92,29 @@ class RateSettings(Value):
         """Whether the earth's rate at the latitude is the true rate."""
         return self.latitude is not None and not self.horizontal
 
+    def experiment_on(self, record: Record) -> ExperimentSettings:
+        """The settings of the experiment on a record, whose reference may be the earth's rate.
+
+        Raises
+        ------
+        DataError
+            The given rates belong to another type of sensor.
+        """
+        if self.signal is not None and self.signal is not record.signal:
+            raise DataError(
+                say("the given true rate or bias belongs to another type of sensor: {sensor}",
+                    sensor=SENSORS[self.signal.name])
+            )  # fmt: skip
+        if self.latitude is None or self.horizontal or record.signal.name != "gyro":
+            return self.experiment
+        return replace(self.experiment, reference=earth_rate(self.latitude))
+
+    def north(self, rate: RateEstimate, second: RateEstimate | None, level: float) -> North | None:
+        """North, from the rates of one or two positions of a horizontal axis; None of a vertical one."""
+        if not self.horizontal or self.latitude is None:
+            return None
+        return north(rate, self.latitude, second=second, turned=self.turned, near=self.near, level=level)
+
     def choices(self, unit: str) -> dict[str, Any]:
         """The choices under the names of the command line; rates in the SI unit `unit`."""
         chosen, options = self.experiment, self.experiment.options
@@ -114,47 +126,24 @@ class RateSettings(Value):
         for key in ("methods", "dither", "durations"):
             plain[key] = list(plain[key]) or None
         plain |= {"split_gaps": chosen.gaps == "split", "no_times": not self.durations}
-        return {
-            k: v for k, v in plain.items() if k not in ("experiment", "options", "signal", "gaps") and v is not None
-        }
+        inner = ("experiment", "options", "signal", "gaps")
+        return {k: v for k, v in plain.items() if k not in inner and v is not None}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RateChannel(Value):
+class RateChannel(ChannelResult):
     """The measurement of one channel; `refusal` says why there is none."""
 
-    record: Record | Header
-    quality: Quality
-    noise: Noise | None = None
     experiment: Experiment | None = None
     by_duration: tuple[Experiment, ...] = ()
     estimates: tuple[RateEstimate, ...] = ()
     bias: RateEstimate | None = None
     north: North | None = None
     alerts: tuple[str, ...] = ()
-    refusal: str = ""
-
-    @property
-    def fit(self) -> Fit | None:
-        """The identified noise; None where it was given."""
-        return None if self.noise is None else self.noise.fit
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
-        """Plain data."""
-        own = {name: write(getattr(self, name), hint, level) for name, hint in self._own()}
-        fit = {"fit": None if self.fit is None else self.fit.to_dict(level)}
-        return header_dict(self.record, "RateChannel") | own | noise_dict(self.noise, level) | fit
-
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The value written by `to_dict`; the record has no samples."""
-        own = {name: read(data[name], hint) for name, hint in cls._own()}
-        return cls(header_from(data), noise=noise_from(data), **own)
-
-    @classmethod
-    def _own(cls) -> list[tuple[str, Any]]:
-        """Fields that are written by their types."""
-        return [(name, hint) for name, hint in stored_fields(cls) if name not in ("record", "noise")]
+        """Plain data, of the noise with its curve."""
+        return super().to_dict(level) | {"fit": None if self.fit is None else self.fit.to_dict(level)}
 
     def _summary(self) -> str:
         return f"{self.record.name!r}: {self.refusal or self.experiment}"
@@ -213,68 +202,41 @@ def measure_rates(
     groups = [(name, tuple(recording[name] for recording in recordings)) for name in first.channels]
     findings = tuple(finding for recording in recordings for finding in recording.findings)
     work = partial(_measured, recipe=recipe, settings=settings)
-    channels = each_channel(groups, work, _refused, findings=findings, doing="measuring", progress=progress)
+    channels = each_channel(groups, work, RateChannel.refused, findings=findings, doing="measuring", progress=progress)
     demand_result(first.channels, channels)
     notes = tuple(dict.fromkeys(note for recording in recordings for note in recording.notes))
     return RateStudy(channels, recipe, findings, notes, provenance_of(*recordings), settings)
 
 
-def _refused(seen: Inspected, why: str) -> RateChannel:
-    return RateChannel(seen.record, seen.quality, refusal=why)
-
-
 def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateChannel:
-    record, chosen = seen.record, settings.experiment
-    if settings.signal is not None and settings.signal is not record.signal:
-        raise DataError(
-            say(
-                "the given true rate or bias belongs to another type of sensor: {sensor}",
-                sensor=SENSORS[settings.signal.name],
-            )
-        )
+    record, chosen = seen.record, settings.experiment_on(seen.record)
     noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)
-    if settings.latitude is not None and settings.vertical and record.signal.name == "gyro":
-        chosen = replace(chosen, reference=earth_rate(settings.latitude))
-    found = experiment(record, model, chosen)
+
+    measured = experiment(record, model, chosen)
     durations = tuple(d for d in settings.durations if d * FEWEST <= record.duration)
-    alone = found.methods if found.start.size == 1 else ()
-    channel = RateChannel(
-        record,
-        seen.quality,
-        noise,
-        found,
-        by_duration(record, durations, model, chosen),
-        tuple(_whole(record, method, model, chosen) for method in alone),
-        alerts=(*alerts, *map(str, found.findings), *_alerts(seen, settled)),
+    methods = measured.methods if measured.start.size == 1 else ()
+    estimates = tuple(_whole(record, method, model, chosen) for method in methods)
+    heading = bias = None
+    if len(seen.records) > 1 or settings.horizontal:
+        method = settings.position_method if model is not None else "mean"
+        first, *rest = (_whole(position, method, model, settings.experiment) for position in seen.records)
+        second = rest[0] if rest else None
+        heading = settings.north(first, second, recipe.level)
+        if second is None or settings.turned != 180:
+            estimates = estimates or (first,)
+        else:
+            rate, bias = reversal(first, second)
+            estimates = (rate,)
+    warned = (
+        say("second recording: {finding}", finding=str(f)) if i else str(f)
+        for i, quality in enumerate(seen.qualities)
+        for f in quality.warnings
+        if f.name not in settled
     )
-    if len(seen.records) == 1 and not settings.horizontal:
-        return channel
-    return _positions(channel, seen.records, model, (settings, recipe.level))
-
-
-def _alerts(seen: Inspected, settled: tuple[str, ...]) -> Iterator[str]:
-    yield from (str(finding) for finding in seen.quality.warnings if finding.name not in settled)
-    for quality in seen.qualities[1:]:
-        others = (str(finding) for finding in quality.warnings if finding.name not in settled)
-        yield from (say("second recording: {finding}", finding=other) for other in others)
-
-
-def _positions(
-    channel: RateChannel, records: tuple[Record, ...], model: Model | None, chosen: tuple[RateSettings, float]
-) -> RateChannel:
-    """Bias and north."""
-    settings, level = chosen
-    method = settings.position_method if model is not None else "mean"
-    first, *rest = (_whole(record, method, model, settings.experiment) for record in records)
-    other = rest[0] if rest else None
-    heading = None
-    if settings.horizontal and settings.latitude is not None:
-        near, turned = settings.near, settings.turned
-        heading = north(first, settings.latitude, second=other, turned=turned, near=near, level=level)
-    if other is None or settings.turned != 180:
-        return replace(channel, north=heading, estimates=channel.estimates or (first,))
-    rate, bias = reversal(first, other)
-    return replace(channel, north=heading, estimates=(rate,), bias=bias)
+    return RateChannel(
+        record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
+        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *warned),
+    )  # fmt: skip
 
 
 def _whole(record: Record, method: str, model: Model | None, chosen: ExperimentSettings) -> RateEstimate:

@@ -130,41 +130,34 @@ def north(
     >>> north(measured, 60.0).words()[:56]
     'heading 90.0000 deg (89.9692 .. 90.0308), standard error'
     """
-    if rate.signal.name != "gyro" or (second is not None and second.signal.name != "gyro"):
+    if any(one is not None and one.signal.name != "gyro" for one in (rate, second)):
         raise UsageError("north is found from the rates of a gyro")
     H = earth_rate(latitude, "north")
-    half = math.radians(turned) / 2 if second is not None else math.pi / 2
-    scale = 2 * H * math.sin(half) if second is not None else H
+    if second is None:
+        half, scale, value, error = math.pi / 2, H, rate.value, rate.standard_error
+    else:
+        half = math.radians(turned) / 2
+        scale, value = 2 * H * math.sin(half), rate.value - second.value
+        error = math.hypot(rate.standard_error, second.standard_error)
     if abs(scale) < 1e-3 * EARTH:
         why = "at a pole there is no north" if H < 1e-3 * EARTH else f"a rotation by {turned:g} deg is no rotation"
         raise UsageError(f"the heading cannot be found: {why}")
-    value = rate.value - (second.value if second is not None else 0.0)
-    error = math.hypot(rate.standard_error, second.standard_error if second is not None else 0.0)
     reach = (rate.interval(level)[1] - rate.value) * error / rate.standard_error if error > 0 else 0.0
     if abs(value) > abs(scale) + reach:
         unit = rate.signal.sheet[0]
         raise DataError(
-            say(
-                "the rate {rate:.6g} {unit} is more than the earth turns about a horizontal axis at latitude "
-                "{latitude:g}; subtract the gyro's bias, or measure in two positions",
-                rate=rate.to(unit),
-                unit=unit,
-                latitude=latitude,
-            )
-        )
-    spreads = error / abs(scale), reach / abs(scale)
-    return _heading(value / scale, spreads, half, (near, level, 1 if second is None else 2))
-
-
-def _heading(sine: float, spreads: tuple[float, float], half: float, choice: tuple[float, float, int]) -> North:
-    """sin(psi + half) = sine: the solution nearest to `near`, and its limits."""
-    (error, reach), (near, level, positions) = spreads, choice
+            say("the rate {rate:.6g} {unit} is more than the earth turns about a horizontal axis at latitude "
+                "{latitude:g}; subtract the gyro's bias, or measure in two positions", rate=rate.to(unit), unit=unit,
+                latitude=latitude)
+        )  # fmt: skip
+    # of the two solutions of sin(psi + half) = sine the one nearest to `near`, and its limits
+    sine, reach = value / scale, reach / abs(scale)
     s = max(-1.0, min(1.0, sine))
-    rising = math.degrees(math.asin(s) - half)
-    falling = math.degrees(math.pi - math.asin(s) - half)
-    first, second = sorted((rising % 360, falling % 360), key=lambda psi: abs((psi - near + 180) % 360 - 180))
-    slope = 1.0 if first == rising % 360 else -1.0
+    rising = math.degrees(math.asin(s) - half) % 360
+    falling = math.degrees(math.pi - math.asin(s) - half) % 360
+    first, other = sorted((rising, falling), key=lambda psi: abs((psi - near + 180) % 360 - 180))
+    slope = 1.0 if first == rising else -1.0
     ends = [slope * math.degrees(math.asin(max(-1.0, min(1.0, sine + k * reach))) - math.asin(s)) for k in (-1, 1)]
     cosine = math.sqrt(1 - s * s)
-    spread = math.degrees(error / cosine) if cosine > 0 else math.inf
-    return North(first, second, spread, first + min(ends), first + max(ends), level, positions)
+    spread = math.degrees(error / abs(scale) / cosine) if cosine > 0 else math.inf
+    return North(first, other, spread, first + min(ends), first + max(ends), level, 1 if second is None else 2)

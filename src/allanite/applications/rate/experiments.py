@@ -107,11 +107,15 @@ class Experiment(Value):
         errors = self.errors[row]
         k = errors.size
         deviation = float(errors.std(ddof=1)) if k > 1 else math.nan
-        low, high = (deviation * factor for factor in _chi_limits(k, level))
-        neighbours = math.sqrt(float(np.square(np.diff(errors)).mean()) / 2) if k > 1 else math.nan
-        worst = float(errors[np.abs(errors).argmax()])
-        limits, rest = (deviation, low, high, neighbours), (3 * deviation, worst, float(self.predicted[row]))
-        return Scatter(method, float(errors.mean()), *limits, *rest)
+        low = high = neighbours = math.nan
+        if k > 1:
+            from scipy.special import gammaincinv
+
+            tails = ((1 + level) / 2, (1 - level) / 2)
+            low, high = (deviation * math.sqrt((k - 1) / (2 * float(gammaincinv((k - 1) / 2, p)))) for p in tails)
+            neighbours = math.sqrt(float(np.square(np.diff(errors)).mean()) / 2)
+        worst, predicted = float(errors[np.abs(errors).argmax()]), float(self.predicted[row])
+        return Scatter(method, float(errors.mean()), deviation, low, high, neighbours, 3 * deviation, worst, predicted)
 
     def ratios(self, level: float = 0.95) -> tuple[Ratio, ...]:
         """Ratios of the standard deviations of all pairs of methods.
@@ -123,20 +127,19 @@ class Experiment(Value):
         ----------
         E. J. G. Pitman, Biometrika 31 (1939) 9; W. A. Morgan, ibid. 13.
         """
-        if self.start.size < 3:
-            return ()
-        return tuple(self._ratio(a, b, level) for a, b in combinations(self.methods, 2))
-
-    def _ratio(self, first: str, second: str, level: float) -> Ratio:
         from scipy.special import stdtrit
 
-        a, b = (self.rates[self.methods.index(m)] for m in (first, second))
-        value, k = float(a.std(ddof=1) / b.std(ddof=1)), a.size
-        correlation = float(np.corrcoef(a, b)[0, 1])
-        t = float(stdtrit(k - 2, (1 + level) / 2))
-        c = 1 + 2 * (1 - correlation**2) * t**2 / (k - 2)
-        narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))
-        return Ratio(first, second, value, value * narrow, value / narrow if narrow > 0 else math.inf)
+        k = self.start.size
+        if k < 3:
+            return ()
+        found, t = [], float(stdtrit(k - 2, (1 + level) / 2))
+        for (first, a), (second, b) in combinations(zip(self.methods, self.rates, strict=True), 2):
+            value, correlation = float(a.std(ddof=1) / b.std(ddof=1)), float(np.corrcoef(a, b)[0, 1])
+            c = 1 + 2 * (1 - correlation**2) * t**2 / (k - 2)
+            narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))
+            high = value / narrow if narrow > 0 else math.inf
+            found.append(Ratio(first, second, value, value * narrow, high))
+        return tuple(found)
 
     @property
     def drift(self) -> str:
@@ -161,22 +164,18 @@ class Experiment(Value):
         return say(
             "the rate drifts: adjacent intervals are more alike than independent ones (ratio {ratio:.2f}, not 1); "
             "the first {part} of {intervals} differ by {change:+.2g} {unit} from the rest",
-            ratio=ratio,
-            part=part,
-            intervals=k,
-            change=-change,
-            unit=unit,
-        )
+            ratio=ratio, part=part, intervals=k, change=-change, unit=unit,
+        )  # fmt: skip
 
     def rows(self, unit: str | None = None, level: float = 0.68) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, one row per method, in `unit`."""
         unit = unit or self.signal.sheet[0]
         factor = rate_factor(unit, self.signal)
         share = f"{100 * level:g} %"
-        headings = ["method", "mean error", "std", f"{share} low", f"{share} high"]
-        headings += ["neighbours", "3 sigma", "worst", "predicted"]
-        found = (self.scatter(method, level) for method in self.methods)
-        return headings, [[s.method, *(v / factor for v in s[1:])] for s in found]
+        headings = ["method", "mean error", "std", f"{share} low", f"{share} high", "neighbours", "3 sigma", "worst",
+                    "predicted"]  # fmt: skip
+        scatters = (self.scatter(method, level) for method in self.methods)
+        return headings, [[s.method, *(v / factor for v in s[1:])] for s in scatters]
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI."""
@@ -187,15 +186,3 @@ class Experiment(Value):
 
     def _summary(self) -> str:
         return f"{self.name} {self.start.size} intervals of {self.duration:g} s: {', '.join(self.methods)}"
-
-
-def _chi_limits(k: int, level: float) -> tuple[float, float]:
-    """Limits of a standard deviation of k values, over it."""
-    if k < 2:
-        return math.nan, math.nan
-    from scipy.special import gammaincinv
-
-    low, high = (
-        math.sqrt((k - 1) / (2 * float(gammaincinv((k - 1) / 2, p)))) for p in ((1 + level) / 2, (1 - level) / 2)
-    )
-    return low, high

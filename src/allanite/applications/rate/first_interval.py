@@ -9,7 +9,7 @@ from allanite.extending import BoolArray, FloatArray, Record, Signal, UsageError
 
 from .inputs import demand_whole, interval_of
 from .linear import regression_lines
-from .measure import setting_of
+from .measure import task_of
 from .run import ExperimentSettings, piece
 from .staircase import recognized
 
@@ -86,9 +86,9 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
         )
     part = piece(record, first, size)
     demand_whole(part)
-    setting = setting_of(part, None, settings.target, dither=settings.dither, options=settings.options)
-    interval = interval_of(part, setting)
-    slopes, kept = regression_lines(interval, setting)
+    task = task_of(part, None, settings.target, dither=settings.dither, options=settings.options)
+    interval = interval_of(part, task)
+    slopes, kept = regression_lines(interval, task)
     counts, line = np.empty(0), np.empty(0)
     if math.isfinite(interval.pulse):
         counts, line = recognized(interval, certified=settings.options.certified)

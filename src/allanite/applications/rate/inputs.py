@@ -7,7 +7,7 @@ import numpy as np
 from allanite.extending import DataError, Finding, FloatArray, Record, UsageError, say, say_count, spelled, windowing
 
 from .row import Interval
-from .setting import EstimatorSettings, Setting
+from .setting import EstimatorSettings, Task
 
 JUMP = 20.0
 """Median absolute deviations from the median beyond which a sample is called a pulse slip."""
@@ -55,7 +55,7 @@ def demand_whole(record: Record) -> None:
         )
 
 
-def interval_of(record: Record, setting: Setting) -> Interval:
+def interval_of(record: Record, task: Task) -> Interval:
     """The samples of each sample interval, a constant and the dither's sinusoids subtracted."""
     values = record.values
     if record.kind == "angle":
@@ -63,12 +63,12 @@ def interval_of(record: Record, setting: Setting) -> Interval:
     else:
         offset = float(record.constant)
         steps = np.asarray(values - record.constant, dtype=np.float64)
-    return Interval(without_dither(steps, setting), offset, reading_size(record), pulse_of(record, setting.options))
+    return Interval(without_dither(steps, task), offset, reading_size(record), pulse_of(record, task.options))
 
 
-def without_dither(steps: FloatArray, setting: Setting) -> FloatArray:
+def without_dither(steps: FloatArray, task: Task) -> FloatArray:
     """The samples less the sinusoids that fit them best, beside a constant."""
-    X = setting.sinusoids
+    X = task.sinusoids
     if not X.shape[1]:
         return steps
     centred = X - X.mean(axis=0)

@@ -5,18 +5,14 @@ import numpy as np
 from allanite.extending import BoolArray, FloatArray, UsageError, say
 
 from .row import Interval, RateEstimator, RateMeasurement, linear
-from .setting import Setting
+from .setting import Task
 
 REACH = 2 * 1.4826
 """Median absolute deviations from the median within which a line's slope is kept: two standard deviations."""
 
 
-def _flat(setting: Setting) -> FloatArray:
-    return np.full(setting.size, 1 / setting.size)
-
-
-def _window(setting: Setting) -> FloatArray:
-    n, name = setting.size, setting.options.window
+def _window(task: Task) -> FloatArray:
+    n, name = task.size, task.options.window
     if name == "hamming":
         weights = np.hamming(n)
     else:
@@ -44,9 +40,9 @@ def parabola(n: int) -> FloatArray:
     return j * (n + 1 - j) * (6 / (n * (n + 1.0) * (n + 2.0)))
 
 
-def _lines(setting: Setting) -> tuple[int, int]:
+def _lines(task: Task) -> tuple[int, int]:
     """Number of lines and the sample intervals under each."""
-    n, lines = setting.size, setting.options.lines
+    n, lines = task.size, task.options.lines
     if lines is None:
         lines = max(1, n // 160)
     if not 1 <= lines <= n - 1:
@@ -56,35 +52,28 @@ def _lines(setting: Setting) -> tuple[int, int]:
     return lines, n - lines + 1
 
 
-def _many_parabolas(setting: Setting) -> FloatArray:
-    lines, length = _lines(setting)
+def _many_parabolas(task: Task) -> FloatArray:
+    lines, length = _lines(task)
     total = np.concatenate(([0.0], np.cumsum(parabola(length)), np.ones(lines - 1)))
-    shifted = np.concatenate((np.zeros(lines), total[: setting.size]))
+    shifted = np.concatenate((np.zeros(lines), total[: task.size]))
     # the sum of windows of a running sum: each weight is the mean of those parabolas that cover it
-    return np.asarray(total[1 : setting.size + 1] - shifted[1 : setting.size + 1]) / lines
+    return np.asarray(total[1 : task.size + 1] - shifted[1 : task.size + 1]) / lines
 
 
-def _slopes(interval: Interval, setting: Setting) -> FloatArray:
-    """Slopes of all lines, all in one pass, shape (lines,).
-
-    The line through everything is subtracted first, so that the running sums stay small.
-    """
-    lines, length = _lines(setting)
-    whole = float(parabola(setting.size) @ interval.steps)
+def regression_lines(interval: Interval, task: Task) -> tuple[FloatArray, BoolArray]:
+    """Slopes of the regression lines in samples, and which are near enough to their median, shape (lines,)."""
+    lines, length = _lines(task)
+    # the line through everything is subtracted first, so that the running sums stay small
+    whole = float(parabola(task.size) @ interval.steps)
     angle = np.concatenate(([0.0], np.cumsum(interval.steps - whole)))
     position = np.arange(angle.size, dtype=np.float64)
     level, moment = (np.concatenate(([0.0], np.cumsum(a))) for a in (angle, position * angle))
     start = np.arange(lines)
     sums, moments = (s[start + length + 1] - s[start] for s in (level, moment))
     centred = moments - (start + length / 2) * sums
-    return np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
-
-
-def regression_lines(interval: Interval, setting: Setting) -> tuple[FloatArray, BoolArray]:
-    """Slopes of the regression lines in samples, and which are near enough to their median, shape (lines,)."""
-    slopes = _slopes(interval, setting)
+    slopes = np.asarray(whole + centred * 12 / (length * (length + 1.0) * (length + 2.0)))
     away = np.abs(slopes - float(np.median(slopes)))
-    allowed = setting.options.allowed
+    allowed = task.options.allowed
     reach = REACH * float(np.median(away)) if allowed is None else allowed / interval.size
     kept = away <= reach
     if not kept.any():
@@ -95,8 +84,8 @@ def regression_lines(interval: Interval, setting: Setting) -> tuple[FloatArray, 
     return slopes, kept
 
 
-def _conditional(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:
-    slopes, kept = regression_lines(interval, setting)
+def _conditional(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement:
+    slopes, kept = regression_lines(interval, task)
     return RateMeasurement(float(slopes[kept].mean()), {"lines": float(slopes.size), "kept": float(kept.mean())})
 
 
@@ -106,7 +95,7 @@ MEAN = RateEstimator(
     formula=r"\hat\Omega = \theta(T) / T",
     reference=say("IEEE Std 647; the mean of means of equal parts is the same number"),
     assumes=say("white rate noise (angle random walk) alone"),
-    weights=_flat,
+    weights=lambda task: np.full(task.size, 1 / task.size),
     measure=linear,
 )
 HAMMING = RateEstimator(
@@ -125,7 +114,7 @@ REGRESSION = RateEstimator(
     formula=r"\hat\Omega = 12 \sum (t_i - \bar t) \theta_i / (n (n + 1) (n + 2) \tau_0)",
     reference=say("Enin, Saneev, Science and Education of the Bauman MSTU 2017(2) 52, formula (1)"),
     assumes=say("white angle noise (quantization, residual dither) alone"),
-    weights=lambda setting: parabola(setting.size),
+    weights=lambda task: parabola(task.size),
     measure=linear,
     color="#0072B2",
 )

@@ -9,7 +9,7 @@ from .estimators import estimator_named
 from .inputs import demand_whole, findings_of, interval_of, pulse_of, reading_size
 from .predict import standard_error
 from .row import Interval, RateMeasurement
-from .setting import EstimatorSettings, Setting
+from .setting import EstimatorSettings, Task
 
 
 def estimate(
@@ -60,17 +60,17 @@ def estimate(
     '1.961 (1.872 .. 2.050) deg/h'
     """
     demand_whole(record)
-    row, setting = estimator_named(method), setting_of(record, model, target, dither=dither, options=options)
-    weights, interval = row.weights(setting), interval_of(record, setting)
-    found = in_si(row.measure(interval, weights, setting), interval)
+    row, task = estimator_named(method), task_of(record, model, target, dither=dither, options=options)
+    weights, interval = row.weights(task), interval_of(record, task)
+    found = in_si(row.measure(interval, weights, task), interval)
     return RateEstimate(
         value=found.value,
-        standard_error=math.nan if setting.model is None else standard_error(row, weights, setting),
+        standard_error=math.nan if task.model is None else standard_error(row, weights, task),
         method=row.name,
         assumes=row.assumes,
         signal=record.signal,
-        target=setting.target,
-        duration=setting.duration,
+        target=task.target,
+        duration=task.duration,
         limits=found.bounds,
         details=dict(found.details),
         findings=findings_of(record),
@@ -88,18 +88,18 @@ def in_si(found: RateMeasurement, interval: Interval) -> RateMeasurement:
     return RateMeasurement(rate(found.value), found.details, bounds)
 
 
-def setting_of(
+def task_of(
     record: Record,
     model: ModelLike | None,
     target: str,
     *,
     dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
-) -> Setting:
+) -> Task:
     """What the weights follow from, for a record."""
     whole = None if model is None else model_of(model)
     if whole is not None and whole.signal is not record.signal:
         raise UnitError(f"the model is that of a {whole.signal.name}, but the record is that of a {record.signal.name}")
     options = options or EstimatorSettings()
     pulse = pulse_of(record, options) * reading_size(record) / record.rate
-    return Setting(record.size, record.rate, whole, target, tuple(dither), options, pulse)
+    return Task(record.size, record.rate, whole, target, tuple(dither), options, pulse)

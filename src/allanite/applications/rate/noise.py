@@ -58,44 +58,33 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
     """
     if given is not None:
         return RateNoise(model=given)
-    try:
-        noise, alerts = _identified(record, recipe)
-    except DataError as error:
-        return RateNoise(alerts=(say("no noise model: {reason}", reason=str(error)),))
-    if not noise.explained:
-        return RateNoise(noise, alerts=alerts)
-    model, said = _supposed(noise.fit, min(round(interval * record.rate), record.size), record.rate)
-    return RateNoise(noise, model, (*alerts, *said), FAST if alerts else ())
-
-
-def _identified(record: Record, recipe: Recipe) -> tuple[Noise, tuple[str, ...]]:
     # what a rate is estimated under are these five; dither is no line to be removed, but part of the estimator
     terms = automatic() if recipe.terms == "auto" else recipe.terms
-    noise = noise_of(record, recipe, terms=terms, lines=False)
-    if noise.explained:
-        return noise, ()
-    for seconds in BLOCKS:
-        m = round(seconds * record.rate)
-        if m < 2 or record.size // m < SHORTEST:
-            continue
-        coarse = noise_of(block_means(record, m), replace(recipe, band="auto"), terms=terms, lines=False)
-        if coarse.verdict and coarse.explained:
-            note = say_count(
-                m,
-                "the noise was identified from blocks of {count} sample ({length:.3g} s), which the model explains; "
-                "at the full rate: {statement}",
-                "the noise was identified from blocks of {count} samples ({length:.3g} s), which the model explains; "
-                "at the full rate: {statement}",
-                length=m / record.rate,
-                statement=join("; ", (noise.statement.head, *noise.statement.points[:1])),
-            )
-            return coarse, (note,)
-    return noise, (
-        say(
-            "no predictions and no optimal method without a noise model: give it with {option}",
-            option=spelled("--noise", "noise=..."),
-        ),
-    )
+    size = min(round(interval * record.rate), record.size)
+    try:
+        noise = noise_of(record, recipe, terms=terms, lines=False)
+        if noise.explained:
+            return RateNoise(noise, *_supposed(noise.fit, size, record.rate))
+        for m in (round(seconds * record.rate) for seconds in BLOCKS):
+            if m < 2 or record.size // m < SHORTEST:
+                continue
+            coarse = noise_of(block_means(record, m), replace(recipe, band="auto"), terms=terms, lines=False)
+            if coarse.verdict and coarse.explained:
+                note = say_count(
+                    m,
+                    "the noise was identified from blocks of {count} sample ({length:.3g} s), which the model "
+                    "explains; at the full rate: {statement}",
+                    "the noise was identified from blocks of {count} samples ({length:.3g} s), which the model "
+                    "explains; at the full rate: {statement}",
+                    length=m / record.rate, statement=join("; ", (noise.statement.head, *noise.statement.points[:1])),
+                )  # fmt: skip
+                model, alerts = _supposed(coarse.fit, size, record.rate)
+                return RateNoise(coarse, model, (note, *alerts), FAST)
+    except DataError as error:
+        return RateNoise(alerts=(say("no noise model: {reason}", reason=str(error)),))
+    lacking = say("no predictions and no optimal method without a noise model: give it with {option}",
+                  option=spelled("--noise", "noise=..."))  # fmt: skip
+    return RateNoise(noise, alerts=(lacking,))
 
 
 def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:

@@ -21,7 +21,7 @@ from allanite.extending import Covariance, FloatArray, say
 
 from .linear import parabola
 from .row import RateEstimator, linear
-from .setting import Setting
+from .setting import Task
 
 
 def white_and_angle(n: int, kappa: float) -> FloatArray:
@@ -44,30 +44,26 @@ def white_and_angle(n: int, kappa: float) -> FloatArray:
     return np.asarray(shape / shape.sum())
 
 
-def _optimal(setting: Setting) -> FloatArray:
-    model = setting.needed_model
-    if not setting.settled and not setting.wandering:
-        return np.full(setting.size, 1 / setting.size)
-    sizes = {t.symbol: t.value for t in model if t.value != 0}
-    if set(sizes) <= {"Q", "N"} and not setting.dither:
-        ratio = sizes.get("N", 0.0) / math.sqrt(setting.rate) / sizes["Q"] if "Q" in sizes else math.inf
-        return white_and_angle(setting.size, 2 * math.asinh(ratio / 2))
-    return _kriging(setting)
-
-
-def _kriging(setting: Setting) -> FloatArray:
-    """The general case, by conjugate gradients."""
-    n, rate, g = setting.size, setting.rate, setting.aim
-    noise = tuple(t for t in (*setting.settled, *setting.wandering) if t.row.waveform is None)
+def _optimal(task: Task) -> FloatArray:
+    model = task.needed_model
+    if not task.settled and not task.wandering:
+        return np.full(task.size, 1 / task.size)
+    sizes = {t.row.alpha: t.value for t in model if t.value != 0}
+    if set(sizes) <= {0, 2} and not task.dither:  # white noise of the rate and of the angle
+        ratio = sizes.get(0, 0.0) / math.sqrt(task.rate) / sizes[2] if 2 in sizes else math.inf
+        return white_and_angle(task.size, 2 * math.asinh(ratio / 2))
+    # the general case, by conjugate gradients
+    n, rate, g = task.size, task.rate, task.aim
+    noise = tuple(t for t in (*task.settled, *task.wandering) if t.row.waveform is None)
     if not noise:
         return np.full(n, 1 / n)
     covariance = Covariance(noise, n, rate)
-    v = covariance.solve(-Covariance(setting.settled, n, rate).times(g)) if setting.settled else np.zeros(n)
-    waves = [wave(n) for t in setting.wandering if (wave := t.sampled(rate).waveform) is not None]
-    X = np.column_stack([*(wave - wave.mean() for wave in waves), setting.sinusoids])
+    v = covariance.solve(-Covariance(task.settled, n, rate).times(g)) if task.settled else np.zeros(n)
+    waves = [wave(n) for t in task.wandering if (wave := t.sampled(rate).waveform) is not None]
+    X = np.column_stack([*(wave - wave.mean() for wave in waves), task.sinusoids])
     if X.shape[1]:
         # the slow rate holds the ramp, which g reaches as it should; the sinusoids are no part of it
-        aim = np.concatenate((np.zeros(len(waves)), setting.sinusoids.T @ g))
+        aim = np.concatenate((np.zeros(len(waves)), task.sinusoids.T @ g))
         solved = np.column_stack([covariance.solve(column) for column in X.T])
         v = v - solved @ np.linalg.solve(X.T @ solved, X.T @ v + aim)
     return np.asarray(g + v)

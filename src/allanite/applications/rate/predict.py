@@ -10,35 +10,35 @@ from allanite.extending import Covariance, FloatArray, Model, ModelLike, Signal,
 
 from .estimators import RATE_ESTIMATORS, estimator_named
 from .row import RateEstimator
-from .setting import EstimatorSettings, Setting
+from .setting import EstimatorSettings, Task
 
 NEAR = 0.02
 """Loss of accuracy that is not worth another method."""
 
 
-def variance(weights: FloatArray, setting: Setting) -> float:
+def variance(weights: FloatArray, task: Task) -> float:
     """Mean square error of a linear estimator, SI squared.
 
     With w the weights and g the estimand: w'C_s w of the settled noise, (w - g)'C (w - g) of the drifting one, and the
     square of what a ramp adds, (w - g)'R.
     """
     total = 0.0
-    noise = tuple(t for t in setting.wandering if t.row.waveform is None)
-    if setting.settled:
-        total += Covariance(setting.settled, setting.size, setting.rate).variance(weights)
+    noise = tuple(t for t in task.wandering if t.row.waveform is None)
+    if task.settled:
+        total += Covariance(task.settled, task.size, task.rate).variance(weights)
     if noise:
-        total += Covariance(noise, setting.size, setting.rate).variance(weights - setting.aim)
-    for t in setting.wandering:
-        wave = t.sampled(setting.rate).waveform
+        total += Covariance(noise, task.size, task.rate).variance(weights - task.aim)
+    for t in task.wandering:
+        wave = t.sampled(task.rate).waveform
         if wave is not None:
-            drift = t.value * setting.rate**t.row.power * wave(setting.size)
-            total += float((weights - setting.aim) @ drift) ** 2
+            drift = t.value * task.rate**t.row.power * wave(task.size)
+            total += float((weights - task.aim) @ drift) ** 2
     return max(total, 0.0)
 
 
-def through_dither(weights: FloatArray, setting: Setting) -> FloatArray:
+def through_dither(weights: FloatArray, task: Task) -> FloatArray:
     """The weights on the raw rates of an estimator that is given rates without their dither sinusoids."""
-    X = setting.sinusoids
+    X = task.sinusoids
     if not X.shape[1]:
         return weights
     centred = X - X.mean(axis=0)
@@ -46,9 +46,9 @@ def through_dither(weights: FloatArray, setting: Setting) -> FloatArray:
     return np.asarray(weights - centred @ back)
 
 
-def standard_error(row: RateEstimator, weights: FloatArray, setting: Setting) -> float:
+def standard_error(row: RateEstimator, weights: FloatArray, task: Task) -> float:
     """Standard error of an estimator with these weights, SI; NaN if it cannot be predicted."""
-    return math.sqrt(variance(through_dither(weights, setting), setting) + row.excess(setting))
+    return math.sqrt(variance(through_dither(weights, task), task) + row.excess(task))
 
 
 def predicted_standard_error(
@@ -88,9 +88,9 @@ def predicted_standard_error(
     >>> round(errors[1] / errors[0], 4)
     1.0954
     """
-    setting = _expected(model, n, rate, target=target, dither=tuple(dither), options=options)
+    task = _expected(model, n, rate, target=target, dither=tuple(dither), options=options)
     row = estimator_named(method)
-    return standard_error(row, row.weights(setting), setting)
+    return standard_error(row, row.weights(task), task)
 
 
 @dataclass(frozen=True, repr=False)
@@ -159,11 +159,11 @@ class Ranking(Value):
         return ["method", f"standard error, {unit}", "over the bound"], rows
 
 
-def ranking(setting: Setting) -> Ranking:
-    """Predicted standard errors of all methods under a setting with a model."""
-    model = setting.needed_model
-    errors = {name: standard_error(row, row.weights(setting), setting) for name, row in RATE_ESTIMATORS.items()}
-    return Ranking(model.signal, setting.duration, model, errors)
+def ranking(task: Task) -> Ranking:
+    """Predicted standard errors of all methods under a task with a model."""
+    model = task.needed_model
+    errors = {name: standard_error(row, row.weights(task), task) for name, row in RATE_ESTIMATORS.items()}
+    return Ranking(model.signal, task.duration, model, errors)
 
 
 def rank(
@@ -188,8 +188,8 @@ def _expected(
     target: str,
     dither: tuple[float, ...] = (),
     options: EstimatorSettings | None,
-) -> Setting:
-    """The setting of samples that nobody has recorded yet."""
+) -> Task:
+    """The task of samples that nobody has recorded yet."""
     options = options or EstimatorSettings()
     pulse = math.nan if options.quantum is None else options.quantum
-    return Setting(n, rate, model_of(model), target, dither, options, pulse)
+    return Task(n, rate, model_of(model), target, dither, options, pulse)

@@ -1,12 +1,13 @@
 """What a row of the table of estimators holds, and what it measures."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from allanite.extending import FloatArray
+from allanite.extending import FloatArray, say, spelled
 
-from .setting import Setting
+from .setting import Task
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +50,10 @@ class RateEstimator:
         What it is called, as text, LaTeX, source.
     assumes : str
         When it is the best there is.
-    weights : setting -> array, shape (n,)
+    weights : task -> array, shape (n,)
         The weights of the rates, their sum is 1; of a method that is not linear, those to which it tends.
-    measure : (interval, weights, setting) -> RateMeasurement
-    excess : setting -> float
+    measure : (interval, weights, task) -> RateMeasurement
+    excess : task -> float
         Variance beyond that of the weights, SI; NaN where it is not known.
     needs_model, needs_quantum : bool
     color : str
@@ -64,14 +65,21 @@ class RateEstimator:
     formula: str
     reference: str
     assumes: str
-    weights: Callable[[Setting], FloatArray]
-    measure: Callable[[Interval, FloatArray, Setting], RateMeasurement]
-    excess: Callable[[Setting], float] = lambda setting: 0.0
+    weights: Callable[[Task], FloatArray]
+    measure: Callable[[Interval, FloatArray, Task], RateMeasurement]
+    excess: Callable[[Task], float] = lambda task: 0.0
     needs_model: bool = False
     needs_quantum: bool = False
     color: str = "#6B6B6B"
 
+    def lacks(self, task: Task) -> str:
+        """What the method needs and a task does not have; empty if it can be used."""
+        if self.needs_quantum and not math.isfinite(task.pulse):
+            option = spelled("--quantum", "quantum=...")
+            return say("it needs counts, or the quantum of the angle ({option})", option=option)
+        return say("it needs a noise model") if self.needs_model and task.model is None else ""
 
-def linear(interval: Interval, weights: FloatArray, _: Setting) -> RateMeasurement:
+
+def linear(interval: Interval, weights: FloatArray, _: Task) -> RateMeasurement:
     """The weighted mean."""
     return RateMeasurement(float(weights @ interval.steps), {})

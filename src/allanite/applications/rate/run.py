@@ -1,7 +1,6 @@
 """The experiment: a long record in short intervals, each measured with every method."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -9,7 +8,6 @@ import numpy as np
 from allanite.extending import (
     KINDS,
     DataError,
-    FloatArray,
     IntArray,
     ModelLike,
     Record,
@@ -18,15 +16,14 @@ from allanite.extending import (
     join,
     say,
     say_count,
-    spelled,
 )
 
 from .estimators import RATE_ESTIMATORS, estimator_named
 from .experiments import Experiment
 from .inputs import demand_whole, findings_of, interval_of
-from .measure import in_si, setting_of
+from .measure import in_si, task_of
 from .predict import ranking, standard_error
-from .setting import EstimatorSettings, Setting
+from .setting import EstimatorSettings
 
 MOST = 100
 """Intervals of one measuring time, where times are compared: their scatter is known to 7 %."""
@@ -111,100 +108,66 @@ def experiment(
     size = min(max(3, round(settings.interval * record.rate)), record.size)
     starts, notes = _starts(record, size, settings)
     first = piece(record, int(starts[0]), size)
-    setting = setting_of(first, model, settings.target, dither=settings.dither, options=settings.options)
-    left_out = dict(_unusable(settings, setting))
-    methods = tuple(method for method in settings.methods if method not in left_out)
-    if not methods:
+    task = task_of(first, model, settings.target, dither=settings.dither, options=settings.options)
+    left_out = {method: why for method in settings.methods if (why := RATE_ESTIMATORS[method].lacks(task))}
+    rows = {method: RATE_ESTIMATORS[method] for method in settings.methods if method not in left_out}
+    if not rows:
         raise UsageError("; ".join(f"{method}: {why}" for method, why in left_out.items()))
-    weights = {method: RATE_ESTIMATORS[method].weights(setting) for method in methods}
-    rates = _rates(record, starts, weights, setting) - settings.bias
+    weights = {method: row.weights(task) for method, row in rows.items()}
+    rates = np.empty((len(rows), starts.size))
+    for i, start in enumerate(starts):
+        interval = interval_of(piece(record, int(start), size), task)
+        for j, (method, row) in enumerate(rows.items()):
+            rates[j, i] = in_si(row.measure(interval, weights[method], task), interval).value
+    rates = rates - settings.bias
+    known = task.model is not None
     return Experiment(
         name=record.name,
         signal=record.signal,
-        methods=methods,
+        methods=tuple(rows),
         start=starts / record.rate,
         duration=size / record.rate,
         rate=record.rate,
         rates=rates,
         reference=float(rates[-1].mean()) if settings.reference is None else settings.reference,
         known=settings.reference is not None,
-        predicted=_predicted(methods, weights, setting),
-        ranking=None if setting.model is None else ranking(setting),
+        predicted=np.array([standard_error(row, weights[m], task) if known else math.nan for m, row in rows.items()]),
+        ranking=ranking(task) if known else None,
         left_out=left_out,
         notes=notes,
         findings=() if settings.gaps == "split" else findings_of(record),
     )
 
 
-def _rates(record: Record, starts: IntArray, weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
-    """The rate of every interval by every method, SI, shape (methods, intervals)."""
-    rates = np.empty((len(weights), starts.size))
-    for i, start in enumerate(starts):
-        interval = interval_of(piece(record, int(start), setting.size), setting)
-        for j, (method, own) in enumerate(weights.items()):
-            rates[j, i] = in_si(RATE_ESTIMATORS[method].measure(interval, own, setting), interval).value
-    return rates
-
-
-def _predicted(methods: tuple[str, ...], weights: dict[str, FloatArray], setting: Setting) -> FloatArray:
-    if setting.model is None:
-        return np.full(len(methods), math.nan)
-    return np.array([standard_error(RATE_ESTIMATORS[m], weights[m], setting) for m in methods])
-
-
-def _unusable(settings: ExperimentSettings, setting: Setting) -> Iterator[tuple[str, str]]:
-    for method in settings.methods:
-        row = RATE_ESTIMATORS[method]
-        if row.needs_model and setting.model is None:
-            yield method, say("it needs a noise model")
-        if row.needs_quantum and not math.isfinite(setting.pulse):
-            option = spelled("--quantum", "quantum=...")
-            yield method, say("it needs counts, or the quantum of the angle ({option})", option=option)
-
-
 def _starts(record: Record, size: int, settings: ExperimentSettings) -> tuple[IntArray, tuple[str, ...]]:
-    """First samples of the intervals that are measured, and what that omits."""
+    """First samples of the intervals that are measured, which hold no missing sample, and what that omits."""
     if settings.gaps == "error":
         demand_whole(record)
-    starts, notes = _intervals(record, size)
-    if settings.most is None or starts.size <= settings.most:
-        return starts, notes
-    spread = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
-    most = say_count(
-        settings.most,
-        "{count} interval, spread over the record, was measured",
-        "{count} intervals, spread over the record, were measured",
-    )
-    return spread, (*notes, most)
-
-
-def _intervals(record: Record, size: int) -> tuple[IntArray, tuple[str, ...]]:
-    """First samples of intervals that hold no missing sample, and what that omits."""
     extra = KINDS[record.kind][1]
     lost = np.flatnonzero(~np.isfinite(record.values))
     edges = np.concatenate(([-1], lost, [len(record.values)]))
-    starts: list[int] = []
-    for left, right in zip(edges[:-1] + 1, edges[1:], strict=True):
-        starts += range(int(left), int(right) - extra - size + 1, size)
-    if not starts:
+    starts = np.array([
+        start for left, right in zip(edges[:-1] + 1, edges[1:], strict=True)
+        for start in range(int(left), int(right) - extra - size + 1, size)
+    ])  # fmt: skip
+    if not starts.size:
         raise DataError(
-            say(
-                "no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
-                interval=size / record.rate,
-                missing=lost.size,
-                name=record.name,
-            )
-        )
-    rest = record.size - len(starts) * size
-    if not rest:
-        return np.array(starts), ()
-    what = say(
-        "{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
-        rest=rest / record.rate,
-        length=record.duration,
-    )
-    missing = say_count(int(lost.size), "{count} sample missing", "{count} samples missing")
-    return np.array(starts), (join("; ", (what, missing)) if lost.size else what,)
+            say("no interval of {interval:g} s fits between the {missing} missing samples of {name!r}",
+                interval=size / record.rate, missing=lost.size, name=record.name)
+        )  # fmt: skip
+    notes = []
+    if rest := record.size - starts.size * size:
+        left = say("{rest:.6g} s of {length:.6g} s do not fill an interval and are omitted",
+                   rest=rest / record.rate, length=record.duration)  # fmt: skip
+        missing = say_count(int(lost.size), "{count} sample missing", "{count} samples missing")
+        notes.append(join("; ", (left, missing)) if lost.size else left)
+    if settings.most is not None and starts.size > settings.most:
+        starts = starts[np.linspace(0, starts.size - 1, settings.most).astype(np.int64)]
+        notes.append(
+            say_count(settings.most, "{count} interval, spread over the record, was measured",
+                      "{count} intervals, spread over the record, were measured")
+        )  # fmt: skip
+    return starts, tuple(notes)
 
 
 def piece(record: Record, start: int, size: int) -> Record:

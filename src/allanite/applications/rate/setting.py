@@ -37,7 +37,7 @@ class EstimatorSettings(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
+class Task:
     """What the weights of an estimator follow from: everything but the data.
 
     Attributes
@@ -76,18 +76,15 @@ class Setting:
                 f"a constant rate cannot be separated from {walks}, whose drift is unbounded; use target='mean', "
                 "'centre' or 'start': the rate including the drift, over or at that time"
             )
-        for f in self.dither:
-            self._demand_line(f)
-
-    def _demand_line(self, frequency: float) -> None:
-        if not (np.isfinite(frequency) and frequency > 0):
-            raise UsageError(f"a dither frequency must be a positive number of Hz, not {frequency!r}")
-        alias = abs(frequency - self.rate * round(frequency / self.rate))
-        if alias * self.size < 2 * self.rate:
-            raise UsageError(
-                f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, appears at {alias:.3g} Hz: less than two "
-                f"periods in {self.size / self.rate:g} s cannot be separated from a rate"
-            )
+        for frequency in self.dither:
+            if not (np.isfinite(frequency) and frequency > 0):
+                raise UsageError(f"a dither frequency must be a positive number of Hz, not {frequency!r}")
+            alias = abs(frequency - self.rate * round(frequency / self.rate))
+            if alias * self.size < 2 * self.rate:
+                raise UsageError(
+                    f"dither at {frequency:g} Hz, sampled at {self.rate:g} Hz, appears at {alias:.3g} Hz: less than "
+                    f"two periods in {self.size / self.rate:g} s cannot be separated from a rate"
+                )
 
     @property
     def duration(self) -> float:

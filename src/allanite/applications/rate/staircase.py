@@ -8,7 +8,7 @@ from allanite.extending import FloatArray, UsageError, say, spelled
 
 from .linear import parabola
 from .row import Interval, RateEstimator, RateMeasurement
-from .setting import Setting
+from .setting import Task
 
 WORK = 7e6
 """Samples that the search may look at before it gives its best so far: some 40 ms."""
@@ -27,9 +27,9 @@ CUBE_ROOT = 2.2
 1.98 to 2.37 for noise of 0.4 to 4 quanta and n of 1000 to 48000."""
 
 
-def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasurement:
+def _staircase(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement:
     y, line = _steps_and_line(interval)
-    p, q, least, bound = _search(y, line, math.inf if setting.options.certified else WORK)
+    p, q, least, bound = _search(y, line, math.inf if task.options.certified else WORK)
     slope = (line[-1] - line[0] + q - p) / (y.size - 1)
     details = {
         "misfit": least,
@@ -37,10 +37,26 @@ def _staircase(interval: Interval, _: FloatArray, setting: Setting) -> RateMeasu
         "phase": float(line[0] + p) % 1.0,
         "RMS residual": math.sqrt(least / y.size),
     }
-    limits = _feasible(y, slope) if least == 0 else None
-    if limits is None:
+    t = np.arange(y.size) - (y.size - 1) / 2
+
+    def gap(a: float) -> tuple[float, float]:
+        free = y - a * t
+        high, low = int(free.argmax()), int(free.argmin())
+        return float(free[high] - free[low] - 1), float(t[low] - t[high])
+
+    if least > 0 or gap(slope)[0] > 0:
         return RateMeasurement(slope * interval.pulse - interval.offset, details)
-    low, high = (limit * interval.pulse - interval.offset for limit in limits)
+    # all slopes a with y <= a t + b < y + 1 for some b: the gap max(y - a t) - min(y + 1 - a t) is convex in a, made of
+    # straight pieces, and must not be positive: Newton's steps from outside end at its zeros exactly
+    limits = []
+    for side in (-1.0, 1.0):
+        a = slope + side * 4 / (y.size - 1)
+        value, steep = gap(a)
+        while not (value <= 1e-12 or steep * side <= 0):
+            a -= value / steep
+            value, steep = gap(a)
+        limits.append(a * interval.pulse - interval.offset)
+    low, high = limits
     return RateMeasurement((low + high) / 2, details, (low, high))
 
 
@@ -95,34 +111,7 @@ def _steps_and_line(interval: Interval) -> tuple[FloatArray, FloatArray]:
     return y, y.mean() + 0.5 + float(t @ y) / float(t @ t) * t
 
 
-def _feasible(y: FloatArray, slope: float) -> tuple[float, float] | None:
-    """All slopes a with y <= a t + b < y + 1 for some b: (least, largest); None if `slope` is none of them.
-
-    The gap max(y - a t) - min(y + 1 - a t) is convex in a, made of straight pieces, and must not be positive: Newton's
-    steps from outside end at its zeros exactly.
-    """
-    t = np.arange(y.size) - (y.size - 1) / 2
-
-    def gap(a: float) -> tuple[float, float]:
-        free = y - a * t
-        high, low = int(free.argmax()), int(free.argmin())
-        return float(free[high] - free[low] - 1), float(t[low] - t[high])
-
-    if gap(slope)[0] > 0:
-        return None
-    ends = []
-    for side in (-1.0, 1.0):
-        a = slope + side * 4 / (y.size - 1)
-        while True:
-            value, steep = gap(a)
-            if value <= 1e-12 or steep * side <= 0:
-                break
-            a -= value / steep
-        ends.append(a)
-    return ends[0], ends[1]
-
-
-def _excess(setting: Setting) -> float:
+def _excess(task: Task) -> float:
     """What the steps add to the regression's variance: n^(-1/3) pulses, the rate of a fit to something with jumps.
 
     Not known where the angle noise does not blur the steps.
@@ -131,11 +120,11 @@ def _excess(setting: Setting) -> float:
     ----------
     J. Kim, D. Pollard, Ann. Statist. 18 (1990) 191, for the power of n; the factor is simulated (benchmarks/rate.py).
     """
-    noise = next((t.value for t in setting.settled if t.row.alpha == 2), 0.0) / setting.pulse
+    noise = next((t.value for t in task.settled if t.row.alpha == 2), 0.0) / task.pulse
     if not noise >= DITHERED:
         return math.nan
-    ends = CUBE_ROOT * noise ** (2 / 3) * (setting.size + 1) ** (-1 / 3)
-    return float((ends * setting.pulse / setting.duration) ** 2)
+    ends = CUBE_ROOT * noise ** (2 / 3) * (task.size + 1) ** (-1 / 3)
+    return float((ends * task.pulse / task.duration) ** 2)
 
 
 STAIRCASE = RateEstimator(
@@ -147,7 +136,7 @@ STAIRCASE = RateEstimator(
         "counts without noise, for which its limits are certain; with noise above a fraction of a pulse it is "
         "slightly worse than regression"
     ),
-    weights=lambda setting: parabola(setting.size),
+    weights=lambda task: parabola(task.size),
     measure=_staircase,
     excess=_excess,
     needs_quantum=True,

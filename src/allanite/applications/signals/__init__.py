@@ -1,10 +1,10 @@
 """From raw signals to a rate, and the noise that quantization adds to it."""
 
 from .axes import mixed as mixed
-from .codes import Codes as Codes
 from .rounding_noise import Budget as Budget
 from .rounding_noise import StageNoise as StageNoise
 from .rounding_noise import budget as budget
+from .stage import Codes as Codes
 from .stage import Stage as Stage
 from .torque import TorqueScale as TorqueScale
 from .torque import rate_from_current as rate_from_current

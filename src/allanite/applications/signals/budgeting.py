@@ -116,8 +116,10 @@ def budget_file(
     if not isinstance(source, Recording | Record):
         whole = read(source, **recipe.to_dict(READING), otherwise=("current", "voltage"))
     axes: dict[str, Mixed] = {}
-    if settings.axes is not None:
-        whole, axes = _mixed(whole, settings)
+    if settings.axes is not None and isinstance(whole, Recording | Record):  # the currents of both axes combined
+        currents = whole if isinstance(whole, Recording) else Recording((whole,))
+        axes = {axis.record.name: axis for axis in mixed(currents, settings.axes, settings.stages)}
+        whole = replace(currents, records=tuple(axis.record for axis in axes.values()))
 
     def work(seen: Inspected) -> BudgetChannel:
         scale: TorqueScale | float | None = settings.torquer
@@ -135,12 +137,3 @@ def budget_file(
 
     return run(partial(BudgetStudy, settings=settings), whole, recipe, work, refused, doing="measuring",
                progress=progress)  # fmt: skip
-
-
-def _mixed(whole: Source, settings: PathSettings) -> tuple[Recording, dict[str, Mixed]]:
-    """The currents of both axes combined, and what is known of each by its name."""
-    assert isinstance(whole, Recording | Record) and settings.axes is not None  # noqa: S101, PT018 - it was read
-    recording = whole if isinstance(whole, Recording) else Recording((whole,))
-    found = mixed(recording, settings.axes, settings.stages)
-    records = tuple(one.record for one in found)
-    return replace(recording, records=records), {one.record.name: one for one in found}

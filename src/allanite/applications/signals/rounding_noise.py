@@ -1,9 +1,9 @@
 """Budget: the noise that quantization adds to a rate, stage by stage, compared with the measured noise."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 from allanite.extending import (
     NO_DITHER,
@@ -27,8 +27,7 @@ from allanite.extending import (
     unit_of,
 )
 
-from .codes import Codes, codes
-from .stage import Stage, demand_unclipped
+from .stage import Codes, Stage, codes, demand_unclipped
 from .torque import TorqueScale, ampere_of, converted, electric, factor_of, gain_of
 
 MATTERS = 0.01
@@ -73,6 +72,56 @@ class StageNoise(Value):
     enough: int | None
     clipped: int
     codes: Codes | None
+
+    @classmethod
+    def of(cls, rate: Record, fit: Fit, stage: Stage, per: float, clipped: int) -> Self:
+        """The noise of a stage in whose unit is so much rate (angle), SI, against that of the rate."""
+        symbol = "Q" if stage.rounds_angle else "N"
+        step = stage.step * per
+        coefficient = step / math.sqrt(12) * (1.0 if stage.rounds_angle else math.sqrt(rate.interval))
+        measured, limit = next(((e.value, e.upper) for e in fit if e.symbol == symbol), (None, None))
+        beside = measured if measured is not None else limit
+        enough = None
+        if beside:
+            # each bit halves the coefficient
+            enough = max(1, stage.bits + math.floor(math.log2(coefficient / (math.sqrt(MATTERS) * beside))) + 1)
+        readings = rate.rate_values * rate.interval / step if stage.rounds_angle else rate.rate_values / step
+        limit = limit if measured is None else None
+        return cls(stage, symbol, rate.signal, step, coefficient, measured, limit, enough, clipped, codes(readings))
+
+    def findings(self, rate: Record) -> Iterator[Finding]:
+        """What must be known of the stage's rounding of a rate: no dither, missing codes, clipped samples."""
+        view = View(Record(rate.rate_values, rate.rate, rate.signal.unit, rate.signal.kind))
+        worth = self.step * (rate.rate if self.stage.rounds_angle else 1.0)
+        # too little fast noise makes the rounding errors on a grid depend on the signal
+        quiet = self.codes is not None and (
+            view.fast < NO_DITHER * worth or rounding(view.steps, view.fast).nearby <= 2
+        )
+        if quiet:
+            yield Finding(
+                "no dither",
+                say("the noise of the signal is below {share:g} of the step of {stage}", share=NO_DITHER,
+                    stage=self.stage.name),
+                say("its rounding errors are not a noise: they depend on the signal, and this budget is not valid"),
+                say("amplify before it, or add noise"),
+            )  # fmt: skip
+        if self.codes is not None and self.codes.missing:
+            what = say_count(
+                self.codes.missing,
+                "{count} code of {stage} never occurs, although adjacent codes are frequent",
+                "{count} codes of {stage} never occur, although adjacent codes are frequent",
+                stage=self.stage.name,
+            )
+            consequence = say("its steps are uneven, and its noise is larger than in the budget")
+            yield Finding("missing codes", what, consequence, say("check the converter"))
+        if self.clipped:
+            what = say_count(
+                self.clipped,
+                "{count} sample is at the ends of {stage}",
+                "{count} samples are at the ends of {stage}",
+                stage=str(self.stage),
+            )
+            yield Finding("clipped", what, say("the noise beyond the range is missing"), say("use a larger range"))
 
     @property
     def share(self) -> float | None:
@@ -181,94 +230,22 @@ def budget(
             "name at least one stage, for example " + spelled("--stage 'ADC 12 5V'", "Stage('ADC', 12, 5.0, 'V')")
         )
     counts = [demand_unclipped(record, stage) for stage in stages] if clipped is None else clipped
-    rate = record
+    rate, needs = record, spelled("--torquer or --scale-factor", "scale=...")
     if not record.signal.inertial:
-        rate = converted(record, _factor(record, scale), ampere_of(record, sense, stages[0]), counts[0])
+        if scale is None:
+            raise UsageError(
+                f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's constants or "
+                f"scale factor ({needs})"
+            )
+        rate = converted(record, factor_of(scale), ampere_of(record, sense, stages[0]), counts[0])
     noise = noise_of(rate, recipe or Recipe())
-    pers = [_per(stage, scale, sense) for stage in stages]
-    rows = tuple(_noise(rate, noise.fit, *row) for row in zip(stages, pers, counts, strict=True))
-    return Budget(rate, noise, rows, tuple(f for row in rows for f in _findings(row, rate)))
-
-
-def _factor(record: Record, scale: TorqueScale | float | None) -> float:
-    """Rad/s per A of what a record that is no rate was measured by."""
-    if scale is None:
-        raise UsageError(
-            f"{record.name!r} is in {record.unit!r}: give its relation to a rate, by the torquer's constants or "
-            f"scale factor ({spelled('--torquer or --scale-factor', 'scale=...')})"
-        )
-    return factor_of(scale)
-
-
-def _per(stage: Stage, scale: TorqueScale | float | None, sense: float | None) -> float:
-    """SI rate (angle) per unit of the stage."""
-    factor = unit_of(stage.unit).factor
-    if not electric(stage.unit):
-        return factor
-    if scale is None:
-        raise UsageError(
-            f"the stage {stage.name!r} is in {stage.unit}: its rate needs the torquer's scale "
-            f"({spelled('--torquer or --scale-factor', 'scale=...')})"
-        )
-    return factor_of(scale) / gain_of(stage.unit, sense) * factor
-
-
-def _noise(rate: Record, fit: Fit, stage: Stage, per: float, clipped: int) -> StageNoise:
-    symbol = "Q" if stage.rounds_angle else "N"
-    step = stage.step * per
-    coefficient = step / math.sqrt(12) * (1.0 if symbol == "Q" else math.sqrt(rate.interval))
-    measured, limit = next(((e.value, e.upper) for e in fit if e.symbol == symbol), (None, None))
-    beside = measured if measured is not None else limit
-    enough = None
-    if beside:
-        # each bit halves the coefficient
-        enough = max(1, stage.bits + math.floor(math.log2(coefficient / (math.sqrt(MATTERS) * beside))) + 1)
-    readings = rate.rate_values / step if symbol == "N" else rate.rate_values * rate.interval / step
-    return StageNoise(
-        stage, symbol, rate.signal, step, coefficient, measured, limit if measured is None else None, enough, clipped,
-        codes(readings),
-    )  # fmt: skip
-
-
-def _findings(row: StageNoise, rate: Record) -> list[Finding]:
-    found = []
-    name = row.stage.name
-    worth = row.step * (rate.rate if row.symbol == "Q" else 1.0)
-    if row.codes is not None and _undithered(rate, worth):
-        found.append(Finding(
-            "no dither",
-            say("the noise of the signal is below {share:g} of the step of {stage}", share=NO_DITHER, stage=name),
-            say("its rounding errors are not a noise: they depend on the signal, and this budget is not valid"),
-            say("amplify before it, or add noise"),
-        ))  # fmt: skip
-    if row.codes is not None and row.codes.missing:
-        found.append(Finding(
-            "missing codes",
-            say_count(
-                row.codes.missing,
-                "{count} code of {stage} never occurs, although adjacent codes are frequent",
-                "{count} codes of {stage} never occur, although adjacent codes are frequent",
-                stage=name,
-            ),
-            say("its steps are uneven, and its noise is larger than in the budget"),
-            say("check the converter"),
-        ))  # fmt: skip
-    if row.clipped:
-        found.append(Finding(
-            "clipped",
-            say_count(
-                row.clipped,
-                "{count} sample is at the ends of {stage}",
-                "{count} samples are at the ends of {stage}",
-                stage=str(row.stage),
-            ),
-            say("the noise beyond the range is missing"),
-            say("use a larger range"),
-        ))  # fmt: skip
-    return found
-
-
-def _undithered(rate: Record, step: float) -> bool:
-    """Whether there is too little fast noise to make rounding errors of a rate on a grid of `step` random."""
-    view = View(Record(rate.rate_values, rate.rate, rate.signal.unit, rate.signal.kind))
-    return view.fast < NO_DITHER * step or rounding(view.steps, view.fast).nearby <= 2
+    rows = []
+    for stage, count in zip(stages, counts, strict=True):
+        per = unit_of(stage.unit).factor  # SI rate (angle) per unit of the stage
+        if electric(stage.unit):
+            if scale is None:
+                raise UsageError(f"the stage {stage.name!r} is in {stage.unit}: its rate needs the torquer's scale "
+                                 f"({needs})")  # fmt: skip
+            per *= factor_of(scale) / gain_of(stage.unit, sense)
+        rows.append(StageNoise.of(rate, noise.fit, stage, per, count))
+    return Budget(rate, noise, tuple(rows), tuple(f for row in rows for f in row.findings(rate)))

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from allanite.exporting.layouts import Lines
-from allanite.exporting.target import GYRO, Field, Target, pair
+from allanite.exporting.layouts import LineLayout
+from allanite.exporting.target import GYRO, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
-NOISE = Field("", GYRO, "N", "rad/s", rate=1, span=(1e-4, 0.1))
-WALK = Field("", GYRO, "K", "rad/s^2", rate=1, span=(1e-5, 1e-3))
+NOISE = TargetField("", GYRO, "N", "rad/s", rate=1, span=(1e-4, 0.1))
+WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1, span=(1e-5, 1e-3))
 
 gyro, accelerometer = pair("EK3_GYRO_P_NSE", "EK3_ACC_P_NSE", NOISE, "m/s^2")
 gyro_bias, accelerometer_bias = pair("EK3_GBIAS_P_NSE", "EK3_ABIAS_P_NSE", WALK, "m/s^3")
@@ -16,7 +16,7 @@ ARDUPILOT = Target(
     name="ardupilot",
     title=say("parameters of ArduPilot's EKF3"),
     fields=(gyro, replace(accelerometer, span=(0.01, 1.0)), gyro_bias, replace(accelerometer_bias, span=(1e-5, 0.02))),
-    forms={".param": Lines("{name},{value}")},
+    forms={".param": LineLayout("{name},{value}")},
     source="libraries/AP_NavEKF3/AP_NavEKF3_core.cpp: variances of a step (dt EK3_GYRO_P_NSE)^2 and, of the bias"
     " of the angle, (dt^2 EK3_GBIAS_P_NSE)^2, with dt = 12 ms (EKF_TARGET_DT); ranges of the parameters. "
     "The step is a whole number of samples, and so up to 2 ms shorter or longer",

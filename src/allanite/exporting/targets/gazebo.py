@@ -1,8 +1,8 @@
 """Gazebo: the noise of an IMU in SDF, and the IMU plugin of gazebo-classic."""
 
 from allanite.exporting.content import Content, number
-from allanite.exporting.layouts import XML_COMMENT, Lines, spread, told
-from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, WALK, Field, Target, pair
+from allanite.exporting.layouts import XML_COMMENT, LineLayout, spread, told
+from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, WALK, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
 SECTIONS = (
@@ -33,9 +33,9 @@ GAZEBO = Target(
         field
         for sensor, section, (white, walk) in SECTIONS
         for field in (
-            Field("stddev", sensor, "N", white, rate=1, section=section),
-            Field("dynamic_bias_stddev", sensor, "K", walk, section=section),
-            Field("dynamic_bias_correlation_time", sensor, "", "s", time=2, section=section),
+            TargetField("stddev", sensor, "N", white, rate=1, section=section),
+            TargetField("dynamic_bias_stddev", sensor, "K", walk, section=section),
+            TargetField("dynamic_bias_correlation_time", sensor, "", "s", time=2, section=section),
         )
     ),
     forms={".sdf": sdf},
@@ -55,10 +55,10 @@ GAZEBO_CLASSIC = Target(
         *pair("gyroscopeNoiseDensity", "accelerometerNoiseDensity", *DENSITY),
         *pair("gyroscopeRandomWalk", "accelerometerRandomWalk", *WALK),
         *pair("gyroscopeBiasCorrelationTime", "accelerometerBiasCorrelationTime",
-              Field("", GYRO, "", "s", time=2), "s"),
+              TargetField("", GYRO, "", "s", time=2), "s"),
     ),
     forms={
-        ".sdf": Lines(
+        ".sdf": LineLayout(
             "  <{name}>{value}</{name}>",
             comment="<!-- {} -->",
             start=('<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">',),

@@ -1,22 +1,22 @@
 """gnss-ins-sim: simulation of inertial sensors in Python."""
 
-from allanite.exporting.layouts import Lines
-from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.exporting.layouts import LineLayout
+from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField
 from allanite.phrases.phrase import say
 
 GNSS_INS_SIM = Target(
     name="gnss-ins-sim",
     title=say("IMU error model of gnss-ins-sim"),
     fields=(
-        Field("gyro_arw", GYRO, "N", "deg/sqrt(h)"),
-        Field("gyro_b_stability", GYRO, "K", "deg/h", weight=0.5, time=1),
-        Field("gyro_b_corr", GYRO, "", "s", time=2),
-        Field("accel_vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
-        Field("accel_b_stability", ACCELEROMETER, "K", "m/s^2", weight=0.5, time=1),
-        Field("accel_b_corr", ACCELEROMETER, "", "s", time=2),
+        TargetField("gyro_arw", GYRO, "N", "deg/sqrt(h)"),
+        TargetField("gyro_b_stability", GYRO, "K", "deg/h", weight=0.5, time=1),
+        TargetField("gyro_b_corr", GYRO, "", "s", time=2),
+        TargetField("accel_vrw", ACCELEROMETER, "N", "m/s/sqrt(h)"),
+        TargetField("accel_b_stability", ACCELEROMETER, "K", "m/s^2", weight=0.5, time=1),
+        TargetField("accel_b_corr", ACCELEROMETER, "", "s", time=2),
     ),
     forms={
-        ".py": Lines(
+        ".py": LineLayout(
             "    '{name}': np.array([{triple}]),",
             start=(
                 "import numpy as np",

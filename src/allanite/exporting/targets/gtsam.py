@@ -1,11 +1,11 @@
 """GTSAM: preintegration of inertial measurements."""
 
-from allanite.exporting.layouts import Lines
-from allanite.exporting.target import GYRO, Field, Target, pair
+from allanite.exporting.layouts import LineLayout
+from allanite.exporting.target import GYRO, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
-WHITE = Field("", GYRO, "N", "(rad/s)^2/Hz", power=2)
-BIAS = Field("", GYRO, "K", "(rad/s^2)^2/Hz", power=2)
+WHITE = TargetField("", GYRO, "N", "(rad/s)^2/Hz", power=2)
+BIAS = TargetField("", GYRO, "K", "(rad/s^2)^2/Hz", power=2)
 
 GTSAM = Target(
     name="gtsam",
@@ -15,7 +15,7 @@ GTSAM = Target(
         *pair("setBiasOmegaCovariance", "setBiasAccCovariance", BIAS, "(m/s^3)^2/Hz"),
     ),
     forms={
-        ".py": Lines(
+        ".py": LineLayout(
             "params.{name}({value} * np.eye(3))",
             start=(
                 "import gtsam",

@@ -1,6 +1,6 @@
 """LIO-SAM: lidar-inertial odometry."""
 
-from allanite.exporting.layouts import Lines
+from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import DENSITY, WALK, Target, pair
 from allanite.phrases.phrase import say
 
@@ -8,7 +8,7 @@ LIO_SAM = Target(
     name="lio-sam",
     title=say("params.yaml of LIO-SAM, its IMU part"),
     fields=(*pair("imuGyrNoise", "imuAccNoise", *DENSITY), *pair("imuGyrBiasN", "imuAccBiasN", *WALK)),
-    forms={".yaml": Lines("  {name}: {value}", start=("lio_sam:",))},
+    forms={".yaml": LineLayout("  {name}: {value}", start=("lio_sam:",))},
     source="src/imuPreintegration.cpp: gyroscopeCovariance = imuGyrNoise^2, to which GTSAM applies dt; the bias "
     "between two key frames has the standard deviation sqrt(deltaTij) imuGyrBiasN",
     notes=(

@@ -1,11 +1,11 @@
 """MATLAB: imuSensor of the Navigation Toolbox."""
 
-from allanite.exporting.layouts import Json
-from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.exporting.layouts import JsonLayout
+from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField
 from allanite.phrases.phrase import say
 
 FIELDS = tuple(
-    Field(name, sensor, term, unit, section=section, needed=term != "B")
+    TargetField(name, sensor, term, unit, section=section, needed=term != "B")
     for sensor, section, units in (
         (GYRO, "Gyroscope", ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)", "rad/s")),
         (ACCELEROMETER, "Accelerometer", ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)", "m/s^2")),
@@ -17,7 +17,7 @@ MATLAB = Target(
     name="matlab",
     title=say("parameters of MATLAB's imuSensor, for loadparams(imu, file, 'IMU')"),
     fields=FIELDS,
-    forms={".json": Json(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)},
+    forms={".json": JsonLayout(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)},
     source="MathWorks, pages of gyroparams, accelparams and imuSensor, and the example of the Allan variance, "
     "which sets single-sided noise to match N and K. The keys of the file are the names of the "
     "properties; no sample of a file was seen",

@@ -1,7 +1,7 @@
 """NaveGo: integrated navigation in MATLAB."""
 
-from allanite.exporting.layouts import MATLAB_COMMENT, Lines
-from allanite.exporting.target import DENSITY, GYRO, WALK, Field, Target, pair
+from allanite.exporting.layouts import MATLAB_COMMENT, LineLayout
+from allanite.exporting.target import DENSITY, GYRO, WALK, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
 NAVEGO = Target(
@@ -10,9 +10,9 @@ NAVEGO = Target(
     fields=(
         *pair("arw", "vrw", *DENSITY),
         *pair("gb_psd", "ab_psd", *WALK),
-        *pair("gb_corr", "ab_corr", Field("", GYRO, "", "s", time=2), "s"),
+        *pair("gb_corr", "ab_corr", TargetField("", GYRO, "", "s", time=2), "s"),
     ),
-    forms={".m": Lines("imu.{name} = [{triple}];", comment="% {}")},
+    forms={".m": LineLayout("imu.{name} = [{triple}];", comment="% {}")},
     source="ins_gnss.m: kf.Q = diag([arw, vrw, gb_psd, ab_psd].^2), of continuous time; F_update.m: the bias "
     "decays with -1/gb_corr. conversions/imu_si_errors.m computes gb_psd = gb_dyn sqrt(gb_corr), or "
     "divided by it in other versions; neither drives the bias with its density, which is K",

@@ -1,6 +1,6 @@
 """OpenVINS: visual-inertial odometry."""
 
-from allanite.exporting.layouts import Lines
+from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import DENSITY, WALK, Target, pair
 from allanite.phrases.phrase import say
 
@@ -12,7 +12,7 @@ OPENVINS = Target(
         *pair("gyroscope_random_walk", "accelerometer_random_walk", *WALK),
     ),
     forms={
-        ".yaml": Lines(
+        ".yaml": LineLayout(
             "  {name}: {value}",
             first=("%YAML:1.0",),
             start=("imu0:", "  rostopic: /imu0", "  time_offset: 0.0", "  update_rate: {rate}", '  model: "kalibr"'),

@@ -1,14 +1,14 @@
 """Pegasus: the IMU of a simulator of vehicles in Isaac Sim."""
 
-from allanite.exporting.layouts import Json
-from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.exporting.layouts import JsonLayout
+from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField
 from allanite.phrases.phrase import say
 
 PEGASUS = Target(
     name="pegasus",
     title=say("IMU of the Pegasus Simulator in Isaac Sim"),
     fields=tuple(
-        Field(name, sensor, term, unit, time=0 if term else 2, section=section)
+        TargetField(name, sensor, term, unit, time=0 if term else 2, section=section)
         for sensor, section, units in (
             (GYRO, "gyroscope", ("rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)", "s")),
             (ACCELEROMETER, "accelerometer", ("m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)", "s")),
@@ -17,7 +17,7 @@ PEGASUS = Target(
             ("noise_density", "random_walk", "bias_correlation_time"), ("N", "K", ""), units, strict=True
         )
     ),
-    forms={".json": Json(rate="update_rate")},
+    forms={".json": JsonLayout(rate="update_rate")},
     source="pegasus/simulator/logic/sensors/imu.py: white noise density/sqrt(dt), and a Gauss-Markov bias driven with "
     "the variance walk^2 T (1 - exp(-2 dt/T))/2 per step. In the version that was read the bias is not added to the "
     "samples, and the gyro has the correlation time of the accelerometer",

@@ -1,7 +1,7 @@
 """PSINS: strapdown inertial navigation in MATLAB."""
 
-from allanite.exporting.layouts import MATLAB_COMMENT, Lines
-from allanite.exporting.target import ACCELEROMETER, GYRO, Field, Target
+from allanite.exporting.layouts import MATLAB_COMMENT, LineLayout
+from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField
 from allanite.phrases.phrase import say
 
 GRAVITY = 9.80665 / 9.7803267714
@@ -11,13 +11,13 @@ PSINS = Target(
     name="psins",
     title=say("imuerrset of PSINS"),
     fields=(
-        Field("web", GYRO, "N", "deg/sqrt(h)"),
-        Field("wdb", ACCELEROMETER, "N", "ug/sqrt(Hz)", weight=GRAVITY**2),
-        Field("sqrtR0G", GYRO, "K", "deg/h/sqrt(h)"),
-        Field("sqrtR0A", ACCELEROMETER, "K", "ug/sqrt(h)", weight=GRAVITY**2),
+        TargetField("web", GYRO, "N", "deg/sqrt(h)"),
+        TargetField("wdb", ACCELEROMETER, "N", "ug/sqrt(Hz)", weight=GRAVITY**2),
+        TargetField("sqrtR0G", GYRO, "K", "deg/h/sqrt(h)"),
+        TargetField("sqrtR0A", ACCELEROMETER, "K", "ug/sqrt(h)", weight=GRAVITY**2),
     ),
     forms={
-        ".m": Lines(
+        ".m": LineLayout(
             "{name} = {value};",
             comment="% {}",
             start=("% constant biases are not noise", "eb = 0; db = 0;"),

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from allanite.exporting.layouts import Lines
-from allanite.exporting.target import GYRO, Field, Target, pair
+from allanite.exporting.layouts import LineLayout
+from allanite.exporting.target import GYRO, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
-NOISE = Field("", GYRO, "N", "rad/s", rate=1, span=(1e-4, 0.1))
-WALK = Field("", GYRO, "K", "rad/s^2", rate=1, span=(0.0, 0.01))
+NOISE = TargetField("", GYRO, "N", "rad/s", rate=1, span=(1e-4, 0.1))
+WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1, span=(0.0, 0.01))
 
 gyro, accelerometer = pair("EKF2_GYR_NOISE", "EKF2_ACC_NOISE", NOISE, "m/s^2")
 
@@ -19,7 +19,7 @@ PX4 = Target(
         replace(accelerometer, span=(0.01, 1.0)),
         *pair("EKF2_GYR_B_NOISE", "EKF2_ACC_B_NOISE", WALK, "m/s^3"),
     ),
-    forms={".params": Lines("1\t1\t{name}\t{value}\t9")},
+    forms={".params": LineLayout("1\t1\t{name}\t{value}\t9")},
     source="src/modules/ekf2/EKF/covariance.cpp: variances of a step (dt EKF2_GYR_NOISE)^2 and (dt "
     "EKF2_GYR_B_NOISE)^2 with dt = 10 ms (EKF2_PREDICT_US); ranges of the parameters",
     notes=(

@@ -2,17 +2,17 @@
 
 from dataclasses import replace
 
-from allanite.exporting.layouts import Lines
-from allanite.exporting.target import GYRO, Field, Target, pair
+from allanite.exporting.layouts import LineLayout
+from allanite.exporting.target import GYRO, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
-VARIANCE = Field("", GYRO, "N", "(rad/s)^2", rate=1, power=2)
+VARIANCE = TargetField("", GYRO, "N", "(rad/s)^2", rate=1, power=2)
 
 ROS_IMU = Target(
     name="ros-imu",
     title=say("covariances of sensor_msgs/Imu, for the parameters of a driver"),
     fields=pair("angular_velocity_covariance", "linear_acceleration_covariance", VARIANCE, "(m/s^2)^2"),
-    forms={".yaml": Lines("{name}: [{diagonal}]")},
+    forms={".yaml": LineLayout("{name}: [{diagonal}]")},
     source="sensor_msgs/Imu.msg: 3 x 3 by rows, variance of a sample; all zeros mean unknown. Names of the parameters "
     "of drivers differ",
     notes=(say("the message has no place for a drift of the bias: K is not written"),),

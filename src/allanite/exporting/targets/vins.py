@@ -2,18 +2,18 @@
 
 from dataclasses import replace
 
-from allanite.exporting.layouts import Lines
-from allanite.exporting.target import GYRO, Field, Target, pair
+from allanite.exporting.layouts import LineLayout
+from allanite.exporting.target import GYRO, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
-NOISE = Field("", GYRO, "N", "rad/s", weight=2.0, rate=1)
-WALK = Field("", GYRO, "K", "rad/s^2", rate=1)
+NOISE = TargetField("", GYRO, "N", "rad/s", weight=2.0, rate=1)
+WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1)
 
 VINS_MONO = Target(
     name="vins-mono",
     title=say("config file of VINS-Mono, its IMU part"),
     fields=(*pair("gyr_n", "acc_n", NOISE, "m/s^2"), *pair("gyr_w", "acc_w", WALK, "m/s^3")),
-    forms={".yaml": Lines("{name}: {value}", first=("%YAML:1.0",))},
+    forms={".yaml": LineLayout("{name}: {value}", first=("%YAML:1.0",))},
     source="vins_estimator/src/factor/integration_base.h: the midpoint of two samples whose noise is taken for "
     "independent has the covariance dt^2 gyr_n^2/2 per step, and the bias dt^2 gyr_w^2. N itself would be"
     " too small by sqrt(2 f)",

@@ -20,7 +20,7 @@ from allanite.applications.rate import (
     predicted_standard_error,
 )
 from allanite.applications.rate.inputs import interval_of
-from allanite.applications.rate.measure import in_si, setting_of
+from allanite.applications.rate.measure import in_si, task_of
 from allanite.core.model import term
 from allanite.simulation.ring_laser import GL1
 
@@ -60,7 +60,7 @@ def runs(request):
     for seed in range(1, RUNS + 1):
         rates, slow = simulated(model, np.random.default_rng(seed))
         record = al.Record(rates, rate=RATE, unit="rad/s")
-        setting = setting or setting_of(record, model, "mean")
+        setting = setting or task_of(record, model, "mean")
         weights = weights or {m: RATE_ESTIMATORS[m].weights(setting) for m in methods}
         interval = interval_of(record, setting)
         for m in methods:

@@ -18,10 +18,10 @@ from allanite.applications.rate import (
     predicted_standard_error,
     rank,
 )
-from allanite.applications.rate.measure import setting_of
+from allanite.applications.rate.measure import task_of
 from allanite.applications.rate.optimal import white_and_angle
 from allanite.applications.rate.predict import through_dither
-from allanite.applications.rate.setting import Setting
+from allanite.applications.rate.setting import Task
 from allanite.statistics.moments.gls import autocovariance
 
 ARCSEC = math.pi / 180 / 3600
@@ -51,7 +51,7 @@ def counts(n=4000, rate=100.0, turning=12.3, seed=1):
 
 def linear_weights(method, n, model=WHITE, **choices):
     record = al.Record(np.zeros(n), rate=100.0, unit="deg/h")
-    setting = setting_of(record, model, choices.pop("target", "mean"), **choices)
+    setting = task_of(record, model, choices.pop("target", "mean"), **choices)
     return through_dither(RATE_ESTIMATORS[method].weights(setting), setting)
 
 
@@ -394,6 +394,6 @@ def test_the_ranking_says_which_method_to_use():
 
 
 def test_setting_counts_what_wanders():
-    setting = Setting(10, 1.0, model_of("QNKR"))
+    setting = Task(10, 1.0, model_of("QNKR"))
     assert [t.symbol for t in setting.wandering] == ["K", "R"]
     assert [t.symbol for t in setting.settled] == ["N", "Q"]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import allanite as al
 from allanite.applications.signals import TorqueScale, rate_from_current
-from allanite.applications.signals.codes import Codes, codes
+from allanite.applications.signals.stage import Codes, codes
 from allanite.core.units import convert
 from allanite.reporting import to_csv
 

@@ -109,14 +109,12 @@ class PairedLaw:
 def paired_law(records: tuple[Record, Record], curves: tuple[Curve, Curve]) -> PairedLaw:
     """The law of the ratio of two curves' variances, from the curves of the records' sum and difference."""
     first, second = (record.rate_values for record in records)
-    both = [
-        deviation(_record(records[0], values), curves[0].statistic, m=curves[0].m.tolist(), noise=None).variance
-        for values in (first + second, first - second)
-    ]
     before, after = curves
+    both = []
+    for values in (first + second, first - second):
+        record = replace(
+            records[0], values=values, unit=records[0].signal.unit, kind=records[0].signal.kind, scale=None
+        )
+        both.append(deviation(record, before.statistic, m=before.m.tolist(), noise=None).variance)
     correlation = (both[0] - both[1]) / 4 / np.sqrt(before.variance * after.variance)
     return PairedLaw(np.clip(correlation, -1, 1), np.minimum(before.edf, after.edf))
-
-
-def _record(like: Record, rates: FloatArray) -> Record:
-    return replace(like, values=rates, unit=like.signal.unit, kind=like.signal.kind, scale=None)
