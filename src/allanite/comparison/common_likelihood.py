@@ -28,7 +28,7 @@ from allanite.identification.likelihood.band import Tuned
 from allanite.identification.likelihood.law import AKAIKE, law, traces
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.selection import Subset, select, subsets
-from allanite.identification.likelihood.spectrum import FEWEST, Spectrum, spectrum
+from allanite.identification.likelihood.spectrum import FEWEST, BinnedSpectrum, spectrum
 from allanite.identification.likelihood.whittle import column, likelihood
 from allanite.phrases.phrase import join, say, say_count
 from allanite.phrases.wording import spelled
@@ -49,7 +49,7 @@ class Joint(Portable):
     symbols : tuple of str
         The noise terms: the columns.
     parts : tuple of Likelihood
-    seen : tuple of Spectrum
+    seen : tuple of BinnedSpectrum
         The spectrum of each part.
     signal : Signal
     band : (low, high)
@@ -60,7 +60,7 @@ class Joint(Portable):
 
     symbols: tuple[str, ...]
     parts: tuple[Likelihood, ...]
-    seen: tuple[Spectrum, ...]
+    seen: tuple[BinnedSpectrum, ...]
     signal: Signal
     band: tuple[float, float]
     constant: float | None = None
@@ -215,7 +215,7 @@ def demand_one_kind(records: Sequence[Record]) -> None:
 
 
 def _in_band(
-    seen: Spectrum, whole: Likelihood, band: tuple[float, float], masks: Sequence[tuple[float, float]]
+    seen: BinnedSpectrum, whole: Likelihood, band: tuple[float, float], masks: Sequence[tuple[float, float]]
 ) -> Likelihood:
     """The bins within a band and outside the masks; coefficient k represents frequencies from k - 1/2 to k + 1/2."""
     low, high = band
@@ -240,7 +240,7 @@ def _in_band(
     return whole.only(inside)
 
 
-def _in_si(part: Likelihood, seen: Spectrum, noise: Sequence[str]) -> Likelihood:
+def _in_si(part: Likelihood, seen: BinnedSpectrum, noise: Sequence[str]) -> Likelihood:
     """The same for squared coefficients in SI."""
     size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])
     return replace(part, S=part.S * size, W=part.W * size)

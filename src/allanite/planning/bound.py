@@ -16,7 +16,7 @@ from allanite.phrases.phrase import join
 from allanite.terms import TERMS
 from allanite.terms.row import Parameter
 
-from .information import Grid, Information, Part, shape_parts
+from .information import CoefficientGrid, Information, InformationPart, shape_parts
 from .transient import transient_errors
 
 MOST = 2**53
@@ -113,12 +113,20 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
         raise UsageError(f"{model} has no noise; without noise everything is known exactly")
     beside = [Term(symbol, 1.0, model.signal) for symbol in _symbols(terms) if symbol not in {t.symbol for t in model}]
     unknown = (model.drifts or any(t.row.waveform is not None for t in beside)) if ramp is None else ramp
-    grid = Grid(n)
-    own = [Part.of(t, rate, grid) for t in noise]
+    grid = CoefficientGrid(n)
+    own = [InformationPart.of(t, rate, grid) for t in noise]
     parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]
-    others = [Part.of(t, rate, grid) for t in beside if t.row.waveform is None]
+    others = [InformationPart.of(t, rate, grid) for t in beside if t.row.waveform is None]
     found = Information(grid, reduce(operator.add, own), ramp=unknown)
-    errors = _errors(found.matrix([*parts, *others]))[: len(parts)]
+    # relative standard errors of the coefficients: half of those of their squares
+    information = found.matrix([*parts, *others])
+    size = np.sqrt(np.diag(information))
+    scaled = information / np.where(size > 0, size, math.nan) / np.where(size > 0, size, math.nan)[:, None]
+    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(size.size)))
+    known = values > 1e-13  # below that are the rounding errors of the sums
+    variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
+    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
+    errors = np.where(lost | (size == 0), math.inf, np.sqrt(variance) / np.where(size > 0, 2 * size, 1.0))[: len(parts)]
     relative = dict(zip(_names(noise, model), errors, strict=True))
     for t in model:
         if t.row.transient:
@@ -137,17 +145,6 @@ def _symbols(terms: str) -> str:
     if odd:
         raise UsageError(f"terms must be 'known', 'auto' or symbols such as {AUTO!r}, not {terms!r}")
     return terms
-
-
-def _errors(information: FloatArray) -> FloatArray:
-    """Relative standard errors of the coefficients: half of those of their squares."""
-    size = np.sqrt(np.diag(information))
-    scaled = information / np.where(size > 0, size, math.nan) / np.where(size > 0, size, math.nan)[:, None]
-    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(size.size)))
-    known = values > 1e-13  # below that are the rounding errors of the sums
-    variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
-    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
-    return np.where(lost | (size == 0), math.inf, np.sqrt(variance) / np.where(size > 0, 2 * size, 1.0))
 
 
 def _names(noise: list[Term], model: Model) -> list[str]:

@@ -95,18 +95,15 @@ def simulate(
             y += t.value * rate**t.row.power * wave(n)
     y -= y.mean()
     if rounded is not None:
-        y = _rounded(y, rounded.value * math.sqrt(12) * rate, rng)
+        # differences of the running sum of y, from a random start, in whole steps
+        step = rounded.value * math.sqrt(12) * rate
+        angle = np.concatenate(([0.0], np.cumsum(y / step))) + rng.random()
+        y = np.asarray(np.diff(np.rint(angle)) * step)
     record = Record(y, rate, unit or model.signal.unit, model.signal.kind, name=name, history=(_story(model, rounded),))
     if record.signal is not model.signal:
         raise UnitError(f"{unit!r} is not a unit of rates of a sensor with {model}")
     y /= record.factor
     return record
-
-
-def _rounded(y: FloatArray, step: float, rng: "np.random.Generator") -> FloatArray:
-    """Differences of the running sum of y, from a random start, in whole steps."""
-    angle = np.concatenate(([0.0], np.cumsum(y / step))) + rng.random()
-    return np.asarray(np.diff(np.rint(angle)) * step)
 
 
 def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np.random.Generator") -> FloatArray:

@@ -21,7 +21,7 @@ from allanite.statistics.confidence.averaged import AveragedLaw
 from allanite.statistics.confidence.bias import correction, corrections, demand_bias
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, PublishedLaw, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
-from allanite.statistics.confidence.supposed import Later, Supposed, Supposing, supposed
+from allanite.statistics.confidence.supposed import LaterLaw, SupposedNoise, Supposing, supposed
 from allanite.statistics.model_curves import Expectation as Expectation
 from allanite.statistics.model_curves import expectation as expectation
 from allanite.statistics.moments.expect import expected as expected
@@ -29,13 +29,13 @@ from allanite.statistics.moments.hybrid import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 from allanite.terms import WHITE
 
-from .estimator import Angle, estimate, with_means
+from .estimator import AngleRecord, estimate, with_means
 from .estimator import integrated as integrated
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
 from .row import BoolArray, FloatArray, IntArray, Statistic, seconds
 from .table import STATISTICS as STATISTICS
-from .table import Points
+from .table import CurvePoints
 from .table import statistic_named as statistic_named
 
 HIDDEN = 0.05
@@ -97,9 +97,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
         variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
     places = angle.places if gaps == "means" else ()
-    points = Points(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
+    points = CurvePoints(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
     named = omit or (m is None and isinstance(taus, str))
-    seen = Seen(points, variance, count, factor, None, angle, record.signal)
+    seen = CurveEstimate(points, variance, count, factor, None, angle, record.signal)
     seen = seen.only(_complete(count, row, factors, named=named))
     if bias is not None or (suppose and len(places) > 1 and row.differences):
         seen = _corrected(seen, bias, suppose().noise if suppose else None, named=named)
@@ -107,7 +107,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     under = partial(_law, seen, corrected=callable(noise) and bool(row.parts))
     if suppose and edf == "published":
         suppose, under = Remembered(partial(_published, suppose)), partial(_published_law, seen)
-    law = Later(suppose, under) if suppose and row.order > 1 else None
+    law = LaterLaw(suppose, under) if suppose and row.order > 1 else None
     return Curve(
         statistic=row.name,
         m=seen.points.m,
@@ -138,21 +138,21 @@ def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
         )
 
 
-class Seen(NamedTuple):
+class CurveEstimate(NamedTuple):
     """Points of a curve with their variances, numbers of windows and what the plain variances were multiplied with.
 
     Where there is a bias, under `each` model, shape (models, points).
     """
 
-    points: Points
+    points: CurvePoints
     variance: FloatArray
     number: IntArray
     factor: FloatArray
     each: FloatArray | None
-    angle: Angle
+    angle: AngleRecord
     signal: Signal
 
-    def only(self, which: BoolArray) -> "Seen":
+    def only(self, which: BoolArray) -> "CurveEstimate":
         """Some of the points."""
         points = self.points._replace(m=self.points.m[which])
         each = None if self.each is None else self.each[:, which]
@@ -165,7 +165,7 @@ class Seen(NamedTuple):
         )
 
 
-def _law(seen: Seen, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:
+def _law(seen: CurveEstimate, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:
     """The confidence law; of a hybrid that is `corrected` by what the models expect, not by its own bias ratio."""
     points, each = seen.points, seen.each
     if not isinstance(noise, Averaged):
@@ -179,27 +179,29 @@ def _law(seen: Seen, noise: Averaged | Literal["auto"], *, corrected: bool) -> L
     return sparse_law(points, lambda few: AveragedLaw(few, noise, bias[:, [place[int(m)] for m in few.m]]))
 
 
-def _published(suppose: Callable[[], Supposed]) -> Supposed:
+def _published(suppose: Callable[[], SupposedNoise]) -> SupposedNoise:
     """The power law at each averaging time, or the one term of a model; UsageError for a mixture."""
     noise, words = suppose()
     laws = [] if not isinstance(noise, Averaged) else [t.row.alpha for t in noise.terms]
     if isinstance(noise, Averaged) and (len(laws) > 1 or None in laws):
         raise UsageError("published degrees of freedom assume a power law at each tau: use noise='auto', or one term")
-    return Supposed(noise, say("{intervals}, with published degrees of freedom", intervals=words))
+    return SupposedNoise(noise, say("{intervals}, with published degrees of freedom", intervals=words))
 
 
-def _published_law(seen: Seen, noise: Averaged | Literal["auto"]) -> Law:
+def _published_law(seen: CurveEstimate, noise: Averaged | Literal["auto"]) -> Law:
     if not isinstance(noise, Averaged):
         return PublishedLaw(seen.points, _alphas(seen.points, seen.angle))
     return PublishedLaw(seen.points, np.full(seen.points.m.size, noise.terms.terms[0].row.alpha))
 
 
-def _alphas(points: Points, angle: Angle) -> IntArray:
+def _alphas(points: CurvePoints, angle: AngleRecord) -> IntArray:
     """The exponent of the power law found at each point."""
     return np.array([law.alpha for law in power_laws(points, angle)], dtype=np.int64)
 
 
-def _corrected(seen: Seen, bias: str | None, noise: Averaged | Literal["auto"] | None, *, named: bool) -> Seen:
+def _corrected(
+    seen: CurveEstimate, bias: str | None, noise: Averaged | Literal["auto"] | None, *, named: bool
+) -> CurveEstimate:
     """Without the bias, or that of means of what is there, and then without the points that tell nothing."""
     each = _corrections(seen, bias or "means", noise)
     wanted = noise.weight @ each if isinstance(noise, Averaged) else each[0]
@@ -207,7 +209,7 @@ def _corrected(seen: Seen, bias: str | None, noise: Averaged | Literal["auto"] |
     return found if bias else found.only(_told(found, noise, named=named))
 
 
-def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None) -> FloatArray:
+def _corrections(seen: CurveEstimate, bias: str, noise: Averaged | Literal["auto"] | None) -> FloatArray:
     """What the plain variance is multiplied with under each model, or the power laws, shape (models, points).
 
     With the bias "means" for means of what is there instead of complete windows.
@@ -219,7 +221,7 @@ def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None
     if isinstance(noise, Averaged):
         return sparse(seen.points, partial(corrections, bias=bias, noise=noise))
 
-    def automatically(few: Points) -> FloatArray:
+    def automatically(few: CurvePoints) -> FloatArray:
         laws = power_laws(few, seen.angle)
         models = [Model((unit_term(law.symbol, seen.signal),)) for law in laws]
         return correction(few, bias, models, [law.alpha for law in laws])
@@ -238,7 +240,7 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
     raise DataError(join("; ", (none, *largest)))
 
 
-def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
+def _told(seen: CurveEstimate, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
     """Which points tell of the noise and not of the joints alone; omitted or refused as those without a window.
 
     Slow noise has no voice: where the joints rule, it is known from the supposed models only.

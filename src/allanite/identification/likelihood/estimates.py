@@ -32,7 +32,7 @@ HIDDEN = 0.6
 
 
 @dataclass(frozen=True)
-class Scale:
+class CoefficientScale:
     """From theta, in the record's unit and per sample, to coefficients in SI."""
 
     signal: Signal
@@ -78,7 +78,7 @@ class LawLimits:
 
     symbol: str
     law: Law | None
-    scale: Scale
+    scale: CoefficientScale
     value: float | None = None
 
     def __call__(self, level: float) -> tuple[float, float]:
@@ -92,7 +92,7 @@ class LawLimits:
         return self.scale.coefficient_of(self.symbol, self.law.quantile(level) if self.law else math.inf)
 
 
-def noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estimate:
+def noise_estimate(symbol: str, which: int, found: Found, scale: CoefficientScale) -> Estimate:
     """Estimate of a noise term, absent unless no other term could take its place."""
     limited, valued = found.laws(which) or (None, None)
     law = LawLimits(symbol, limited, scale)
@@ -118,7 +118,7 @@ class ConstantLimits:
 
     search: Search
     constants: tuple[float, ...]
-    scale: Scale
+    scale: CoefficientScale
 
     def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
         """Two-sided limits."""
@@ -129,7 +129,7 @@ class ConstantLimits:
         return tuple(zip(self.scale.shape(symbol, low), self.scale.shape(symbol, high), strict=True))
 
 
-def _with_constant(estimate: Estimate, found: Found, scale: Scale) -> Estimate:
+def _with_constant(estimate: Estimate, found: Found, scale: CoefficientScale) -> Estimate:
     """The estimate with its shape, and the profile interval of that."""
     search, chosen = found.search, found.chosen
     assert search is not None and chosen.constants  # noqa: S101, PT018 - the term was chosen
@@ -138,7 +138,7 @@ def _with_constant(estimate: Estimate, found: Found, scale: Scale) -> Estimate:
 
 
 def _absent(
-    symbol: str, scale: Scale, upper: Callable[[float], float], limits: Limits, median: float | None = None
+    symbol: str, scale: CoefficientScale, upper: Callable[[float], float], limits: Limits, median: float | None = None
 ) -> Estimate:
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
     return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
@@ -168,7 +168,7 @@ def under(law: Exponent, estimate: Estimate) -> Estimate:
     )
 
 
-def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: Scale) -> Estimate:
+def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: CoefficientScale) -> Estimate:
     """The estimate, or why the term is not observable with the data used."""
     reason: str = ""
     if TERMS[symbol].edge and (scope.filter or scope.band[1] < HIDDEN * found.seen.rate / 2):
@@ -220,7 +220,7 @@ class RampLimits:
         return max(abs(limit) for limit in self(2 * level - 1))
 
 
-def ramp_estimate(symbol: str, found: Found, scale: Scale) -> Estimate:
+def ramp_estimate(symbol: str, found: Found, scale: CoefficientScale) -> Estimate:
     """The signed ramp: normal for given noise, averaged over the possible noise of the longest memory.
 
     That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of

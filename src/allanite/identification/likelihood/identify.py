@@ -21,14 +21,14 @@ from allanite.phrases.phrase import say
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
-from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
+from .estimates import CoefficientScale, noise_estimate, observable, ramp_estimate, under
 from .model_selection import DISTINGUISHABLE, SLOW, Found, lacking, look, looked
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
 from .scope_text import scope_of
 from .selection import correlation
-from .spectrum import Spectrum
+from .spectrum import BinnedSpectrum
 from .steps import steps_in
 from .transient import warm_up_estimate
 
@@ -75,7 +75,12 @@ def whittle(
 
 
 def whittle_of(
-    seen: Spectrum, channel: tuple[str, Signal], symbols: Sequence[str], band: Band = "auto", *, rival: bool = False
+    seen: BinnedSpectrum,
+    channel: tuple[str, Signal],
+    symbols: Sequence[str],
+    band: Band = "auto",
+    *,
+    rival: bool = False,
 ) -> Fit:
     """Identify terms in a spectrum, of a channel of this name and signal; sinusoids are not looked for."""
     asked = None if isinstance(band, str) else band
@@ -104,7 +109,7 @@ def _concluded(
     stepped = None if slow else steps_in(found, signal)
     slow += [stepped.finding] if stepped else []
     scope = scope_of(found, band if isinstance(band, str) else "asked", None if isinstance(band, str) else band)
-    scale = Scale(signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
+    scale = CoefficientScale(signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
     estimates = {s: noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
     estimates |= {s: ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
@@ -135,7 +140,7 @@ def _concluded(
     )
 
 
-def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
+def _model(estimates: dict[str, Estimate], found: Found, scale: CoefficientScale) -> Model:
     """The best model: the selected noise terms, claimed or not, and the ramp if it is claimed."""
     terms = scale.terms(found.noise, found.chosen)
     ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
@@ -214,7 +219,7 @@ def _ambiguous(found: Found) -> list[str]:
     ]  # fmt: skip
 
 
-def _alternatives(found: Found, scale: Scale) -> tuple[Alternative, ...]:
+def _alternatives(found: Found, scale: CoefficientScale) -> tuple[Alternative, ...]:
     """The other families, the best first."""
     others = sorted((s for s in found.rivals() if s is not found.chosen), key=lambda s: s.aic)
     return tuple(Alternative(Model(scale.terms(found.noise, s)), s.aic - found.chosen.aic) for s in others)

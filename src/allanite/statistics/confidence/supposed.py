@@ -16,7 +16,7 @@ from allanite.statistics.row import FloatArray
 from allanite.terms import TERMS
 
 
-class Supposed(NamedTuple):
+class SupposedNoise(NamedTuple):
     """Models with their weights, or "auto" for the power law at each averaging time.
 
     `words` describes the intervals in a short phrase.
@@ -29,11 +29,11 @@ class Supposed(NamedTuple):
 Limits = tuple[FloatArray, FloatArray, FloatArray]
 """Degrees of freedom, lower and upper limits over the variance."""
 
-Supposing = ModelLike | Literal["auto"] | Callable[[], Supposed]
+Supposing = ModelLike | Literal["auto"] | Callable[[], SupposedNoise]
 """Noise that intervals assume; a function is called when they are first needed."""
 
 
-def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
+def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
     """A choice of the noise, with its description.
 
     Examples
@@ -44,7 +44,7 @@ def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
     """
     choice = noise_choice(noise)
     if not isinstance(choice, Averaged):
-        return Supposed("auto", say("intervals for the power law identified at each averaging time"))
+        return SupposedNoise("auto", say("intervals for the power law identified at each averaging time"))
     fit = noise if isinstance(noise, Fit) else None
     if len(choice) == 1:
         under = say("intervals under the given model {model}", model=str(choice.terms))
@@ -59,17 +59,17 @@ def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
                         count=len(choice), symbols=symbols)  # fmt: skip
     if fit and fit.validity == UNEXPLAINED:
         under = say("{intervals}, which does not explain the record", intervals=under)
-    return Supposed(choice, under)
+    return SupposedNoise(choice, under)
 
 
 @dataclass(frozen=True, eq=False)
-class Later:
+class LaterLaw:
     """The law `under` a noise that is identified on first use; pickled as the result.
 
     Limits are computed once for each level, also for curves that share them: the same curve in other units.
     """
 
-    suppose: Callable[[], Supposed]
+    suppose: Callable[[], SupposedNoise]
     under: Callable[[Averaged | Literal["auto"]], Law]
     known: dict[float, Limits] = field(default_factory=dict, init=False, repr=False)
 
