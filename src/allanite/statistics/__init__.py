@@ -11,17 +11,17 @@ from allanite.core.averaged import Averaged
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError, LongJobWarning, UsageError
 from allanite.core.limits import Remembered
-from allanite.core.model import Model, model_of
+from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.core.threads import one_thread
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.statistics.confidence.averaged import AveragedLaw
-from allanite.statistics.confidence.bias import correction, corrections, demand_bias
+from allanite.statistics.confidence.bias import chosen_bias, correction, corrections
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, PublishedLaw, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
-from allanite.statistics.confidence.supposed import LaterLaw, SupposedNoise, Supposing, supposed
+from allanite.statistics.confidence.supposed import Assumption, LaterLaw, SupposedNoise, Supposing
 from allanite.statistics.model_curves import Expectation as Expectation
 from allanite.statistics.model_curves import expectation as expectation
 from allanite.statistics.moments.expect import expected as expected
@@ -76,38 +76,35 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     [91.22945, 85.95287]
     """
     row = statistic_named(statistic)
-    demand_bias(bias, row)
-    if gaps not in ("means", "complete"):
-        raise UsageError(f"gaps must be 'means' or 'complete', not {gaps!r}")
-    suppose = None if noise is None else Remembered(noise if callable(noise) else partial(supposed, noise))
-    if suppose and not callable(noise) and isinstance(suppose().noise, Averaged) and row.parts:
-        bias = bias or "model"
-    bias = None if bias == "plain" else bias
-    if not 0 < join < 1:
-        raise UsageError(f"join must be a share of the record between 0 and 1, not {join!r}")
-    if edf not in ("exact", "published"):
-        raise UsageError(f"edf must be 'exact' or 'published', not {edf!r}")
-    if threads < 1:
-        raise UsageError(f"the number of threads must be at least 1, not {threads!r}")
+    assumed = Assumption(noise)
+    correction = chosen_bias(bias, row, assumed.given)
+    for demanded, reason in (
+        (gaps in ("means", "complete"), f"gaps must be 'means' or 'complete', not {gaps!r}"),
+        (0 < join < 1, f"join must be a share of the record between 0 and 1, not {join!r}"),
+        (edf in ("exact", "published"), f"edf must be 'exact' or 'published', not {edf!r}"),
+        (threads >= 1, f"the number of threads must be at least 1, not {threads!r}"),
+    ):
+        if not demanded:
+            raise UsageError(reason)
     asked = factors_of(taus, row, record.size, record.rate, join) if m is None else m
     factors = checked(asked, row, record.size, join)
     _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
+    places: Sequence[tuple[int, int]] = ()
     with one_thread():
         found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
-        variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
-    places = angle.places if gaps == "means" else ()
-    points = CurvePoints(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
+        if gaps == "means":
+            found, places = with_means(row, angle, factors, found), angle.places
+    variance, count, factor = found
+    points = CurvePoints(row, factors, angle.runs, record.size, record.rate, join, correction != "model", places)
     named = omit or (m is None and isinstance(taus, str))
     seen = CurveEstimate(points, variance, count, factor, None, angle, record.signal)
     seen = seen.only(_complete(count, row, factors, named=named))
-    if bias is not None or (suppose and len(places) > 1 and row.differences):
-        seen = _corrected(seen, bias, suppose().noise if suppose else None, named=named)
+    joined = len(places) > 1 and bool(row.differences)
+    if correction or (joined and noise is not None):
+        seen = _corrected(seen, correction, assumed.noise, named=named)
     # a maximum has no known distribution, and the RMS angle error only under white noise
-    under = partial(_law, seen, corrected=callable(noise) and bool(row.parts))
-    if suppose and edf == "published":
-        suppose, under = Remembered(partial(_published, suppose)), partial(_published_law, seen)
-    law = LaterLaw(suppose, under) if suppose and row.order > 1 else None
+    law = None if noise is None or row.order < 2 else _later(seen, assumed, published=edf == "published")
     return Curve(
         statistic=row.name,
         m=seen.points.m,
@@ -120,7 +117,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         size=record.size,
         name=record.name,
         history=record.history,
-        noise=None if noise is None or noise == "auto" or callable(noise) else model_of(noise),
+        noise=assumed.model,
         law=law,
         supposes=law.words if law else None,
         alpha=_alphas(seen.points, angle) if power_law else None,
@@ -163,6 +160,13 @@ class CurveEstimate(NamedTuple):
             factor=self.factor[which],
             each=each,
         )
+
+
+def _later(seen: CurveEstimate, assumed: Assumption, *, published: bool) -> LaterLaw:
+    """The law under what is assumed of the noise, made when it is needed."""
+    if published:
+        return LaterLaw(Remembered(partial(_published, assumed.suppose)), partial(_published_law, seen))
+    return LaterLaw(assumed.suppose, partial(_law, seen, corrected=assumed.late and bool(seen.points.row.parts)))
 
 
 def _law(seen: CurveEstimate, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:

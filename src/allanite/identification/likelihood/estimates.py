@@ -170,31 +170,37 @@ def under(law: Exponent, estimate: Estimate) -> Estimate:
 
 def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: CoefficientScale) -> Estimate:
     """The estimate, or why the term is not observable with the data used."""
-    reason: str = ""
-    if TERMS[symbol].edge and (scope.filter or scope.band[1] < HIDDEN * found.seen.rate / 2):
-        if estimate is None or not _dominates(symbol, found):
-            reason = say("the filter hides the frequencies where it would be visible")
-            if not scope.filter:
-                reason = say(
-                    "the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
-                    frequency=scope.band[1],
-                )
-    elif (
-        scope.band[0] > 0 and estimate is not None and not estimate.claimed and math.inf == (estimate.upper or math.inf)
-    ):
-        reason = say(
-            "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible",
-            frequency=scope.band[0],
+    edge, visible = TERMS[symbol].edge, estimate is not None and _dominates(symbol, found)
+    limited = bool(edge) and (bool(scope.filter) or scope.band[1] < HIDDEN * found.seen.rate / 2)
+    reason = "" if limited and visible else _unseen(estimate, scope, limited=limited)
+    if reason or estimate is None:
+        return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
+    if edge and not visible and estimate.claimed and found.part.misfit:
+        return estimate.invalid(say("the noise rises near half the sampling rate, but not as angle noise does"))
+    return estimate
+
+
+def _unseen(estimate: Estimate | None, scope: Scope, *, limited: bool) -> str:
+    """What keeps a term from being seen: for angle noise beyond a `limited` band its end, else where it begins."""
+    low, high = scope.band
+    if limited and scope.filter:
+        return say("the filter hides the frequencies where it would be visible")
+    if limited:
+        return say(
+            "the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
+            frequency=high,
         )
-    if not reason and estimate is not None:
-        if TERMS[symbol].edge and estimate.claimed and found.part.misfit and not _dominates(symbol, found):
-            return estimate.invalid(say("the noise rises near half the sampling rate, but not as angle noise does"))
-        return estimate
-    return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
+    if low > 0 and estimate is not None and not estimate.claimed and estimate.upper in (None, 0.0, math.inf):
+        return say(
+            "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible", frequency=low
+        )
+    return ""
 
 
 def _dominates(symbol: str, found: Found) -> bool:
     """Whether a term makes most of the power at the highest frequency that is read."""
+    if symbol not in found.noise:
+        return False
     which, chosen = found.noise.index(symbol), found.chosen
     share = chosen.likelihood.S[-1] * chosen.theta
     return bool(share[which] > 0.5 * share.sum())

@@ -17,6 +17,14 @@ from allanite.statistics.table import STATISTICS, CurvePoints
 BIASES = ("exact", "published", "model", "plain")
 
 
+def chosen_bias(bias: str | None, row: Statistic, given: Averaged | None) -> str | None:
+    """The correction that is asked for; a hybrid whose noise is `given` has that of the model."""
+    demand_bias(bias, row)
+    if bias is None and given is not None and row.parts:
+        return "model"
+    return None if bias == "plain" else bias
+
+
 def demand_bias(bias: str | None, row: Statistic) -> None:
     """Refuse a correction that is unknown or that the row does not have; the message says which there are."""
     if bias is None or bias == "plain":

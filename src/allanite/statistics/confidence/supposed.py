@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple
 
 from allanite.core.averaged import Averaged, noise_choice
 from allanite.core.curve import Law
 from allanite.core.fit import Fit
-from allanite.core.model import ModelLike
+from allanite.core.limits import Remembered
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.threads import one_thread
 from allanite.core.validity import UNEXPLAINED
 from allanite.phrases.phrase import say
@@ -60,6 +61,39 @@ def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
     if fit and fit.validity == UNEXPLAINED:
         under = say("{intervals}, which does not explain the record", intervals=under)
     return SupposedNoise(choice, under)
+
+
+@dataclass(frozen=True, eq=False)
+class Assumption:
+    """What intervals assume of the noise: models, "auto", a function that is called when it is needed, or nothing."""
+
+    choice: Supposing | None
+
+    @property
+    def late(self) -> bool:
+        """Whether a function tells the noise, once it is needed."""
+        return callable(self.choice)
+
+    @cached_property
+    def suppose(self) -> Callable[[], SupposedNoise]:
+        """The noise and its description, found once."""
+        return Remembered(self.choice if callable(self.choice) else partial(supposed, self.choice))  # type: ignore[arg-type]  # asked where there is one
+
+    @property
+    def noise(self) -> Averaged | Literal["auto"] | None:
+        """The noise; None if there is none."""
+        return None if self.choice is None else self.suppose().noise
+
+    @cached_property
+    def given(self) -> Averaged | None:
+        """The models that were given; None for any other choice."""
+        noise = None if self.late else self.noise
+        return noise if isinstance(noise, Averaged) else None
+
+    @property
+    def model(self) -> Model | None:
+        """The one model that stands for those that were given."""
+        return None if self.given is None else model_of(self.choice)  # type: ignore[arg-type]  # it was given
 
 
 @dataclass(frozen=True, eq=False)
