@@ -14,7 +14,7 @@ from multiprocessing import Pool
 import numpy as np
 
 import allanite as al
-from allanite.identification.likelihood.selection import Profile, Subset
+from allanite.identification.likelihood.selection import Subset, ThetaProfile
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import likelihood
 from identification import RATE, SENSORS, bounds
@@ -85,7 +85,7 @@ def expected_limit(model: al.Model, symbol: str, n: int) -> float:
     edges = np.einsum("bii,i->b", ours.UU, ours.W @ theta) / ours.count
     ours = replace(ours, power=ours.expectation(theta) + edges, Uc=np.zeros_like(ours.Uc))
     free = np.ones(theta.size, dtype=bool)
-    upper = Profile(Subset(ours, free, *ours.minimise(free)), theta.size - 1).upper(2.706)
+    upper = ThetaProfile(Subset(ours, free, *ours.minimise(free)), theta.size - 1).upper(2.706)
     return math.sqrt(upper) * RATE ** -al.TERMS[symbol].power
 
 

@@ -15,7 +15,7 @@ from allanite.core.model import term
 from allanite.statistics import covariance
 from allanite.statistics.moments import ramped
 from allanite.statistics.moments.moments import by_term, covariance_by_term
-from allanite.statistics.moments.pairs import Pair, Pairs
+from allanite.statistics.moments.pairs import Pairs, WindowPair
 from allanite.statistics.moments.ramped import crossed
 
 UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
@@ -158,7 +158,7 @@ def test_long_windows_are_near_exact_lag_sums(name, window, terms):
     for i, j in zip(*np.triu_indices(m.size), strict=True):
         a, b = m[i], m[j]
         counts = (float(row.count(size, a)), float(row.count(size, b)))
-        r = pairs.within(Pair((row, row), (int(a), int(b)), counts))
+        r = pairs.within(WindowPair((row, row), (int(a), int(b)), counts))
         found[i, j] = found[j, i] = 2 * (root[i] * root[j]) @ r @ (root[i] * root[j])
     assert correlated(found, wanted) < 1e-4
 

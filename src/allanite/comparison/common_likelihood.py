@@ -28,7 +28,7 @@ from allanite.identification.likelihood.band import Tuned
 from allanite.identification.likelihood.law import AKAIKE, law, traces
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.selection import Subset, select, subsets
-from allanite.identification.likelihood.spectrum import FEWEST, Spectrum, spectrum
+from allanite.identification.likelihood.spectrum import FEWEST, BinnedSpectrum, spectrum
 from allanite.identification.likelihood.whittle import column, likelihood
 from allanite.phrases.phrase import join, say, say_count
 from allanite.phrases.wording import spelled
@@ -49,7 +49,7 @@ class Joint(Portable):
     symbols : tuple of str
         The noise terms: the columns.
     parts : tuple of Likelihood
-    seen : tuple of Spectrum
+    seen : tuple of BinnedSpectrum
         The spectrum of each part.
     signal : Signal
     band : (low, high)
@@ -60,7 +60,7 @@ class Joint(Portable):
 
     symbols: tuple[str, ...]
     parts: tuple[Likelihood, ...]
-    seen: tuple[Spectrum, ...]
+    seen: tuple[BinnedSpectrum, ...]
     signal: Signal
     band: tuple[float, float]
     constant: float | None = None
@@ -152,7 +152,7 @@ def joint(
 
 def _part(
     whole: Likelihood,
-    seen: Spectrum,
+    seen: BinnedSpectrum,
     noise: Sequence[str],
     scope: Scope | None,
     *,

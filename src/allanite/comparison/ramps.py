@@ -8,7 +8,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.limits import quantile
-from allanite.identification.likelihood.selection import Profile, Subset
+from allanite.identification.likelihood.selection import Subset, ThetaProfile
 from allanite.terms import TERMS
 
 from .common_likelihood import Joint
@@ -59,7 +59,7 @@ def ramp_law(joint: Joint, i: int) -> RampLaw | None:
         return None
     slope = [np.nan_to_num(TERMS[symbol].slope, nan=-math.inf) for symbol in joint.symbols]
     free = np.ones(part.S.shape[1], dtype=bool)
-    thetas, weight = Profile(Subset(part, free, *part.minimise(free)), int(np.argmax(slope))).weighted()
+    thetas, weight = ThetaProfile(Subset(part, free, *part.minimise(free)), int(np.argmax(slope))).weighted()
     found = [part.directions(theta)[:2] for theta in thetas]
     size = seen.unit_factor * seen.rate
     centre = np.array([eta[-1] for eta, _ in found]) + seen.slope

@@ -22,11 +22,11 @@ from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.statistics import deviation
-from allanite.statistics.confidence.chisquares import NEAR, Mixture, cumulants
+from allanite.statistics.confidence.chisquares import NEAR, ChiSquareSum, cumulants
 from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.estimator import integrated
 from allanite.statistics.grids import GRIDS
-from allanite.statistics.table import Points, statistic_named
+from allanite.statistics.table import CurvePoints, statistic_named
 
 ALIKE = 0.005
 """Relative difference up to which two averaging times count as the same."""
@@ -44,13 +44,13 @@ class RatioLaw:
 
     Attributes
     ----------
-    first, second : Mixture
+    first, second : ChiSquareSum
     edf : (array, array), shape (k,) each
         Their equivalent degrees of freedom.
     """
 
-    first: Mixture
-    second: Mixture
+    first: ChiSquareSum
+    second: ChiSquareSum
     edf: tuple[FloatArray, FloatArray]
 
     def below(self, ratio: FloatArray) -> FloatArray:
@@ -108,7 +108,7 @@ class RatioLaw:
         return ratio / self.quantile((1 + level) / 2), ratio / self.quantile((1 - level) / 2)
 
 
-def _largest(mixture: Mixture) -> FloatArray:
+def _largest(mixture: ChiSquareSum) -> FloatArray:
     return np.asarray(np.maximum(mixture.weight.max(axis=1), mixture.beside))
 
 
@@ -130,7 +130,7 @@ def ratio_law(
     row = statistic_named(statistic)
     angles = [integrated(record, row.order) for record in records]
     points = [
-        Points(row, factors, angle.runs, record.size, record.rate, 0.2, places=angle.places)
+        CurvePoints(row, factors, angle.runs, record.size, record.rate, 0.2, places=angle.places)
         for record, angle, factors in zip(records, angles, m, strict=True)
     ]
     edf_a, first = mixtures(points[0], [models[0]])
@@ -139,7 +139,7 @@ def ratio_law(
     return RatioLaw(first, second, (edf_a, edf_b))
 
 
-def _of(points: Points) -> tuple[object, ...]:
+def _of(points: CurvePoints) -> tuple[object, ...]:
     """What the law depends on beside the model."""
     return points.m.tolist(), list(points.places), points.size, points.rate
 

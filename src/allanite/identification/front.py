@@ -171,13 +171,12 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     if "rival" in row.options:
         options["rival"] = terms == "auto"
     readable = _source(source, name, statistic)
-    if not isinstance(readable, Record):
+    if outliers == "mark" and isinstance(readable, Record):
+        found = robust.outliers(readable)
         with one_thread():
-            return row.fit(readable, symbols, **options)
-    found = robust.outliers(readable) if outliers == "mark" else None
+            return _noted(row.fit(robust.marked(readable, found), symbols, **options), found, readable)
     with one_thread():
-        fit = row.fit(robust.marked(readable, found) if found else readable, symbols, **options)
-    return _noted(fit, found, readable) if found else fit
+        return row.fit(readable, symbols, **options)
 
 
 def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> None:

@@ -16,13 +16,13 @@ from allanite.phrases.phrase import join
 from allanite.terms import TERMS
 from allanite.terms.row import Parameter
 
-from .information import Grid, Information, Part, shape_parts
+from .information import CoefficientGrid, Information, InformationPart, shape_parts
 from .transient import transient_errors
 
 MOST = 2**53
 """Samples, at most: more are not told from each other in floating point."""
 
-AUTO = "QNBKR"
+AUTO = "".join(symbol for symbol, row in TERMS.items() if row.automatic)
 """The default terms of `identify`."""
 
 
@@ -111,32 +111,28 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     noise = [t for t in model if t.row.waveform is None and t.value]
     if not noise:
         raise UsageError(f"{model} has no noise; without noise everything is known exactly")
-    beside = [Term(symbol, 1.0, model.signal) for symbol in _symbols(terms) if symbol not in {t.symbol for t in model}]
+    beside = _beside(model, terms)
     unknown = (model.drifts or any(t.row.waveform is not None for t in beside)) if ramp is None else ramp
-    grid = Grid(n)
-    own = [Part.of(t, rate, grid) for t in noise]
+    grid = CoefficientGrid(n)
+    own = [InformationPart.of(t, rate, grid) for t in noise]
     parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]
-    others = [Part.of(t, rate, grid) for t in beside if t.row.waveform is None]
+    others = [InformationPart.of(t, rate, grid) for t in beside if t.row.waveform is None]
     found = Information(grid, reduce(operator.add, own), ramp=unknown)
     errors = _errors(found.matrix([*parts, *others]))[: len(parts)]
     relative = dict(zip(_names(noise, model), errors, strict=True))
-    for t in model:
-        if t.row.transient:
-            relative |= dict(zip(_names([t], model), transient_errors(t, noise, grid.n, rate), strict=True))
-        elif t.row.periodic or (unknown and t.row.waveform is not None):
-            relative |= dict(_deterministic(t, model, found.ramp, grid.n, rate))
-    slope = found.ramp * rate if unknown else None
+    ramp_error = found.ramp if unknown else None
+    relative |= dict(_deterministic(model, noise, ramp_error, n, rate))
+    slope = None if ramp_error is None else ramp_error * rate
     return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope)
 
 
-def _symbols(terms: str) -> str:
-    """The symbols that `terms` represents."""
-    if terms in ("known", "auto"):
-        return AUTO if terms == "auto" else ""
-    odd = [symbol for symbol in terms if symbol not in TERMS or TERMS[symbol].parameters]
-    if odd:
+def _beside(model: Model, terms: str) -> list[Term]:
+    """The terms that `terms` represents and the model lacks, of size 1."""
+    symbols = {"known": "", "auto": AUTO}.get(terms, terms)
+    if any(symbol not in TERMS or TERMS[symbol].parameters for symbol in symbols):
         raise UsageError(f"terms must be 'known', 'auto' or symbols such as {AUTO!r}, not {terms!r}")
-    return terms
+    known = {t.symbol for t in model}
+    return [Term(symbol, 1.0, model.signal) for symbol in symbols if symbol not in known]
 
 
 def _errors(information: FloatArray) -> FloatArray:
@@ -178,20 +174,27 @@ def title_of(parameter: Parameter) -> str:
     return parameter.title
 
 
-def _deterministic(t: Term, model: Model, ramp: float, n: int, rate: float) -> Iterator[tuple[str, float]]:
-    """Relative errors of a ramp, or of a sinusoid's amplitude and frequency, beside the model's noise."""
-    name = name_of(t, model)
-    if not t.row.periodic:
-        yield name, ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
-        return
-    frequency, named = t.shape[0], join(" ", (name, title_of(t.row.parameters[0])))
+def _deterministic(
+    model: Model, noise: list[Term], ramp: float | None, n: int, rate: float
+) -> Iterator[tuple[str, float]]:
+    """Relative errors of warm-ups, of a ramp, and of sinusoids' amplitudes and frequencies, beside the noise."""
+    for t in model:
+        if t.row.transient:
+            yield from zip(_names([t], model), transient_errors(t, noise, n, rate), strict=True)
+        elif t.row.periodic:
+            yield from zip(_names([t], model)[:2], _sinusoid_errors(t, model, n, rate), strict=True)
+        elif ramp is not None and t.row.waveform is not None:
+            yield name_of(t, model), ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
+
+
+def _sinusoid_errors(t: Term, model: Model, n: int, rate: float) -> tuple[float, float]:
+    """Relative errors of amplitude and frequency."""
+    frequency, duration = t.shape[0], n / rate
     seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
     amplitude = abs(t.value * np.sinc(frequency / rate))
-    noise = Model(tuple(part for part in model if part.row.waveform is None))
-    duration = n / rate
     if seen * duration < 1 or not amplitude:  # no whole period
-        yield from ((name, math.inf), (named, math.inf))
-        return
+        return math.inf, math.inf
+    noise = Model(tuple(part for part in model if part.row.waveform is None))
     density = float(noise.spectrum(np.array([seen]), 1 / rate)[0])
-    yield name, math.sqrt(2 * density / duration) / amplitude
-    yield named, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)
+    relative = math.sqrt(2 * density / duration) / amplitude
+    return relative, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)

@@ -53,7 +53,7 @@ def nodes(n: int) -> tuple[FloatArray, FloatArray]:
     return k, np.concatenate([np.ones(last), *(np.array(w) for _, w in panels)])
 
 
-class Grid:
+class CoefficientGrid:
     """Nodes of the sum over k, those above `SINGLE` once for even and once for odd k, and the directions there."""
 
     def __init__(self, n: int) -> None:
@@ -97,7 +97,7 @@ def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class InformationPart:
     """dC / d ln theta of one parameter.
 
     `power`, shape (nodes,), is that of the variances, `edge` that of the variance of each half of the ends; `block`,
@@ -109,42 +109,42 @@ class Part:
     edge: float
 
     @classmethod
-    def of(cls, t: Term, rate: float, grid: Grid) -> "Part":
+    def of(cls, t: Term, rate: float, grid: CoefficientGrid) -> "InformationPart":
         """A term's own part."""
         row, power = t.sampled(rate), t.power(rate)
         variance = power * row.dct(grid.k, grid.n)
         block = np.diag(variance[: grid.block]) + power * mixing(row, grid.block, grid.n)
         return cls(variance, block, 2 * power * (row.edge + row.ends))
 
-    def __add__(self, other: "Part") -> "Part":
-        return Part(self.power + other.power, self.block + other.block, self.edge + other.edge)
+    def __add__(self, other: "InformationPart") -> "InformationPart":
+        return InformationPart(self.power + other.power, self.block + other.block, self.edge + other.edge)
 
-    def __mul__(self, factor: float) -> "Part":
-        return Part(factor * self.power, factor * self.block, factor * self.edge)
+    def __mul__(self, factor: float) -> "InformationPart":
+        return InformationPart(factor * self.power, factor * self.block, factor * self.edge)
 
 
-def shape_parts(t: Term, rate: float, grid: Grid) -> list[Part]:
+def shape_parts(t: Term, rate: float, grid: CoefficientGrid) -> list[InformationPart]:
     """Change with the logarithm of each parameter of a term's shape.
 
     Halved: the other parts are of squares of coefficients, whose errors are halved.
     """
 
-    def at(which: int, factor: float) -> Part:
-        return Part.of(replace(t, shape=_scaled(t.shape, which, factor)), rate, grid)
+    def at(which: int, factor: float) -> InformationPart:
+        return InformationPart.of(
+            replace(t, shape=tuple(value * factor if i == which else value for i, value in enumerate(t.shape))),
+            rate,
+            grid,
+        )
 
     step = 1.001
     changes = (at(i, step) + at(i, 1 / step) * -1.0 for i in range(len(t.row.parameters)))
     return [change * (1 / (4 * math.log(step))) for change in changes]
 
 
-def _scaled(shape: tuple[float, ...], which: int, factor: float) -> tuple[float, ...]:
-    return tuple(value * factor if i == which else value for i, value in enumerate(shape))
-
-
 class Information:
     """tr(P C_i P C_j) / 2 for parts of a covariance whose whole is `whole`; with a `ramp`, its size is unknown."""
 
-    def __init__(self, grid: Grid, whole: Part, *, ramp: bool) -> None:
+    def __init__(self, grid: CoefficientGrid, whole: InformationPart, *, ramp: bool) -> None:
         W = np.array([whole.edge, whole.edge, math.inf if ramp else 0.0])
         there = W > 0
         self.grid, self.free, self.U = grid, np.isinf(W[there]), grid.U[:, there]
@@ -168,7 +168,7 @@ class Information:
         """Standard error of the ramp, per sample; infinite where there is none to be found."""
         return math.sqrt(self.V[-1, -1]) if self.free.any() else math.inf
 
-    def matrix(self, parts: list[Part]) -> FloatArray:
+    def matrix(self, parts: list[InformationPart]) -> FloatArray:
         """Information about the parts, shape (p, p)."""
         V, block = self.V, self.grid.block
         rest = np.eye(len(V)) - V @ self.A

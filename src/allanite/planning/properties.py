@@ -15,8 +15,7 @@ from allanite.core.units import SIGNALS
 from allanite.statistics.confidence.limits import mixtures, unit_term
 from allanite.statistics.grids import checked, factors_of, times
 from allanite.statistics.moments.expect import expected_at
-from allanite.statistics.row import Statistic
-from allanite.statistics.table import Points, statistic_named
+from allanite.statistics.table import CurvePoints, statistic_named
 from allanite.terms import TERMS
 
 SIZE = 7200
@@ -100,26 +99,22 @@ def properties(
     row = statistic_named(statistic)
     if row.extreme or row.power:
         raise UsageError(f"{row.name} is not an estimate of the Allan or Hadamard variance; explain another statistic")
-    points = _points(row, size, taus, m)
-    symbols = tuple(symbol for symbol, term in TERMS.items() if term.alpha is not None)
-    models = [Model((unit_term(symbol, SIGNALS[0]),)) for symbol in symbols]
-    tau = times(row, points.m, size, JOIN)
-    ratio = [_target(row.order, model, tau) / _expected(points, model) for model in models]
-    degrees = [mixtures(points, [model])[0] for model in models]
-    return Properties(row.name, size, points.m, tau, symbols, np.stack(ratio, axis=1), np.stack(degrees, axis=1))
-
-
-def _points(row: Statistic, size: int, taus: str | Sequence[float] | None, m: Sequence[int] | None) -> Points:
-    """The points asked for, or octaves."""
+    # the points asked for, or octaves
     if m is not None and taus is None:
         factors = checked(m, row, size, JOIN)
     else:
         factors = checked(factors_of("octave" if taus is None else taus, row, size, 1.0, JOIN), row, size, JOIN)
-    return Points(row, factors, [(size, 1)], size, 1.0, JOIN)
-
-
-def _expected(points: Points, model: Model) -> FloatArray:
-    return expected_at(points.row, model, points.m, points.size, 1.0, join=JOIN, divisor=DIVISOR)
+    points = CurvePoints(row, factors, [(size, 1)], size, 1.0, JOIN)
+    symbols = tuple(symbol for symbol, term in TERMS.items() if term.alpha is not None)
+    models = [Model((unit_term(symbol, SIGNALS[0]),)) for symbol in symbols]
+    tau = times(row, points.m, size, JOIN)
+    ratio = [
+        _target(row.order, model, tau)
+        / expected_at(points.row, model, points.m, points.size, 1.0, join=JOIN, divisor=DIVISOR)
+        for model in models
+    ]
+    degrees = [mixtures(points, [model])[0] for model in models]
+    return Properties(row.name, size, points.m, tau, symbols, np.stack(ratio, axis=1), np.stack(degrees, axis=1))
 
 
 def _target(order: int, model: Model, tau: FloatArray) -> FloatArray:

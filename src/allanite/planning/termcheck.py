@@ -154,27 +154,24 @@ def _shape_check(true: Term, which: int, fits: Sequence[Fit], level: float, leas
 def _seen(symbol: str, fit: Fit, true: Term | None, duration: float) -> tuple[float, Interval | None, bool]:
     """The coefficient in the model, its interval if one was given, and whether the term was said to be there."""
     if symbol == LINE:
-        return _line_seen(fit, true, duration)
+        # the sinusoid nearest to the true one, if it is within two steps of the spectrum; without a true one
+        # any
+        if not fit.lines:
+            return 0.0, None, False
+        if true is None:
+            return fit.lines[0].amplitude, None, True
+        line = min(fit.lines, key=lambda line: abs(line.frequency - true.shape[0]))
+        if abs(line.frequency - true.shape[0]) > 2 / duration:
+            return 0.0, None, False
+
+        def interval(level: float) -> tuple[float, float]:
+            half = quantile((1 + level) / 2) * line.standard_error
+            return line.amplitude - half, line.amplitude + half
+
+        return line.amplitude, interval, True
     estimate = next((e for e in fit if e.symbol == symbol), None)
     value = next((t.value for t in fit.model if t.symbol == symbol), 0.0)
     return (value, None, False) if estimate is None else (value, estimate.interval, estimate.claimed)
-
-
-def _line_seen(fit: Fit, true: Term | None, duration: float) -> tuple[float, Interval | None, bool]:
-    """The sinusoid nearest to the true one, if it is within two steps of the spectrum; without a true one any."""
-    if not fit.lines:
-        return 0.0, None, False
-    if true is None:
-        return fit.lines[0].amplitude, None, True
-    line = min(fit.lines, key=lambda line: abs(line.frequency - true.shape[0]))
-    if abs(line.frequency - true.shape[0]) > 2 / duration:
-        return 0.0, None, False
-
-    def interval(level: float) -> tuple[float, float]:
-        half = quantile((1 + level) / 2) * line.standard_error
-        return line.amplitude - half, line.amplitude + half
-
-    return line.amplitude, interval, True
 
 
 def _checked(true: Term, seen: list[tuple[float, Interval | None, bool]], level: float, least: Bound) -> TermCheck:

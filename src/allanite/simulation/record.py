@@ -77,25 +77,17 @@ def simulate(
         raise UsageError(f"a record needs at least 2 samples, not {n}")
     if not (np.isfinite(rate) and rate > 0):
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
-    rounded = next((t for t in model if t.row.alpha == 2 and t.value), None) if rounding else None
-    if rounding and rounded is None:
-        raise UsageError(f"rounding generates quantization noise, but there is none in {model}: add Q to the model")
-    y = np.zeros(n)
-    parts = [(t.power(rate), t.sampled(rate)) for t in model if t.row.waveform is None and t.value and t is not rounded]
-    if parts:
-
-        def covariance(lags: FloatArray) -> FloatArray:
-            return np.asarray(sum(power * row.increments(lags) for power, row in parts))
-
-        y[1:] = _stationary(covariance, n - 1, rng)
-        np.cumsum(y, out=y)
+    rounded = _quantization(model) if rounding else None
+    y = _noise([t for t in model if t is not rounded], n, rate, rng)
     for t in model:
-        wave = t.sampled(rate).waveform
-        if wave is not None:
+        if (wave := t.sampled(rate).waveform) is not None:
             y += t.value * rate**t.row.power * wave(n)
     y -= y.mean()
     if rounded is not None:
-        y = _rounded(y, rounded.value * math.sqrt(12) * rate, rng)
+        # differences of the running sum of y, from a random start, in whole steps
+        step = rounded.value * math.sqrt(12) * rate
+        angle = np.concatenate(([0.0], np.cumsum(y / step))) + rng.random()
+        y = np.asarray(np.diff(np.rint(angle)) * step)
     record = Record(y, rate, unit or model.signal.unit, model.signal.kind, name=name, history=(_story(model, rounded),))
     if record.signal is not model.signal:
         raise UnitError(f"{unit!r} is not a unit of rates of a sensor with {model}")
@@ -103,10 +95,21 @@ def simulate(
     return record
 
 
-def _rounded(y: FloatArray, step: float, rng: "np.random.Generator") -> FloatArray:
-    """Differences of the running sum of y, from a random start, in whole steps."""
-    angle = np.concatenate(([0.0], np.cumsum(y / step))) + rng.random()
-    return np.asarray(np.diff(np.rint(angle)) * step)
+def _quantization(model: Model) -> Term:
+    """The term that rounding makes."""
+    term = next((t for t in model if t.row.alpha == 2 and t.value), None)
+    if term is None:
+        raise UsageError(f"rounding generates quantization noise, but there is none in {model}: add Q to the model")
+    return term
+
+
+def _noise(terms: list[Term], n: int, rate: float, rng: "np.random.Generator") -> FloatArray:
+    """Rates with the covariance of the terms of noise, the first of them 0."""
+    parts, y = [(t.power(rate), t.sampled(rate)) for t in terms if t.row.waveform is None and t.value], np.zeros(n)
+    if parts:
+        y[1:] = _stationary(lambda lags: np.asarray(sum(p * row.increments(lags) for p, row in parts)), n - 1, rng)
+        np.cumsum(y, out=y)
+    return y
 
 
 def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np.random.Generator") -> FloatArray:

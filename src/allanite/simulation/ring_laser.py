@@ -10,7 +10,6 @@ from allanite.core.model import Model, N, Q
 from allanite.core.notation import parse_model
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
-from allanite.statistics.row import FloatArray
 
 from .record import simulate
 
@@ -156,7 +155,11 @@ def simulate_ring_laser(
     angle = np.concatenate(([0.0], np.cumsum(steps)))
     t = np.arange(n + 1) / rate
     angle -= gyro.warm_up * gyro.settling * np.expm1(-t / gyro.settling)
-    angle += gyro.residual * np.sin(_phase(gyro, n + 1, rate, rng))
+    # phase of the residual: a frequency of the band, and a walk that forgets it after the coherence time
+    n = n + 1
+    frequency = rng.uniform(*gyro.residual_band)
+    walk = np.cumsum(rng.standard_normal(n)) * math.sqrt(2 / (gyro.coherence * rate))
+    angle += gyro.residual * np.sin(np.asarray(2 * math.pi * (frequency * np.arange(n) / rate + rng.random()) + walk))
     pulses = np.floor(angle / gyro.pulse + rng.random())
     return Record(
         np.diff(pulses).astype(np.int64),
@@ -167,10 +170,3 @@ def simulate_ring_laser(
         name=name,
         history=(say("simulated ring laser turning at {rate:g} deg/h: {gyro}", rate=turning, gyro=str(gyro)),),
     )
-
-
-def _phase(gyro: RingLaser, n: int, rate: float, rng: "np.random.Generator") -> FloatArray:
-    """Phase of the residual: a frequency of the band, and a walk that forgets it after the coherence time."""
-    frequency = rng.uniform(*gyro.residual_band)
-    walk = np.cumsum(rng.standard_normal(n)) * math.sqrt(2 / (gyro.coherence * rate))
-    return np.asarray(2 * math.pi * (frequency * np.arange(n) / rate + rng.random()) + walk)

@@ -17,7 +17,7 @@ from .markov import MarkovSum
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class StepMatrices:
     """Some steps together: x' = A x + w, sum of the outputs = c x + n, with the covariances of w and n."""
 
     A: FloatArray
@@ -26,10 +26,10 @@ class Steps:
     Qwn: FloatArray
     qnn: float
 
-    def then(self, other: "Steps") -> "Steps":
+    def then(self, other: "StepMatrices") -> "StepMatrices":
         """These steps, and then those."""
         A, c = other.A, other.c
-        return Steps(
+        return StepMatrices(
             A=A @ self.A,
             c=self.c + c @ self.A,
             Qww=A @ self.Qww @ A.T + other.Qww,
@@ -56,7 +56,7 @@ class Matrices:
         """
         h = self.H[0]
         noise = self.Qd @ h
-        one = Steps(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))
+        one = StepMatrices(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))
         found = []
         for factor in m.tolist():
             steps = _power(one, factor)
@@ -66,7 +66,7 @@ class Matrices:
         return np.array(found)
 
 
-def _power(one: Steps, m: int) -> Steps:
+def _power(one: StepMatrices, m: int) -> StepMatrices:
     """So many steps, by doubling."""
     whole, doubled = None, one
     while m:

@@ -88,7 +88,20 @@ def _best_span(low: float, high: float, k: int) -> MarkovSum:
     def fitted(beyond: float) -> MarkovSum:
         first, last = low / TOP * math.exp(-beyond), high / TOP * math.exp(beyond)
         T = np.geomspace(first, last, k) if k > 1 else np.array([math.sqrt(first * last)])
-        return _fitted(grid, T)
+        from scipy.optimize import nnls
+
+        columns = np.column_stack([allan_variance(grid, constant) for constant in T]) / TERMS["B"].level
+        weight, power = np.ones(grid.size), np.zeros(T.size)
+        for _ in range(12):
+            power = nnls(columns * weight[:, None], weight)[0]
+            ratio = columns @ power
+            # the square of weight (ratio - 1) becomes that of ln(ratio)
+            off = np.where(ratio == 1, 1.0, ratio - 1)
+            weight = np.where(ratio == 1, 1.0, np.log(np.maximum(ratio, 1e-6)) / off)
+        logs = np.log(columns @ power)
+        middle = (logs.max() + logs.min()) / 2
+        # of the deviation: half of the variance's
+        return MarkovSum(T, np.sqrt(power * math.exp(-middle)), math.expm1((logs.max() - logs.min()) / 4))
 
     if k == 1:
         return fitted(0.0)
@@ -98,23 +111,6 @@ def _best_span(low: float, high: float, k: int) -> MarkovSum:
         lambda x: fitted(float(x)).ripple, bounds=(-min(limit, 2.0), 2.0), method="bounded", options={"xatol": 0.01}
     )
     return fitted(float(found.x))
-
-
-def _fitted(tau: FloatArray, T: FloatArray) -> MarkovSum:
-    from scipy.optimize import nnls
-
-    columns = np.column_stack([allan_variance(tau, constant) for constant in T]) / TERMS["B"].level
-    weight, power = np.ones(tau.size), np.zeros(T.size)
-    for _ in range(12):
-        power = nnls(columns * weight[:, None], weight)[0]
-        ratio = columns @ power
-        # the square of weight (ratio - 1) becomes that of ln(ratio)
-        off = np.where(ratio == 1, 1.0, ratio - 1)
-        weight = np.where(ratio == 1, 1.0, np.log(np.maximum(ratio, 1e-6)) / off)
-    logs = np.log(columns @ power)
-    middle = (logs.max() + logs.min()) / 2
-    # of the deviation: half of the variance's
-    return MarkovSum(T, np.sqrt(power * math.exp(-middle)), math.expm1((logs.max() - logs.min()) / 4))
 
 
 def allan_variance(tau: FloatArray, T: float) -> FloatArray:

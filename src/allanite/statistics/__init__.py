@@ -11,17 +11,17 @@ from allanite.core.averaged import Averaged
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError, LongJobWarning, UsageError
 from allanite.core.limits import Remembered
-from allanite.core.model import Model, model_of
+from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.core.threads import one_thread
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.statistics.confidence.averaged import AveragedLaw
-from allanite.statistics.confidence.bias import correction, corrections, demand_bias
+from allanite.statistics.confidence.bias import chosen_bias, correction, corrections
 from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, PublishedLaw, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
-from allanite.statistics.confidence.supposed import Later, Supposed, Supposing, supposed
+from allanite.statistics.confidence.supposed import Assumption, LaterLaw, SupposedNoise, Supposing
 from allanite.statistics.model_curves import Expectation as Expectation
 from allanite.statistics.model_curves import expectation as expectation
 from allanite.statistics.moments.expect import expected as expected
@@ -29,13 +29,13 @@ from allanite.statistics.moments.hybrid import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 from allanite.terms import WHITE
 
-from .estimator import Angle, estimate, with_means
+from .estimator import AngleRecord, estimate, with_means
 from .estimator import integrated as integrated
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
 from .row import BoolArray, FloatArray, IntArray, Statistic, seconds
 from .table import STATISTICS as STATISTICS
-from .table import Points
+from .table import CurvePoints
 from .table import statistic_named as statistic_named
 
 HIDDEN = 0.05
@@ -76,38 +76,35 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     [91.22945, 85.95287]
     """
     row = statistic_named(statistic)
-    demand_bias(bias, row)
-    if gaps not in ("means", "complete"):
-        raise UsageError(f"gaps must be 'means' or 'complete', not {gaps!r}")
-    suppose = None if noise is None else Remembered(noise if callable(noise) else partial(supposed, noise))
-    if suppose and not callable(noise) and isinstance(suppose().noise, Averaged) and row.parts:
-        bias = bias or "model"
-    bias = None if bias == "plain" else bias
-    if not 0 < join < 1:
-        raise UsageError(f"join must be a share of the record between 0 and 1, not {join!r}")
-    if edf not in ("exact", "published"):
-        raise UsageError(f"edf must be 'exact' or 'published', not {edf!r}")
-    if threads < 1:
-        raise UsageError(f"the number of threads must be at least 1, not {threads!r}")
+    assumed = Assumption(noise)
+    correction = chosen_bias(bias, row, assumed.given)
+    for demanded, reason in (
+        (gaps in ("means", "complete"), f"gaps must be 'means' or 'complete', not {gaps!r}"),
+        (0 < join < 1, f"join must be a share of the record between 0 and 1, not {join!r}"),
+        (edf in ("exact", "published"), f"edf must be 'exact' or 'published', not {edf!r}"),
+        (threads >= 1, f"the number of threads must be at least 1, not {threads!r}"),
+    ):
+        if not demanded:
+            raise UsageError(reason)
     asked = factors_of(taus, row, record.size, record.rate, join) if m is None else m
     factors = checked(asked, row, record.size, join)
     _warn_of_long(row, record.size, factors, threads)
     angle = integrated(record, row.order)
+    places: Sequence[tuple[int, int]] = ()
     with one_thread():
         found = estimate(row, angle, factors, join=join, divisor=divisor, threads=threads)
-        variance, count, factor = found if gaps == "complete" else with_means(row, angle, factors, found)
-    places = angle.places if gaps == "means" else ()
-    points = Points(row, factors, angle.runs, record.size, record.rate, join, bias != "model", places)
+        if gaps == "means":
+            found, places = with_means(row, angle, factors, found), angle.places
+    variance, count, factor = found
+    points = CurvePoints(row, factors, angle.runs, record.size, record.rate, join, correction != "model", places)
     named = omit or (m is None and isinstance(taus, str))
-    seen = Seen(points, variance, count, factor, None, angle, record.signal)
+    seen = CurveEstimate(points, variance, count, factor, None, angle, record.signal)
     seen = seen.only(_complete(count, row, factors, named=named))
-    if bias is not None or (suppose and len(places) > 1 and row.differences):
-        seen = _corrected(seen, bias, suppose().noise if suppose else None, named=named)
+    joined = len(places) > 1 and bool(row.differences)
+    if correction or (joined and noise is not None):
+        seen = _corrected(seen, correction, assumed.noise, named=named)
     # a maximum has no known distribution, and the RMS angle error only under white noise
-    under = partial(_law, seen, corrected=callable(noise) and bool(row.parts))
-    if suppose and edf == "published":
-        suppose, under = Remembered(partial(_published, suppose)), partial(_published_law, seen)
-    law = Later(suppose, under) if suppose and row.order > 1 else None
+    law = None if noise is None or row.order < 2 else _later(seen, assumed, published=edf == "published")
     return Curve(
         statistic=row.name,
         m=seen.points.m,
@@ -120,7 +117,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         size=record.size,
         name=record.name,
         history=record.history,
-        noise=None if noise is None or noise == "auto" or callable(noise) else model_of(noise),
+        noise=assumed.model,
         law=law,
         supposes=law.words if law else None,
         alpha=_alphas(seen.points, angle) if power_law else None,
@@ -138,21 +135,21 @@ def _warn_of_long(row: Statistic, size: int, m: IntArray, threads: int) -> None:
         )
 
 
-class Seen(NamedTuple):
+class CurveEstimate(NamedTuple):
     """Points of a curve with their variances, numbers of windows and what the plain variances were multiplied with.
 
     Where there is a bias, under `each` model, shape (models, points).
     """
 
-    points: Points
+    points: CurvePoints
     variance: FloatArray
     number: IntArray
     factor: FloatArray
     each: FloatArray | None
-    angle: Angle
+    angle: AngleRecord
     signal: Signal
 
-    def only(self, which: BoolArray) -> "Seen":
+    def only(self, which: BoolArray) -> "CurveEstimate":
         """Some of the points."""
         points = self.points._replace(m=self.points.m[which])
         each = None if self.each is None else self.each[:, which]
@@ -165,7 +162,14 @@ class Seen(NamedTuple):
         )
 
 
-def _law(seen: Seen, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:
+def _later(seen: CurveEstimate, assumed: Assumption, *, published: bool) -> LaterLaw:
+    """The law under what is assumed of the noise, made when it is needed."""
+    if published:
+        return LaterLaw(Remembered(partial(_published, assumed.suppose)), partial(_published_law, seen))
+    return LaterLaw(assumed.suppose, partial(_law, seen, corrected=assumed.late and bool(seen.points.row.parts)))
+
+
+def _law(seen: CurveEstimate, noise: Averaged | Literal["auto"], *, corrected: bool) -> Law:
     """The confidence law; of a hybrid that is `corrected` by what the models expect, not by its own bias ratio."""
     points, each = seen.points, seen.each
     if not isinstance(noise, Averaged):
@@ -179,27 +183,29 @@ def _law(seen: Seen, noise: Averaged | Literal["auto"], *, corrected: bool) -> L
     return sparse_law(points, lambda few: AveragedLaw(few, noise, bias[:, [place[int(m)] for m in few.m]]))
 
 
-def _published(suppose: Callable[[], Supposed]) -> Supposed:
+def _published(suppose: Callable[[], SupposedNoise]) -> SupposedNoise:
     """The power law at each averaging time, or the one term of a model; UsageError for a mixture."""
     noise, words = suppose()
     laws = [] if not isinstance(noise, Averaged) else [t.row.alpha for t in noise.terms]
     if isinstance(noise, Averaged) and (len(laws) > 1 or None in laws):
         raise UsageError("published degrees of freedom assume a power law at each tau: use noise='auto', or one term")
-    return Supposed(noise, say("{intervals}, with published degrees of freedom", intervals=words))
+    return SupposedNoise(noise, say("{intervals}, with published degrees of freedom", intervals=words))
 
 
-def _published_law(seen: Seen, noise: Averaged | Literal["auto"]) -> Law:
+def _published_law(seen: CurveEstimate, noise: Averaged | Literal["auto"]) -> Law:
     if not isinstance(noise, Averaged):
         return PublishedLaw(seen.points, _alphas(seen.points, seen.angle))
     return PublishedLaw(seen.points, np.full(seen.points.m.size, noise.terms.terms[0].row.alpha))
 
 
-def _alphas(points: Points, angle: Angle) -> IntArray:
+def _alphas(points: CurvePoints, angle: AngleRecord) -> IntArray:
     """The exponent of the power law found at each point."""
     return np.array([law.alpha for law in power_laws(points, angle)], dtype=np.int64)
 
 
-def _corrected(seen: Seen, bias: str | None, noise: Averaged | Literal["auto"] | None, *, named: bool) -> Seen:
+def _corrected(
+    seen: CurveEstimate, bias: str | None, noise: Averaged | Literal["auto"] | None, *, named: bool
+) -> CurveEstimate:
     """Without the bias, or that of means of what is there, and then without the points that tell nothing."""
     each = _corrections(seen, bias or "means", noise)
     wanted = noise.weight @ each if isinstance(noise, Averaged) else each[0]
@@ -207,7 +213,7 @@ def _corrected(seen: Seen, bias: str | None, noise: Averaged | Literal["auto"] |
     return found if bias else found.only(_told(found, noise, named=named))
 
 
-def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None) -> FloatArray:
+def _corrections(seen: CurveEstimate, bias: str, noise: Averaged | Literal["auto"] | None) -> FloatArray:
     """What the plain variance is multiplied with under each model, or the power laws, shape (models, points).
 
     With the bias "means" for means of what is there instead of complete windows.
@@ -219,7 +225,7 @@ def _corrections(seen: Seen, bias: str, noise: Averaged | Literal["auto"] | None
     if isinstance(noise, Averaged):
         return sparse(seen.points, partial(corrections, bias=bias, noise=noise))
 
-    def automatically(few: Points) -> FloatArray:
+    def automatically(few: CurvePoints) -> FloatArray:
         laws = power_laws(few, seen.angle)
         models = [Model((unit_term(law.symbol, seen.signal),)) for law in laws]
         return correction(few, bias, models, [law.alpha for law in laws])
@@ -238,7 +244,7 @@ def _complete(count: IntArray, row: Statistic, m: IntArray, *, named: bool) -> B
     raise DataError(join("; ", (none, *largest)))
 
 
-def _told(seen: Seen, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
+def _told(seen: CurveEstimate, noise: Averaged | Literal["auto"] | None, *, named: bool) -> BoolArray:
     """Which points tell of the noise and not of the joints alone; omitted or refused as those without a window.
 
     Slow noise has no voice: where the joints rule, it is known from the supposed models only.

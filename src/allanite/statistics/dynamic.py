@@ -15,7 +15,7 @@ from allanite.core.threads import spread
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 
-from .estimator import Estimate, estimate, integrated
+from .estimator import WindowMeans, estimate, integrated
 from .row import Statistic
 from .table import statistic_named
 
@@ -83,10 +83,32 @@ def dynamic(
     first = deviation(_complete(record, samples), row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
     if row.sliding and complete(record.values):
-        found = _all_at_once(record, row, first, stride)
+        from allanite.kernels.dynamic import windowed
+
+        angle = integrated(record, row.order)
+        sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
+        variance = sums * (angle.scale**2 / (row.norm(first.m) * first.count * first.tau**2))
+        shape = variance.shape
+        found = WindowMeans(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
     else:
         parts = [_part(record, int(start), samples) for start in starts]
-        found = _one_by_one(parts, row, first, threads)
+        shape = (len(parts), first.m.size)
+        found = WindowMeans(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
+        reason: DataError | None = None
+        for i, one in enumerate(spread(lambda part: _one(part, row, first), parts, threads)):
+            if isinstance(one, DataError):
+                reason = one
+                continue
+            found.variance[i], found.number[i], found.factor[i] = one
+        if reason is not None and not found.number.any():
+            raise DataError(
+                say(
+                    "no window of {channel!r} supports {statistic}: {reason}",
+                    channel=parts[0].name,
+                    statistic=row.name,
+                    reason=reason,
+                )
+            ) from None
     return Surface(
         statistic=row.name,
         time=np.asarray((starts + samples / 2) / record.rate),
@@ -135,42 +157,11 @@ def _complete(record: Record, samples: int) -> Record:
     )
 
 
-def _all_at_once(record: Record, row: Statistic, first: Curve, stride: int) -> Estimate:
-    from allanite.kernels.dynamic import windowed
-
-    angle = integrated(record, row.order)
-    sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)
-    variance = sums * (angle.scale**2 / (row.norm(first.m) * first.count * first.tau**2))
-    shape = variance.shape
-    return Estimate(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
-
-
-def _one_by_one(parts: Sequence[Record], row: Statistic, first: Curve, threads: int) -> Estimate:
-    shape = (len(parts), first.m.size)
-    found = Estimate(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
-    reason: DataError | None = None
-    for i, one in enumerate(spread(lambda part: _one(part, row, first), parts, threads)):
-        if isinstance(one, DataError):
-            reason = one
-            continue
-        found.variance[i], found.number[i], found.factor[i] = one
-    if reason is not None and not found.number.any():
-        raise DataError(
-            say(
-                "no window of {channel!r} supports {statistic}: {reason}",
-                channel=parts[0].name,
-                statistic=row.name,
-                reason=reason,
-            )
-        ) from None
-    return found
-
-
-def _one(part: Record, row: Statistic, first: Curve) -> Estimate | DataError:
+def _one(part: Record, row: Statistic, first: Curve) -> WindowMeans | DataError:
     """A window by itself, or the reason if too many samples are missing."""
     try:
         angle = integrated(part, row.order)
         variance, number, factor = estimate(row, angle, first.m, join=0.2, divisor=30)
     except DataError as error:
         return error
-    return Estimate(variance * (angle.scale / part.interval ** (1 - row.power)) ** 2, number, factor)
+    return WindowMeans(variance * (angle.scale / part.interval ** (1 - row.power)) ** 2, number, factor)

@@ -26,7 +26,7 @@ class Piece(NamedTuple):
     x: FloatArray
 
 
-class Angle(NamedTuple):
+class AngleRecord(NamedTuple):
     """The angle of a record in units of its steps: its pieces and its length in sample intervals, gaps included.
 
     `scale` is what x must be multiplied with to be SI.
@@ -47,7 +47,7 @@ class Angle(NamedTuple):
         return [(piece.start, piece.x.size - 1) for piece in self.pieces]
 
 
-def integrated(record: Record, order: int) -> Angle:
+def integrated(record: Record, order: int) -> AngleRecord:
     """The angle of a record, for statistics that take differences of `order`.
 
     A constant rate is removed first where `order` lets it: a bias then costs no digits. No sum runs across a gap; a
@@ -63,7 +63,7 @@ def integrated(record: Record, order: int) -> Angle:
                 channel=record.name,
             )
         )
-    return Angle(long, record.size, record.factor * (1.0 if record.integrated else record.interval))
+    return AngleRecord(long, record.size, record.factor * (1.0 if record.integrated else record.interval))
 
 
 def _angles(record: Record) -> list[Piece]:
@@ -95,7 +95,7 @@ def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list
     return list(zip(edges[::2], edges[1::2], strict=True))
 
 
-class Estimate(NamedTuple):
+class WindowMeans(NamedTuple):
     """Variances in squared steps of the angle over the sample interval, number of windows, factor that is in them."""
 
     variance: FloatArray
@@ -103,7 +103,9 @@ class Estimate(NamedTuple):
     factor: FloatArray
 
 
-def estimate(row: Statistic, angle: Angle, m: IntArray, *, join: float, divisor: int, threads: int = 1) -> Estimate:
+def estimate(
+    row: Statistic, angle: AngleRecord, m: IntArray, *, join: float, divisor: int, threads: int = 1
+) -> WindowMeans:
     """A statistic of a record at averaging factors `m`, for a unit sample interval.
 
     DataError where the record has gaps and the statistic no meaning there, or is too short for the ratio of a hybrid.
@@ -118,10 +120,10 @@ def estimate(row: Statistic, angle: Angle, m: IntArray, *, join: float, divisor:
             variance[here], count[here], _ = windows(part, angle, m[here], threads)
             if i == len(row.parts) - 1:
                 factor[here] = bias_ratio(row.parts[-1], angle, divisor, threads)
-    return Estimate(variance * factor, count, factor)
+    return WindowMeans(variance * factor, count, factor)
 
 
-def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Estimate:
+def windows(row: Statistic, angle: AngleRecord, m: IntArray, threads: int = 1) -> WindowMeans:
     """The mean over all windows that are complete; NaN where there is none."""
     if len(angle.pieces) > 1 and not row.gaps:
         raise DataError(
@@ -136,7 +138,7 @@ def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Esti
         order = np.argsort(m, kind="stable")
         variance, number, factor = windows(row, angle, m[order], threads)
         back = np.argsort(order)
-        return Estimate(variance[back], number[back], factor[back])
+        return WindowMeans(variance[back], number[back], factor[back])
     sums, count = np.zeros(m.size), np.zeros(m.size, np.int64)
     for start, x in angle.pieces:
         found, number = _piece(row, Piece(start, x), m, threads)
@@ -145,10 +147,10 @@ def windows(row: Statistic, angle: Angle, m: IntArray, threads: int = 1) -> Esti
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = np.where(count > 0, sums / (1 if row.extreme else count), np.nan)
     variance = mean / (row.norm(m) * np.asarray(m, dtype=np.float64) ** 2)
-    return Estimate(variance * (m * row.tau_factor) ** (2.0 * row.power), count, np.ones(m.size))
+    return WindowMeans(variance * (m * row.tau_factor) ** (2.0 * row.power), count, np.ones(m.size))
 
 
-def with_means(row: Statistic, angle: Angle, m: IntArray, plain: Estimate) -> Estimate:
+def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMeans) -> WindowMeans:
     """The estimate with means of what is there, where few windows are complete; see `moments.means`."""
     places = angle.places
     taken = np.flatnonzero(takes_means(row, m, places, angle.size)).tolist()
@@ -161,7 +163,7 @@ def with_means(row: Statistic, angle: Angle, m: IntArray, plain: Estimate) -> Es
     where = there(places, angle.size)
     for i in taken:
         variance[i], number[i] = variance_of(row, int(m[i]), where, x)
-    return Estimate(variance, number, plain.factor)
+    return WindowMeans(variance, number, plain.factor)
 
 
 def _piece(row: Statistic, piece: Piece, m: IntArray, threads: int) -> tuple[FloatArray, IntArray]:
@@ -184,7 +186,7 @@ def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArra
     return sums
 
 
-def bias_ratio(theo1: Statistic, angle: Angle, divisor: int, threads: int = 1) -> float:
+def bias_ratio(theo1: Statistic, angle: AngleRecord, divisor: int, threads: int = 1) -> float:
     """kf: mean of OAVAR(m = 9 + 3i) / Theo1(m = 12 + 4i), both at one tau, for i = 0 .. points / divisor - 3."""
     from .differences import OADEV
 

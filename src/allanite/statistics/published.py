@@ -68,13 +68,12 @@ def greenhall_riley(alpha: int, m: int, N: int, *, d: int, modified: bool = Fals
     41.13
     """
     law, S = (alpha, d), m if overlapped else 1
-    length = (m if modified else 1) + m * d
-    M = 1 + S * (N - length) // m
+    table, F, mean = (WHOLE, 1.0, m) if modified else (POINTS, float(m), 1)
+    M = 1 + S * (N - mean - m * d) // m
     J, r = min(M, (d + 1) * S), M / S
     if not modified and alpha == 2:
         return _white_angle(M, r, d)
-    F = 1.0 if modified else float(m)
-    a0, a1 = (WHOLE if modified else POINTS)[alpha][d - 1]
+    a0, a1 = table[alpha][d - 1]
     if J <= LONGEST:
         F = math.inf if not modified and alpha <= 0 and m * (d + 1) > LONGEST else F
         return M * float(_differences(np.zeros(1), F, law)[0]) ** 2 / _summed(law, J, M, S, F)

@@ -29,7 +29,7 @@ def statistic_named(name: str) -> Statistic:
     return STATISTICS[name]
 
 
-class Points(NamedTuple):
+class CurvePoints(NamedTuple):
     """The points of a curve: averaging factors of a row, in a record of `size` samples at `rate` Hz cut into `runs`.
 
     `scattered` says whether a hybrid carries its own bias ratio, which scatters, or one that is computed; `places`
@@ -46,10 +46,10 @@ class Points(NamedTuple):
     places: Places = ()
 
     @classmethod
-    def of(cls, name: str, *rest: Any) -> "Points":
+    def of(cls, name: str, *rest: Any) -> "CurvePoints":
         """The points of the statistic called `name`."""
         return cls(statistic_named(name), *rest)
 
-    def __reduce__(self) -> tuple[Callable[..., "Points"], tuple[Any, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., "CurvePoints"], tuple[Any, ...]]:
         """With the name of the row: what comes back from another process has the row of `STATISTICS` itself."""
-        return Points.of, (self.row.name, *self[1:])
+        return CurvePoints.of, (self.row.name, *self[1:])

@@ -19,7 +19,7 @@ from allanite.core.validity import Band, demand_band
 from allanite.identification.likelihood.bins import SINGLE, edges_of
 from allanite.identification.likelihood.identify import whittle_of
 from allanite.identification.likelihood.model_selection import deterministic
-from allanite.identification.likelihood.spectrum import ROUNDING, Spectrum, less_slope, transformed
+from allanite.identification.likelihood.spectrum import ROUNDING, BinnedSpectrum, less_slope, transformed
 from allanite.identification.methods import symbols_of
 from allanite.phrases.phrase import say
 from allanite.prepare.gaps import FEW, Gaps, gaps_between
@@ -107,7 +107,7 @@ def coarser(term: NoiseTerm, width: int) -> tuple[NoiseTerm, float]:
     return row, float(width) ** (1 - 2 * term.power)
 
 
-def spectrum_of(stream: "Accumulator", *, detrend: bool) -> Spectrum:
+def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     """Binned powers of a stream."""
     from scipy.fft import dct
 
@@ -135,7 +135,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> Spectrum:
     ladder = Ladder(low, width, gaps, np.append(at, upper.level), np.append(at, upper.index),
                     np.append(np.diff(edges).astype(np.float64), upper.told))  # fmt: skip
     whole = Gaps(n * width, gaps.at * width, gaps.lost * width, gaps.shut)
-    return Spectrum(
+    return BinnedSpectrum(
         size=n * width, rate=stream.like.rate, first=first, count=count,
         power=np.maximum(power, ROUNDING * float(power.mean())), peak=np.append(peak, none),
         peak_at=np.append(peak_at, upper.first).astype(np.int64),

@@ -16,9 +16,9 @@ from allanite.core.model import ModelLike, model_of
 from allanite.core.plain import Portable
 from allanite.phrases.phrase import say
 from allanite.statistics.confidence.averaged import AveragedLaw
-from allanite.statistics.confidence.supposed import Later, supposed
+from allanite.statistics.confidence.supposed import LaterLaw, supposed
 from allanite.statistics.row import Statistic
-from allanite.statistics.table import Points
+from allanite.statistics.table import CurvePoints
 
 if TYPE_CHECKING:
     from .accumulator import Accumulator
@@ -51,7 +51,7 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
     unit = like.factor * (1.0 if like.integrated else like.interval) / like.interval ** (1 - row.power)
     law = None
     if noise is not None:
-        law = Later(Remembered(partial(supposed, noise)), partial(law_of, row, q, level, (count, like.rate)))
+        law = LaterLaw(Remembered(partial(supposed, noise)), partial(law_of, row, q, level, (count, like.rate)))
     return Curve(
         statistic=row.name,
         m=m,
@@ -81,7 +81,7 @@ def law_of(
     parts: list[Law] = []
     for k, n in dict.fromkeys(zip(level.tolist(), size.tolist(), strict=True)):
         here = q[(level == k) & (size == n)]
-        points = Points(row, here, [(n, 1)], n, rate / 2.0**k, 0.5)
+        points = CurvePoints(row, here, [(n, 1)], n, rate / 2.0**k, 0.5)
         parts.append(AveragedLaw(points, noise, np.ones((len(noise), here.size))))
     return StrideLaw(tuple(parts))
 

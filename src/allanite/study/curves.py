@@ -14,7 +14,7 @@ from allanite.core.record import Record
 from allanite.identification import identify
 from allanite.phrases.phrase import say
 from allanite.prepare.quality import inspect
-from allanite.statistics.confidence.supposed import Supposed, Supposing, supposed
+from allanite.statistics.confidence.supposed import SupposedNoise, Supposing, supposed
 
 REPEATED = 0.5
 """Share of samples equal to the previous one above which a record is piecewise constant."""
@@ -137,7 +137,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     )
 
 
-def of_record(record: Record) -> Supposed:
+def of_record(record: Record) -> SupposedNoise:
     """The noise identified from a record; if that is not possible, the power law at each tau, and why.
 
     Examples
@@ -152,7 +152,7 @@ def of_record(record: Record) -> Supposed:
         except DataError as error:
             why = str(error)
     noise, words = supposed("auto")
-    return Supposed(noise, say("{intervals}: the noise was not identified, {reason}", intervals=words, reason=why))
+    return SupposedNoise(noise, say("{intervals}: the noise was not identified, {reason}", intervals=words, reason=why))
 
 
 def _unfit(record: Record) -> str:

@@ -27,11 +27,6 @@ def _at_small_lags(*values: float) -> Callable[[FloatArray], FloatArray]:
     return lambda h: table[np.minimum(h, len(values)).astype(np.int64)]
 
 
-def _sine_squared(k: FloatArray, n: int) -> FloatArray:
-    """sin^2(omega/2) at omega = pi k / n."""
-    return np.asarray(np.sin((0.5 * math.pi / n) * k) ** 2)
-
-
 def _random_walk_spectrum(f: FloatArray, tau0: float) -> FloatArray:
     s = np.sin(math.pi * tau0 * np.asarray(f, dtype=np.float64)) ** 2
     return np.asarray(tau0**2 * (1 - 2 * s / 3) / (4 * s))
@@ -133,7 +128,7 @@ QUANTIZATION = NoiseTerm(
     summed=lambda t: -np.asarray(t, dtype=np.float64),
     increments=_at_small_lags(6.0, -4.0, 1.0),
     spectrum=lambda f, tau0: 4 / tau0 * np.sin(math.pi * f * tau0) ** 2,
-    dct=lambda k, n: 4 * _sine_squared(k, n),
+    dct=lambda k, n: 4 * np.asarray(np.sin((0.5 * math.pi / n) * k) ** 2),
     edge=1.0,
     density=r"S(f) = \frac{4 Q^2}{\tau_0} \sin^2(\pi f \tau_0) \approx (2 \pi f)^2 \tau_0 Q^2",
     origin="Rounding of an angle output: the pulses of a ring laser gyroscope or of a rebalance loop, and the jitter "

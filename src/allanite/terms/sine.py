@@ -9,14 +9,6 @@ from allanite.phrases.phrase import say
 from .row import Block, FloatArray, NoiseTerm, Parameter
 
 
-def _cosine_rest(x: FloatArray) -> FloatArray:
-    """cos(x) without its constant and its square, without cancellation."""
-    x = np.asarray(x, dtype=np.float64)
-    small = np.minimum(np.abs(x), 1.0)
-    series = sum((-1) ** k * small ** (2 * k) / math.factorial(2 * k) for k in range(2, 11))
-    return np.where(np.abs(x) < 1, series, np.cos(x) - 1 + x**2 / 2)
-
-
 def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
     """The row of a sinusoid of the rate, amplitude 1, with `frequency` periods a sample interval."""
     w = 2 * math.pi * frequency
@@ -30,7 +22,12 @@ def sine(frequency: float, phase: float = 0.0) -> NoiseTerm:
 
     def summed(t: FloatArray) -> FloatArray:
         # of (1 - cos(w t)) / w^2, without its constant and its square of t
-        return np.asarray(_cosine_rest(w * np.asarray(t)) / (w * 2 * math.sin(w / 2)) ** 2)
+        # cos(x) without its constant and its square, without cancellation
+        x = w * np.asarray(t)
+        x = np.asarray(x, dtype=np.float64)
+        small = np.minimum(np.abs(x), 1.0)
+        series = sum((-1) ** k * small ** (2 * k) / math.factorial(2 * k) for k in range(2, 11))
+        return np.asarray(np.where(np.abs(x) < 1, series, np.cos(x) - 1 + x**2 / 2) / (w * 2 * math.sin(w / 2)) ** 2)
 
     def increments(h: FloatArray) -> FloatArray:
         return np.asarray(2 * amplitude**2 * math.sin(w / 2) ** 2 * np.cos(w * np.asarray(h)))

@@ -19,7 +19,7 @@ from allanite.core.estimate import Estimate
 from allanite.core.limits import Below
 from allanite.core.units import SIGNALS
 from allanite.statistics.confidence.limits import mixtures
-from allanite.statistics.table import Points, statistic_named
+from allanite.statistics.table import CurvePoints, statistic_named
 
 RATE = 100.0
 NK = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
@@ -134,7 +134,7 @@ def test_unit_kind_and_rate_do_not_matter(pair):
 
 def single(edf):
     row = statistic_named("oadev")
-    law = mixtures(Points(row, np.array([1]), [(100, 1)], 100, 1.0, 0.2), [al.Model((al.N(1, "rad/sqrt(s)"),))])[1]
+    law = mixtures(CurvePoints(row, np.array([1]), [(100, 1)], 100, 1.0, 0.2), [al.Model((al.N(1, "rad/sqrt(s)"),))])[1]
     weight, dof = np.zeros_like(law.weight), np.ones_like(law.dof)
     weight[0, 0], dof[0, 0] = 1 / edf, edf
     return law._replace(weight=weight, dof=dof)

@@ -9,7 +9,7 @@ from scipy.special import chdtri
 import allanite as al
 from allanite.core.model import term
 from allanite.identification.curves.gls import iterated, moments_of, standard_errors
-from allanite.identification.curves.inversion import IMPOSSIBLE, Inverted, Ratios
+from allanite.identification.curves.inversion import IMPOSSIBLE, Inverted, RatioLimits
 
 
 def ratios_of(symbols, variance, m):
@@ -17,7 +17,7 @@ def ratios_of(symbols, variance, m):
     variance = moments.columns @ np.array(variance)
     theta, covariance = iterated(moments, variance)
     error = standard_errors(moments.columns, variance, covariance)
-    return Ratios(moments.columns, moments.products, variance, theta, error)
+    return RatioLimits(moments.columns, moments.products, variance, theta, error)
 
 
 def test_the_derivatives_are_those_of_the_cost():
@@ -77,7 +77,7 @@ def test_limits_of_a_chi_square_cover(freedom, level):
     below = (np.arange(50) + 0.5) / 50
     held = 0
     for V in chdtri(freedom, below) / freedom:
-        ratios = Ratios(
+        ratios = RatioLimits(
             np.ones((1, 1)), np.full((1, 1, 1, 1), 2 / freedom), np.array([V]), np.array([V]), np.array([V])
         )
         low, high = Inverted(ratios, 0)(level)

@@ -6,7 +6,7 @@ from scipy.fft import dct
 
 import allanite as al
 from allanite.core.model import term
-from allanite.identification.likelihood.selection import Profile, select, subsets
+from allanite.identification.likelihood.selection import ThetaProfile, select, subsets
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import likelihood
 from allanite.statistics.moments.lags import lag_nodes, sum_nodes
@@ -128,7 +128,7 @@ def test_minimum_and_profile():
         assert ours.value(everything.theta * step) >= everything.value - 1e-6
     assert all(everything.value <= subset.value + 1e-6 for subset in fitted)
     for which in (0, 1, 2):
-        profile = Profile(everything, which)
+        profile = ThetaProfile(everything, which)
         for limit in (profile.lower(3.84), profile.upper(3.84)):
             others = ours.minimise(everything.free, everything.theta, (which, limit))[1]
             assert 2 * (others - everything.value) == pytest.approx(3.84, rel=5e-3)

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import toeplitz
 
 import allanite as al
-from allanite.identification.likelihood.pieces import Pieces, apart
+from allanite.identification.likelihood.pieces import PieceReading, apart
 from allanite.identification.likelihood.sines import rate_weights
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import column
@@ -19,7 +19,7 @@ GAPS = Gaps(SIZE, AT, np.ones_like(AT), np.zeros(AT.size, dtype=bool))
 STARTS = np.concatenate(([0], AT))
 LENGTHS = np.diff(np.append(STARTS, SIZE))
 EDGES = np.concatenate((np.arange(1, 20), np.arange(20, SIZE, 20), [SIZE]))
-HOW = Pieces(*np.unique(LENGTHS, return_counts=True), RATIO, 1, SPLIT, EDGES)
+HOW = PieceReading(*np.unique(LENGTHS, return_counts=True), RATIO, 1, SPLIT, EDGES)
 
 
 def sines(L):

@@ -8,11 +8,11 @@ from scipy.special import ndtr
 import allanite as al
 from allanite.core.averaged import averaged
 from allanite.statistics.confidence.averaged import FLATTENED, TOGETHER, AveragedLaw
-from allanite.statistics.confidence.chisquares import Mixture, quantiles, table
+from allanite.statistics.confidence.chisquares import ChiSquareSum, quantiles, table
 from allanite.statistics.confidence.eigenvalues import matrices, spectra
 from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.confidence.sparse import sparse_law
-from allanite.statistics.table import Points
+from allanite.statistics.table import CurvePoints
 
 QUIET = al.N(1, "deg/sqrt(h)") + al.B(3, "deg/h")
 MODELS = (QUIET, QUIET + al.K(20, "deg/h/sqrt(h)"), QUIET + al.K(60, "deg/h/sqrt(h)"))
@@ -28,7 +28,7 @@ def simulated(model, n, seed=1):
 
 
 def points(statistic):
-    return Points.of(statistic, np.array(FACTORS), [(1024, 1)], 1024, 1.0, 0.2)
+    return CurvePoints.of(statistic, np.array(FACTORS), [(1024, 1)], 1024, 1.0, 0.2)
 
 
 @pytest.mark.parametrize("statistic", ["oadev", "hdev", "totdev", "theo1"])
@@ -87,13 +87,13 @@ def test_a_table_of_a_law_is_its_quantiles():
     weight = np.sort(rng.exponential(size=(40, 5)), axis=1)[:, ::-1]
     weight /= weight.sum(axis=1, keepdims=True)
     dof = np.tile([1.0, 1.0, 1.0, 7.0, 30.0], (40, 1))
-    laws = Mixture(weight, dof, np.where(np.arange(40) % 3, 0.0, 0.4), np.where(np.arange(40) % 3, 0.0, 0.05))
+    laws = ChiSquareSum(weight, dof, np.where(np.arange(40) % 3, 0.0, 0.4), np.where(np.arange(40) % 3, 0.0, 0.05))
     deviates = np.linspace(-4, 4, 17)
     x, z = table(laws, deviates)
     assert (np.diff(x, axis=0) > 0).all()
     for i in (2, 8, 9, 14):
         for k in (0, 1, 20, 39):
-            one = Mixture(*(part[k : k + 1] for part in laws))
+            one = ChiSquareSum(*(part[k : k + 1] for part in laws))
             assert quantiles(one, float(ndtr(z[i, k])))[0] == pytest.approx(x[i, k], rel=2e-4)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.statistics.confidence.eigenvalues import Spectrum
+from allanite.statistics.confidence.eigenvalues import Eigenvalues
 from allanite.statistics.confidence.limits import Kinds, _mixture
 from allanite.statistics.moments import lagsums
 from allanite.statistics.table import STATISTICS
@@ -66,7 +66,7 @@ def test_weights_of_a_form_of_nearly_one_eigenvalue_are_not_negative():
         mass, rest = rng.uniform(0.2, 1), 10.0 ** rng.uniform(-12, -6)
         lead = np.array([1 - rest, 0.3 * rest * rng.random(), 1e-3 * rest])
         squares = float(lead @ lead)
-        spectrum = Spectrum(lead, squares + 3 * rest * rng.random())
+        spectrum = Eigenvalues(lead, squares + 3 * rest * rng.random())
         wanted = mass**2 * squares * (1 + rng.uniform(0, 3 * rest))
         mixture = _mixture(spectrum, np.array([mass]), np.eye(1), kinds, wanted)
         if mixture is not None:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
@@ -35,7 +35,9 @@ def contradictions(fit: Fit, record: Record) -> dict[str, str]:
     Quantization cannot exceed that of the step of the samples.
     """
     curve = deviation(record, "oadev", taus="octave", noise=None)
-    inside = _inside(fit, curve)
+    # averaging times at which the terms themselves are measured
+    shortest, longest = (0.0, np.inf) if fit.scope is None else fit.scope.times
+    inside = np.asarray((curve.tau >= shortest) & (curve.tau <= longest))
     filtered = fit.scope is not None and fit.scope.filter is not None
     # after a filter the curve does not show angle noise
     shown = [e for e in fit if e.claimed and not (filtered and TERMS[e.symbol].edge)]
@@ -96,12 +98,6 @@ def _not_rounding(fit: Fit, record: Record) -> dict[str, str]:
         for e in fit
         if TERMS[e.symbol].edge and e.claimed and e.value is not None and e.value > most
     }
-
-
-def _inside(fit: Fit, curve: Curve) -> BoolArray:
-    """Averaging times at which the terms themselves are measured."""
-    shortest, longest = (0.0, np.inf) if fit.scope is None else fit.scope.times
-    return np.asarray((curve.tau >= shortest) & (curve.tau <= longest))
 
 
 def _alone(estimate: Estimate, curve: Curve) -> FloatArray | None:

@@ -9,7 +9,7 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.fit import EXPLAINED, Goodness, Line
 from allanite.identification.likelihood.cells import CELLS, surroundings
 from allanite.identification.likelihood.likelihood import Likelihood
-from allanite.identification.likelihood.spectrum import Spectrum
+from allanite.identification.likelihood.spectrum import BinnedSpectrum
 from allanite.phrases.phrase import join, say
 
 FALSE_LINE = 0.01
@@ -20,7 +20,7 @@ LEAST = 1e-12
 
 
 def goodness(
-    spectrum: Spectrum, likelihood: Likelihood, theta: FloatArray, used: BoolArray, taken: tuple[Line, ...] = ()
+    spectrum: BinnedSpectrum, likelihood: Likelihood, theta: FloatArray, used: BoolArray, taken: tuple[Line, ...] = ()
 ) -> Goodness:
     """Cell-wise goodness of fit.
 
@@ -58,7 +58,7 @@ def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
     return (say("a sinusoid was removed first, at {where}: vibration, sway or interference", where=where),)
 
 
-def _cells(first: IntArray, spectrum: Spectrum) -> tuple[NDArray[np.intp], FloatArray]:
+def _cells(first: IntArray, spectrum: BinnedSpectrum) -> tuple[NDArray[np.intp], FloatArray]:
     bounds = np.geomspace(first[0], spectrum.size if first[-1] == spectrum.first[-1] else first[-1] + 1, CELLS + 1)
     cell = np.clip(np.searchsorted(bounds, first, side="right") - 1, 0, CELLS - 1)
     return cell, spectrum.frequency(bounds)
@@ -76,7 +76,7 @@ def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:
     return np.where(np.isfinite(z), z, cube)
 
 
-def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray, rest: FloatArray) -> list[str]:
+def _lines(spectrum: BinnedSpectrum, used: BoolArray, m: FloatArray, rest: FloatArray) -> list[str]:
     """Coefficients that exceed their neighbourhood, in a sentence; `rest` is the power without loose directions."""
     from scipy.special import ndtri
 
@@ -101,7 +101,7 @@ def _lines(spectrum: Spectrum, used: BoolArray, m: FloatArray, rest: FloatArray)
     ]
 
 
-def _roll_off(spectrum: Spectrum, used: BoolArray) -> list[str]:
+def _roll_off(spectrum: BinnedSpectrum, used: BoolArray) -> list[str]:
     """Power that decreases towards half the sampling rate, judged by measured levels, independent of the model."""
     frequency = spectrum.frequency(spectrum.first[used]) / (spectrum.rate / 2)
     power, count = spectrum.power[used], spectrum.count[used]

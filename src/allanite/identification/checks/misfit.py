@@ -1,6 +1,7 @@
 """Likely causes if residuals fail a check, and remedies."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -33,17 +34,10 @@ def reasons(
     if coarse is not None:
         return [coarse]
     near, tails, halves, eighths = checks
-    found = []
     ratio = max(halves.value, 1 / halves.value, eighths.value)
-    if not (halves.passed and eighths.passed) and ratio > UNSTEADY:
-        found.append(_unsteady(eighths, *level))
+    unsteady = [_unsteady(eighths, *level)] if not (halves.passed and eighths.passed) and ratio > UNSTEADY else []
     # a wrong spectrum makes neighbours correlate, a line has tails of its own, and rounding makes light tails
-    if not spectral and not tails.passed and tails.value > TAILED:
-        found.append(_tailed(tails, curable=kept and outlying(record).at.size > 0))
-    whole = fit.scope is None or fit.scope.whole
-    if whole and not spectral and not near.passed and abs(near.value) > KIN:
-        found.append(_kin(near, fit))
-    return found
+    return unsteady if spectral else [*unsteady, *_tailed(tails, record, kept=kept), *_kin(near, fit)]
 
 
 def _undithered(record: Record) -> Finding | None:
@@ -89,26 +83,24 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     )
 
 
-def _tailed(check: Check, *, curable: bool) -> Finding:
-    return Finding(
-        "heavy tails",
-        say(
+def _tailed(check: Check, record: Record, *, kept: bool) -> Iterator[Finding]:
+    if not check.passed and check.value > TAILED:
+        what = say(
             "the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or intermittent noise",
             kurtosis=check.value,
-        ),
-        say("the coefficients are valid; the intervals of the fast noise are widened for them"),
-        say("exclude the outliers ({option})", option=spelled("--outliers mark", "prepare.mark_outliers"))
-        if curable
-        else "",
-    )
+        )
+        effect = say("the coefficients are valid; the intervals of the fast noise are widened for them")
+        cure = say("exclude the outliers ({option})", option=spelled("--outliers mark", "prepare.mark_outliers"))
+        yield Finding("heavy tails", what, effect, cure if kept and outlying(record).at.size > 0 else "")
 
 
-def _kin(check: Check, fit: Fit) -> Finding:
-    tried = fit.scope is not None and fit.scope.choice == "auto"
-    return Finding(
-        "correlation",
-        say("the residuals are not white: their autocorrelation is {correlation:.2g}", correlation=check.value),
-        say("the model misses fast noise, and its intervals are too narrow"),
-        "" if tried else try_band(),
-        fatal=abs(check.value) > 5 * KIN,
-    )
+def _kin(check: Check, fit: Fit) -> Iterator[Finding]:
+    scope = fit.scope
+    if (scope is None or scope.whole) and not check.passed and abs(check.value) > KIN:
+        yield Finding(
+            "correlation",
+            say("the residuals are not white: their autocorrelation is {correlation:.2g}", correlation=check.value),
+            say("the model misses fast noise, and its intervals are too narrow"),
+            "" if scope is not None and scope.choice == "auto" else try_band(),
+            fatal=abs(check.value) > 5 * KIN,
+        )

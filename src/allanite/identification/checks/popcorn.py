@@ -89,16 +89,12 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     if blocks < FEWEST:
         return None
     total = np.concatenate(([0.0], np.cumsum(_weighed(u, block, model, rate))))
-    lengths = _lengths(blocks)
+    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
+    lengths = [round(SHORTEST * GROWTH**i) for i in range(count)]
     chances = 2 * sum(blocks / length for length in lengths)
     found = [_scored(total, length, block, chances) for length in lengths]
     best = max(found, key=lambda one: one.weight)
     return None if best is found[0] else best
-
-
-def _lengths(blocks: int) -> list[int]:
-    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
-    return [round(SHORTEST * GROWTH**i) for i in range(count)]
 
 
 def _weighed(u: NDArray[np.float32], block: int, model: Model, rate: float) -> FloatArray:

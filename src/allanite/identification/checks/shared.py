@@ -74,21 +74,11 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
     bounds = np.linspace(0, series[0].size, STRETCHES + 1).astype(np.int64)[:-1]
     means = [np.add.reduceat(u, bounds, dtype=np.float64) for u in series]
     fast, slow = _correlations(series), _correlations(means)
-    return Shared(tuple(names), fast, slow, tuple(_hints(names, fast, slow, series[0].size)))
-
-
-def _correlations(series: list[NDArray[np.float32]] | list[FloatArray]) -> FloatArray:
-    products = np.array([[float(a @ b) for b in series] for a in series])
-    size = np.sqrt(np.diag(products))
-    return np.asarray(products / np.outer(size, size))
-
-
-def _hints(names: list[str], fast: FloatArray, slow: FloatArray, n: int) -> list[Finding]:
-    """Pairs with a significant correlation, fast and slow in one finding."""
+    # pairs with a significant correlation, fast and slow in one finding
     found = []
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
         kinds = {
-            say("sample by sample"): (fast[i, j], n),
+            say("sample by sample"): (fast[i, j], series[0].size),
             say("slowly, over minutes and hours"): (slow[i, j], STRETCHES),
         }
         seen = [
@@ -103,4 +93,10 @@ def _hints(names: list[str], fast: FloatArray, slow: FloatArray, n: int) -> list
             )
             remedy = say("look for vibration, temperature, or a common supply, clock or reference")
             found.append(Finding("shared", what, say("their noises are not independent"), remedy))
-    return found
+    return Shared(tuple(names), fast, slow, tuple(found))
+
+
+def _correlations(series: list[NDArray[np.float32]] | list[FloatArray]) -> FloatArray:
+    products = np.array([[float(a @ b) for b in series] for a in series])
+    size = np.sqrt(np.diag(products))
+    return np.asarray(products / np.outer(size, size))

@@ -77,25 +77,21 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     else:
         step = record.rate / (2 * gaps.size)
         _divide(c, at, deviation * np.sqrt(np.interp(at * step, scope.frequency, scope.level)), unit * size)
-        _flatten(c, scope, step)
+        # scale coefficients that the fit does not use to a mean square of 1, block by block, in place
+        low, high = scope.band
+        spans = [(0.0, low), *scope.masks, (high, step * c.size)]
+        for a, b in ((max(1, math.ceil(f / step)), min(c.size, math.floor(g / step) + 1)) for f, g in spans if f < g):
+            starts = np.arange(a, b, BLOCK)
+            if starts.size:
+                count = np.diff(np.append(starts, b))
+                power = np.add.reduceat(np.square(c[a:b], dtype=np.float64), starts - a) / count
+                c[a:b] /= np.repeat(np.sqrt(np.maximum(power, np.finfo(np.float32).tiny)), count).astype(np.float32)
     u = idct(c, norm="ortho", overwrite_x=True)
     if left is None:
         return np.asarray(u)
     everywhere = np.full(record.size, np.nan, dtype=np.float32)
     everywhere[left] = u
     return everywhere
-
-
-def _flatten(c: NDArray[np.float32], scope: Scope, step: float) -> None:
-    """Scale coefficients that the fit does not use to a mean square of 1, block by block, in place."""
-    low, high = scope.band
-    spans = [(0.0, low), *scope.masks, (high, step * c.size)]
-    for a, b in ((max(1, math.ceil(f / step)), min(c.size, math.floor(g / step) + 1)) for f, g in spans if f < g):
-        starts = np.arange(a, b, BLOCK)
-        if starts.size:
-            count = np.diff(np.append(starts, b))
-            power = np.add.reduceat(np.square(c[a:b], dtype=np.float64), starts - a) / count
-            c[a:b] /= np.repeat(np.sqrt(np.maximum(power, np.finfo(np.float32).tiny)), count).astype(np.float32)
 
 
 def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: float) -> None:

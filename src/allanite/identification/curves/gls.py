@@ -20,7 +20,7 @@ from allanite.statistics.moments.moments import covariance_by_term, relative
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
-from .inversion import Inverted, Ratios
+from .inversion import Inverted, RatioLimits
 from .nonnegative import blind, columns, plain, solve, unit_model, whitened
 from .reading import early, result, rows_of, signal_of
 
@@ -219,7 +219,7 @@ def _estimates(
     error = standard_errors(moments.columns, variance, covariance)
     seen = [i for i in range(len(symbols)) if isfinite(error[i])]
     slow = sorted(seen, key=lambda i: TERMS[symbols[i]].slope)[-SLOW:]
-    ratios = Ratios(moments.columns, moments.products, variance, theta, error, tuple(slow))
+    ratios = RatioLimits(moments.columns, moments.products, variance, theta, error, tuple(slow))
     return [
         _estimate(symbol, signal, (float(theta[i]), float(error[i])), Inverted(ratios, i))
         for i, symbol in enumerate(symbols)

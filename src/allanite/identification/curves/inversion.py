@@ -45,7 +45,7 @@ FINE = 1001
 
 
 @dataclass(frozen=True, eq=False)
-class Ratios(Portable):
+class RatioLimits(Portable):
     """Likelihood ratios of the squares of the coefficients of a curve.
 
     Attributes
@@ -160,21 +160,9 @@ class Ratios(Portable):
         if not axes:
             return {}
         at = np.array([node.ravel() for node in np.meshgrid(*axes.values(), indexing="ij")])
-        density = self._density(list(axes), at**2).reshape([NODES] * len(axes))
-        found = {}
-        for i, root in axes.items():
-            along = density
-            for axis, (j, other) in reversed(list(enumerate(axes.items()))):
-                if j != i:  # flat in the square
-                    along = np.tensordot(along, other, (axis, 0))
-            found[i] = signed(root, along)
-        return found
-
-    def _density(self, slow: list[int], squares: FloatArray) -> FloatArray:
-        """Likelihood at squares of slow terms, shape (terms, nodes), over its maximum, the others profiled.
-
-        They follow by Newton's method from where the curvature at the minimum has them.
-        """
+        # likelihood at squares of slow terms, shape (terms, nodes), over its maximum, the others profiled
+        slow = list(axes)
+        squares = at**2
         best, H = self.best[0], 2 * self._information(self.best[0])
         rest = [i for i in np.flatnonzero(np.isfinite(self.error)).tolist() if i not in slow]
         inner, follow = H[np.ix_(rest, rest)], -np.linalg.solve(H[np.ix_(rest, rest)], H[np.ix_(rest, slow)])
@@ -188,7 +176,15 @@ class Ratios(Portable):
                 if gain < NEAR:
                     break
                 theta[rest] += step
-        return np.asarray(np.exp((cost.min() - cost) / 2))
+        density = np.asarray(np.exp((cost.min() - cost) / 2)).reshape([NODES] * len(axes))
+        found = {}
+        for i, root in axes.items():
+            along = density
+            for axis, (j, other) in reversed(list(enumerate(axes.items()))):
+                if j != i:  # flat in the square
+                    along = np.tensordot(along, other, (axis, 0))
+            found[i] = signed(root, along)
+        return found
 
     def _information(self, theta: FloatArray) -> FloatArray:
         """X' C^-1 X, shape (t, t)."""
@@ -210,7 +206,7 @@ def signed(root: FloatArray, likelihood: FloatArray) -> tuple[FloatArray, FloatA
 class Inverted:
     """Limits of a coefficient, from the likelihood ratio that a standard normal deviate would have."""
 
-    ratios: Ratios
+    ratios: RatioLimits
     which: int
 
     def __call__(self, level: float) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from allanite.terms import TERMS
 from .cells import CELLS, cell_of
 from .filters import FILTERS
 from .likelihood import Likelihood
-from .spectrum import Spectrum
+from .spectrum import BinnedSpectrum
 from .whittle import likelihood, table_column, with_warm_up
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class Tuned:
     row: str
     cutoff: float
 
-    def gain(self, seen: Spectrum) -> FloatArray:
+    def gain(self, seen: BinnedSpectrum) -> FloatArray:
         """Mean power that it lets pass in each bin, shape (bins,)."""
         nodes, weights, starts = seen.nodes
         power = FILTERS[self.row].gain(nodes / (2 * seen.size), self.cutoff)
@@ -45,7 +45,7 @@ class Portion(Portable):
 
     Attributes
     ----------
-    seen : Spectrum
+    seen : BinnedSpectrum
     noise, ramps : sequence of str
         Terms of noise in the order of the likelihood's columns, and deterministic ones.
     used : bool array, shape (bins,)
@@ -65,7 +65,7 @@ class Portion(Portable):
         Of the last term, if it is known, where a filter is tuned.
     """
 
-    seen: Spectrum
+    seen: BinnedSpectrum
     noise: tuple[str, ...]
     ramps: tuple[str, ...]
     used: BoolArray
@@ -156,7 +156,7 @@ class Portion(Portable):
         return self if noise == self.noise else replace(self, noise=noise)
 
 
-def portion(seen: Spectrum, symbols: Sequence[str], used: BoolArray) -> Portion:
+def portion(seen: BinnedSpectrum, symbols: Sequence[str], used: BoolArray) -> Portion:
     """All terms of a spectrum in the bins that are used."""
     ramps = tuple(symbol for symbol in symbols if TERMS[symbol].waveform is not None)
     return Portion(seen, tuple(symbol for symbol in symbols if symbol not in ramps), ramps, used)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, IntArray
 
-from .spectrum import Spectrum
+from .spectrum import BinnedSpectrum
 
 CELLS = 24
 """Cells of equal width in the logarithm of frequency, in which observed and expected power are compared."""
@@ -19,7 +19,7 @@ def surroundings(values: NDArray[Any]) -> NDArray[Any]:
     return windows[np.clip(np.arange(values.size) - 4, 0, len(windows) - 1)]
 
 
-def cell_of(spectrum: Spectrum, used: BoolArray) -> IntArray:
+def cell_of(spectrum: BinnedSpectrum, used: BoolArray) -> IntArray:
     """Cell of each bin, those that are not used included, shape (bins,)."""
     bounds = spectrum.first[used][[0, -1]]
     edges = np.geomspace(bounds[0], bounds[1] + 1, CELLS + 1)

@@ -32,7 +32,7 @@ HIDDEN = 0.6
 
 
 @dataclass(frozen=True)
-class Scale:
+class CoefficientScale:
     """From theta, in the record's unit and per sample, to coefficients in SI."""
 
     signal: Signal
@@ -78,7 +78,7 @@ class LawLimits:
 
     symbol: str
     law: Law | None
-    scale: Scale
+    scale: CoefficientScale
     value: float | None = None
 
     def __call__(self, level: float) -> tuple[float, float]:
@@ -92,7 +92,7 @@ class LawLimits:
         return self.scale.coefficient_of(self.symbol, self.law.quantile(level) if self.law else math.inf)
 
 
-def noise_estimate(symbol: str, which: int, found: Found, scale: Scale) -> Estimate:
+def noise_estimate(symbol: str, which: int, found: Found, scale: CoefficientScale) -> Estimate:
     """Estimate of a noise term, absent unless no other term could take its place."""
     limited, valued = found.laws(which) or (None, None)
     law = LawLimits(symbol, limited, scale)
@@ -118,7 +118,7 @@ class ConstantLimits:
 
     search: Search
     constants: tuple[float, ...]
-    scale: Scale
+    scale: CoefficientScale
 
     def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
         """Two-sided limits."""
@@ -129,7 +129,7 @@ class ConstantLimits:
         return tuple(zip(self.scale.shape(symbol, low), self.scale.shape(symbol, high), strict=True))
 
 
-def _with_constant(estimate: Estimate, found: Found, scale: Scale) -> Estimate:
+def _with_constant(estimate: Estimate, found: Found, scale: CoefficientScale) -> Estimate:
     """The estimate with its shape, and the profile interval of that."""
     search, chosen = found.search, found.chosen
     assert search is not None and chosen.constants  # noqa: S101, PT018 - the term was chosen
@@ -138,7 +138,7 @@ def _with_constant(estimate: Estimate, found: Found, scale: Scale) -> Estimate:
 
 
 def _absent(
-    symbol: str, scale: Scale, upper: Callable[[float], float], limits: Limits, median: float | None = None
+    symbol: str, scale: CoefficientScale, upper: Callable[[float], float], limits: Limits, median: float | None = None
 ) -> Estimate:
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
     return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
@@ -168,33 +168,39 @@ def under(law: Exponent, estimate: Estimate) -> Estimate:
     )
 
 
-def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: Scale) -> Estimate:
+def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: CoefficientScale) -> Estimate:
     """The estimate, or why the term is not observable with the data used."""
-    reason: str = ""
-    if TERMS[symbol].edge and (scope.filter or scope.band[1] < HIDDEN * found.seen.rate / 2):
-        if estimate is None or not _dominates(symbol, found):
-            reason = say("the filter hides the frequencies where it would be visible")
-            if not scope.filter:
-                reason = say(
-                    "the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
-                    frequency=scope.band[1],
-                )
-    elif (
-        scope.band[0] > 0 and estimate is not None and not estimate.claimed and math.inf == (estimate.upper or math.inf)
-    ):
-        reason = say(
-            "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible",
-            frequency=scope.band[0],
+    edge, visible = TERMS[symbol].edge, estimate is not None and _dominates(symbol, found)
+    limited = bool(edge) and (bool(scope.filter) or scope.band[1] < HIDDEN * found.seen.rate / 2)
+    reason = "" if limited and visible else _unseen(estimate, scope, limited=limited)
+    if reason or estimate is None:
+        return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
+    if edge and not visible and estimate.claimed and found.part.misfit:
+        return estimate.invalid(say("the noise rises near half the sampling rate, but not as angle noise does"))
+    return estimate
+
+
+def _unseen(estimate: Estimate | None, scope: Scope, *, limited: bool) -> str:
+    """What keeps a term from being seen: for angle noise beyond a `limited` band its end, else where it begins."""
+    low, high = scope.band
+    if limited and scope.filter:
+        return say("the filter hides the frequencies where it would be visible")
+    if limited:
+        return say(
+            "the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
+            frequency=high,
         )
-    if not reason and estimate is not None:
-        if TERMS[symbol].edge and estimate.claimed and found.part.misfit and not _dominates(symbol, found):
-            return estimate.invalid(say("the noise rises near half the sampling rate, but not as angle noise does"))
-        return estimate
-    return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
+    if low > 0 and estimate is not None and not estimate.claimed and estimate.upper in (None, 0.0, math.inf):
+        return say(
+            "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible", frequency=low
+        )
+    return ""
 
 
 def _dominates(symbol: str, found: Found) -> bool:
     """Whether a term makes most of the power at the highest frequency that is read."""
+    if symbol not in found.noise:
+        return False
     which, chosen = found.noise.index(symbol), found.chosen
     share = chosen.likelihood.S[-1] * chosen.theta
     return bool(share[which] > 0.5 * share.sum())
@@ -220,7 +226,7 @@ class RampLimits:
         return max(abs(limit) for limit in self(2 * level - 1))
 
 
-def ramp_estimate(symbol: str, found: Found, scale: Scale) -> Estimate:
+def ramp_estimate(symbol: str, found: Found, scale: CoefficientScale) -> Estimate:
     """The signed ramp: normal for given noise, averaged over the possible noise of the longest memory.
 
     That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of

@@ -14,23 +14,27 @@ from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.titles import title_of
 from allanite.core.units import Signal
-from allanite.core.validity import Band
+from allanite.core.validity import Band, Scope
 from allanite.identification.checks.exponent import exponent_finding, other_law
 from allanite.identification.checks.goodness import goodness
 from allanite.phrases.phrase import say
 from allanite.prepare.gaps import refusal
 from allanite.terms import TERMS
 
-from .estimates import Scale, noise_estimate, observable, ramp_estimate, under
+from .estimates import CoefficientScale, noise_estimate, observable, ramp_estimate, under
 from .model_selection import DISTINGUISHABLE, SLOW, Found, lacking, look, looked
 from .nodes import nodes
 from .removal import without_lines
 from .scope import steady
 from .scope_text import scope_of
 from .selection import correlation
-from .spectrum import Spectrum
+from .spectrum import BinnedSpectrum
 from .steps import steps_in
 from .transient import warm_up_estimate
+from .warmup import WarmUp
+
+WALKS = [symbol for symbol, row in TERMS.items() if row.slope > 0 and row.waveform is None]
+"""Noise that grows with time, for which steps of the bias are taken."""
 
 
 def whittle(
@@ -65,7 +69,7 @@ def whittle(
     why = refusal(record)
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
-    terms, asked = _scattering(symbols), None if isinstance(band, str) else band
+    terms, (_, asked) = _scattering(symbols), _frequencies(band)
     found = look(record, terms, asked, masks, rival=rival)
     taken: tuple[Line, ...] = ()
     if lines:
@@ -75,16 +79,25 @@ def whittle(
 
 
 def whittle_of(
-    seen: Spectrum, channel: tuple[str, Signal], symbols: Sequence[str], band: Band = "auto", *, rival: bool = False
+    seen: BinnedSpectrum,
+    channel: tuple[str, Signal],
+    symbols: Sequence[str],
+    band: Band = "auto",
+    *,
+    rival: bool = False,
 ) -> Fit:
     """Identify terms in a spectrum, of a channel of this name and signal; sinusoids are not looked for."""
-    asked = None if isinstance(band, str) else band
-    found = looked(seen, _scattering(symbols), asked, rival=rival)
+    found = looked(seen, _scattering(symbols), _frequencies(band)[1], rival=rival)
     return _concluded(found, channel, symbols, band, rival=rival)
 
 
 def _scattering(symbols: Sequence[str]) -> list[str]:
     return [symbol for symbol in symbols if TERMS[symbol].scatters]
+
+
+def _frequencies(band: Band) -> tuple[str, tuple[float, float] | None]:
+    """How the frequencies are chosen, and those that were asked for."""
+    return (band, None) if isinstance(band, str) else ("asked", band)
 
 
 def _concluded(
@@ -97,24 +110,18 @@ def _concluded(
     taken: tuple[Line, ...] = (),
 ) -> Fit:
     """The fit, from what every subset of the terms makes of a spectrum."""
-    (name, signal), terms = channel, _scattering(symbols)
-    warm, found = steady(plain, signal, rival=rival, choice=band if isinstance(band, str) else "asked")
+    (name, signal), (choice, asked) = channel, _frequencies(band)
+    warm, found = steady(plain, signal, rival=rival, choice=choice)
     law = None if warm else other_law(found, plain)
-    slow = [warm.finding] if warm else [exponent_finding(law, found, signal)] if law else []
-    stepped = None if slow else steps_in(found, signal)
-    slow += [stepped.finding] if stepped else []
-    scope = scope_of(found, band if isinstance(band, str) else "asked", None if isinstance(band, str) else band)
-    scale = Scale(signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
-    shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
-    estimates = {s: noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
-    estimates |= {s: ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
-    estimates = {s: observable(s, estimates.get(s), found, scope, scale) for s in shown}
+    stepped = None if warm or law else steps_in(found, signal)
+    slow = [exponent_finding(law, found, signal)] if law else [each.finding for each in (warm, stepped) if each]
+    scope = scope_of(found, choice, asked)
+    scale = CoefficientScale(signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
+    estimates = _estimates(symbols, found, scope, scale, warm=warm)
     if stepped is not None:
-        walks = {s: say("the bias steps") for s in estimates if TERMS[s].slope > 0 and TERMS[s].waveform is None}
-        estimates |= {s: estimates[s].invalid(why) for s, why in walks.items() if estimates[s].claimed}
-    if law is not None:
+        estimates |= {s: e.invalid(say("the bias steps")) for s, e in estimates.items() if s in WALKS and e.claimed}
+    elif law is not None:
         estimates = {s: under(law, e) for s, e in estimates.items()}
-    estimates |= {s: warm_up_estimate(s, warm, signal) for s in symbols if TERMS[s].transient}
     model = _model(estimates, found, scale)
     deterministic = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
     good = goodness(found.seen, found.full.likelihood, found.full.theta, found.used, taken)
@@ -123,7 +130,7 @@ def _concluded(
         method="whittle",
         signal=signal,
         name=name,
-        model=model if not taken else Model((*model, *(line.term for line in taken))),
+        model=Model((*model, *(line.term for line in taken))),
         goodness=good,
         correlation=_correlation(list(estimates), found),
         notes=(*(f.what for f in slow), *_quick(found), *_unclear(estimates, found), *_ambiguous(found)),
@@ -135,7 +142,19 @@ def _concluded(
     )
 
 
-def _model(estimates: dict[str, Estimate], found: Found, scale: Scale) -> Model:
+def _estimates(
+    symbols: Sequence[str], found: Found, scope: Scope, scale: CoefficientScale, *, warm: WarmUp | None
+) -> dict[str, Estimate]:
+    """Estimates of the terms that were asked for, and of Gauss-Markov noise that is in their place."""
+    terms = _scattering(symbols)
+    shown = list(dict.fromkeys([*terms, *found.noise])) if found.chosen.constants else terms
+    estimates = {s: noise_estimate(s, i, found, scale) for i, s in enumerate(found.noise) if s in shown}
+    estimates |= {s: ramp_estimate(s, found, scale) for s in terms if TERMS[s].waveform is not None}
+    estimates = {s: observable(s, estimates.get(s), found, scope, scale) for s in shown}
+    return estimates | {s: warm_up_estimate(s, warm, scale.signal) for s in symbols if TERMS[s].transient}
+
+
+def _model(estimates: dict[str, Estimate], found: Found, scale: CoefficientScale) -> Model:
     """The best model: the selected noise terms, claimed or not, and the ramp if it is claimed."""
     terms = scale.terms(found.noise, found.chosen)
     ramps = [e for s, e in estimates.items() if s not in found.noise and e.value is not None]
@@ -214,7 +233,7 @@ def _ambiguous(found: Found) -> list[str]:
     ]  # fmt: skip
 
 
-def _alternatives(found: Found, scale: Scale) -> tuple[Alternative, ...]:
+def _alternatives(found: Found, scale: CoefficientScale) -> tuple[Alternative, ...]:
     """The other families, the best first."""
     others = sorted((s for s in found.rivals() if s is not found.chosen), key=lambda s: s.aic)
     return tuple(Alternative(Model(scale.terms(found.noise, s)), s.aic - found.chosen.aic) for s in others)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 
 from .cells import surroundings
-from .spectrum import Spectrum
+from .spectrum import BinnedSpectrum
 
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""
@@ -63,14 +63,14 @@ def _turns(frequency: float, n: int) -> tuple[NDArray[np.complex128], NDArray[np
     return inner, np.exp(2j * np.pi * frequency * length * np.arange(-(-n // length)))
 
 
-def levels(seen: Spectrum, m: FloatArray) -> FloatArray:
+def levels(seen: BinnedSpectrum, m: FloatArray) -> FloatArray:
     """Power that noise has in each bin, shape (bins,): the model's, unless its surroundings say otherwise."""
     around = np.median(surroundings(seen.power), axis=1)
     many = surroundings(seen.count).sum(axis=1)
     return np.asarray(np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around)))
 
 
-def suspected(seen: Spectrum, level: FloatArray, used: BoolArray) -> bool:
+def suspected(seen: BinnedSpectrum, level: FloatArray, used: BoolArray) -> bool:
     """Whether a coefficient of the cosine transform stands out."""
     from scipy.special import ndtri
 
@@ -129,7 +129,7 @@ class Periodogram:
         return Wave((k + best) / n, abs(turned), float(np.angle(turned)), error)
 
 
-def periodogram(y: FloatArray, seen: Spectrum, level: FloatArray) -> Periodogram:
+def periodogram(y: FloatArray, seen: BinnedSpectrum, level: FloatArray) -> Periodogram:
     """Periodogram of samples without their mean, NaN if missing, and the noise level in the bins of their spectrum."""
     from scipy.fft import rfft
 
@@ -146,7 +146,7 @@ def periodogram(y: FloatArray, seen: Spectrum, level: FloatArray) -> Periodogram
 
 
 def waves_of(
-    y: FloatArray, seen: Spectrum, level: FloatArray, band: tuple[float, float]
+    y: FloatArray, seen: BinnedSpectrum, level: FloatArray, band: tuple[float, float]
 ) -> tuple[list[Wave], FloatArray]:
     """The sinusoids in y within a band (periods a sample), and what is left of y, which is overwritten.
 

@@ -18,9 +18,9 @@ from allanite.terms import TERMS
 from .band import Portion, portion
 from .evidence import rises_to_top
 from .law import AKAIKE, Law, law, traces
-from .selection import PENALTY, Profile, Subset, select, subsets
+from .selection import PENALTY, Subset, ThetaProfile, select, subsets
 from .shapes import Shapes
-from .spectrum import Spectrum, spectrum
+from .spectrum import BinnedSpectrum, spectrum
 from .timeconstant import Search
 
 SLOW = 30.0
@@ -61,7 +61,7 @@ class Found(Portable):
     elsewhere: Callable[["Found"], list[Subset]] | None = None
 
     @property
-    def seen(self) -> Spectrum:
+    def seen(self) -> BinnedSpectrum:
         """The spectrum."""
         return self.part.seen
 
@@ -114,9 +114,9 @@ class Found(Portable):
         """The subset in which no term is omitted that could take another's place."""
         return self.fitted[-1]
 
-    def profile(self, which: int) -> Profile:
+    def profile(self, which: int) -> ThetaProfile:
         """Profile of the likelihood of one theta, nothing omitted that could take its place."""
-        return Profile(self.everything, which)
+        return ThetaProfile(self.everything, which)
 
     @property
     def score(self) -> float:
@@ -231,7 +231,7 @@ def deterministic(symbols: Sequence[str]) -> bool:
 
 
 def looked(
-    seen: Spectrum,
+    seen: BinnedSpectrum,
     symbols: Sequence[str],
     band: tuple[float, float] | None,
     masks: Sequence[tuple[float, float]] = (),
@@ -273,7 +273,9 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
     needs as much evidence once more.
     """
-    return lacking(plain, markov, part) <= 0 and _explains(markov, part)
+    return lacking(plain, markov, part) <= 0 and (
+        goodness(part.seen, markov.likelihood, markov.theta, part.used).p >= EXPLAINED
+    )
 
 
 def lacking(plain: Subset, markov: Subset, part: Portion) -> float:
@@ -282,11 +284,6 @@ def lacking(plain: Subset, markov: Subset, part: Portion) -> float:
     other = np.array([not TERMS[symbol].substitute for symbol in part.noise])
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     return markov.score(penalty) + lost * EVIDENCE - plain.score(penalty)
-
-
-def _explains(subset: Subset, part: Portion) -> bool:
-    """Whether a model explains what is read."""
-    return goodness(part.seen, subset.likelihood, subset.theta, part.used).p >= EXPLAINED
 
 
 def _with_markov(part: Portion, shortest: float, *, asked: bool) -> Found:

@@ -3,7 +3,7 @@
 from allanite.core.averaged import Averaged, averaged
 from allanite.core.model import Model, Term
 
-from .estimates import Scale
+from .estimates import CoefficientScale
 from .model_selection import Found
 
 NODES = 12
@@ -16,7 +16,7 @@ LEAST = 1e-3
 """Weight of a model, over that of the heaviest, below which it is omitted."""
 
 
-def nodes(found: Found, scale: Scale, beside: tuple[Term, ...]) -> Averaged:
+def nodes(found: Found, scale: CoefficientScale, beside: tuple[Term, ...]) -> Averaged:
     """Models along the profile of the noise of the longest memory, all terms free, with what stands `beside` it.
 
     That noise dominates the long averaging times and is known from a few coefficients only: terms that were not

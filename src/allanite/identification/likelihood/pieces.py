@@ -50,7 +50,7 @@ GRID = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces(Portable):
+class PieceReading(Portable):
     """How a record in pieces is read.
 
     Attributes
@@ -60,7 +60,7 @@ class Pieces(Portable):
     ratio : float
         Q^2 / N^2, angles in units of the sample interval, that the weights suppose.
     least : int
-        Pieces that are shorter take no part below `split`: they would add noise only.
+        PieceReading that are shorter take no part below `split`: they would add noise only.
     split : float
         Frequency between the parts, radians a sample.
     edges : int array
@@ -145,7 +145,7 @@ class Pieces(Portable):
         return some.mean([some._variances(c, i) for i in range(some.length.size)], mean)
 
     @cached_property
-    def _some(self) -> "Pieces":
+    def _some(self) -> "PieceReading":
         """The same with few different lengths, each for its neighbours and for as many samples as they."""
         if self.length.size <= LENGTHS:
             return self
@@ -206,7 +206,7 @@ REACH = 2.0
 """Root of Q^2 / N^2, over the length of the piece in which a reading lies on average, beyond which N is not seen."""
 
 
-def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pieces | None:
+def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> PieceReading | None:
     """How to read a joined rate; None where the joints do not matter beside white rate noise."""
     if not gaps.at.size or gaps.shut.any():
         return None
@@ -222,13 +222,13 @@ def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pi
     size = int(used[np.searchsorted(length, least)])
     edges = edges_of(size)
     low = int(np.searchsorted(edges, split / np.pi * size))
-    how = Pieces(length, times, ratio, least, float(edges[low] * np.pi / size), edges)
+    how = PieceReading(length, times, ratio, least, float(edges[low] * np.pi / size), edges)
     # no bin of the upper part is empty: one that would be is part of its neighbour
     filled = low + np.flatnonzero(how.told[low:])
     return replace(how, edges=np.concatenate((edges[: low + 1], edges[filled[1:]], edges[-1:])))
 
 
-def apart(y: FloatArray, gaps: Gaps, how: Pieces) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
+def apart(y: FloatArray, gaps: Gaps, how: PieceReading) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
     """The joined record below the split; which samples it has; power of the bins above, and their peaks.
 
     A peak stands out over what the coefficient has under the ratio.

@@ -8,7 +8,7 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import say_count
 from allanite.prepare.gaps import known_rates
 
-from .lines import Wave, levels, suspected, waves_of
+from .lines import levels, suspected, waves_of
 from .model_selection import Found
 from .scope import behind_filter
 
@@ -33,7 +33,15 @@ def without_lines(record: Record, found: Found, band: tuple[float, float] | None
         Line(wave.frequency * record.rate, wave.amplitude * s, wave.error * s, wave.phase, record.signal)
         for wave, s in zip(waves, scale, strict=True)
     )
-    return tuple(sorted(lines, key=lambda line: line.frequency)), _less(record, waves)
+    # the record without sinusoids; an angle stays one, which knows more of its gaps; counts become increments
+    total = np.sum([wave.values(record.size) for wave in waves], axis=0)
+    if record.kind == "angle":
+        total = np.concatenate(([0.0], np.cumsum(total)))
+    return tuple(sorted(lines, key=lambda line: line.frequency)), record.with_values(
+        record.values - total,
+        say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed"),
+        start=record.start,
+    )
 
 
 def _level(found: Found) -> FloatArray:
@@ -41,15 +49,3 @@ def _level(found: Found) -> FloatArray:
     m = found.seen.power.copy()
     m[found.used] = found.chosen.likelihood.expectation(found.chosen.theta)
     return levels(found.seen, m)
-
-
-def _less(record: Record, waves: list[Wave]) -> Record:
-    """The record without sinusoids; an angle stays one, which knows more of its gaps; counts become increments."""
-    total = np.sum([wave.values(record.size) for wave in waves], axis=0)
-    if record.kind == "angle":
-        total = np.concatenate(([0.0], np.cumsum(total)))
-    return record.with_values(
-        record.values - total,
-        say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed"),
-        start=record.start,
-    )

@@ -17,7 +17,7 @@ from allanite.core.arrays import BoolArray, FloatArray
 
 from .band import Portion, Tuned
 from .likelihood import Likelihood
-from .spectrum import Spectrum
+from .spectrum import BinnedSpectrum
 
 STANDS_OUT, EXCESS = 5.0, 0.1
 """Standard deviations, and share of the expected power, by which a bin must exceed it."""
@@ -90,10 +90,10 @@ class Excess:
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class FrequencyGrid:
     """The frequencies at which the power of a resonance is computed, radians a sample, shape (bins, points)."""
 
-    seen: Spectrum
+    seen: BinnedSpectrum
 
     @cached_property
     def omega(self) -> FloatArray:
@@ -161,9 +161,9 @@ class Searched:
     smooth: bool
 
     @cached_property
-    def grid(self) -> Grid:
+    def grid(self) -> FrequencyGrid:
         """Where their power is computed."""
-        return Grid(self.part.seen)
+        return FrequencyGrid(self.part.seen)
 
     @cached_property
     def floor(self) -> Likelihood:

@@ -279,7 +279,14 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
     """
     top = float(part.seen.frequency(part.seen.first[part.used][-1]))
     whole = bool(part.used[-1])
-    for low, high in _spans(part):
+    # bands of half-octave ends, Hz, the widest in octaves first
+    seen = part.seen
+    half, lowest = seen.rate / 2, seen.rate / (2 * seen.size)
+    octaves = math.log2(seen.size)
+    highs = half * 2.0 ** -np.arange(0.0, octaves, 0.5)
+    lows = [0.0, *(lowest * 2.0 ** np.arange(2.0, octaves))]
+    spans = [(float(low), float(high)) for low in lows for high in highs if 4 * low < high]
+    for low, high in sorted(spans, key=lambda span: max(span[0], lowest) / span[1]):
         if most < math.inf and (low > 0 or high < top / most):
             continue
         used = _inside(part, low, high)
@@ -297,17 +304,6 @@ def _bands(part: Portion, rival: bool, most: float = math.inf) -> Iterator[Found
             found = fitted(inside if shows_angle else inside.among(_rates(part) or part.noise), rival=rival)
             if _quiet(found, final, bare=low > 0):
                 yield found
-
-
-def _spans(part: Portion) -> list[tuple[float, float]]:
-    """Bands of half-octave ends, Hz, the widest in octaves first."""
-    seen = part.seen
-    half, lowest = seen.rate / 2, seen.rate / (2 * seen.size)
-    octaves = math.log2(seen.size)
-    highs = half * 2.0 ** -np.arange(0.0, octaves, 0.5)
-    lows = [0.0, *(lowest * 2.0 ** np.arange(2.0, octaves))]
-    spans = [(float(low), float(high)) for low in lows for high in highs if 4 * low < high]
-    return sorted(spans, key=lambda span: max(span[0], lowest) / span[1])
 
 
 def _inside(part: Portion, low: float, high: float) -> BoolArray:

@@ -28,7 +28,11 @@ STANDS_OUT = 1.5
 
 def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None) -> Scope:
     """The scope of a fit; `asked` is a band that was given."""
-    seen, level = found.seen, _levels(found)
+    # the gain of the filter, with what is added, where the fit reads; elsewhere what was observed, smoothed
+    ratio = found.seen.power / expected_power(found)
+    around = surroundings(ratio * found.seen.count).sum(axis=1) / surroundings(found.seen.count).sum(axis=1)
+    known = np.where(found.seen.count > WELL_KNOWN, ratio, around)
+    seen, level = found.seen, np.where(found.used, found.part.passed + found.part.added / expected_power(found), known)
     band = asked or _band(found)
     return Scope(
         choice=choice,
@@ -81,25 +85,13 @@ def expected_power(found: Found) -> FloatArray:
     rest = found.part.but(used=np.ones_like(found.used))
     columns = rest.whole.S
     if found.chosen.constants:
-        columns = _with_shapes(found, columns)
+        # all bins' columns with the time constant that was found
+        assert found.search is not None  # noqa: S101 - there is a time constant
+        everywhere = found.part.but(used=np.ones_like(found.used))
+        shaped = columns.copy()
+        shaped[:, found.chosen.theta.size - 1] = found.search.column(found.chosen.constants, everywhere)
+        columns = shaped
     return np.asarray(columns @ found.chosen.theta)
-
-
-def _with_shapes(found: Found, columns: FloatArray) -> FloatArray:
-    """All bins' columns with the time constant that was found."""
-    assert found.search is not None  # noqa: S101 - there is a time constant
-    everywhere = found.part.but(used=np.ones_like(found.used))
-    shaped = columns.copy()
-    shaped[:, found.chosen.theta.size - 1] = found.search.column(found.chosen.constants, everywhere)
-    return shaped
-
-
-def _levels(found: Found) -> FloatArray:
-    """The gain of the filter, with what is added, where the fit reads; elsewhere what was observed, smoothed."""
-    ratio = found.seen.power / expected_power(found)
-    around = surroundings(ratio * found.seen.count).sum(axis=1) / surroundings(found.seen.count).sum(axis=1)
-    known = np.where(found.seen.count > WELL_KNOWN, ratio, around)
-    return np.where(found.used, found.part.passed + found.part.added / expected_power(found), known)
 
 
 def largest_misfit(found: Found) -> float:

@@ -71,7 +71,7 @@ def select(fitted: list[Subset], penalty: float | FloatArray = PENALTY) -> Subse
 
 
 @dataclass(frozen=True, eq=False)
-class Profile(Portable):
+class ThetaProfile(Portable):
     """The likelihood of one theta, the other terms of a subset following it.
 
     `excess` is 2 (L - L at the subset's minimum).

@@ -40,7 +40,7 @@ ROUNDING = (4 * float(np.finfo(np.float64).eps)) ** 2
 """Share of the mean power that rounding leaves in a bin: one of a periodic record without noise may else have none."""
 
 
-class Parts(Protocol):
+class PieceBins(Protocol):
     """How a spectrum is read whose lowest bins are of the whole record, and the others of short pieces of it."""
 
     @property
@@ -63,7 +63,7 @@ class Parts(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum(Portable):
+class BinnedSpectrum(Portable):
     """Binned powers of the orthonormal DCT-II of a rate, in the record's own unit.
 
     Attributes
@@ -90,7 +90,7 @@ class Spectrum(Portable):
         Whether a ramp is looked for, and with it the steps of a slow noise during long gaps.
     rounding : float
         Power of the rounding of a rate to a known step, 0 if there is none.
-    pieces : Parts, optional
+    pieces : PieceBins, optional
         How pieces are read, between gaps or of a stream, where the whole record holds the low frequencies only.
     """
 
@@ -108,7 +108,7 @@ class Spectrum(Portable):
     gaps: Gaps
     unit_factor: float
     times: FloatArray
-    pieces: Parts | None = None
+    pieces: PieceBins | None = None
     rounding: float = 0.0
     detrended: bool = False
 
@@ -194,7 +194,7 @@ class Spectrum(Portable):
         return np.asarray(inside)
 
 
-def spectrum(record: Record, *, detrend: bool) -> Spectrum:
+def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
     """Transform a record and bin the powers; takes about three times the record's memory.
 
     With `detrend` most of a ramp is subtracted first, so that a strong one does not leak into the higher bins; `slope`
@@ -230,7 +230,7 @@ def spectrum(record: Record, *, detrend: bool) -> Spectrum:
             values[how.low :] = better[how.low :]
     np.maximum(power, ROUNDING * float(power.mean()), out=power)
     first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
-    return Spectrum(
+    return BinnedSpectrum(
         n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how,
         rounding=_rounding(record), detrended=detrend,
     )  # fmt: skip

@@ -37,7 +37,7 @@ MOST = 10
 
 
 @dataclass(frozen=True, eq=False)
-class Steps(Portable):
+class BiasSteps(Portable):
     """Steps of the bias: times, s, and sizes with their standard errors, SI."""
 
     signal: Signal
@@ -63,14 +63,16 @@ class Steps(Portable):
         )
 
 
-def steps_in(found: Found, signal: Signal) -> Steps | None:
+def steps_in(found: Found, signal: Signal) -> BiasSteps | None:
     """The steps that explain a record better than its random walk does; None if there is none."""
     seen, chosen = found.seen, found.chosen
     walk = np.array([TERMS[s].slope > 0 for s in found.noise] + [False] * (chosen.theta.size - len(found.noise)))
     wandering = (walk & (chosen.theta > 0)).any()
     if not wandering or seen.pieces is not None or seen.gaps.at.size or not found.used[:SINGLE].all():
         return None
-    base = replace(chosen, free=chosen.free & ~walk | _white(found, chosen))
+    # the white noise, which is always there
+    white = [TERMS[s].slope == WHITE for s in found.noise]
+    base = replace(chosen, free=chosen.free & ~walk | np.array(white + [False] * (chosen.theta.size - len(white))))
     goal = profiled(chosen) + PENALTY * float((chosen.free & walk).sum()) - CLEAR
     at: list[float] = []
     beside = _beside(found, base, at)
@@ -78,14 +80,12 @@ def steps_in(found: Found, signal: Signal) -> Steps | None:
         at.append(_place(found, beside, at))
         beside = _beside(found, base, at)
         if profiled(beside) + EVIDENCE * len(at) < goal:
-            return _sized(found, beside, at, signal)
+            seen, first = found.seen, int(np.count_nonzero(~beside.likelihood.flat))
+            eta, V, _ = beside.likelihood.directions(beside.theta)
+            here = slice(first, first + len(at))
+            size, error = eta[here] * seen.unit_factor, np.sqrt(np.diag(V)[here]) * seen.unit_factor
+            return BiasSteps(signal, np.array(sorted(at)) / seen.rate, size, error)
     return None
-
-
-def _white(found: Found, chosen: Subset) -> FloatArray:
-    """The white noise, which is always there."""
-    white = [TERMS[s].slope == WHITE for s in found.noise]
-    return np.array(white + [False] * (chosen.theta.size - len(white)))
 
 
 def _beside(found: Found, base: Subset, at: list[float]) -> Subset:
@@ -105,11 +105,3 @@ def _place(found: Found, beside: Subset, at: list[float]) -> float:
     y = c / np.sqrt(m)
     gain = (D.T @ y) ** 2 / np.maximum((D**2).sum(axis=0), 1e-9)
     return float(places[int(gain.argmax())])
-
-
-def _sized(found: Found, beside: Subset, at: list[float], signal: Signal) -> Steps:
-    seen, first = found.seen, int(np.count_nonzero(~beside.likelihood.flat))
-    eta, V, _ = beside.likelihood.directions(beside.theta)
-    here = slice(first, first + len(at))
-    size, error = eta[here] * seen.unit_factor, np.sqrt(np.diag(V)[here]) * seen.unit_factor
-    return Steps(signal, np.array(sorted(at)) / seen.rate, size, error)

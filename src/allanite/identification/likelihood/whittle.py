@@ -15,13 +15,13 @@ from allanite.terms import TERMS, NoiseTerm
 from .bins import SINGLE
 from .decay import decay_coefficients
 from .likelihood import Likelihood
-from .spectrum import Spectrum
+from .spectrum import BinnedSpectrum
 
 Pair = tuple[FloatArray, FloatArray]
 """Coefficients of a direction, of even and of odd index, shape (bins,) each; or products of directions."""
 
 
-def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
+def likelihood(spectrum: BinnedSpectrum, symbols: Sequence[str]) -> Likelihood:
     """The likelihood of a spectrum for the terms `symbols` (keys of `TERMS`); deterministic ones are integrated out."""
     noise = [symbol for symbol in symbols if TERMS[symbol].waveform is None]
     with_ramp = len(noise) < len(symbols)
@@ -39,7 +39,7 @@ def likelihood(spectrum: Spectrum, symbols: Sequence[str]) -> Likelihood:
     )
 
 
-def with_warm_up(part: Likelihood, spectrum: Spectrum, used: BoolArray, tau: float) -> Likelihood:
+def with_warm_up(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, tau: float) -> Likelihood:
     """A likelihood of the bins `used` with one more loose direction: a warm-up exp(-t / tau) of any size.
 
     Tau is in samples. The direction stands behind the edges and before the ramp.
@@ -48,12 +48,12 @@ def with_warm_up(part: Likelihood, spectrum: Spectrum, used: BoolArray, tau: flo
     return _with_directions(part, spectrum, used, [_warm_up(spectrum, tau, centre)])
 
 
-def with_steps(part: Likelihood, spectrum: Spectrum, used: BoolArray, at: Sequence[float]) -> Likelihood:
+def with_steps(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, at: Sequence[float]) -> Likelihood:
     """A likelihood of the bins `used` with steps of any size, at these samples, as loose directions."""
     return _with_directions(part, spectrum, used, [_in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in at])
 
 
-def _with_directions(part: Likelihood, spectrum: Spectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
+def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
     UU, Uc = _directions(spectrum, bool(part.flat.any()), more)
     at = np.full(len(more), np.count_nonzero(~part.flat))
     return replace(
@@ -61,7 +61,7 @@ def _with_directions(part: Likelihood, spectrum: Spectrum, used: BoolArray, more
     )
 
 
-def _directions(spectrum: Spectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
+def _directions(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
     """Products of the loose directions: both halves of the first sample, a warm-up, steps at long gaps, and the ramp.
 
     The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
@@ -88,7 +88,7 @@ def step_coefficients(n: int, at: float) -> FloatArray:
     return np.asarray(-np.sqrt(0.5 / n) * np.sin(np.pi * k * at / n) / np.sin(np.pi * k / (2 * n)))
 
 
-def _in_bins(spectrum: Spectrum, lowest: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _in_bins(spectrum: BinnedSpectrum, lowest: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The lowest coefficients of a direction in the bins, those of even and those of odd index."""
     d = np.zeros(spectrum.first.size)
     lowest = lowest[: spectrum.pieces.low] if spectrum.pieces else lowest
@@ -96,23 +96,22 @@ def _in_bins(spectrum: Spectrum, lowest: FloatArray) -> tuple[FloatArray, FloatA
     return d * (spectrum.first % 2 == 0), d * (spectrum.first % 2)
 
 
-def _warm_up(spectrum: Spectrum, tau: float, centre: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _warm_up(spectrum: BinnedSpectrum, tau: float, centre: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Coefficients of exp(-t / tau) in the bins, of even and of odd index; with gaps of the lowest bins only."""
     if spectrum.times.size:
-        return _in_bins(spectrum, _blocked(np.exp(-spectrum.times / tau), spectrum.size))
+        # the lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples
+        values = np.exp(-spectrum.times / tau)
+        from scipy.fft import dct
+
+        return _in_bins(
+            spectrum, (np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(spectrum.size / values.size))
+        )
     left = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(centre, spectrum.size, tau)
     return smooth * (1 - left), smooth * (1 + left)
 
 
-def _blocked(values: FloatArray, n: int) -> FloatArray:
-    """The lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples."""
-    from scipy.fft import dct
-
-    return np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(n / values.size)
-
-
-def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
+def column(row: NoiseTerm, spectrum: BinnedSpectrum) -> FloatArray:
     """Mean of a term's row over each bin, shape (bins,)."""
     nodes, weights, starts = spectrum.nodes
     how = spectrum.pieces
@@ -123,7 +122,7 @@ def column(row: NoiseTerm, spectrum: Spectrum) -> FloatArray:
     return np.asarray(mean)
 
 
-def table_column(symbol: str, spectrum: Spectrum, shape: tuple[float, ...] = ()) -> FloatArray:
+def table_column(symbol: str, spectrum: BinnedSpectrum, shape: tuple[float, ...] = ()) -> FloatArray:
     """The same of a row of `TERMS`, in its own shape (in samples) or another one; it is made once."""
     if (symbol, shape) not in spectrum.known:
         row = TERMS[symbol]

@@ -17,7 +17,7 @@ import numpy as np
 from allanite.core.averaged import Averaged
 from allanite.core.plain import Portable
 from allanite.statistics.row import FloatArray
-from allanite.statistics.table import Points
+from allanite.statistics.table import CurvePoints
 
 from .chisquares import table
 from .limits import at_point, stacked
@@ -43,13 +43,13 @@ class AveragedLaw(Portable):
 
     Attributes
     ----------
-    points : Points
+    points : CurvePoints
     noise : Averaged
     bias : array, shape (models, points)
         Factor of each model over the one that the variance was multiplied with.
     """
 
-    points: Points
+    points: CurvePoints
     noise: Averaged
     bias: FloatArray
 
@@ -78,17 +78,14 @@ class AveragedLaw(Portable):
         scatter = self._scatter(p)
         if (self.bias == 1).all():
             return np.asarray(np.exp(scatter[:-1]))
-        bias = self._bias(p)
-        a, b = (part[:-1] - part[-1] for part in (scatter, bias))
-        apart = np.sign(p[:-1] - 0.5) * np.sqrt(a * a + b * b + 2 * TOGETHER * a * b)
-        return np.asarray(np.exp(scatter[-1] + bias[-1] + apart))
-
-    def _bias(self, p: FloatArray) -> FloatArray:
-        """Logarithm of F at probabilities, between the models by their weights."""
+        # logarithm of F at probabilities, between the models by their weights
         order = np.argsort(self.bias, axis=0)
         logs, weight = np.log(np.take_along_axis(self.bias, order, 0)), self.weight[order]
         below = np.cumsum(weight, axis=0) - weight / 2
-        return np.array([np.interp(p[:, 0], at, values) for at, values in zip(below.T, logs.T, strict=True)]).T
+        bias = np.array([np.interp(p[:, 0], at, values) for at, values in zip(below.T, logs.T, strict=True)]).T
+        a, b = (part[:-1] - part[-1] for part in (scatter, bias))
+        apart = np.sign(p[:-1] - 0.5) * np.sqrt(a * a + b * b + 2 * TOGETHER * a * b)
+        return np.asarray(np.exp(scatter[-1] + bias[-1] + apart))
 
     def _scatter(self, p: FloatArray) -> FloatArray:
         """-ln X at probabilities, by bisection."""

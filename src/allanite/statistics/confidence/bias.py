@@ -12,9 +12,17 @@ from allanite.statistics.moments.lagsums import responses
 from allanite.statistics.moments.means import mean_moments, takes_means
 from allanite.statistics.moments.moments import by_term
 from allanite.statistics.row import FloatArray, IntArray, Statistic
-from allanite.statistics.table import STATISTICS, Points
+from allanite.statistics.table import STATISTICS, CurvePoints
 
 BIASES = ("exact", "published", "model", "plain")
+
+
+def chosen_bias(bias: str | None, row: Statistic, given: Averaged | None) -> str | None:
+    """The correction that is asked for; a hybrid whose noise is `given` has that of the model."""
+    demand_bias(bias, row)
+    if bias is None and given is not None and row.parts:
+        return "model"
+    return None if bias == "plain" else bias
 
 
 def demand_bias(bias: str | None, row: Statistic) -> None:
@@ -31,7 +39,7 @@ def demand_bias(bias: str | None, row: Statistic) -> None:
         )
 
 
-def correction(points: Points, bias: str, models: Sequence[Model], alpha: Sequence[int]) -> FloatArray:
+def correction(points: CurvePoints, bias: str, models: Sequence[Model], alpha: Sequence[int]) -> FloatArray:
     """What the plain variance is multiplied with, one for each point, under the power law of each.
 
     `alpha` are the exponents at the points, for the published tables; "model" replaces the bias ratio of a hybrid.
@@ -43,7 +51,7 @@ def correction(points: Points, bias: str, models: Sequence[Model], alpha: Sequen
     return np.array([factor(points, i, model, o)[0] for i, (model, o) in enumerate(zip(models, one, strict=True))])
 
 
-def corrections(points: Points, bias: str, noise: Averaged) -> FloatArray:
+def corrections(points: CurvePoints, bias: str, noise: Averaged) -> FloatArray:
     """What the plain variance is multiplied with under each model, shape (models, points)."""
     if bias == "published":
         raise UsageError("published bias factors assume a power law at each tau: use noise='auto'")
@@ -51,7 +59,7 @@ def corrections(points: Points, bias: str, noise: Averaged) -> FloatArray:
     return np.array([factor(points, i, noise.terms, noise.scale) for i in range(points.m.size)]).T
 
 
-def _of_means(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatArray:
+def _of_means(points: CurvePoints, i: int, terms: Model, scale: FloatArray) -> FloatArray:
     """Expectation of the plain statistic over that from means of what is there, with each scale of the powers."""
     row, m, rate = points.row, int(points.m[i]), points.rate
     if not takes_means(row, m, points.places, points.size):
@@ -65,7 +73,7 @@ def _of_means(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatA
     return np.divide(power @ responses(row, rows, np.array([m]))[:, 0], own, out=np.ones(len(scale)), where=own > 0)
 
 
-def _exact(points: Points, i: int, terms: Model, scale: FloatArray) -> FloatArray:
+def _exact(points: CurvePoints, i: int, terms: Model, scale: FloatArray) -> FloatArray:
     """Expectation of the target over that of the statistic, at the same tau, with each scale of the terms' powers."""
     row, m, rate = points.row, int(points.m[i]), points.rate
     if row.parts:

@@ -31,7 +31,7 @@ NEWTON, STRIDE, START = 3, 4.0, 1e-6
 """Steps from one deviate to the next, the longest of them, and where the first begins."""
 
 
-class Mixture(NamedTuple):
+class ChiSquareSum(NamedTuple):
     """Weights and degrees of freedom, shape (k, j); mean and weight of the deterministic part, shape (k,)."""
 
     weight: FloatArray
@@ -40,12 +40,12 @@ class Mixture(NamedTuple):
     beside: FloatArray
 
 
-def quantiles(mixture: Mixture, p: float) -> FloatArray:
+def quantiles(mixture: ChiSquareSum, p: float) -> FloatArray:
     """The value below which V lies with probability p, shape (k,).
 
     Examples
     --------
-    >>> one = Mixture(np.array([[0.1]]), np.array([[10.0]]), np.zeros(1), np.zeros(1))
+    >>> one = ChiSquareSum(np.array([[0.1]]), np.array([[10.0]]), np.zeros(1), np.zeros(1))
     >>> quantiles(one, 0.975).round(2).item()  # chi-square with 10 degrees of freedom over 10: 2.0483
     2.05
     """
@@ -59,7 +59,7 @@ def quantiles(mixture: Mixture, p: float) -> FloatArray:
     return _saddle(mixture, -top * np.expm1(-(low + high) / 2))[3]
 
 
-def table(mixture: Mixture, deviates: FloatArray) -> tuple[FloatArray, FloatArray]:
+def table(mixture: ChiSquareSum, deviates: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Values of V near normal deviates, which rise, and their exact deviates, shape (deviates, k) each.
 
     The saddlepoint is taken where its root r is the deviate, by Newton's steps from one to the next.
@@ -84,7 +84,7 @@ def table(mixture: Mixture, deviates: FloatArray) -> tuple[FloatArray, FloatArra
     return np.array([x for _, x, _ in found]), np.array([z for _, _, z in found])
 
 
-def _pole(mixture: Mixture) -> FloatArray:
+def _pole(mixture: ChiSquareSum) -> FloatArray:
     return np.asarray(1 / (2 * np.maximum(mixture.weight.max(axis=1), mixture.beside)))
 
 
@@ -97,13 +97,13 @@ def _probability(r: FloatArray, v: FloatArray, skewness: FloatArray) -> FloatArr
     return np.where(np.abs(v) < NEAR, 0.5 + skewness / (6 * math.sqrt(2 * math.pi)), probability)
 
 
-def _saddle(mixture: Mixture, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def _saddle(mixture: ChiSquareSum, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     K, x, K2, K3 = cumulants(mixture, t)
     r = np.sign(t) * np.sqrt(np.maximum(2 * (t * x - K), 0))
     return r, t * np.sqrt(K2), K3 / K2**1.5, x
 
 
-def cumulants(mixture: Mixture, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+def cumulants(mixture: ChiSquareSum, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """K and its first three derivatives at t, shape (k,) each."""
     weight, dof, c, u = mixture
     pole = 1 - 2 * u * t

@@ -27,7 +27,7 @@ STEPS = 5
 """Power steps to them in a large matrix."""
 
 
-class Spectrum(NamedTuple):
+class Eigenvalues(NamedTuple):
     """A form with the sum 1: its `leading` eigenvalues, descending, and the sum of `squares` of all."""
 
     leading: FloatArray
@@ -37,11 +37,14 @@ class Spectrum(NamedTuple):
 def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, size: int) -> FloatArray:
     """The form under each term of size 1, shape (t, w, w)."""
     if row.differences:
-        return _differences(row, terms, m, count)
+        at = _places(count, WINDOWS) * (1 if row.overlapped else m)
+        lags, where = np.unique(np.abs(np.subtract.outer(at, at)), return_inverse=True)
+        C = np.array([lagsums.covariance_of_windows(row, term, m, lags) for term in terms])
+        return np.asarray(C[:, where.ravel()].reshape(-1, at.size, at.size))
     return _folded(terms, m, size) if row.window is None else _windows(row, terms, m, count)
 
 
-def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Spectrum]:
+def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenvalues]:
     """Spectra of the form under several models, whose terms have squared coefficients `powers`, shape (k, t).
 
     They come from the form's projection on what the leading eigenvectors of the models' mean, and each term of these,
@@ -49,24 +52,17 @@ def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Spectru
     """
     total = powers @ np.trace(forms, axis1=1, axis2=2)
     squares = np.einsum("ki,ij,kj->k", powers, np.einsum("iab,jab->ij", forms, forms), powers)
-    basis = _basis(forms, (powers / total[:, None]).mean(axis=0))
-    values = np.linalg.eigvalsh(np.tensordot(powers, basis.T @ forms @ basis, axes=1))
-    first = np.maximum(values[:, : -leading - 1 : -1], 0)
-    return [Spectrum(v / t, float(q / t**2)) for v, t, q in zip(first, total, squares, strict=True)]
-
-
-def _basis(forms: FloatArray, power: FloatArray) -> FloatArray:
-    """Orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients.
-
-    Power steps, not a solver: they are products of a matrix with few columns, which stay in one thread.
-    """
-    mean = np.tensordot(power, forms, axes=1)
+    # orthonormal columns that hold the leading eigenvectors of models near one with these squared coefficients
+    mean = np.tensordot((powers / total[:, None]).mean(axis=0), forms, axes=1)
     width = len(mean)
     vectors = np.cos(np.pi / width * np.outer(np.arange(width) + 0.5, np.arange(min(SPACE, width))))
     for _ in range(STEPS):
         vectors = mean @ np.linalg.qr(vectors)[0]
     both = np.concatenate((vectors[None], forms @ vectors))
-    return np.linalg.qr(both.swapaxes(0, 1).reshape(width, -1))[0]
+    basis = np.linalg.qr(both.swapaxes(0, 1).reshape(width, -1))[0]
+    values = np.linalg.eigvalsh(np.tensordot(powers, basis.T @ forms @ basis, axes=1))
+    first = np.maximum(values[:, : -leading - 1 : -1], 0)
+    return [Eigenvalues(v / t, float(q / t**2)) for v, t, q in zip(first, total, squares, strict=True)]
 
 
 def is_sharp(row: Statistic, count: int) -> bool:
@@ -79,13 +75,6 @@ def is_sharp(row: Statistic, count: int) -> bool:
 def _places(count: int, most: int) -> FloatArray:
     k = min(count, most)
     return np.floor((np.arange(k) + 0.5) * count / k)
-
-
-def _differences(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int) -> FloatArray:
-    at = _places(count, WINDOWS) * (1 if row.overlapped else m)
-    lags, where = np.unique(np.abs(np.subtract.outer(at, at)), return_inverse=True)
-    C = np.array([lagsums.covariance_of_windows(row, term, m, lags) for term in terms])
-    return np.asarray(C[:, where.ravel()].reshape(-1, at.size, at.size))
 
 
 def _windows(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int) -> FloatArray:

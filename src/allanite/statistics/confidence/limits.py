@@ -19,17 +19,17 @@ from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
-from allanite.statistics.estimator import Angle
+from allanite.statistics.estimator import AngleRecord
 from allanite.statistics.grids import part_of, times
 from allanite.statistics.moments.compact import white_level
 from allanite.statistics.moments.means import MeanMoments, mean_moments, takes_means
 from allanite.statistics.moments.moments import grouped, moments, noise_of
 from allanite.statistics.row import FloatArray, Statistic
-from allanite.statistics.table import Points
+from allanite.statistics.table import CurvePoints
 from allanite.terms import TERMS
 
-from .chisquares import Mixture, quantiles
-from .eigenvalues import Spectrum, is_sharp, matrices, spectra
+from .chisquares import ChiSquareSum, quantiles
+from .eigenvalues import Eigenvalues, is_sharp, matrices, spectra
 from .powerlaw import PowerLaw, identify_power_law
 
 MANY = 60.0
@@ -42,7 +42,7 @@ NO_SCATTER = 1e-15
 """1 / EDF at most of what does not scatter."""
 
 LEADING = 3
-"""Eigenvalues that are distinguished."""
+"""Spectrum that are distinguished."""
 
 STRETCH = (0.5, 1.3)
 """Factor within which the approximate leading eigenvalues may be scaled to the exact degrees of freedom."""
@@ -60,11 +60,11 @@ class ModelLaw(Portable):
     noise alone are wide enough.
     """
 
-    points: Points
+    points: CurvePoints
     models: tuple[Model, ...]
 
     @cached_property
-    def found(self) -> tuple[FloatArray, Mixture]:
+    def found(self) -> tuple[FloatArray, ChiSquareSum]:
         """Degrees of freedom and laws of V / E[V]."""
         return mixtures(self.points, self.models)
 
@@ -74,18 +74,18 @@ class ModelLaw(Portable):
         return edf, 1 / quantiles(mixture, (1 + level) / 2), 1 / quantiles(mixture, (1 - level) / 2)
 
 
-def mixtures(points: Points, models: Sequence[Model]) -> tuple[FloatArray, Mixture]:
+def mixtures(points: CurvePoints, models: Sequence[Model]) -> tuple[FloatArray, ChiSquareSum]:
     """Degrees of freedom, shape (k,), and laws of V / E[V] at every point."""
     models = [noise_of(model) for model in models]
     local = [at_point(points, i, models[i if len(models) > 1 else 0]) for i in range(points.m.size)]
     return stacked([at.laws(np.ones((1, at.E.size)))[0] for at in local])
 
 
-def stacked(made: Sequence[tuple[float, Mixture]]) -> tuple[FloatArray, Mixture]:
+def stacked(made: Sequence[tuple[float, ChiSquareSum]]) -> tuple[FloatArray, ChiSquareSum]:
     """Degrees of freedom and laws one by one, as arrays."""
     edf = np.array([e for e, _ in made])
     weight, dof, mean, beside = (np.array([m[i] for _, m in made]) for i in range(4))
-    return edf, Mixture(weight, dof, mean, beside)
+    return edf, ChiSquareSum(weight, dof, mean, beside)
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Local:
     kept: FloatArray
     means: MeanMoments | None = None
 
-    def laws(self, scale: FloatArray) -> list[tuple[float, Mixture]]:
+    def laws(self, scale: FloatArray) -> list[tuple[float, ChiSquareSum]]:
         """Degrees of freedom and laws of V / E[V] with the terms' powers times each `scale`, shape (k, t)."""
         E = self.E * scale
         whole = E.sum(axis=1, keepdims=True)
@@ -120,7 +120,7 @@ class Local:
         several = iter(self._several(share[few], scale[few], 1 / np.array(edf)[few]) if few.any() else [])
         return [(e, (next(several) if f else None) or _single(e)) for e, f in zip(edf, few, strict=True)]
 
-    def _several(self, share: FloatArray, scale: FloatArray, inverse: FloatArray) -> list[Mixture | None]:
+    def _several(self, share: FloatArray, scale: FloatArray, inverse: FloatArray) -> list[ChiSquareSum | None]:
         """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they fit no EDF."""
         rows = [t.sampled(self.rate) for t in self.model]
         fixed = np.array([term.waveform is not None for term in rows])
@@ -149,11 +149,19 @@ class Kinds(NamedTuple):
     fixed: BoolArray
 
 
-def at_point(points: Points, i: int, model: Model) -> Local:
+def at_point(points: CurvePoints, i: int, model: Model) -> Local:
     """What a model's terms mean at a point."""
     row, m, size = points.row, int(points.m[i]), points.size
     if takes_means(row, m, points.places, size):
-        return _of_means(points, m, model)
+        # the same where windows with missing samples count
+        row, rate = points.row, points.rate
+        found, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
+        E = found.expectation(terms)
+        power = np.array([term.power(rate) for term in model])
+        count = found.windows.start.size
+        return Local(
+            row, model, m, count, points.size, rate, E * power, found.relative(terms, E), np.ones(len(terms)), found
+        )
     part = row.parts[int(part_of(row, points.m[i : i + 1], size, points.join)[0])] if row.parts else row
     runs = grouped(points.runs, part, m)
     count = sum(int(part.count(n, np.array([m]))[0]) * times for n, times in runs)
@@ -162,26 +170,16 @@ def at_point(points: Points, i: int, model: Model) -> Local:
     return Local(part, model, m, count, size, points.rate, *moments(part, model, m, runs, points.rate), kept)
 
 
-def _of_means(points: Points, m: int, model: Model) -> Local:
-    """The same where windows with missing samples count."""
-    row, rate = points.row, points.rate
-    found, terms = mean_moments(row, m, points.places, points.size), [term.sampled(rate) for term in model]
-    E = found.expectation(terms)
-    power = np.array([term.power(rate) for term in model])
-    count = found.windows.start.size
-    return Local(
-        row, model, m, count, points.size, rate, E * power, found.relative(terms, E), np.ones(len(terms)), found
-    )
-
-
-def _single(edf: float) -> Mixture:
+def _single(edf: float) -> ChiSquareSum:
     weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
     dof[0] = min(edf, CERTAIN)
     weight[0] = 1 / dof[0]
-    return Mixture(weight, dof, np.array(0.0), np.array(0.0))
+    return ChiSquareSum(weight, dof, np.array(0.0), np.array(0.0))
 
 
-def _mixture(spectrum: Spectrum, share: FloatArray, r: FloatArray, kinds: Kinds, inverse: float) -> Mixture | None:
+def _mixture(
+    spectrum: Eigenvalues, share: FloatArray, r: FloatArray, kinds: Kinds, inverse: float
+) -> ChiSquareSum | None:
     smooth, white, fixed = kinds
     mass = float(share[smooth].sum())
     lead = np.pad(mass * spectrum.leading, (0, LEADING - spectrum.leading.size))
@@ -198,7 +196,7 @@ def _mixture(spectrum: Spectrum, share: FloatArray, r: FloatArray, kinds: Kinds,
     dof = np.array([1.0] * LEADING + [nu, 1 / own if own else 1.0])
     # a third difference leaves of a ramp what rounding leaves
     beside = max(between / (2 * ramp), 0.0) if ramp > NOTHING else 0.0
-    return Mixture(weight, dof, np.array(ramp), np.array(beside))
+    return ChiSquareSum(weight, dof, np.array(ramp), np.array(beside))
 
 
 def _stretch(lead: FloatArray, rest: tuple[float, float], wanted: float) -> float | None:
@@ -221,8 +219,8 @@ class AutomaticLaw:
     It is pickled as the law that was found: the angle of the record is left behind.
     """
 
-    points: Points
-    angle: Angle
+    points: CurvePoints
+    angle: AngleRecord
     signal: Signal
 
     @cached_property
@@ -235,7 +233,7 @@ class AutomaticLaw:
         """Degrees of freedom and limits over the variance; see `Curve`."""
         return self.found(level)
 
-    def __reduce__(self) -> tuple[type[ModelLaw], tuple[Points, tuple[Model, ...]]]:
+    def __reduce__(self) -> tuple[type[ModelLaw], tuple[CurvePoints, tuple[Model, ...]]]:
         return ModelLaw, (self.points, self.found.models)
 
 
@@ -246,7 +244,7 @@ class PublishedLaw(Portable):
     UsageError where none are published.
     """
 
-    points: Points
+    points: CurvePoints
     alpha: IntArray
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -271,7 +269,7 @@ class PublishedLaw(Portable):
             ) from None
 
 
-def power_laws(points: Points, angle: Angle) -> tuple[PowerLaw, ...]:
+def power_laws(points: CurvePoints, angle: AngleRecord) -> tuple[PowerLaw, ...]:
     """The power law of the noise at each point."""
     row = points.row.parts[0] if points.row.parts else points.row
     return identify_power_law(angle, row, times(points.row, points.m, points.size, points.join))

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.statistics.differences import MDEV, OADEV
-from allanite.statistics.estimator import Angle, Piece, windows
+from allanite.statistics.estimator import AngleRecord, Piece, windows
 from allanite.statistics.row import FloatArray, Statistic
 from allanite.terms import TERMS
 
@@ -83,7 +83,7 @@ class PowerLaw(NamedTuple):
     m: int
 
 
-def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple[PowerLaw, ...]:
+def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) -> tuple[PowerLaw, ...]:
     """The power law of a record's noise at averaging times, in sample intervals (`grids.times`), which are rounded.
 
     The angle is `integrated` for this row or one of the same order, which says how steep a law the row converges for:
@@ -119,20 +119,22 @@ def identify_power_law(angle: Angle, row: Statistic, times: FloatArray) -> tuple
     return tuple(laws[int(m)] for m in strides)
 
 
-def _longest(angle: Angle) -> int:
+def _longest(angle: AngleRecord) -> int:
     """The largest averaging factor that leaves enough means of the rate, at least 1."""
     sizes = np.array([piece.x.size - 1 for piece in angle.pieces])
     candidates = range(1, int(sizes.sum()) // FEWEST + 1)
     return max(1, bisect_right(candidates, -FEWEST, key=lambda m: -int((sizes // m).sum())))
 
 
-def _law(angle: Angle, flat: Angle, m: int, order: int) -> PowerLaw:
+def _law(angle: AngleRecord, flat: AngleRecord, m: int, order: int) -> PowerLaw:
     # a piece that has no two differences left at the end says nothing on the way either
     long = [piece.x[::m] for piece in flat.pieces if piece.x.size > m * (order + 1)]
     enough = sum(x.size for x in long) >= ENOUGH
     alpha, method = (lag1(long, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
     if alpha > 0 and m > 3 and (ratio := _modified_ratio(flat, m)) is not None:
-        alpha, method = _by_modified(ratio, m), "rn"
+        # the angle noise, or white rate noise, whose modified over plain Allan variance is nearest
+        ratios = {2: 1 / m, 1: 3.37 / (1.04 + 3 * math.log(math.pi * m)), 0: (m**2 + 1) / (2 * m**2)}
+        alpha, method = min(ratios, key=lambda alpha: abs(math.log(ratio / ratios[alpha]))), "rn"
     return PowerLaw(alpha, symbol_of(alpha), method, m)
 
 
@@ -191,7 +193,7 @@ def _autocorrelation(pieces: list[FloatArray]) -> float:
     return max(-0.95, products / squares * (count - 1) / pairs)
 
 
-def _by_ratio(angle: Angle, m: int, order: int) -> int:
+def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
     """Alpha whose expected ratio is nearest in the logarithm; 0 where nothing can be compared."""
     laws = [alpha for alpha in LAWS if alpha >= 2 - 2 * order]
     pieces = _longest_pieces(angle.pieces, m)
@@ -235,13 +237,7 @@ def expected_ratio(forms: tuple[FloatArray, FloatArray], start: FloatArray, alph
     return spread / local
 
 
-def _modified_ratio(angle: Angle, m: int) -> float | None:
+def _modified_ratio(angle: AngleRecord, m: int) -> float | None:
     """Modified over plain Allan variance; None where no window of the modified one is complete."""
     plain, modified = (windows(row, angle, np.array([m])) for row in (OADEV, MDEV))
     return float(modified.variance[0] / plain.variance[0]) if modified.number[0] and plain.variance[0] else None
-
-
-def _by_modified(ratio: float, m: int) -> int:
-    """The angle noise, or white rate noise, whose modified over plain Allan variance is nearest."""
-    ratios = {2: 1 / m, 1: 3.37 / (1.04 + 3 * math.log(math.pi * m)), 0: (m**2 + 1) / (2 * m**2)}
-    return min(ratios, key=lambda alpha: abs(math.log(ratio / ratios[alpha])))

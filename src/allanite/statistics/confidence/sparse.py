@@ -14,7 +14,7 @@ import numpy as np
 from allanite.core.curve import Law
 from allanite.statistics.grids import part_of
 from allanite.statistics.row import FloatArray, IntArray
-from allanite.statistics.table import Points
+from allanite.statistics.table import CurvePoints
 
 FIRST, PER_DECADE, LONG, LATE = 8, 4, 6, 40
 """Averaging factors that are all nodes, nodes a decade up to the largest over LONG, and the most nodes beyond."""
@@ -30,7 +30,7 @@ EVEN, AT_THE_END = 100, 30
 class SparseLaw:
     """The law of many points, from that of a few."""
 
-    points: Points
+    points: CurvePoints
     few: Law
 
     def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -39,19 +39,19 @@ class SparseLaw:
         return _between(self.points, edf), _between(self.points, low), _between(self.points, high)
 
 
-def sparse_law(points: Points, law: Callable[[Points], Law]) -> Law:
+def sparse_law(points: CurvePoints, law: Callable[[CurvePoints], Law]) -> Law:
     """A law of many points, from that of a few."""
     few = _at_nodes(points)
     return law(points) if few.m.size == points.m.size else SparseLaw(points, law(few))
 
 
-def sparse(points: Points, function: Callable[[Points], FloatArray]) -> FloatArray:
+def sparse(points: CurvePoints, function: Callable[[CurvePoints], FloatArray]) -> FloatArray:
     """A positive function of many points, shape (..., points), from its values at a few."""
     few = _at_nodes(points)
     return function(points) if few.m.size == points.m.size else _between(points, function(few))
 
 
-class Part(NamedTuple):
+class CurvePart(NamedTuple):
     """Places in m of the points of a statistic, or of a hybrid's part, by rising m, and which of them are nodes."""
 
     places: IntArray
@@ -59,7 +59,7 @@ class Part(NamedTuple):
     smooth: bool
 
 
-def _parts(points: Points) -> list[Part]:
+def _parts(points: CurvePoints) -> list[CurvePart]:
     made, order = part_of(points.row, points.m, points.size, points.join), np.argsort(points.m, kind="stable")
     found = []
     for i in np.unique(made):
@@ -67,7 +67,7 @@ def _parts(points: Points) -> list[Part]:
         smooth = row.overlapped and len(points.runs) == 1 and points.runs[0][1] == 1
         places = order[made[order] == i]
         m = points.m[places]
-        found.append(Part(places, _smooth_nodes(m) if smooth else _nodes(m), smooth))
+        found.append(CurvePart(places, _smooth_nodes(m) if smooth else _nodes(m), smooth))
     return found
 
 
@@ -92,11 +92,11 @@ def _stretched(m: IntArray) -> FloatArray:
     return np.asarray(np.log(m / (m[-1] + 1.0 - m)))
 
 
-def _at_nodes(points: Points) -> Points:
+def _at_nodes(points: CurvePoints) -> CurvePoints:
     return points._replace(m=points.m[np.concatenate([part.places[part.nodes] for part in _parts(points)])])
 
 
-def _between(points: Points, values: FloatArray) -> FloatArray:
+def _between(points: CurvePoints, values: FloatArray) -> FloatArray:
     """Values at the nodes, in their order, at all points, by their logarithm."""
     from scipy.interpolate import CubicSpline, make_interp_spline
 

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Literal, NamedTuple
 
 from allanite.core.averaged import Averaged, noise_choice
 from allanite.core.curve import Law
 from allanite.core.fit import Fit
-from allanite.core.model import ModelLike
+from allanite.core.limits import Remembered
+from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.threads import one_thread
 from allanite.core.validity import UNEXPLAINED
 from allanite.phrases.phrase import say
@@ -16,7 +17,7 @@ from allanite.statistics.row import FloatArray
 from allanite.terms import TERMS
 
 
-class Supposed(NamedTuple):
+class SupposedNoise(NamedTuple):
     """Models with their weights, or "auto" for the power law at each averaging time.
 
     `words` describes the intervals in a short phrase.
@@ -29,11 +30,11 @@ class Supposed(NamedTuple):
 Limits = tuple[FloatArray, FloatArray, FloatArray]
 """Degrees of freedom, lower and upper limits over the variance."""
 
-Supposing = ModelLike | Literal["auto"] | Callable[[], Supposed]
+Supposing = ModelLike | Literal["auto"] | Callable[[], SupposedNoise]
 """Noise that intervals assume; a function is called when they are first needed."""
 
 
-def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
+def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
     """A choice of the noise, with its description.
 
     Examples
@@ -44,7 +45,7 @@ def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
     """
     choice = noise_choice(noise)
     if not isinstance(choice, Averaged):
-        return Supposed("auto", say("intervals for the power law identified at each averaging time"))
+        return SupposedNoise("auto", say("intervals for the power law identified at each averaging time"))
     fit = noise if isinstance(noise, Fit) else None
     if len(choice) == 1:
         under = say("intervals under the given model {model}", model=str(choice.terms))
@@ -59,17 +60,50 @@ def supposed(noise: ModelLike | Literal["auto"]) -> Supposed:
                         count=len(choice), symbols=symbols)  # fmt: skip
     if fit and fit.validity == UNEXPLAINED:
         under = say("{intervals}, which does not explain the record", intervals=under)
-    return Supposed(choice, under)
+    return SupposedNoise(choice, under)
 
 
 @dataclass(frozen=True, eq=False)
-class Later:
+class Assumption:
+    """What intervals assume of the noise: models, "auto", a function that is called when it is needed, or nothing."""
+
+    choice: Supposing | None
+
+    @property
+    def late(self) -> bool:
+        """Whether a function tells the noise, once it is needed."""
+        return callable(self.choice)
+
+    @cached_property
+    def suppose(self) -> Callable[[], SupposedNoise]:
+        """The noise and its description, found once."""
+        return Remembered(self.choice if callable(self.choice) else partial(supposed, self.choice))  # type: ignore[arg-type]  # asked where there is one
+
+    @property
+    def noise(self) -> Averaged | Literal["auto"] | None:
+        """The noise; None if there is none."""
+        return None if self.choice is None else self.suppose().noise
+
+    @cached_property
+    def given(self) -> Averaged | None:
+        """The models that were given; None for any other choice."""
+        noise = None if self.late else self.noise
+        return noise if isinstance(noise, Averaged) else None
+
+    @property
+    def model(self) -> Model | None:
+        """The one model that stands for those that were given."""
+        return None if self.given is None else model_of(self.choice)  # type: ignore[arg-type]  # it was given
+
+
+@dataclass(frozen=True, eq=False)
+class LaterLaw:
     """The law `under` a noise that is identified on first use; pickled as the result.
 
     Limits are computed once for each level, also for curves that share them: the same curve in other units.
     """
 
-    suppose: Callable[[], Supposed]
+    suppose: Callable[[], SupposedNoise]
     under: Callable[[Averaged | Literal["auto"]], Law]
     known: dict[float, Limits] = field(default_factory=dict, init=False, repr=False)
 

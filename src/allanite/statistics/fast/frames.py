@@ -75,7 +75,11 @@ def framed(
             cut(x, (k + i) * step, degree, summed, row[: step + reach])
             seams.begin(row[:reach].copy())
             seams.end(row[step : step + reach].copy())
-        _add(total, part, block, LEFT * right)
+        # add the rows' cross spectra between each of the first `left` blocks and those behind it
+        from allanite.kernels.frames import add_products
+
+        spectra = np.fft.rfft(part.reshape(part.shape[0], -1, block), 2 * block)
+        add_products(total, spectra.view(np.float64), LEFT * right)
     tail = np.empty(points - count * step)
     cut(x, count * step, degree, summed, tail)
     seams.begin(tail[:reach])
@@ -92,14 +96,6 @@ def autocorrelation(z: FloatArray) -> FloatArray:
     total = np.zeros((-(-z.size // block), 2 * block + 2))
     _add_one(total, z, block)
     return _lags(total, block)[: z.size]
-
-
-def _add(total: FloatArray, rows: FloatArray, block: int, left: int) -> None:
-    """Add the rows' cross spectra between each of the first `left` blocks and those behind it."""
-    from allanite.kernels.frames import add_products
-
-    spectra = np.fft.rfft(rows.reshape(rows.shape[0], -1, block), 2 * block)
-    add_products(total, spectra.view(np.float64), left)
 
 
 def _add_one(total: FloatArray, z: FloatArray, block: int) -> None:
@@ -157,23 +153,19 @@ class _Seams:
         edges, signs = [self.first], [1.0]
         if self.far is None:
             return edges, signs
-        basis = _lagrange(self.nodes, self.reach)
+        # the polynomials that are 1 at one node and 0 at the others, shape (nodes, reach)
+        nodes = self.nodes
+        basis = np.ones((nodes.size, self.reach))
+        u = np.arange(self.reach, dtype=np.float64)
+        for i, node in enumerate(nodes):
+            for other in np.delete(nodes, i):
+                basis[i] *= (u - other) / (node - other)
         for sums, squares, p in zip(self.sums, self.squares, basis, strict=True):
             Y = sums + 0.5 * squares @ basis
             if size := float(np.abs(Y).max()):
                 edges += [np.sqrt(0.5 / size) * (Y + size * p), np.sqrt(0.5 / size) * (Y - size * p)]
                 signs += [-1.0, 1.0]
         return edges, signs
-
-
-def _lagrange(nodes: np.ndarray[tuple[int], np.dtype[np.int64]], reach: int) -> FloatArray:
-    """The polynomials that are 1 at one node and 0 at the others, shape (nodes, reach)."""
-    basis = np.ones((nodes.size, reach))
-    u = np.arange(reach, dtype=np.float64)
-    for i, node in enumerate(nodes):
-        for other in np.delete(nodes, i):
-            basis[i] *= (u - other) / (node - other)
-    return basis
 
 
 def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArray:

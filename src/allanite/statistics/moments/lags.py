@@ -31,30 +31,26 @@ def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
     for kink, following in zip(kinks, [*kinks[1:], None], strict=True):
         nodes.append(kink)
         weights.append(1.0)
-        for first, count in _panels(kink, end, following):
+        # (first lag, number of lags) of panels covering what lies between two kinks, or beyond the last one
+        left, right = kink + 1, end if following is None else following - 1
+        panels = []
+        while left <= right:
+            remaining = round(right - left) + 1
+            size = max(4, math.floor(GROWTH * (left - kink)))
+            if following is None or remaining <= 4:
+                panels.append((left, min(size, remaining)))
+                left += size
+                continue
+            size = min(size, remaining - remaining // 2)
+            panels.append((left, size))
+            mirrored = min(size, remaining - size)
+            panels.append((right - mirrored + 1, mirrored))
+            left, right = left + size, right - mirrored
+        for first, count in panels:
             x, w = sum_nodes(first, count)
             nodes += x
             weights += w
     return np.array(nodes), np.array(weights)
-
-
-def _panels(kink: float, end: float, following: float | None) -> list[tuple[float, int]]:
-    """(first lag, number of lags) of panels covering what lies between two kinks, or beyond the last one."""
-    left, right = kink + 1, end if following is None else following - 1
-    panels = []
-    while left <= right:
-        remaining = round(right - left) + 1
-        size = max(4, math.floor(GROWTH * (left - kink)))
-        if following is None or remaining <= 4:
-            panels.append((left, min(size, remaining)))
-            left += size
-            continue
-        size = min(size, remaining - remaining // 2)
-        panels.append((left, size))
-        mirrored = min(size, remaining - size)
-        panels.append((right - mirrored + 1, mirrored))
-        left, right = left + size, right - mirrored
-    return panels
 
 
 def sum_nodes(first: float, count: int) -> tuple[list[float], list[float]]:

@@ -29,31 +29,31 @@ PANELS, OSCILLATIONS = 3, 1000
 """Panels in each period of a covariance that oscillates, and periods that are divided so."""
 
 
-class Field(NamedTuple):
+class CovarianceField(NamedTuple):
     """A function of the lag and its derivatives, (order, t)."""
 
     value: Callable[[FloatArray], FloatArray]
     derivative: Callable[[int, FloatArray], FloatArray]
 
 
-NOTHING = Field(np.zeros_like, lambda _, t: np.zeros_like(t))
+NOTHING = CovarianceField(np.zeros_like, lambda _, t: np.zeros_like(t))
 """F of a polynomial that the differences remove."""
 
 
-def field_of(row: Statistic, term: NoiseTerm) -> Field:
+def field_of(row: Statistic, term: NoiseTerm) -> CovarianceField:
     """F: the structure function of what the row takes differences of."""
     degree = 2 * term.slope + 2 + 2 * row.summed  # of F
     if term.waveform is not None and degree < 2 * row.differences:
         return NOTHING
     if not row.summed:
-        return Field(term.structure, term.derivative)
+        return CovarianceField(term.structure, term.derivative)
     D = term.derivative
 
     def second_sum(order: int, t: FloatArray) -> FloatArray:
         # the inverse of a second difference, 1 / (2 cosh x - 2), in powers of the derivative x
         return np.asarray(D(order, t) / 12 - D(order - 2, t) - D(order + 2, t) / 240 + D(order + 4, t) / 6048)
 
-    return Field(lambda t: np.asarray(-term.summed(t)), second_sum)
+    return CovarianceField(lambda t: np.asarray(-term.summed(t)), second_sum)
 
 
 def responses(row: Statistic, terms: Sequence[NoiseTerm], m: IntArray | FloatArray) -> FloatArray:
@@ -116,44 +116,34 @@ def covariance_of_windows(row: Statistic, term: NoiseTerm, m: int, h: FloatArray
     return _covariance(field_of(row, term), row.differences, (m, m), h)
 
 
-def _covariance(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
+def _covariance(field: CovarianceField, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
     near = h <= 20 * order * (m[0] + m[1]) / 2
     C = np.empty_like(h)
-    C[near] = _differences(field, order, m, h[near])
+    offsets = (order / 2 - np.arange(order + 1.0))[:, None] * m[1]
+    C[near] = np.asarray(binomials(order) @ _one_difference(field, order, m[0], h[near] + offsets))
     C[~near] = _far_field(field, order, m, h[~near])
     return (-0.5 if order % 2 == 0 else 0.5) * C
 
 
-def _differences(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
-    offsets = (order / 2 - np.arange(order + 1.0))[:, None] * m[1]
-    return np.asarray(binomials(order) @ _one_difference(field, order, m[0], h + offsets))
-
-
-def _one_difference(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
+def _one_difference(field: CovarianceField, order: int, m: int, t: FloatArray) -> FloatArray:
     """Central difference of F(|t|) over m, shape of t."""
     far = np.abs(t) > FAR * m
     result = np.empty_like(t)
-    result[~far] = _direct(field, order, m, t[~far])
+    points = np.abs(t[~far] + (order / 2 - np.arange(order + 1.0))[:, None] * m)
+    result[~far] = np.asarray(binomials(order) @ field.value(points))
     if far.any():
         size = np.abs(t[far])
-        result[far] = np.sign(t[far]) ** order * _series(field, order, m, size)
+        c1 = order / 24
+        c2 = c1**2 / 2 - order / 2880
+        c3 = c1**3 / 6 - c1 * order / 2880 + order / 181440
+        series = sum(
+            c * float(m) ** (2 * i) * field.derivative(order + 2 * i, size) for i, c in enumerate((1, c1, c2, c3))
+        )
+        result[far] = np.sign(t[far]) ** order * np.asarray(float(m) ** order * series)
     return result
 
 
-def _direct(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
-    points = np.abs(t + (order / 2 - np.arange(order + 1.0))[:, None] * m)
-    return np.asarray(binomials(order) @ field.value(points))
-
-
-def _series(field: Field, order: int, m: int, t: FloatArray) -> FloatArray:
-    c1 = order / 24
-    c2 = c1**2 / 2 - order / 2880
-    c3 = c1**3 / 6 - c1 * order / 2880 + order / 181440
-    series = sum(c * float(m) ** (2 * i) * field.derivative(order + 2 * i, t) for i, c in enumerate((1, c1, c2, c3)))
-    return np.asarray(float(m) ** order * series)
-
-
-def _far_field(field: Field, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
+def _far_field(field: CovarianceField, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
     a, b = float(m[0]), float(m[1])
     A = order * (a**2 + b**2) / 24
     B = order * (a**4 + b**4) / 2880

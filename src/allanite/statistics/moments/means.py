@@ -90,7 +90,7 @@ def there(places: Places, size: int) -> There:
 
 
 @dataclass(frozen=True, eq=False)
-class Windows:
+class JoinedWindows:
     """Windows of a row at m that have a reading in each part.
 
     `start` are their first samples, shape (w,), `count` the readings of their parts, shape (w, parts).
@@ -118,9 +118,9 @@ class Windows:
         norm = float(self.row.norm(np.array([self.m]))[0]) / float((self.signs**2).sum())
         return np.asarray(self.h**2 / (self.m * self.h.sum() * norm))
 
-    def of(self, which: IntArray) -> "Windows":
+    def of(self, which: IntArray) -> "JoinedWindows":
         """Some of them."""
-        return Windows(self.row, self.m, self.there, self.start[which], self.count[which])
+        return JoinedWindows(self.row, self.m, self.there, self.start[which], self.count[which])
 
     @property
     def edges(self) -> IntArray:
@@ -141,7 +141,9 @@ class Windows:
         """Variance of the delta under a term of coefficient 1, unit sample interval, shape (w,)."""
         if term.edge:
             step = self.signs / self.count
-            own = np.einsum("wp,wp->w", step**2, 2.0 * (self.count - self._inner))
+            own = np.einsum(
+                "wp,wp->w", step**2, 2.0 * (self.count - self.there.steps(self.edges[:, :-1], self.edges[:, 1:] - 1))
+            )
             between = sum(step[:, p] * step[:, p + 1] * self._across[:, p] for p in range(self._across.shape[1]))
             return np.asarray(term.edge * (own - 2 * between))
         if term.slope == WHITE:
@@ -151,17 +153,12 @@ class Windows:
         return np.asarray(-0.5 * np.einsum("wi,wij,wj->w", v, D, v))
 
     @property
-    def _inner(self) -> IntArray:
-        """Readings of each part that have the next one in it."""
-        return self.there.steps(self.edges[:, :-1], self.edges[:, 1:] - 1)
-
-    @property
     def _across(self) -> IntArray:
         """Whether a part's last sample and the next part's first are both there."""
         border = self.edges[:, 1:-1]
         return self.there.steps(border - 1, border)
 
-    def covariances(self, term: NoiseTerm, near: "Windows") -> FloatArray:
+    def covariances(self, term: NoiseTerm, near: "JoinedWindows") -> FloatArray:
         """Covariance of each delta with those of its own row of `near`, windows w x l, shape (w, l)."""
         w, one = self.start.size, near.signs / near.count
         other = one.reshape(w, -1, self.signs.size)
@@ -186,13 +183,13 @@ class Windows:
         return total
 
 
-def windows_of(row: Statistic, m: int, there: There, stride: int) -> Windows:
+def windows_of(row: Statistic, m: int, there: There, stride: int) -> JoinedWindows:
     """Windows that start every so many samples and have a reading in each part."""
     start = np.arange(0, there.size - row.differences * m + 1, stride)
     edges = there.readings[start[:, None] + m * np.arange(row.differences + 1)]
     count = np.diff(edges, axis=1)
     full = (count > 0).all(axis=1)
-    return Windows(row, m, there, start[full], count[full])
+    return JoinedWindows(row, m, there, start[full], count[full])
 
 
 def variance_of(row: Statistic, m: int, there: There, x: FloatArray) -> tuple[float, int]:
@@ -210,10 +207,10 @@ class MeanMoments:
 
     Attributes
     ----------
-    windows : Windows
+    windows : JoinedWindows
     """
 
-    windows: Windows
+    windows: JoinedWindows
 
     def expectation(self, terms: Sequence[NoiseTerm]) -> FloatArray:
         """Expected variance of each term, unit sample interval, shape (t,)."""

@@ -101,14 +101,13 @@ def _of_sinusoid(row: Statistic, term: NoiseTerm, m: int, size: int) -> float:
 
 
 def _demand_stationary(row: Statistic, terms: Sequence[NoiseTerm]) -> None:
-    free = [term.symbol for term in terms if not _stationary(row.order, term)]
+    free = [
+        term.symbol
+        for term in terms
+        if not (row.order > 1 if term.waveform is not None else term.growth < 2 * row.order)
+    ]
     if free:
         raise UsageError(f"{row.name} under {', '.join(free)} depends on the record, not only on the model")
-
-
-def _stationary(order: int, term: NoiseTerm) -> bool:
-    """Whether differences of the angle of this order are stationary: a deterministic term needs two."""
-    return order > 1 if term.waveform is not None else term.growth < 2 * order
 
 
 def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:

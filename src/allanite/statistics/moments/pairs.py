@@ -22,7 +22,7 @@ from allanite.terms import NoiseTerm
 from .compact import averaged, extrapolation, sampled, slower, white_level
 from .lags import lag_nodes
 from .lagsums import responses
-from .profile import BESIDE, Profile, Windows, profile_of, total
+from .profile import BESIDE, LagProfile, Windows, profile_of, total
 from .windowed import relative, response
 
 POINTS = 750
@@ -80,7 +80,7 @@ def pair_lattice(half: float, step: float, counts: tuple[float, float], first: f
     return lag * step, weight * pairs * np.where(lag > 0, 2.0, 1.0) / (M1 * M2)
 
 
-class Pair(NamedTuple):
+class WindowPair(NamedTuple):
     """Two statistics at an averaging factor each, the first with the shorter windows, and their numbers of windows."""
 
     rows: tuple[Statistic, Statistic]
@@ -120,7 +120,7 @@ class Pair(NamedTuple):
         """Whether the windows hold single points of the angle."""
         return any(row.scheme.sharp or (row.differences and not row.summed) for row in self.rows)
 
-    def shortened(self, k: int) -> "Pair":
+    def shortened(self, k: int) -> "WindowPair":
         """The same with k for the longer window, in a record that is as many times shorter."""
         windows = self.counts[1] * k / self.m[1]
         one = self._replace(m=(self.m[0], k))
@@ -136,14 +136,14 @@ class Pairs:
     """Covariances under these terms, noise; `known` are the profiles of the windows that were met."""
 
     terms: Sequence[NoiseTerm]
-    known: dict[tuple[Any, ...], Profile] = field(default_factory=dict)
+    known: dict[tuple[Any, ...], LagProfile] = field(default_factory=dict)
 
     def products(self, rows: tuple[Statistic, Statistic], m: tuple[int, int], size: int) -> FloatArray:
         """T_ij of variances of the rate in a record without gaps, unit sample interval, shape (t, t)."""
         if rows[0].span[0] * m[0] > rows[1].span[0] * m[1]:
             rows, m = (rows[1], rows[0]), (m[1], m[0])
         counts = [float(row.count(size, np.array([k]))[0]) for row, k in zip(rows, m, strict=True)]
-        pair = Pair(rows, m, (counts[0], counts[1]))
+        pair = WindowPair(rows, m, (counts[0], counts[1]))
         if pair.whole:
             sums = [row.norm(np.array([k]))[0] * float(k) ** 2 for row, k in zip(rows, m, strict=True)]
             E = self._profile(pair, 1.0, sampled).E / np.array(sums)[:, None]
@@ -162,7 +162,7 @@ class Pairs:
             return np.asarray(responses(row, self.terms, np.array([m]))[:, 0])
         return response(row, self.terms, m, size)
 
-    def within(self, pair: Pair) -> FloatArray:
+    def within(self, pair: WindowPair) -> FloatArray:
         """T_ij over the root of the terms' four expectations, shape (t, t).
 
         As it is, reduced, or extrapolated in the ratio of the windows.
@@ -185,7 +185,7 @@ class Pairs:
         more = math.log(k / near.m[1]) / math.log(ratio)
         return np.asarray(far * fall**more / pair.counts[0])
 
-    def _at(self, pair: Pair, m: int) -> FloatArray:
+    def _at(self, pair: WindowPair, m: int) -> FloatArray:
         """With m for the shorter window, and between two factors for the longer one."""
         step = pair.rows[1].step
         wanted = pair.m[1] / pair.m[0] * m
@@ -195,7 +195,7 @@ class Pairs:
         share = math.log(wanted / below) / math.log1p(step / below)
         return (1 - share) * self._reduced(pair, (m, below)) + share * self._reduced(pair, (m, below + step))
 
-    def _reduced(self, pair: Pair, m: tuple[int, int]) -> FloatArray:
+    def _reduced(self, pair: WindowPair, m: tuple[int, int]) -> FloatArray:
         """With windows of m intervals in place of its own, that last as long."""
         step = m[0] / pair.m[0]
         shorter = pair._replace(m=m)
@@ -208,12 +208,12 @@ class Pairs:
         shorter = shorter._replace(counts=(pair.counts[0] * step, pair.counts[1] * step))
         return np.where(white[:, None] | white, step * self._whole(shorter, step), T)
 
-    def _whole(self, pair: Pair, step: float = 1.0) -> FloatArray:
+    def _whole(self, pair: WindowPair, step: float = 1.0) -> FloatArray:
         """With its windows as they are, samples lasting 1/step."""
         profile = self._profile(pair, step, sampled)
         return total(profile, *whole_lattice(*profile.sizes, pair.counts))
 
-    def _profile(self, pair: Pair, step: float, D: Any) -> Profile:
+    def _profile(self, pair: WindowPair, step: float, D: Any) -> LagProfile:
         alike = all(term.alpha is not None and not term.per_sample for term in self.terms)
         key = (pair.windows, pair.m, None if alike else step, D)
         if key not in self.known:

@@ -29,7 +29,7 @@ INSIDE = (0.5 - 0.05**0.5, 0.5 + 0.05**0.5)
 Windows = Callable[[int], Window]
 
 
-class Profile(NamedTuple):
+class LagProfile(NamedTuple):
     """c(x) of two windows whose centres are x >= 0 apart: at and between the kinks, and beyond; shape (t, t, nodes).
 
     Over the root of the four expectations `E`, shape (2, t). `sizes` are the samples of the windows; `first` and `last`
@@ -47,7 +47,7 @@ class Profile(NamedTuple):
     power: float
 
 
-class Form(NamedTuple):
+class WindowForm(NamedTuple):
     """A of one window, ``y'Ay`` for the rates y of its samples; the sums of its diagonals; f if it is ff'."""
 
     A: FloatArray
@@ -56,7 +56,7 @@ class Form(NamedTuple):
 
 
 @lru_cache(maxsize=32)
-def form_of(window: Windows, m: int) -> Form:
+def form_of(window: Windows, m: int) -> WindowForm:
     """The form of ``window(m)``."""
     weights, filters = window(m)
     rates = -np.cumsum(filters, axis=1)[:, :-1]
@@ -64,12 +64,12 @@ def form_of(window: Windows, m: int) -> Form:
     p = len(A)
     # with p zeros after each row, and one place less in a row, diagonals become columns
     diagonals = np.pad(A[:, ::-1], ((0, 0), (0, p))).ravel()[:-p].reshape(p, 2 * p - 1).sum(axis=0)
-    return Form(A, diagonals, rates[0] * math.sqrt(weights[0]) if weights.size == 1 else None)
+    return WindowForm(A, diagonals, rates[0] * math.sqrt(weights[0]) if weights.size == 1 else None)
 
 
 def profile_of(
     windows: tuple[Windows, Windows], m: tuple[int, int], terms: Sequence[NoiseTerm], *, order: int, between: bool
-) -> Profile:
+) -> LagProfile:
     """The profile of windows that are alike from both ends, under noise.
 
     `order` is that of both differences together; `between` asks for nodes between the samples, not only at these.
@@ -86,16 +86,26 @@ def profile_of(
     if one.single is not None and two.single is not None:
         c = np.einsum("is,js->ijs", *[np.array(C) @ np.correlate(two.single, one.single, "full")] * 2)
     else:
-        c = _of_many(C, _correlation(one.A, two.A), None if between else start, terms)
-    E = np.array([[_expectation(term, form) for term in terms] for form in (one, two)])
+        # m, shape (len(A) + len(B) - 1,) * 2, by FFT
+        A = one.A
+        B = two.A
+        from scipy.fft import fft, irfft2, next_fast_len, rfft
+
+        length = next_fast_len(len(A) + len(B) - 1, real=True)
+        a, b = (fft(rfft(form, length), length, axis=0, overwrite_x=True) for form in (A, B))
+        M = irfft2(np.conj(a) * b, (length, length))
+        h = np.arange(1 - len(A), len(B))
+        c = _of_many(C, np.asarray(M[np.ix_(h, h)]), None if between else start, terms)
+    E = np.array(
+        [
+            [float(form.diagonals @ _rates(term, np.abs(np.arange(1.0 - len(form.A), len(form.A))))) for term in terms]
+            for form in (one, two)
+        ]
+    )
     scale = np.sqrt(E.prod(axis=0))
     c /= np.outer(scale, scale)[..., None]
     near = start.size - AFTER
-    return Profile(E, sizes, last % 1, last, nodes, c[..., :near], beyond, c[..., near:], 2.0 * order - 4)
-
-
-def _expectation(term: NoiseTerm, form: Form) -> float:
-    return float(form.diagonals @ _rates(term, np.abs(np.arange(1.0 - len(form.A), len(form.A)))))
+    return LagProfile(E, sizes, last % 1, last, nodes, c[..., :near], beyond, c[..., near:], 2.0 * order - 4)
 
 
 def _of_many(C: list[FloatArray], M: FloatArray, start: FloatArray | None, terms: Sequence[NoiseTerm]) -> FloatArray:
@@ -133,17 +143,6 @@ class _Straight:
         return Y
 
 
-def _correlation(A: FloatArray, B: FloatArray) -> FloatArray:
-    """M, shape (len(A) + len(B) - 1,) * 2, by FFT."""
-    from scipy.fft import fft, irfft2, next_fast_len, rfft
-
-    length = next_fast_len(len(A) + len(B) - 1, real=True)
-    a, b = (fft(rfft(form, length), length, axis=0, overwrite_x=True) for form in (A, B))
-    M = irfft2(np.conj(a) * b, (length, length))
-    h = np.arange(1 - len(A), len(B))
-    return np.asarray(M[np.ix_(h, h)])
-
-
 def _rates(term: NoiseTerm, lag: FloatArray) -> FloatArray:
     """Covariance of two rates, shape of lag; a constant is left to choice."""
     C = np.empty(lag.shape)
@@ -169,7 +168,7 @@ def _lagged(term: NoiseTerm, start: FloatArray, size: int, cells: int) -> FloatA
     return C
 
 
-def total(profile: Profile, x: FloatArray, weight: FloatArray) -> FloatArray:
+def total(profile: LagProfile, x: FloatArray, weight: FloatArray) -> FloatArray:
     """``sum weight c(x)`` over distances x >= 0, shape (t, t)."""
     beyond, size = profile.beyond, profile.nodes.size
     near = x < beyond[0] - 1e-9

@@ -112,28 +112,27 @@ def _factors(spectrum: Spectrum, row: Statistic, taus: str | Sequence[float] | F
 
 def _integral(spectrum: Spectrum, row: Statistic, m: int) -> float:
     """The variance for a unit sample interval: sum over the bands of density and integral of the transfer function."""
-    edges = _edges(spectrum)
+    # ends of the bands of a spectrum, Hz, from 0 to half the sampling rate; the first band has no value of its
+    # own
+    half = spectrum.width[0] / 2
+    start = np.hypot(spectrum.frequency[0], half) - half  # the frequency of a band is the geometric mean of its ends
+    inner = start + np.cumsum(spectrum.width[:-1])
+    edges = np.concatenate(([0.0, start], np.minimum(inner, spectrum.rate / 2), [spectrum.rate / 2]))
     width = np.diff(edges)
     points = np.clip(np.ceil(FINE * row.differences * m * width / spectrum.rate), 1, MOST).astype(np.int64)
     first = np.repeat(np.cumsum(points) - points, points)
     inside = (np.arange(points.sum()) - first + 0.5) * np.repeat(width / points, points)
     f = (np.repeat(edges[:-1], points) + inside) / spectrum.rate
-    gain = np.add.reduceat(_gain(row, m, f), np.cumsum(points) - points) / points
-    density = np.concatenate((spectrum.density[:1], spectrum.density)) * 2 / SIDES[spectrum.sides]
-    return float(density @ (gain * width))
-
-
-def _edges(spectrum: Spectrum) -> FloatArray:
-    """Ends of the bands of a spectrum, Hz, from 0 to half the sampling rate; the first band has no value of its own."""
-    half = spectrum.width[0] / 2
-    start = np.hypot(spectrum.frequency[0], half) - half  # the frequency of a band is the geometric mean of its ends
-    inner = start + np.cumsum(spectrum.width[:-1])
-    return np.concatenate(([0.0, start], np.minimum(inner, spectrum.rate / 2), [spectrum.rate / 2]))
-
-
-def _gain(row: Statistic, m: int, f: FloatArray) -> FloatArray:
-    """Squared magnitude of the transfer function of the rate, f in cycles a sample."""
+    # squared magnitude of the transfer function of the rate, f in cycles a sample
     unit = np.sin(np.pi * f) ** 2  # the angle is the running sum of the rates, and `summed` that of the angle
     stride = np.sin(np.pi * f * m) ** 2
     norm = float(row.norm(np.array([m]))[0]) * float(m) ** 2
-    return np.asarray((4 * stride) ** row.differences / (4 * unit) ** (1 + row.summed) / norm)
+    gain = (
+        np.add.reduceat(
+            np.asarray((4 * stride) ** row.differences / (4 * unit) ** (1 + row.summed) / norm),
+            np.cumsum(points) - points,
+        )
+        / points
+    )
+    density = np.concatenate((spectrum.density[:1], spectrum.density)) * 2 / SIDES[spectrum.sides]
+    return float(density @ (gain * width))

@@ -24,7 +24,7 @@ class Raw(NamedTuple):
     resolution: float
 
 
-class Method(Protocol):
+class SpectralEstimator(Protocol):
     """A spectrum estimator."""
 
     @property

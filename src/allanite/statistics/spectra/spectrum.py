@@ -14,16 +14,16 @@ from allanite.core.threads import one_thread
 from allanite.statistics.row import FloatArray, IntArray
 
 from .multitaper import Multitaper
-from .raw_spectrum import Method, Raw
+from .raw_spectrum import Raw, SpectralEstimator
 from .welch import Welch
 
-METHODS: dict[str, Method] = {"welch": Welch(), "multitaper": Multitaper()}
+METHODS: dict[str, SpectralEstimator] = {"welch": Welch(), "multitaper": Multitaper()}
 """Methods by name, with their default settings."""
 
 
 @one_thread()
 def spectrum(
-    record: Record, method: str | Method = "welch", *, sides: str = "one", bins: int | None = None
+    record: Record, method: str | SpectralEstimator = "welch", *, sides: str = "one", bins: int | None = None
 ) -> Spectrum:
     """Estimate the power spectral density of a record.
 
@@ -75,11 +75,16 @@ def of_raw(raw: Raw, record: Record | Header, title: str, *, sides: str = "one",
     starts = _starts(raw.first, raw.density.size, bins)
     size = np.diff(np.append(starts, raw.density.size))
     k = raw.first + starts
+    # degrees of freedom of means over k ... k + size - 1: 2 E^2 / Var, with the covariances of all pairs
+    neighbours = _sum_of_pairs(raw.overlap, 1 - size, size)
+    mirrored = _sum_of_pairs(raw.overlap, 2 * k, size) + _sum_of_pairs(
+        raw.overlap, raw.period - 2 * (k + size - 1), size
+    )
     return Spectrum(
         frequency=np.sqrt(k * (k + size - 1.0)) * raw.df,
         width=size * raw.df,
         density=np.add.reduceat(raw.density, starts) / size * factor,
-        dof=_degrees(raw, k, size),
+        dof=np.asarray(2.0 * size**2 / (neighbours + mirrored)),
         unit=record.signal.unit,
         sides=sides,
         method=title,
@@ -90,7 +95,7 @@ def of_raw(raw: Raw, record: Record | Header, title: str, *, sides: str = "one",
     )
 
 
-def method_named(name: str, **settings: Any) -> Method:
+def method_named(name: str, **settings: Any) -> SpectralEstimator:
     """The method of `METHODS` with other settings; an unknown setting is an error that lists the known ones.
 
     Examples
@@ -119,18 +124,6 @@ def _starts(first: int, size: int, bins: int | None) -> IntArray:
     edges = (first - 0.5) * 10 ** (np.arange(math.ceil(decades * bins) + 1) / bins)
     starts = np.unique(np.ceil(edges).astype(np.int64)) - first
     return starts[starts < size]
-
-
-def _degrees(raw: Raw, k: IntArray, size: IntArray) -> FloatArray:
-    """Degrees of freedom of means over k ... k + size - 1: 2 E^2 / Var, with the covariances of all pairs.
-
-    A real record's value at k is also correlated with that at -k and, by aliasing, at period - k.
-    """
-    neighbours = _sum_of_pairs(raw.overlap, 1 - size, size)
-    mirrored = _sum_of_pairs(raw.overlap, 2 * k, size) + _sum_of_pairs(
-        raw.overlap, raw.period - 2 * (k + size - 1), size
-    )
-    return np.asarray(2.0 * size**2 / (neighbours + mirrored))
 
 
 def _sum_of_pairs(overlap: FloatArray, lowest: IntArray, size: IntArray) -> FloatArray:

@@ -74,7 +74,17 @@ class Welch:
         """Densities at evenly spaced frequencies; see `allanite.spectrum`."""
         values = record.rate_values
         runs = [values[a:b] for a, b in stretches(values)]
-        length = self._length(record, runs)
+        longest = max((run.size for run in runs), default=0)
+        if self.segment is None:
+            length = min(longest, max(record.size // 8, 64))
+        else:
+            length = round(self.segment * record.rate)
+            if length > longest:
+                raise UsageError(
+                    f"a segment of {self.segment:g} s does not fit: the longest stretch of {record.name!r} without "
+                    f"a missing sample is {longest / record.rate:g} s"
+                )
+        demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
         sums = Periodograms(self.window, length)
         for run in runs:
             sums.push(run)
@@ -97,27 +107,14 @@ class Welch:
         demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
         return Periodograms(self.window, length)
 
-    def _length(self, record: Record, runs: list[FloatArray]) -> int:
-        longest = max((run.size for run in runs), default=0)
-        if self.segment is None:
-            length = min(longest, max(record.size // 8, 64))
-        else:
-            length = round(self.segment * record.rate)
-            if length > longest:
-                raise UsageError(
-                    f"a segment of {self.segment:g} s does not fit: the longest stretch of {record.name!r} without "
-                    f"a missing sample is {longest / record.rate:g} s"
-                )
-        demand_frequencies((length + 1) // 2 - len(WINDOWS[self.window]), record)
-        return length
-
 
 class Periodograms:
     """Sums of the periodograms of segments that overlap by half, of samples that come in parts."""
 
     def __init__(self, window: str, length: int) -> None:
         self.window, self.length, self.hop = window, length, max(1, length // 2)
-        self.w = _window(window, length)
+        t = 2 * math.pi * np.arange(length) / length
+        self.w = np.asarray(sum((-1) ** j * a * np.cos(j * t) for j, a in enumerate(WINDOWS[window])), dtype=np.float64)
         self.power = np.zeros(length // 2 + 1)
         self.counts: dict[int, int] = {}
         self._now = 0
@@ -172,28 +169,20 @@ class Periodograms:
             self._rest[-1] = part.copy()  # the caller may use its memory again
             return
         run = part if len(self._rest) == 1 else np.concatenate(self._rest)
-        self.power += _summed_periodograms(run, self.w, self.hop)
+        w = self.w
+        from scipy.fft import rfft
+
+        segments = np.lib.stride_tricks.sliding_window_view(run, w.size)[:: self.hop]
+        power = np.zeros(w.size // 2 + 1)
+        group = max(1, AT_ONCE // w.size)
+        for start in range(0, len(segments), group):
+            part = segments[start : start + group]
+            part = (part - part.mean(axis=1, keepdims=True)) * w
+            power += (np.abs(rfft(part, axis=1)) ** 2).sum(axis=0)
+        self.power += power
         count = (size - self.length) // self.hop + 1
         self._now += count
         self._rest = [run[count * self.hop :].copy()]
-
-
-def _window(name: str, length: int) -> FloatArray:
-    t = 2 * math.pi * np.arange(length) / length
-    return np.asarray(sum((-1) ** j * a * np.cos(j * t) for j, a in enumerate(WINDOWS[name])), dtype=np.float64)
-
-
-def _summed_periodograms(run: FloatArray, w: FloatArray, hop: int) -> FloatArray:
-    from scipy.fft import rfft
-
-    segments = np.lib.stride_tricks.sliding_window_view(run, w.size)[::hop]
-    power = np.zeros(w.size // 2 + 1)
-    group = max(1, AT_ONCE // w.size)
-    for start in range(0, len(segments), group):
-        part = segments[start : start + group]
-        part = (part - part.mean(axis=1, keepdims=True)) * w
-        power += (np.abs(rfft(part, axis=1)) ** 2).sum(axis=0)
-    return power
 
 
 def _welch_overlap(w: FloatArray, hop: int, counts: dict[int, int]) -> FloatArray:
