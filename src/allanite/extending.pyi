@@ -35,7 +35,6 @@ from .core.record import SHORTEST as SHORTEST
 from .core.record import Record as Record
 from .core.record import Recording as Recording
 from .core.record import header_dict as header_dict
-from .core.sensors import SENSORS as SENSORS
 from .core.units import Signal as Signal
 from .core.units import convert as convert
 from .core.units import signal_with as signal_with

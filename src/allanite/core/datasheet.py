@@ -7,7 +7,7 @@ from typing import NamedTuple
 from allanite.phrases.phrase import Phrase, say
 from allanite.terms import TERMS
 
-from .estimate import STATUS_WORDS, Estimate
+from .estimate import Estimate
 from .fit import Fit
 from .readings import Readings, stability_over
 from .titles import title_of
@@ -99,7 +99,7 @@ def _coefficient(e: Estimate, level: float) -> Iterator[Entry]:
 
 def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> Entry:
     scale = factor * convert(1.0, e.unit, unit)
-    remark = {"identified": "", "absent": say("not identified")}.get(e.status, STATUS_WORDS[e.status])
+    remark = {"identified": "", "absent": say("not identified")}.get(e.status, e.row.name)
     if e.status == "not valid" or e.value is None:
         most = None if e.upper is None or e.status == "not valid" else e.upper * scale
         return Entry(quantity, None, None, most, unit, None, remark)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 from allanite.phrases.phrase import Phrase, say
 from allanite.terms import TERMS
@@ -18,16 +18,62 @@ from .units import Signal
 WEAK = 0.25
 """Relative standard error above which an identified term is called weak."""
 
-STATUS_WORDS = {
-    "identified": say("identified"),
-    "weak": say("weak"),
-    "absent": say("absent"),
-    "not observable": say("not observable"),
-    "not valid": say("not valid"),
-    "reported": say("reported"),
-    "negative": say("negative"),
-}
-"""Every status as it is shown."""
+
+class Status(NamedTuple):
+    """What is known of a coefficient.
+
+    Attributes
+    ----------
+    name : str
+    meaning : str
+    claimed, valued, usable : bool
+        Whether the term was detected; its value is a result of the method; its value or its limit is one.
+    mark, color : str
+        How its row is marked in a table (see `reporting.sheet.Mark`), and its color in a terminal.
+    """
+
+    name: str
+    meaning: str
+    claimed: bool = False
+    valued: bool = False
+    usable: bool = True
+    mark: Literal["", "strong", "struck"] = ""
+    color: str = ""
+
+
+STATUSES: dict[str, Status] = {
+    row.name: row
+    for row in (
+        Status(
+            say("identified"), say("relative standard error at most 25 %"),
+            claimed=True, valued=True, mark="strong", color="green",
+        ),
+        Status(
+            say("weak"), say("relative standard error above 25 %: an order of magnitude, not a specification"),
+            claimed=True, valued=True, mark="strong", color="yellow",
+        ),
+        Status(say("absent"), say("not identified; the limit is the one-sided 95 % upper limit"), color="dim"),
+        Status(
+            say("not observable"),
+            say("cannot be determined from the part of the record that was used, for the reason given"),
+            usable=False, color="dim",
+        ),
+        Status(
+            say("not valid"),
+            say("the model does not explain the record, or its measured curve contradicts the value: not a result"),
+            usable=False, mark="struck", color="red",
+        ),
+        Status(
+            say("reported"), say("by a method that gives no evidence for the term: it may be absent"),
+            valued=True, color="cyan",
+        ),
+        Status(
+            say("negative"), say("the estimated square of the coefficient is negative: the method finds no such term"),
+            usable=False,
+        ),
+    )
+}  # fmt: skip
+"""Every status of a coefficient, by its name."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,14 +143,19 @@ class Estimate(Value):
         return shown_unit(self.signal, TERMS[self.symbol].power, self.wanted)
 
     @property
+    def row(self) -> Status:
+        """The row of `STATUSES`."""
+        return STATUSES[self.status]
+
+    @property
     def claimed(self) -> bool:
         """Whether the term was detected."""
-        return self.status in ("identified", "weak")
+        return self.row.claimed
 
     @property
     def valued(self) -> bool:
         """Whether `value` is a result of the method: that of a term that was detected, or reported without evidence."""
-        return self.value is not None and (self.claimed or self.status == "reported")
+        return self.value is not None and self.row.valued
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval (low, high) in SI; from 0 to `upper` for an absent term."""

@@ -8,7 +8,6 @@ from typing import Any
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, encoded, write
 from allanite.core.plain import Value
-from allanite.core.sensors import SENSORS
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.study.analysis import Study
@@ -209,7 +208,7 @@ def _inertial(axes: list[Axis]) -> list[Axis]:
     """The axes of gyros and accelerometers; DataError if there are others only."""
     found = [axis for axis in axes if axis.fit.signal.inertial]
     if axes and not found:
-        names = ", ".join(f"{axis.label!r} ({SENSORS[axis.sensor]})" for axis in axes)
+        names = ", ".join(f"{axis.label!r} ({axis.sensor})" for axis in axes)
         raise DataError(
             f"files for other programs hold the noise of gyroscopes and accelerometers, not of {names}; write the "
             f"coefficients of any quantity with {_writing()}"

@@ -11,6 +11,7 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
+from allanite.core.estimate import STATUSES
 from allanite.phrases.phrase import say
 
 from .cells import pad, wrapped
@@ -19,10 +20,6 @@ from .sheet import Code, Column, Face, Note, Part, Sheet, Table, printable
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
 NOTES = {"alert": "bold red", "good": "green", "fair": "yellow", "note": "", "strong": "bold", "quiet": "dim"}
-STATUSES = {
-    "identified": "green", "weak": "yellow", "absent": "dim", "reported": "cyan", "not valid": "red",
-    "not observable": "dim",
-}  # fmt: skip
 LABEL = 10
 """Columns of the header's labels."""
 
@@ -131,7 +128,7 @@ def _cell(column: Column, cell: str, mark: str) -> Text:
     shown = _plain(cell)
     if mark == "struck" and column.kind == "number" and cell:
         shown = f"({shown})"
-    return Text(shown, style=STATUSES.get(cell, "") if column.kind == "status" else "")
+    return Text(shown, style=STATUSES[cell].color if column.kind == "status" and cell in STATUSES else "")
 
 
 def _justify(column: Column) -> Literal["left", "right"]:

@@ -19,7 +19,6 @@ from allanite.applications.rate import (
     subtract_bias,
 )
 from allanite.extending import (
-    SENSORS,
     DataError,
     Fit,
     Header,
@@ -229,7 +228,7 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
         raise DataError(
             say(
                 "the given true rate or bias belongs to another type of sensor: {sensor}",
-                sensor=SENSORS[settings.signal.name],
+                sensor=settings.signal.name,
             )
         )
     noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)

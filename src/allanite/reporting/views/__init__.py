@@ -103,9 +103,15 @@ def view_of(value: Any) -> View:
     if name not in VIEWS:
         raise UsageError(f"a {name} cannot be shown; results that can are {', '.join(VIEWS)}")
     module, _, attribute = VIEWS[name].partition(".")
-    found = getattr(import_module(f"allanite.reporting.views.{module}"), attribute)
+    found = getattr(import_module(f"{__name__}.{module}"), attribute)
     assert isinstance(found, View)  # noqa: S101 - the table says so
     return found
+
+
+def import_type(name: str) -> None:
+    """Import the type of a result, by its view; where the name is that of no result, the parts of all results."""
+    for row in [VIEWS[name]] if name in VIEWS else VIEWS.values():
+        import_module(f"{__name__}.{row.partition('.')[0]}")
 
 
 def level_of(value: Any, level: float | None = None) -> float:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from allanite.core.display_units import readable_unit
-from allanite.core.estimate import STATUS_WORDS
+from allanite.core.estimate import STATUSES
 from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
@@ -103,10 +103,10 @@ def _face(study: Study, level: float) -> Face:
 def _facts(study: Study) -> list[str]:
     """Sensors, sampling rate, length and program in a line."""
     records = [channel.record for channel in study.channels]
-    sensors = Counter(record.signal.name for record in records)
+    sensors = Counter(record.signal.a_sensor for record in records)
     counted = [
-        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=words.A_SENSOR[name])
-        for name, n in sensors.items()
+        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=sensor)
+        for sensor, n in sensors.items()
     ]
     same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
     found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
@@ -184,9 +184,9 @@ def _shared(study: Study) -> Iterator[Part]:
 
 def _statuses(study: Study) -> Iterator[Part]:
     met = {e.status for c in study.channels for e in c.fit or ()}
-    for status, meaning in words.STATUS.items():
-        if status in met:
-            yield Note(say("{status}: {meaning}", status=STATUS_WORDS[status], meaning=meaning), "quiet", where="text")
+    for status in STATUSES.values():
+        if status.name in met:
+            yield Note(say("{status}: {meaning}", status=status.name, meaning=status.meaning), "quiet", where="text")
 
 
 def _how(study: Study) -> Iterator[Part]:
@@ -198,7 +198,7 @@ def _how(study: Study) -> Iterator[Part]:
     yield from (Note(paragraph) for paragraph in EXPLAINED.get(recipe.method, ()))
     yield Note(_curve_explained(recipe))
     met = {e.status for fit in fits for e in fit}
-    rows = [[STATUS_WORDS[status], meaning] for status, meaning in words.STATUS.items() if status in met]
+    rows = [[status.name, status.meaning] for status in STATUSES.values() if status.name in met]
     yield Table((Column(say("status"), "status"), Column(say("meaning"), "text")), rows)
     yield definitions(fits)
 

@@ -159,7 +159,7 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
     heads += [Column(say("result"), "name")] if batch.specification else []
     cells = [_row(batch, unit, channel, symbols, level) for unit, channel in _of(batch, signal)]
     marks = [MARKS.get(_outcome(unit, channel), "") for unit, channel in _of(batch, signal)]
-    title = say("units: {sensor}", sensor=words.SENSORS[signal.name])
+    title = say("units: {sensor}", sensor=signal.sensor)
     return Table(heads, cells, title, marks, MAIN, most=EVERY)
 
 
@@ -178,9 +178,9 @@ def _row(batch: Batch, unit: BatchUnit, channel: Channel, symbols: Sequence[str]
     cells = []
     for symbol in symbols:
         e = found.get(symbol)
-        valid = e is not None and e.status not in ("not valid", "not observable", "negative")
-        number = words.shown(e, e.sheet_unit, level) if e is not None and valid else None
-        most = words.limit(e, e.sheet_unit) if e is not None and valid else None
+        known = e is not None and e.row.usable
+        number = words.shown(e, e.sheet_unit, level) if e is not None and known else None
+        most = words.limit(e, e.sheet_unit) if e is not None and known else None
         cells.append(number.plain()[0] if number else f"< {most.plain()[0]}" if most else "-")
     last = [
         _minimum(channel, level),

@@ -11,6 +11,7 @@ from allanite.phrases.phrase import say
 from allanite.reporting import figures
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table
 from allanite.statistics import STATISTICS, Expectation, expectation
+from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
 from . import Rows, View
 from .fit import model_table

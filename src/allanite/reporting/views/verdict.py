@@ -42,7 +42,7 @@ def verdict(channel: Channel, level: float) -> str:
     if not channel.explained:
         return say("{channel}: not explained. Its coefficients are not valid.", channel=name)
     found = [_found(e, level) for e in channel.fit if e.value is not None and e.status != "not valid"]
-    sensor = words.A_SENSOR[channel.record.signal.name]
+    sensor = channel.record.signal.a_sensor
     first = say("{channel} is {sensor} of which no noise term was identified.", channel=name, sensor=sensor)
     if found:
         first = say("{channel} is {sensor} with {terms}.", channel=name, sensor=sensor, terms=_join(found))
