@@ -83,7 +83,7 @@ def _within(parts: Iterable[Part]) -> Iterator[Drawing]:
 
 def _figure(drawing: Drawing, name: str) -> "Figure":
     """The figure with its title above and its caption below, outside of its own frame."""
-    figure = drawing.draw()
+    figure = drawing.draw().printed()
     width = int(14 * figure.get_figwidth())
     above = ": ".join(filter(None, (printable(name), tr(drawing.title))))
     below = "\n".join(textwrap.wrap(tr(drawing.caption or drawing.label), width))

@@ -11,7 +11,7 @@ from allanite.phrases.phrase import join, say
 from .digits import SUPERSCRIPT
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from .style import Plot
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
 Mark = Literal["", "good", "weak", "alarm", "quiet", "strong", "struck"]
@@ -77,7 +77,7 @@ class Note:
 class Drawing:
     """A figure that is drawn only where it is shown."""
 
-    draw: "Callable[[], Figure]"
+    draw: "Callable[[], Plot]"
     label: str
     caption: str = ""
     title: str = ""

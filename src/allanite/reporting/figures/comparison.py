@@ -30,7 +30,8 @@ FEW = 2.0
 """Ratio within which the axis of ratios always reaches."""
 
 
-def plot_comparison(values: Sequence[Comparison | Pool], level: float) -> Figure:
+@style.plotted
+def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | Pool], level: float) -> Figure:
     """Two panels a channel: the curves with their bands, and the ratio of their variances.
 
     Raises
@@ -41,20 +42,17 @@ def plot_comparison(values: Sequence[Comparison | Pool], level: float) -> Figure
     drawn = [draw for value in values for draw in _drawers(value, level)]
     if not drawn:
         raise UsageError("there are no curves to draw: only coefficients were compared")
-    with style.look():
-        alone = len(drawn) == 1
-        figure = style.new_figure(*((7.2, 6.8) if alone else (12.4, 0.6 + 3.3 * len(drawn))))
-        grid = (
-            figure.subplots(2, 1, height_ratios=(3, 2), sharex=True)[None, :]
-            if alone
-            else figure.subplots(len(drawn), 2)
-        )
-        for draw, (above, below) in zip(drawn, np.reshape(grid, (-1, 2)), strict=True):
-            draw((above, below))
-            below.set_xlabel(TIME)
-            if not alone:
-                above.set_xlabel(TIME)
-        draw_legend(figure, marks=False)
+    alone = len(drawn) == 1
+    figure = new_figure(*((7.2, 6.8) if alone else (12.4, 0.6 + 3.3 * len(drawn))))
+    grid = (
+        figure.subplots(2, 1, height_ratios=(3, 2), sharex=True)[None, :] if alone else figure.subplots(len(drawn), 2)
+    )
+    for draw, (above, below) in zip(drawn, np.reshape(grid, (-1, 2)), strict=True):
+        draw((above, below))
+        below.set_xlabel(TIME)
+        if not alone:
+            above.set_xlabel(TIME)
+    draw_legend(figure, marks=False)
     return figure
 
 

@@ -22,15 +22,15 @@ POINTS = 400
 """Means over time that are drawn."""
 
 
-def plot_compensated(channels: Sequence[Compensated], level: float) -> Figure:
+@style.plotted
+def plot_compensated(new_figure: style.NewFigure, channels: Sequence[Compensated], level: float) -> Figure:
     """Deviation by averaging time, and below it rate by time, of each channel that was corrected."""
     width = 7.2 if len(channels) == 1 else 5.2 * len(channels)
-    with style.look():
-        figure = style.new_figure(width, 6.6)
-        for channel, (top, bottom) in zip(channels, figure.subplots(2, len(channels), squeeze=False).T, strict=True):
-            _draw_curves(top, channel, level)
-            _draw_rates(bottom, channel)
-            style.title(top, channel.record.name or say("channel"))
+    figure = new_figure(width, 6.6)
+    for channel, (top, bottom) in zip(channels, figure.subplots(2, len(channels), squeeze=False).T, strict=True):
+        _draw_curves(top, channel, level)
+        _draw_rates(bottom, channel)
+        style.title(top, channel.record.name or say("channel"))
     return figure
 
 

@@ -35,7 +35,8 @@ LEAST, MOST = 3.2, 5.6
 Span = tuple[tuple[float, float], tuple[float, float]]
 
 
-def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_panels(new_figure: style.NewFigure, panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
     """One panel for each curve: sensors side by side, the channels of each one below the other, with equal decades."""
     columns = columns_of(panels)
     rows = max(map(len, columns))
@@ -43,14 +44,13 @@ def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
     sizes = [_scaled([span(panel) for panel in column], wide) for column in columns]
     width = sum(size[1] for size in sizes) + 0.8 * len(columns)
     height = rows * (max(size[2] for size in sizes) + 0.3) + 1.1
-    with style.look():
-        figure = style.new_figure(width, height)
-        grid = figure.subplots(rows, len(columns), squeeze=False, width_ratios=[size[1] for size in sizes])
-        for ax in grid.flat:
-            ax.set_axis_off()
-        for j, column in enumerate(columns):
-            _draw_column(list(grid[: len(column), j]), column, sizes[j][:2], level)
-        draw_legend(figure)
+    figure = new_figure(width, height)
+    grid = figure.subplots(rows, len(columns), squeeze=False, width_ratios=[size[1] for size in sizes])
+    for ax in grid.flat:
+        ax.set_axis_off()
+    for j, column in enumerate(columns):
+        _draw_column(list(grid[: len(column), j]), column, sizes[j][:2], level)
+    draw_legend(figure)
     return figure
 
 

@@ -33,11 +33,11 @@ def with_unit(quantity: str, unit: str) -> Phrase:
     return say("{quantity} ({unit})", quantity=quantity, unit=printed_unit(unit))
 
 
-def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
+def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
     """A figure of columns with so many panels; those of a column share the abscissa, and its labels stand below it."""
     rows = max(lengths)
     single = rows == len(lengths) == 1
-    figure = style.new_figure(*((7.2, 5.0) if single else (6.4 * len(lengths), 0.6 + 3.3 * rows)))
+    figure = new_figure(*((7.2, 5.0) if single else (6.4 * len(lengths), 0.6 + 3.3 * rows)))
     grid = figure.subplots(rows, len(lengths), squeeze=False, sharex="col")
     columns = [list(axes[:length]) for axes, length in zip(grid.T, lengths, strict=True)]
     for axes, length in zip(grid.T, lengths, strict=True):
@@ -161,12 +161,12 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if MODEL in entries:
-        entries[say("each term alone")] = style.key(color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+        entries[say("each term alone")] = style.key(figure, color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
         if marks:
-            mark = style.key(ls="", marker="D", ms=5, mfc="white", color=style.OTHER, mew=1.3)
+            mark = style.key(figure, ls="", marker="D", ms=5, mfc="white", color=style.OTHER, mew=1.3)
             entries[say("where its coefficient is read off")] = mark
     if EXPECTED in entries:
-        entries[EXPECTED] = style.key(color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+        entries[EXPECTED] = style.key(figure, color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
     columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
     legend = figure.legend(
         list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6

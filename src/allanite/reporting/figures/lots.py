@@ -37,18 +37,18 @@ class Coefficient(NamedTuple):
     courses: dict[str, Course]
 
 
-def plot_lot(found: Sequence[Coefficient]) -> Figure:
+@style.plotted
+def plot_lot(new_figure: style.NewFigure, found: Sequence[Coefficient]) -> Figure:
     """A row of panels for each coefficient."""
     shown = sorted(found, key=lambda one: -one.values.size)[:MOST]
     labels = list(dict.fromkeys(label for one in shown for label in one.courses))
-    with style.look():
-        wide = 1 + len(labels)
-        figure = style.new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))
-        grid = figure.subplots(len(shown), wide, squeeze=False)
-        for one, axes in zip(shown, grid, strict=True):
-            _draw_shares(axes[0], one)
-            for ax, label in zip(axes[1:], labels, strict=True):
-                _draw_course(ax, label, one)
+    wide = 1 + len(labels)
+    figure = new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))
+    grid = figure.subplots(len(shown), wide, squeeze=False)
+    for one, axes in zip(shown, grid, strict=True):
+        _draw_shares(axes[0], one)
+        for ax, label in zip(axes[1:], labels, strict=True):
+            _draw_course(ax, label, one)
     return figure
 
 

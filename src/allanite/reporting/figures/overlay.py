@@ -18,22 +18,22 @@ MOST_BANDS = 3
 """Curves of a panel whose confidence bands can still be told apart."""
 
 
-def plot_overlay(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_overlay(new_figure: style.NewFigure, panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
     """One panel for each channel with all its statistics; channels of a single statistic share one panel.
 
     Sensors of different units stand side by side. Where a fit is given its model's expectation of each statistic is
     drawn as a dashed line.
     """
     columns = _columns(panels)
-    with style.look():
-        figure, grid = stacked([len(column) for column in columns])
-        for column, axes in zip(columns, grid, strict=True):
-            spans = [span(panel)[0] for group in column for panel in group]
-            for ax, group in zip(axes, column, strict=True):
-                ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
-                _draw_group(ax, group, level)
-            axes[-1].set_xlabel(TIME)
-        draw_legend(figure, marks=False)
+    figure, grid = stacked(new_figure, [len(column) for column in columns])
+    for column, axes in zip(columns, grid, strict=True):
+        spans = [span(panel)[0] for group in column for panel in group]
+        for ax, group in zip(axes, column, strict=True):
+            ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
+            _draw_group(ax, group, level)
+        axes[-1].set_xlabel(TIME)
+    draw_legend(figure, marks=False)
     return figure
 
 

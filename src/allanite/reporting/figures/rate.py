@@ -20,19 +20,19 @@ MOST_MARKED = 40
 """Intervals up to which each is marked."""
 
 
-def plot_rates(channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> Figure:
+@style.plotted
+def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> Figure:
     """A column a channel: its experiment, and below it the experiments of several measuring times, if any."""
     rows = 1 + any(series for _, series in channels)
-    with style.look():
-        figure = style.new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
-        grid = figure.subplots(rows, len(channels), squeeze=False)
-        for column, (found, series) in zip(grid.T, channels, strict=True):
-            _draw_errors(column[0], found)
-            column[0].set_title(printable(found.name), loc="left", fontweight="bold", parse_math=False, pad=22)
-            if series:
-                _draw_accuracy(column[1], series)
-            elif rows > 1:
-                column[1].set_axis_off()
+    figure = new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
+    grid = figure.subplots(rows, len(channels), squeeze=False)
+    for column, (found, series) in zip(grid.T, channels, strict=True):
+        _draw_errors(column[0], found)
+        column[0].set_title(printable(found.name), loc="left", fontweight="bold", parse_math=False, pad=22)
+        if series:
+            _draw_accuracy(column[1], series)
+        elif rows > 1:
+            column[1].set_axis_off()
     return figure
 
 

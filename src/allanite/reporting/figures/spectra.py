@@ -41,7 +41,10 @@ SIDED = {"one": say("one-sided"), "two": say("two-sided")}
 """Words for the sides of a spectrum."""
 
 
-def plot_spectra(spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_spectra(
+    new_figure: style.NewFigure, spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level: float = 0.95
+) -> Figure:
     """One panel for each channel; sensors of different units side by side.
 
     Parameters
@@ -55,15 +58,14 @@ def plot_spectra(spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level:
     columns: dict[str, list[Spectrum]] = {}
     for spectrum in spectra:
         columns.setdefault(readable_unit(spectrum.unit), []).append(spectrum)
-    with style.look():
-        figure, grid = stacked([len(column) for column in columns.values()])
-        for axes, column in zip(grid, columns.values(), strict=True):
-            lowest, highest = min(s.frequency[0] for s in column), max(s.rate / 2 for s in column)
-            for ax, spectrum in zip(axes, column, strict=True):
-                ax.set(xscale="log", xlim=(lowest / 1.3, highest * 1.15))
-                _draw(ax, spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name), level)
-            axes[-1].set_xlabel(say("frequency (Hz)"))
-        draw_legend(figure, marks=False, columns=4)
+    figure, grid = stacked(new_figure, [len(column) for column in columns.values()])
+    for axes, column in zip(grid, columns.values(), strict=True):
+        lowest, highest = min(s.frequency[0] for s in column), max(s.rate / 2 for s in column)
+        for ax, spectrum in zip(axes, column, strict=True):
+            ax.set(xscale="log", xlim=(lowest / 1.3, highest * 1.15))
+            _draw(ax, spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name), level)
+        axes[-1].set_xlabel(say("frequency (Hz)"))
+    draw_legend(figure, marks=False, columns=4)
     return figure
 
 

@@ -20,19 +20,21 @@ PER_OCTAVE = 4
 """Averaging times of the lines."""
 
 
-def plot_state_spaces(spaces: Sequence[tuple[str, StateSpace, Sequence[Curve]]], *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_state_spaces(
+    new_figure: style.NewFigure, spaces: Sequence[tuple[str, StateSpace, Sequence[Curve]]], *, level: float = 0.95
+) -> Figure:
     """A column for each (name, state space, measured curves): Allan deviations, and below how far they are apart."""
-    with style.look():
-        figure = style.new_figure(7.2 if len(spaces) == 1 else 6.4 * len(spaces), 6.0)
-        grid = figure.subplots(2, len(spaces), sharex="col", height_ratios=(3, 1.2), squeeze=False)
-        for (above, below), (name, space, curves) in zip(grid.T, spaces, strict=True):
-            for curve in curves:
-                _draw_measured(above, curve.to(space.model.signal.sheet[0]), level)
-            _draw(above, below, space)
-            count = len(space.states)
-            title = say_count(count, "{count} state at {rate:g} Hz", "{count} states at {rate:g} Hz", rate=space.rate)
-            named = join(": ", (printable(name), title)) if name else title
-            above.set_title(named, loc="left", fontweight="bold", parse_math=False)
+    figure = new_figure(7.2 if len(spaces) == 1 else 6.4 * len(spaces), 6.0)
+    grid = figure.subplots(2, len(spaces), sharex="col", height_ratios=(3, 1.2), squeeze=False)
+    for (above, below), (name, space, curves) in zip(grid.T, spaces, strict=True):
+        for curve in curves:
+            _draw_measured(above, curve.to(space.model.signal.sheet[0]), level)
+        _draw(above, below, space)
+        count = len(space.states)
+        title = say_count(count, "{count} state at {rate:g} Hz", "{count} states at {rate:g} Hz", rate=space.rate)
+        named = join(": ", (printable(name), title)) if name else title
+        above.set_title(named, loc="left", fontweight="bold", parse_math=False)
     return figure
 
 

@@ -30,13 +30,13 @@ FEW_WINDOWS = 8
 """Averaging times beyond this part of a window scatter by themselves: their median is marked as uncertain."""
 
 
-def plot_surfaces(surfaces: Sequence[Surface]) -> Figure:
+@style.plotted
+def plot_surfaces(new_figure: style.NewFigure, surfaces: Sequence[Surface]) -> Figure:
     """For each channel, every window's curve, and the ratio of each value to the median of its averaging time."""
-    with style.look():
-        figure = style.new_figure(9.6, 0.4 + 3.7 * len(surfaces))
-        grid = figure.subplots(len(surfaces), 2, squeeze=False, width_ratios=[1, 1.5])
-        for (left, right), surface in zip(grid, surfaces, strict=True):
-            _draw(figure, (left, right), surface.to(readable_unit(surface.unit)))
+    figure = new_figure(9.6, 0.4 + 3.7 * len(surfaces))
+    grid = figure.subplots(len(surfaces), 2, squeeze=False, width_ratios=[1, 1.5])
+    for (left, right), surface in zip(grid, surfaces, strict=True):
+        _draw(figure, (left, right), surface.to(readable_unit(surface.unit)))
     return figure
 
 

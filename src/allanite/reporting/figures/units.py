@@ -37,7 +37,10 @@ class Line(NamedTuple):
     value: float
 
 
-def plot_units(curves: Sequence[UnitCurve], limits: dict[str, Sequence[Line]] | None = None) -> Figure:
+@style.plotted
+def plot_units(
+    new_figure: style.NewFigure, curves: Sequence[UnitCurve], limits: dict[str, Sequence[Line]] | None = None
+) -> Figure:
     """One panel for each channel; sensors of different units of measurement stand side by side.
 
     Parameters
@@ -49,13 +52,12 @@ def plot_units(curves: Sequence[UnitCurve], limits: dict[str, Sequence[Line]] | 
     columns: dict[str, dict[str, list[UnitCurve]]] = {}
     for curve in curves:
         columns.setdefault(curve.panel.unit, {}).setdefault(curve.panel.name, []).append(curve)
-    with style.look():
-        figure, grid = stacked([len(column) for column in columns.values()])
-        for column, axes in zip(columns.values(), grid, strict=True):
-            for ax, (name, group) in zip(axes, column.items(), strict=True):
-                _draw(ax, group, (limits or {}).get(name, ()))
-            axes[-1].set_xlabel(TIME)
-        draw_legend(figure, marks=False)
+    figure, grid = stacked(new_figure, [len(column) for column in columns.values()])
+    for column, axes in zip(columns.values(), grid, strict=True):
+        for ax, (name, group) in zip(axes, column.items(), strict=True):
+            _draw(ax, group, (limits or {}).get(name, ()))
+        axes[-1].set_xlabel(TIME)
+    draw_legend(figure, marks=False)
     return figure
 
 

@@ -22,16 +22,16 @@ MOST_POINTS = 4000
 """Points of a line over time."""
 
 
-def plot_optima(found: Sequence[tuple[str, Optimum]]) -> Figure:
+@style.plotted
+def plot_optima(new_figure: style.NewFigure, found: Sequence[tuple[str, Optimum]]) -> Figure:
     """A column for each angle: both paths of the filter, the error by source, and the cost of detuning."""
-    with style.look():
-        figure = style.new_figure(6.8 if len(found) == 1 else 5.6 * len(found), 9.0)
-        grid = figure.subplots(3, len(found), squeeze=False)
-        for column, (name, optimum) in zip(grid.T, found, strict=True):
-            _draw_paths(column[0], optimum)
-            _draw_sources(column[1], optimum)
-            _draw_detuning(column[2], optimum)
-            style.title(column[0], name)
+    figure = new_figure(6.8 if len(found) == 1 else 5.6 * len(found), 9.0)
+    grid = figure.subplots(3, len(found), squeeze=False)
+    for column, (name, optimum) in zip(grid.T, found, strict=True):
+        _draw_paths(column[0], optimum)
+        _draw_sources(column[1], optimum)
+        _draw_detuning(column[2], optimum)
+        style.title(column[0], name)
     return figure
 
 
@@ -98,12 +98,12 @@ def _finish(ax: Axes) -> None:
     ax.legend(loc="best")
 
 
-def plot_angles(angles: Sequence[Angle]) -> Figure:
+@style.plotted
+def plot_angles(new_figure: style.NewFigure, angles: Sequence[Angle]) -> Figure:
     """Roll and pitch over time, one below the other, with the predicted limits about their means."""
-    with style.look():
-        figure = style.new_figure(7.2, 2.6 * len(angles) + 0.4)
-        for ax, angle in zip(figure.subplots(len(angles), 1, squeeze=False)[:, 0], angles, strict=True):
-            _draw_angle(ax, angle)
+    figure = new_figure(7.2, 2.6 * len(angles) + 0.4)
+    for ax, angle in zip(figure.subplots(len(angles), 1, squeeze=False)[:, 0], angles, strict=True):
+        _draw_angle(ax, angle)
     return figure
 
 
@@ -126,17 +126,17 @@ def _draw_angle(ax: Axes, angle: Angle) -> None:
     ax.legend(loc="upper right")
 
 
-def plot_scenarios(found: ScenarioErrors) -> Figure:
+@style.plotted
+def plot_scenarios(new_figure: style.NewFigure, found: ScenarioErrors) -> Figure:
     """RMS error of every filter in every scenario."""
-    with style.look():
-        figure = style.new_figure(7.2, 0.32 * len(found.filters) + 1.4)
-        ax = figure.subplots()
-        places = np.arange(len(found.filters))[::-1]
-        for i, scenario in enumerate(found.scenarios):
-            ax.plot(np.degrees(found.rms[:, i]), places, style.MARKERS[i], color=style.SERIES[i], ms=6, label=scenario)
-        ax.set_yticks(places, found.filters)
-        ax.set(xscale="log", xlabel=say("RMS error of roll and pitch (deg)"))
-        style.grid(ax)
-        style.plain_ticks(ax.xaxis)
-        figure.legend(loc="outside upper center", ncols=len(found.scenarios))
+    figure = new_figure(7.2, 0.32 * len(found.filters) + 1.4)
+    ax = figure.subplots()
+    places = np.arange(len(found.filters))[::-1]
+    for i, scenario in enumerate(found.scenarios):
+        ax.plot(np.degrees(found.rms[:, i]), places, style.MARKERS[i], color=style.SERIES[i], ms=6, label=scenario)
+    ax.set_yticks(places, found.filters)
+    ax.set(xscale="log", xlabel=say("RMS error of roll and pitch (deg)"))
+    style.grid(ax)
+    style.plain_ticks(ax.xaxis)
+    figure.legend(loc="outside upper center", ncols=len(found.scenarios))
     return figure

@@ -9,9 +9,8 @@ from allanite.core.errors import UsageError
 from allanite.reporting.sheet import Face
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from allanite.core.fit import Fit
+    from allanite.reporting.style import Plot
 
 Rows = tuple[Sequence[str], list[list[Any]]]
 
@@ -24,7 +23,7 @@ class View:
     ----------
     face : (value, level) -> Face
         What the terminal, the page and a notebook show.
-    plot : (values, fit, level) -> Figure, optional
+    plot : (values, fit, level) -> Plot, optional
         The figure for print, of one value or of several that are drawn together.
     rows : (value, level) -> (headings, rows), optional
         The numbers for a CSV file, unrounded.
@@ -33,7 +32,7 @@ class View:
     """
 
     face: Callable[[Any, float], Face]
-    plot: "Callable[[Sequence[Any], Fit | None, float], Figure] | None" = None
+    plot: "Callable[[Sequence[Any], Fit | None, float], Plot] | None" = None
     rows: Callable[[Any, float], Rows] | None = None
     coefficients: Callable[[Any, float], Rows] | None = None
 

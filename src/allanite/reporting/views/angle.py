@@ -22,7 +22,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sh
 from . import Rows, View, view_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 
 ARCSEC = unit_of("arcsec").factor
@@ -226,7 +226,7 @@ def _result_rows(result: Result, level: float) -> Rows:
     return ["constant", "value", "standard_error", "low", "high"], rows
 
 
-def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Figure":
+def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Plot":
     draw = view_of(values[0].result).plot
     if draw is None:
         raise UsageError("a plan of one start has no figure; scan all starts of the interval")

@@ -22,7 +22,7 @@ from .fit import definitions, terms_table
 from .meaning import causes_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 EVERY = 1_000_000
 """Rows of a table that has all of them in a terminal, too."""
@@ -257,7 +257,7 @@ def _details(batch: Batch, level: float) -> Iterator[Part]:
                 yield Table(table.columns, table.rows, name, table.marks, details=True, where="page")
 
 
-def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
     batch: Batch = values[0]
     curves = []
     lines: dict[str, Sequence[figures.Line]] = {}

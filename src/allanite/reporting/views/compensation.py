@@ -31,7 +31,7 @@ from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 BRAND = say("compensation by regressors")
 KEY = say(
@@ -261,11 +261,11 @@ def _curves(channel: Compensated, level: float) -> Table:
     return Table(heads, rows, title, details=True)
 
 
-def _draw(channels: Sequence[Compensated], level: float) -> "Figure":
+def _draw(channels: Sequence[Compensated], level: float) -> "Plot":
     return figures.plot_compensated([c for c in channels if c.regression is not None], level)
 
 
-def _plot(values: Sequence[CompensationStudy], fit: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[CompensationStudy], fit: Fit | None, level: float) -> "Plot":
     applied = [c for study in values for c in study.applied if c.regression is not None]
     return _draw(applied or [c for study in values for c in study.channels], level)
 

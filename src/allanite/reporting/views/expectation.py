@@ -17,9 +17,8 @@ from . import Rows, View
 from .fit import model_table
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from allanite.core.curve import Curve
+    from allanite.reporting.style import Plot
 
 BRAND = say("a noise model")
 CAPTION = say(
@@ -58,7 +57,7 @@ def _rows(found: Expectation, _: float) -> Rows:
     return heads, [[c.statistic, *row, c.unit] for c in found.curves for row in _numbers(found, c)]
 
 
-def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
     panels = [
         figures.Panel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
         for found in values
@@ -71,7 +70,7 @@ def _of(model: Model | Term) -> Expectation:
     return expectation(model)
 
 
-def _plot_models(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
+def _plot_models(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     return _plot([_of(model) for model in values], fit, level)
 
 

@@ -20,7 +20,7 @@ from . import View
 from .jobs import statement_note
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 GOODNESS = say(
     "Power of the record over the power expected with every term free, selected or not, in cells of frequency, and the "
@@ -135,7 +135,7 @@ def _face(fit: Fit, level: float) -> Face:
     return Face(fit.name or say("Noise"), say("noise coefficients"), (sheet,), how=(definitions([fit]),))
 
 
-def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
+def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     """The figure of what has curves."""
     return figures.plot_panels(figures.panels_of(list(values), fit), level=level)
 

@@ -17,9 +17,8 @@ from . import Rows, View
 from .batch import BATCH, EVERY, symbol_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from allanite.core.fit import Fit
+    from allanite.reporting.style import Plot
 
 CAPTION = say(
     "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
@@ -132,7 +131,7 @@ def _number(value: float) -> str:
     return digits(value).plain()[0]
 
 
-def _plot(lots: Sequence[Lot], fit: "Fit | None", level: float) -> "Figure":
+def _plot(lots: Sequence[Lot], fit: "Fit | None", level: float) -> "Plot":
     assert BATCH.plot  # noqa: S101 - it has one
     return BATCH.plot([lots[0].batch], fit, level)
 

@@ -20,7 +20,7 @@ from . import Rows, View
 from .modelled import Form, job_face, job_rows, one_face
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 PLANNED = say(
     "Least relative standard errors (1 sigma, Cramer-Rao bound) of the coefficients by length of the record. A term "
@@ -84,7 +84,7 @@ def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
     yield Drawing(lambda: _plot_plans([plan], None, 0.95), label, DRAWN)
 
 
-def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Figure":
+def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Plot":
     return figures.plot_plans([pair for value in values for pair in _named(value)])
 
 

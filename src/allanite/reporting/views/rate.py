@@ -32,7 +32,7 @@ from .rate_experiment import (
 )
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 NO_ERROR = say("no standard errors: give a noise model (--noise)")
 
@@ -129,7 +129,7 @@ def _methods() -> Table:
     return Table(heads, rows, say("the methods"))
 
 
-def _draw(channels: Iterable[RateChannel]) -> "Figure":
+def _draw(channels: Iterable[RateChannel]) -> "Plot":
     shown = [(c.experiment, c.by_duration) for c in channels if c.experiment is not None]
     if not shown:
         raise UsageError("there is nothing to draw: no channel was measured")

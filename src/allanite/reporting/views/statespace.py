@@ -18,7 +18,7 @@ from . import View
 from .modelled import Form, job_face, job_rows, one_face
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 EQUATIONS = say("matrices in SI units: x' = Phi x + w, sample = H x + v")
 KEY = say(
@@ -69,7 +69,7 @@ def _matrix(label: str, matrix: np.ndarray) -> Iterator[str]:
         yield f"{opening}{cells}]" + ("]" if i == len(rows) - 1 else ",")
 
 
-def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
     """A state space, perhaps with measured curves after it; or those of all channels, each with its own curve."""
     spaces: list[tuple[str, StateSpace, list[Curve]]] = []
     for value in values:

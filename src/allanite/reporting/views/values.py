@@ -20,7 +20,7 @@ from allanite.statistics import STATISTICS
 from . import Rows, View
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 BRAND = say("statistics of an inertial sensor")
 
@@ -35,7 +35,7 @@ class Form(NamedTuple):
     table: Callable[[Any, float], tuple[list[str], list[list[str]]]]
     headings: tuple[str, ...]
     rows: Callable[[Any, float], Iterator[list[Any]]]
-    plot: "Callable[[Sequence[Any], dict[str, Fit], float], Figure]"
+    plot: "Callable[[Sequence[Any], dict[str, Fit], float], Plot]"
 
 
 def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
@@ -145,7 +145,7 @@ def _surface_lines(surface: Surface, _: float) -> Iterator[list[Any]]:
         yield [surface.name, surface.statistic, time, m, tau, "" if np.isnan(value) else value, surface.unit, count]
 
 
-def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Figure":
+def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Plot":
     panels = [figures.Panel(curve.name, curve, fits.get(curve.name)) for curve in curves]
     draw = figures.plot_panels if len(panels) == 1 else figures.plot_overlay
     return draw(panels, level=level)
@@ -186,7 +186,7 @@ def _one_face(value: Any, level: float) -> Face:
     return Face(title, BRAND, (sheet,))
 
 
-def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
+def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     kinds = {type(value) for value in values}
     if len(kinds) > 1:
         raise UsageError(
