@@ -180,16 +180,12 @@ def _is(*kinds: type) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, kinds)
 
 
-def _is_number(data: Any) -> bool:
-    return data is None or (isinstance(data, (int, float)) and not isinstance(data, bool)) or data in NOT_FINITE
-
-
 _itself = Form(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
 _float_form = Form(
     lambda value, _, level: _scalar(value),
     lambda data, _: math.nan if data is None else float(data) if isinstance(data, str) else data,
     _is(int, float, np.floating, np.integer),
-    _is_number,
+    lambda data: data is None or (isinstance(data, (int, float)) and not isinstance(data, bool)) or data in NOT_FINITE,
 )
 _union = Form(_write_union, _read_union, _no_type, _no_type)
 _dict = Form(_write_dict, _read_dict, _is(dict), _is(dict))

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
-from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .display_units import shown_unit
@@ -180,21 +180,18 @@ class Estimate(Value):
         if self.status == "not observable":
             return say("not observable: {reason}", reason=self.reason)
         if self.value is None:
-            return self._missing(scale, unit)
+            # why there is no value, and its limit
+            if self.status == "not valid":
+                return say("not valid: {reason}", reason=self.reason)
+            if self.upper is None:
+                return say("not identified")
+            return say("not identified, below {limit:.3g} {unit}", limit=self.upper * scale, unit=unit)
         if self.status == "not valid":
             value = self.value * scale
             return say("not valid ({value:.4g} {unit}): {reason}", value=value, unit=unit, reason=self.reason)
         low, high = self.interval(level)
         around = f" ({low * scale:.4g} .. {high * scale:.4g})" if math.isfinite(low) and math.isfinite(high) else ""
         return f"{self.value * scale:.4g}{around} {unit}"
-
-    def _missing(self, scale: float, unit: str) -> Phrase:
-        """Why there is no value, and its limit."""
-        if self.status == "not valid":
-            return say("not valid: {reason}", reason=self.reason)
-        if self.upper is None:
-            return say("not identified")
-        return say("not identified, below {limit:.3g} {unit}", limit=self.upper * scale, unit=unit)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""
@@ -203,15 +200,13 @@ class Estimate(Value):
         known = {"value": self.value, "low": low, "high": high}
         shown = {key: None if v is None else finite(v * scale) for key, v in known.items()}
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
-        return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | self._shape_dict(level)
+        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
+        shape = {
+            p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
+            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
+        }
+        return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | shape
 
     def _summary(self) -> str:
         size = "" if self.value is None else f" {self.to(self.sheet_unit):.4g} {self.sheet_unit}"
         return f"{self.symbol}{size}, {self.status}"
-
-    def _shape_dict(self, level: float) -> dict[str, Any]:
-        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
-        return {
-            p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
-            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
-        }

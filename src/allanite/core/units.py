@@ -132,16 +132,12 @@ class _Parser:
             return unit**0.5 if word == "sqrt" else unit
         if word == "1":
             return Unit(1.0, _powers())
-        return _named(word)
-
-
-def _named(name: str) -> Unit:
-    for key in (name, name.lower()):
-        if key in ATOMS:
-            return Unit(*ATOMS[key])
-        if key in SPELLINGS:
-            return _Parser(SPELLINGS[key]).expression()
-    raise ValueError(name)
+        for key in (word, word.lower()):
+            if key in ATOMS:
+                return Unit(*ATOMS[key])
+            if key in SPELLINGS:
+                return _Parser(SPELLINGS[key]).expression()
+        raise ValueError(word)
 
 
 @lru_cache(maxsize=1024)

@@ -35,33 +35,29 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
     figure = new_figure(3.9 * len(found) if len(found) > 1 else 6.4, 3.4)
     axes = figure.subplots(1, len(found), squeeze=False)[0]
     for ax, harmonics in zip(axes, found, strict=True):
-        _draw_error(ax, harmonics, level)
+        common = math.gcd(*harmonics.orders)
+        period = 2 * math.pi / common
+        angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
+        rows = waves(angle, harmonics.orders)
+        error = harmonics.at(angle) / ARCSEC
+        spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, harmonics.covariance, rows)) / ARCSEC
+        half = quantile(level, harmonics.freedom) * spread
+        style.grid(ax)
+        ax.fill_between(
+            np.degrees(angle),
+            error - half,
+            error + half,
+            color=style.DATA,
+            alpha=0.2,
+            lw=0,
+            label=say("{share} band", share=percent(level)),
+        )
+        ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
+        ax.axhline(0, color=style.INK, lw=0.8)
+        style.title(ax, harmonics.name or say("angle"))
+        ax.set(xlabel=say("angle (deg), one period"), ylabel=say("error (arcsec)"), xlim=(0, math.degrees(period)))
+        ax.legend(loc="best")
     return figure
-
-
-def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
-    common = math.gcd(*harmonics.orders)
-    period = 2 * math.pi / common
-    angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
-    rows = waves(angle, harmonics.orders)
-    error = harmonics.at(angle) / ARCSEC
-    spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, harmonics.covariance, rows)) / ARCSEC
-    half = quantile(level, harmonics.freedom) * spread
-    style.grid(ax)
-    ax.fill_between(
-        np.degrees(angle),
-        error - half,
-        error + half,
-        color=style.DATA,
-        alpha=0.2,
-        lw=0,
-        label=say("{share} band", share=percent(level)),
-    )
-    ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
-    ax.axhline(0, color=style.INK, lw=0.8)
-    style.title(ax, harmonics.name or say("angle"))
-    ax.set(xlabel=say("angle (deg), one period"), ylabel=say("error (arcsec)"), xlim=(0, math.degrees(period)))
-    ax.legend(loc="best")
 
 
 @style.plotted
@@ -107,7 +103,21 @@ def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution
     first = 0
     for ax, harmonics in zip(axes, found, strict=True):
         count = 2 * len(harmonics.orders)
-        _draw_history(ax, solution, range(first, first + count), half)
+        which = range(first, first + count)
+        way = solution.history
+        x = way.time if _numbered(solution) else way.time / 60
+        style.grid(ax)
+        # what is not known yet is anywhere: the scale is that of the last half, and nothing wider is drawn
+        late = slice(len(x) // 2, None)
+        sizes = [np.abs(way.values[late, i]) + half * way.errors[late, i] for i in which]
+        reach = 1.1 * float(np.max(sizes)) / ARCSEC
+        for i, color in zip(which, PALETTE * len(which), strict=False):
+            known = half * way.errors[:, i] / ARCSEC < reach
+            value, error = way.values[known, i] / ARCSEC, half * way.errors[known, i] / ARCSEC
+            ax.fill_between(x[known], value - error, value + error, color=color, alpha=0.13, lw=0)
+            ax.plot(x[known], value, color=color, lw=1.1, label=solution.names[i].split()[0])
+        ax.set(ylabel="arcsec", ylim=(-reach, reach), xlim=(x[0], x[-1]) if len(x) > 1 else None)
+        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         style.title(ax, harmonics.name or say("angle"))
         first += count
     axes[-1].set_xlabel(say("samples") if _numbered(solution) else say("time (min)"))
@@ -116,23 +126,6 @@ def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution
 
 def _numbered(solution: Solution) -> bool:
     return "offset" in solution.names
-
-
-def _draw_history(ax: Axes, solution: Solution, which: range, half: float) -> None:
-    way = solution.history
-    x = way.time if _numbered(solution) else way.time / 60
-    style.grid(ax)
-    # what is not known yet is anywhere: the scale is that of the last half, and nothing wider is drawn
-    late = slice(len(x) // 2, None)
-    sizes = [np.abs(way.values[late, i]) + half * way.errors[late, i] for i in which]
-    reach = 1.1 * float(np.max(sizes)) / ARCSEC
-    for i, color in zip(which, PALETTE * len(which), strict=False):
-        known = half * way.errors[:, i] / ARCSEC < reach
-        value, error = way.values[known, i] / ARCSEC, half * way.errors[known, i] / ARCSEC
-        ax.fill_between(x[known], value - error, value + error, color=color, alpha=0.13, lw=0)
-        ax.plot(x[known], value, color=color, lw=1.1, label=solution.names[i].split()[0])
-    ax.set(ylabel="arcsec", ylim=(-reach, reach), xlim=(x[0], x[-1]) if len(x) > 1 else None)
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 @style.plotted
@@ -184,18 +177,13 @@ def plot_scan(new_figure: style.NewFigure, scan: Scan) -> Figure:
     upper.plot([], [], color=style.ALARM, lw=1.1, label=best)
     upper.legend(loc="best")
     lower.set_xlabel(say("start of the interval (h after h = 0)"))
-    _degrees_above(upper, scan)
+    ticks = np.unique(np.linspace(0, scan.starts.size - 1, 9).astype(np.int64))
+    top = upper.secondary_xaxis("top")
+    top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.h[ticks, 0]])
+    top.set_xlabel(say("smallest h of the interval (deg)"))
     return figure
 
 
 def _some(value: float, _: int) -> str:
     """Labels of 2, 3 and 5 times a power of ten, and of no other minor tick."""
     return f"{value:g}" if f"{value:e}"[0] in "235" else ""
-
-
-def _degrees_above(ax: Axes, scan: Scan) -> None:
-    """The smallest h of each interval, above the figure."""
-    ticks = np.unique(np.linspace(0, scan.starts.size - 1, 9).astype(np.int64))
-    top = ax.secondary_xaxis("top")
-    top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.h[ticks, 0]])
-    top.set_xlabel(say("smallest h of the interval (deg)"))

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from allanite.comparison.comparison import Comparison, Pair, Ratios
+from allanite.comparison.comparison import Comparison, Pair
 from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
@@ -70,7 +70,18 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     for i, curve, name in zip(COLORS, (ratios.before, ratios.after), map(printable, names), strict=True):
         _curve(above, curve, (i, name), level)
     _frame(above, ratios.before, pair.name, [ratios.before, ratios.after])
-    _ratio(below, ratios, level, ratios.p <= pair.alpha)
+    apart = ratios.p <= pair.alpha
+    low, high = ratios.interval(level)
+    ratio = ratios.ratio
+    below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
+    for there, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
+        if there.any():
+            error = np.abs(np.array([low[there], high[there]]) - ratio[there])
+            below.errorbar(
+                ratios.tau[there], ratio[there], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
+                capsize=2.0, zorder=3, label=label,
+            )  # fmt: skip
+    _ratio_frame(below, ratio)
     before, after = map(printable, names)
     below.set_ylabel(say("variance of {after}\nover {before}", after=after, before=before), parse_math=False)
 
@@ -112,20 +123,6 @@ def _frame(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     style.grid(ax)
     style.title(ax, name)
     ax.set_ylabel(with_unit(STATISTICS[curve.statistic].title, unit))
-
-
-def _ratio(ax: Axes, ratios: Ratios, level: float, apart: BoolArray) -> None:
-    low, high = ratios.interval(level)
-    ratio = ratios.ratio
-    ax.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
-    for there, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
-        if there.any():
-            error = np.abs(np.array([low[there], high[there]]) - ratio[there])
-            ax.errorbar(
-                ratios.tau[there], ratio[there], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
-                capsize=2.0, zorder=3, label=label,
-            )  # fmt: skip
-    _ratio_frame(ax, ratio)
 
 
 def _ratio_frame(ax: Axes, ratio: FloatArray) -> None:

@@ -73,18 +73,17 @@ def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str 
     said = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
     known = [printable(part) for part in parts if part]
     room = room or _inside(ax)[0]
-    lines = [line for part in known for line in _broken(part, room)] or [""]
+    lines = []
+    for part in known:
+        long = _long(part)
+        lines += [part] if long <= room else textwrap.wrap(part, max(1, int(len(part) * room / long)))
+    lines = lines or [""]
     beside = room - GRADE * wide(tr(said)) - GRADE
     layouts = (["   ".join(known)], lines)
     fitting = (layout for layout in layouts if _long(layout[-1]) <= beside)
     name = "\n".join(next(fitting, [*lines, " "]))
     ax.set_title(name, loc="left", fontweight="bold", fontsize=NAME, parse_math=False)
     ax.set_title(said, loc="right", color=GRADES["" if fit is None else fit.validity], fontsize=GRADE)
-
-
-def _broken(text: str, room: float) -> list[str]:
-    """A title in lines that have room."""
-    return [text] if _long(text) <= room else textwrap.wrap(text, max(1, int(len(text) * room / _long(text))))
 
 
 def _long(text: str) -> float:
@@ -109,7 +108,9 @@ def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
 def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
     """Write (symbol, text) where it is free, with a line to its anchor if that is farther off, and say where it is."""
     symbol, text = label
-    box = place(anchors, _size(ax, text), avoid, placed)
+    width, height = _inside(ax)
+    lines = tr(text).splitlines()  # whose letters, of 8.5 points, are 5.3 points wide
+    box = place(anchors, (max(map(cell_len, lines)) * 5.3 / width, 11.5 * len(lines) / height), avoid, placed)
     at = nearest(anchors, box)
     ax.annotate(
         text, (at[0], at[1]), (box.x, box.y), xycoords="axes fraction", textcoords="axes fraction", ha="center",
@@ -123,14 +124,6 @@ def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: Flo
 def label_of(estimate: Estimate, level: float) -> str:
     """A coefficient for the figure, with the digits of the table: ``N = 0.310 (0.302 … 0.318) deg/√h``."""
     return join(" = ", (words.symbol(estimate), words.in_print(estimate, estimate.sheet_unit, level)))
-
-
-def _size(ax: Axes, text: str) -> tuple[float, float]:
-    """Width and height of a label in fractions of the panel, before anything is laid out."""
-    width, height = _inside(ax)
-    lines = tr(text).splitlines()
-    # points of a letter of 8.5 points
-    return max(map(cell_len, lines)) * 5.3 / width, 11.5 * len(lines) / height
 
 
 def _inside(ax: Axes) -> tuple[float, float]:

@@ -51,7 +51,13 @@ def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray,
     away = np.hypot(*(anchors[:, None] - centres).T) + 0.002 * np.arange(len(anchors))
     at = anchors[away.argmin(axis=1)]
     far = np.hypot(*(at - centres).T)
-    worth = _freedom(centres, size, obstacles, taken) - 0.5 * far - 0.4 * _crossed(centres, at, taken)
+    # whether the line from a label to its anchor runs across another label, shape (n,)
+    share = np.linspace(0.0, 1.0, 12)[:, None, None]
+    line = at + share * (centres - at)
+    crossed = np.zeros(len(centres), np.bool_)
+    for b in taken:
+        crossed |= (np.abs(line - (b.x, b.y)) < (b.width / 2, b.height / 2)).all(axis=2).any(axis=0)
+    worth = _freedom(centres, size, obstacles, taken) - 0.5 * far - 0.4 * crossed
     x, y = centres[int(worth.argmax())].tolist()
     return Box(x, y, *size)
 
@@ -65,16 +71,6 @@ def nearest(anchors: FloatArray, box: Box) -> FloatArray:
 def freedom(box: Box, obstacles: FloatArray, taken: Sequence[Box]) -> float:
     """Distance to the nearest thing in label sizes, at most `ENOUGH`."""
     return float(_freedom(np.array([[box.x, box.y]]), (box.width, box.height), obstacles, taken)[0])
-
-
-def _crossed(centres: FloatArray, anchors: FloatArray, taken: Sequence[Box]) -> BoolArray:
-    """Whether the line from a label to its anchor runs across another label, shape (n,)."""
-    share = np.linspace(0.0, 1.0, 12)[:, None, None]
-    line = anchors + share * (centres - anchors)
-    crossed = np.zeros(len(centres), np.bool_)
-    for b in taken:
-        crossed |= (np.abs(line - (b.x, b.y)) < (b.width / 2, b.height / 2)).all(axis=2).any(axis=0)
-    return crossed
 
 
 def _freedom(centres: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[Box]) -> FloatArray:

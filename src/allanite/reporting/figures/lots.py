@@ -48,7 +48,18 @@ def plot_lot(new_figure: style.NewFigure, found: Sequence[Coefficient]) -> Figur
     for one, axes in zip(shown, grid, strict=True):
         _draw_shares(axes[0], one)
         for ax, label in zip(axes[1:], labels, strict=True):
-            _draw_course(ax, label, one)
+            course = one.courses.get(label)
+            if course is None:
+                ax.set_axis_off()
+            else:
+                ax.plot(course.at, course.value, "o", ms=3.5, color=style.SERIES[0])
+                ends = np.array([course.at.min(), course.at.max()])
+                line = course.value.mean() + course.slope * (ends - course.at.mean())
+                ax.plot(ends, line, color=style.ALARM if course.shown else style.OTHER, lw=1.2)
+                ax.set_xlabel(label)
+                ax.set_ylabel(with_unit(one.symbol, one.unit))
+                ax.locator_params(nbins=5)
+                style.grid(ax, fine=False)
     return figure
 
 
@@ -61,19 +72,4 @@ def _draw_shares(ax: Axes, one: Coefficient) -> None:
     ax.set_xlabel(with_unit(one.symbol, one.unit))
     ax.locator_params(axis="x", nbins=5)
     style.title(ax, join(", ", [printable(one.channel), one.symbol]))
-    style.grid(ax, fine=False)
-
-
-def _draw_course(ax: Axes, label: str, one: Coefficient) -> None:
-    course = one.courses.get(label)
-    if course is None:
-        ax.set_axis_off()
-        return
-    ax.plot(course.at, course.value, "o", ms=3.5, color=style.SERIES[0])
-    ends = np.array([course.at.min(), course.at.max()])
-    line = course.value.mean() + course.slope * (ends - course.at.mean())
-    ax.plot(ends, line, color=style.ALARM if course.shown else style.OTHER, lw=1.2)
-    ax.set_xlabel(label)
-    ax.set_ylabel(with_unit(one.symbol, one.unit))
-    ax.locator_params(nbins=5)
     style.grid(ax, fine=False)

@@ -70,7 +70,16 @@ def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
 def _draw(axes: Any, residuals: Residuals) -> None:
     _draw_series(axes[0], residuals)
     _draw_correlation(axes[1], residuals)
-    _draw_quantiles(axes[2], residuals)
+    ax = axes[2]
+    style.grid(ax, fine=False)
+    ends = residuals.expected[[0, -1]]
+    ax.plot(ends, ends, color=style.INK, lw=1.0)
+    some = slice(None, None, max(residuals.expected.size // MOST, 1))
+    ax.plot(
+        residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
+    )
+    ax.set(xlabel=say("normal quantile"), xticks=range(-4, 5, 2))
+    ax.set_title(say("quantiles"), loc="left")
 
 
 def _color(residuals: Residuals, *names: str) -> str:
@@ -110,15 +119,3 @@ def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
     ax.set(xlabel=say("lag (samples)"), xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
     ax.yaxis.set_major_locator(MaxNLocator(5))
     ax.set_title(say("autocorrelation"), loc="left")
-
-
-def _draw_quantiles(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax, fine=False)
-    ends = residuals.expected[[0, -1]]
-    ax.plot(ends, ends, color=style.INK, lw=1.0)
-    some = slice(None, None, max(residuals.expected.size // MOST, 1))
-    ax.plot(
-        residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
-    )
-    ax.set(xlabel=say("normal quantile"), xticks=range(-4, 5, 2))
-    ax.set_title(say("quantiles"), loc="left")

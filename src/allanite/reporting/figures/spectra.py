@@ -93,7 +93,10 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
 def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
     f = np.geomspace(ax.get_xlim()[0], spectrum.rate / 2, 300)
     assert fit.valid is not None  # noqa: S101 - the caller has looked
-    whole = _expected(spectrum, fit.valid, f) * np.sqrt(_gain(fit, spectrum.rate, f))
+    behind = fit.scope.filter if fit.scope else None
+    whole = _expected(spectrum, fit.valid, f)
+    if behind is not None:
+        whole = whole * np.sqrt(FILTERS[behind.row].gain(f / spectrum.rate, behind.cutoff / spectrum.rate))
     ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label=MODEL)
     lines = {term.symbol: _expected(spectrum, term, f) for term in fit.valid if term.row.waveform is None}
     for symbol, line in lines.items():
@@ -117,12 +120,6 @@ def _level(spectrum: Spectrum, white: Estimate) -> str:
     size = factor * white.to(spectrum.amplitude_unit)
     level = f"{name} = {size:.3g} {printed_unit(spectrum.amplitude_unit)}"
     return join("", ("\n", join(", ", (level, SIDED[spectrum.sides]))))
-
-
-def _gain(fit: Fit, rate: float, f: FloatArray) -> FloatArray:
-    """Power gain of the filter before the samples."""
-    behind = fit.scope.filter if fit.scope else None
-    return np.ones_like(f) if behind is None else FILTERS[behind.row].gain(f / rate, behind.cutoff / rate)
 
 
 def _expected(spectrum: Spectrum, model: Model | Term, f: FloatArray) -> FloatArray:

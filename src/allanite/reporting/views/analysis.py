@@ -89,19 +89,7 @@ def _face(study: Study, level: float) -> Face:
     sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
     method = say(", method {method}", method=study.recipe.method)
     job = job_face(study, (say("Noise of {source}", source=source_of(study)), BRAND), sheets)
-    return replace(
-        job,
-        header=header_of(study.provenance, study.notes, method if fitted else ""),
-        parts=[*job.parts, *overlay(list(panels.values()), level)],
-        close=[*meanings(study), *_shared(study), *_statuses(study)],
-        how=list(_how(study)),
-        device=study.recipe.labels,
-        facts=_facts(study),
-    )
-
-
-def _facts(study: Study) -> list[str]:
-    """Sensors, sampling rate, length and program in a line."""
+    # sensors, sampling rate, length and program in a line
     records = [channel.record for channel in study.channels]
     sensors = Counter(record.signal.a_sensor for record in records)
     counted = [
@@ -112,7 +100,15 @@ def _facts(study: Study) -> list[str]:
     found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
     found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
     digest = study.provenance.get("sha256", "")
-    return [*found, f"sha256 {digest[:12]}…"] if digest else found
+    return replace(
+        job,
+        header=header_of(study.provenance, study.notes, method if fitted else ""),
+        parts=[*job.parts, *overlay(list(panels.values()), level)],
+        close=[*meanings(study), *_shared(study), *_statuses(study)],
+        how=list(_how(study)),
+        device=study.recipe.labels,
+        facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,
+    )
 
 
 def _sheet(channel: Channel, level: float, panel: "figures.Panel | None" = None) -> Sheet:
@@ -240,9 +236,7 @@ def _coefficients(study: Study, level: float) -> Rows:
     return heads, rows
 
 
-def _channel_face(channel: Channel, level: float) -> Face:
-    return Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),))
-
-
 STUDY = View(_face, plot_curves, _rows, _coefficients)
-CHANNEL = View(_channel_face, plot_curves)
+CHANNEL = View(
+    lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)), plot_curves
+)

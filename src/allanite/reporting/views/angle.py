@@ -113,7 +113,13 @@ def _about(result: Result, solution: Solution) -> tuple[str, ...]:
 
 def _verdict(result: Result, level: float, doubt: bool) -> str:
     rows = [(h, k) for h in parts_of(result) for k in h.orders]
-    found = join(", ", [_found(h, k, level) for h, k in rows if h.found(k)])
+    amplitudes = [
+        say("harmonic {order} of {angle}: {amplitude} arcsec", order=k, angle=h.name or say("the angle"),
+            amplitude=_amplitude(h, k, level)[0])
+        for h, k in rows
+        if h.found(k)
+    ]  # fmt: skip
+    found = join(", ", amplitudes)
     absent = [say("{order} of {angle}", order=k, angle=h.name or say("the angle")) for h, k in rows if not h.found(k)]
     if not found:
         said = [say("No harmonic was found.")]
@@ -123,15 +129,6 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
         said = [say("Found are {harmonics}.", harmonics=found)]
     said += [say("Not found: {harmonics}.", harmonics=join(", ", absent))] if absent and found else []
     return join(" ", [*said, say("Read the warnings before using the numbers.")] if doubt else said)
-
-
-def _found(h: Harmonics, order: int, level: float) -> str:
-    return say(
-        "harmonic {order} of {angle}: {amplitude} arcsec",
-        order=order,
-        angle=h.name or say("the angle"),
-        amplitude=_amplitude(h, order, level)[0],
-    )
 
 
 def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:

@@ -55,10 +55,16 @@ CAPTION = say("The Allan deviation of all units; those that exceed a limit are i
 
 def _face(batch: Batch, level: float) -> Face:
     fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
+    files: str = str(len(batch))
+    if batch.folder:
+        files = say("{files} in {folder}", files=files, folder=batch.folder)
+    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
+    if batch.specification is not None:
+        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
     return Face(
         say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
         say("noise coefficients of inertial sensors"),
-        header=_header(batch),
+        header=[*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
         parts=list(_parts(batch, level)),
         close=list(_details(batch, level)),
         how=(definitions(fits),),
@@ -66,16 +72,6 @@ def _face(batch: Batch, level: float) -> Face:
         provenance=batch.provenance,
         notes=batch.notes,
     )
-
-
-def _header(batch: Batch) -> list[tuple[str, str]]:
-    files: str = str(len(batch))
-    if batch.folder:
-        files = say("{files} in {folder}", files=files, folder=batch.folder)
-    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
-    if batch.specification is not None:
-        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
-    return [*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")]
 
 
 def _parts(batch: Batch, level: float) -> Iterator[Part]:
@@ -89,9 +85,16 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
         yield Note(RULE, "quiet", where="page")
     if any(channel.curve for unit in batch for channel in unit.channels):
         yield Drawing(lambda: _plot([batch], None, level), say("deviations of all units"), CAPTION)
-    for signal in _signals(batch):
+    signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
+    for signal in signals.values():
         yield _main(batch, signal, level)
-    yield _across(batch)
+    heads = (
+        Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
+        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("file"), "name"),
+        Column(say("others below")), Column("", "unit"),
+    )  # fmt: skip
+    rows = [_spread(batch, found) for found in batch.across]
+    yield Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
 
 
 def _summary(batch: Batch) -> Note:
@@ -107,14 +110,18 @@ def _summary(batch: Batch) -> Note:
     parts += [say("{files} not analyzed", files=len(batch.failed))] if batch.failed else []
     level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
     named = [
-        join(": ", (OUTCOME_WORDS[outcome], _named(batch, outcome))) for outcome in (FAIL, NOT_SHOWN) if counts[outcome]
+        join(
+            ": ",
+            (
+                OUTCOME_WORDS[outcome],
+                ", ".join(batch.label(unit) for unit in batch if unit.outcome == outcome and not unit.error),
+            ),
+        )
+        for outcome in (FAIL, NOT_SHOWN)
+        if counts[outcome]
     ]
     units = say_count(len(batch), "{count} unit", "{count} units")
     return Note(join(": ", (units, join(", ", parts))), level, points=named)
-
-
-def _named(batch: Batch, outcome: str) -> str:
-    return ", ".join(batch.label(unit) for unit in batch if unit.outcome == outcome and not unit.error)
 
 
 def _limits_table(batch: Batch) -> Iterator[Part]:
@@ -143,11 +150,6 @@ def symbol_of(of: str) -> str:
 def _limit(judgement: Judgement) -> str:
     limit = judgement.limit
     return say("{limit} (upper)", limit=limit.words()) if limit.judge == "upper" else limit.words()
-
-
-def _signals(batch: Batch) -> list[Signal]:
-    found = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
-    return list(found.values())
 
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:
@@ -200,16 +202,6 @@ def _minimum(channel: Channel, level: float) -> str:
     if not readings.inside:
         return f"< {digits(high, figures=2).plain()[0]}"
     return digits(readings.minimum.deviation * scale, low, high).plain()[0]
-
-
-def _across(batch: Batch) -> Table:
-    heads = (
-        Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
-        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("file"), "name"),
-        Column(say("others below")), Column("", "unit"),
-    )  # fmt: skip
-    rows = [_spread(batch, found) for found in batch.across]
-    return Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
 
 
 def _spread(batch: Batch, found: Across) -> list[str]:

@@ -1,7 +1,7 @@
 """How a model is shown without data: its coefficients, and the curves that are expected of it."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
@@ -36,14 +36,11 @@ def _face(found: Expectation, _: float) -> Face:
 def _table(found: Expectation, curve: "Curve") -> Table:
     """The whole and each term, in the unit of data sheets."""
     unit = readable_unit(curve.unit)
-    heads = (Column("tau [s]"), Column(say("expected [{unit}]", unit=unit)), *_heads(found.model))
+    terms = (Column(t.symbol, aside=True) for t in found.model)
+    heads = (Column("tau [s]"), Column(say("expected [{unit}]", unit=unit)), *terms)
     factor = convert(1.0, curve.unit, unit)
     rows = [[f"{row[0]:.5g}", *(f"{v * factor:.4g}" for v in row[1:])] for row in _numbers(found, curve)]
     return Table(heads, rows, say("expected {statistic}", statistic=STATISTICS[curve.statistic].title), details=True)
-
-
-def _heads(model: Model) -> list[Column]:
-    return [Column(t.symbol, aside=True) for t in model]
 
 
 def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
@@ -70,13 +67,9 @@ def _of(model: Model | Term) -> Expectation:
     return expectation(model)
 
 
-def _plot_models(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
-    return _plot([_of(model) for model in values], fit, level)
-
-
-def _model_face(model: Model | Term, level: float) -> Face:
-    return _face(_of(model_of(model)), level)
-
-
 EXPECTATION = View(_face, _plot, _rows)
-MODEL = View(_model_face, _plot_models, lambda model, level: _rows(_of(model), level))
+MODEL = View(
+    lambda model, level: _face(_of(model_of(model)), level),
+    lambda values, fit, level: _plot([_of(model) for model in values], fit, level),
+    lambda model, level: _rows(_of(model), level),
+)

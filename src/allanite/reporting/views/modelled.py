@@ -48,7 +48,12 @@ def job_face(form: Form) -> Callable[[ModelJob, float], Face]:
         limits = [
             Note(say("limit exceeded: {limit}", limit=sentence), "alert", where="page") for sentence in job.exceeded
         ]
-        found = jobs.job_face(job, names, [_sheet(channel, form) for channel in job], limits)
+        sheets = []
+        for channel in job:
+            about = [] if channel.record is None else [words.about(channel.record), *channel.record.history]
+            about += [] if channel.result is None else [form.about(channel.result)]
+            sheets.append(Sheet(channel.name or form.name, about, tuple(_parts(channel, form))))
+        found = jobs.job_face(job, names, sheets, limits)
         return replace(found, header=header, close=_legend(form), how=(Note(form.key),))
 
     return face
@@ -56,12 +61,6 @@ def job_face(form: Form) -> Callable[[ModelJob, float], Face]:
 
 def _legend(form: Form) -> list[Part]:
     return [Note(form.key, "quiet", where="text")]
-
-
-def _sheet(channel: Modelled, form: Form) -> Sheet:
-    about = [] if channel.record is None else [words.about(channel.record), *channel.record.history]
-    about += [] if channel.result is None else [form.about(channel.result)]
-    return Sheet(channel.name or form.name, about, tuple(_parts(channel, form)))
 
 
 def _parts(channel: Modelled, form: Form) -> Iterator[Part]:

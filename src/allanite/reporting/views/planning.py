@@ -85,13 +85,13 @@ def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
 
 
 def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Plot":
-    return figures.plot_plans([pair for value in values for pair in _named(value)])
-
-
-def _named(value: RecordingPlan | RecordingPlans) -> list[tuple[str, RecordingPlan]]:
-    if isinstance(value, RecordingPlan):
-        return [("", value)]
-    return [(c.name, c.result) for c in value if isinstance(c.result, RecordingPlan)]
+    plans: list[tuple[str, RecordingPlan]] = []
+    for value in values:
+        if isinstance(value, RecordingPlan):
+            plans.append(("", value))
+        else:
+            plans += [(c.name, c.result) for c in value if isinstance(c.result, RecordingPlan)]
+    return figures.plot_plans(plans)
 
 
 def _check_about(check: SelfCheck) -> str:

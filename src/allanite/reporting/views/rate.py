@@ -38,20 +38,18 @@ NO_ERROR = say("no standard errors: give a noise model (--noise)")
 
 
 def _face(study: RateStudy, level: float) -> Face:
-    sheets = [_sheet(channel, study.settings, level) for channel in study.channels]
+    sheets = []
+    for channel in study.channels:
+        given = study.settings.noise
+        name, found = channel.record.name, channel.experiment
+        said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
+        if found is not None and found.ranking is not None:
+            said = told(found.ranking)
+        verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
+        doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
+        sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
     title = say("Rate of {source}", source=source_of(study))
     return replace(job_face(study, (title, BRAND), sheets), how=[_methods()])
-
-
-def _sheet(channel: RateChannel, settings: RateSettings, level: float) -> Sheet:
-    given = settings.noise
-    name, found = channel.record.name, channel.experiment
-    said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-    if found is not None and found.ranking is not None:
-        said = told(found.ranking)
-    verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
-    doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
-    return channel_sheet(channel, _parts(channel, settings, level), verdicts, doubt=doubt)
 
 
 def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterator[Part]:

@@ -28,10 +28,6 @@ KEY = say(
 DRAWN = say("Allan deviation of the state space, of the model, and as measured; below, the state space over the model.")
 
 
-def _about(space: StateSpace) -> str:
-    return f"{space.rate:.8g} Hz; {space.model}"
-
-
 def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     low, high = space.tau
     within = say(
@@ -84,7 +80,14 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
     return figures.plot_state_spaces(spaces, level=level)
 
 
-_FORM = Form(say("model"), say("State space of"), say("state space of an inertial sensor's noise"), _about, _parts, KEY)
+_FORM = Form(
+    say("model"),
+    say("State space of"),
+    say("state space of an inertial sensor's noise"),
+    lambda space: f"{space.rate:.8g} Hz; {space.model}",
+    _parts,
+    KEY,
+)
 
 SPACE = View(one_face(_FORM), _plot, lambda space, _: space.rows())
 SPACES = View(job_face(_FORM), _plot, job_rows)

@@ -104,10 +104,6 @@ def _number(value: float) -> str:
     return digits(value).plain()[0] if np.isfinite(value) else ""
 
 
-def _curve_title(curve: Curve) -> str:
-    return say("{statistic} in {unit}", statistic=STATISTICS[curve.statistic].title, unit=curve.unit)
-
-
 def _spectrum_title(spectrum: Spectrum) -> str:
     named = {"unit": spectrum.density_unit, "method": spectrum.method}
     if spectrum.sides == "one":
@@ -153,7 +149,7 @@ def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) ->
 
 FORMS: dict[type, Form] = {
     Curve: Form(
-        _curve_title,
+        lambda curve: say("{statistic} in {unit}", statistic=STATISTICS[curve.statistic].title, unit=curve.unit),
         _curve_table,
         ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count", "alpha"),
         _curve_lines,
