@@ -16,8 +16,8 @@ from allanite.reporting.sheet import printed_unit
 from allanite.statistics import STATISTICS
 
 from .drawing import TIME, draw_label, draw_legend, draw_titles, fractions, shade, with_unit
-from .labels import Box
-from .panels import Panel, columns_of, points, span
+from .labels import LabelBox
+from .panels import CurvePanel, columns_of, points, span
 from .terms import draw_model
 
 FEW = 2.0
@@ -35,7 +35,7 @@ Span = tuple[tuple[float, float], tuple[float, float]]
 
 
 @style.plotted
-def plot_panels(new_figure: style.NewFigure, panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
+def plot_panels(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95) -> Figure:
     """One panel for each curve: sensors side by side, the channels of each one below the other, with equal decades."""
     columns = columns_of(panels)
     rows = max(map(len, columns))
@@ -74,7 +74,7 @@ def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float]:
     return ((left, right), (low, high)), across * inches, up * inches
 
 
-def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
+def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
     style.grid(ax)
     placed = _draw_landmarks(ax)
     drawn = points(panel, level)
@@ -111,7 +111,7 @@ def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
     ax.set_ylabel(with_unit(STATISTICS[panel.curve.statistic].title, panel.unit))
 
 
-def _draw_minimum(ax: Axes, panel: Panel, placed: list[Box], level: float) -> None:
+def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: float) -> None:
     """The minimum of the Allan deviation with its averaging time, as data sheets quote it."""
     readings = panel.readings
     if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
@@ -131,7 +131,7 @@ def _draw_minimum(ax: Axes, panel: Panel, placed: list[Box], level: float) -> No
     placed.append(draw_label(ax, ("", text), anchor, fractions(ax, drawn[(drawn > 0).all(axis=1)]), placed))
 
 
-def _draw_landmarks(ax: Axes) -> list[Box]:
+def _draw_landmarks(ax: Axes) -> list[LabelBox]:
     """Rules at a minute, an hour and a day; where their labels are."""
     (low, high), taken = ax.get_xlim(), []
     for tau, label in LANDMARKS:
@@ -141,5 +141,5 @@ def _draw_landmarks(ax: Axes) -> list[Box]:
                 label, (tau, 1), xycoords=("data", "axes fraction"), xytext=(2, -3), textcoords="offset points",
                 va="top", fontsize=7.5, color=style.SOFT,
             )  # fmt: skip
-            taken.append(Box(math.log(tau / low) / math.log(high / low) + 0.035, 0.965, 0.07, 0.05))
+            taken.append(LabelBox(math.log(tau / low) / math.log(high / low) + 0.035, 0.965, 0.07, 0.05))
     return taken

@@ -19,7 +19,7 @@ from allanite.reporting.sheet import printable, printed_unit
 from allanite.reporting.sketch.text_width import wide
 from allanite.terms import TERMS
 
-from .labels import Box, FloatArray, IntArray, nearest, place
+from .labels import FloatArray, IntArray, LabelBox, nearest, place
 
 TIME = say("averaging time τ (s)")
 """What the abscissa of a deviation is called."""
@@ -105,7 +105,9 @@ def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
     return np.argsort(-(line / whole)[known], kind="stable")
 
 
-def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
+def draw_label(
+    ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[LabelBox]
+) -> LabelBox:
     """Write (symbol, text) where it is free, with a line to its anchor if that is farther off, and say where it is."""
     symbol, text = label
     width, height = _inside(ax)

@@ -27,7 +27,7 @@ class Course(NamedTuple):
     shown: bool
 
 
-class Coefficient(NamedTuple):
+class LotRow(NamedTuple):
     """The values of one coefficient, and its course by the label of the abscissa."""
 
     channel: str
@@ -38,7 +38,7 @@ class Coefficient(NamedTuple):
 
 
 @style.plotted
-def plot_lot(new_figure: style.NewFigure, found: Sequence[Coefficient]) -> Figure:
+def plot_lot(new_figure: style.NewFigure, found: Sequence[LotRow]) -> Figure:
     """A row of panels for each coefficient."""
     shown = sorted(found, key=lambda one: -one.values.size)[:MOST]
     labels = list(dict.fromkeys(label for one in shown for label in one.courses))
@@ -63,7 +63,7 @@ def plot_lot(new_figure: style.NewFigure, found: Sequence[Coefficient]) -> Figur
     return figure
 
 
-def _draw_shares(ax: Axes, one: Coefficient) -> None:
+def _draw_shares(ax: Axes, one: LotRow) -> None:
     """The share of units that are not above each value."""
     size = one.values.size
     ax.plot(np.sort(one.values), 100 * (np.arange(size) + 0.5) / size, "o", ms=3.5, color=style.SERIES[0])

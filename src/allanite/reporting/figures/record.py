@@ -11,7 +11,7 @@ from allanite.reporting.sheet import printed_unit
 
 from .drawing import TIME
 from .labels import FloatArray
-from .panels import Panel, points
+from .panels import CurvePanel, points
 
 STRETCHES = 240
 """Stretches of a record whose least and largest sample are drawn: more are not seen."""
@@ -63,7 +63,7 @@ def _ranges(values: FloatArray, edges: "np.ndarray[tuple[int], np.dtype[np.int64
 
 
 @style.plotted
-def plot_strip(new_figure: style.NewFigure, panel: Panel, *, level: float = 0.95) -> Figure:
+def plot_strip(new_figure: style.NewFigure, panel: CurvePanel, *, level: float = 0.95) -> Figure:
     """The deviation over that expected under the model, with its band, by averaging time."""
     drawn = points(panel, level)
     assert panel.fit is not None and panel.fit.valid is not None  # noqa: S101, PT018 - the caller has looked

@@ -31,7 +31,7 @@ from .drawing import (
     shade,
     stacked,
 )
-from .labels import Box, FloatArray
+from .labels import FloatArray, LabelBox
 
 MOST_POINTS = 200
 """Values that are drawn as points in a band; more are a line, and its band would hide it."""
@@ -103,7 +103,7 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
         ax.plot(f, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)
     paths = {symbol: fractions(ax, pairs(f, line)) for symbol, line in lines.items()}
     drawn = fractions(ax, np.vstack([pairs(spectrum.frequency, spectrum.amplitude), pairs(f, whole)]))
-    placed: list[Box] = []
+    placed: list[LabelBox] = []
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
         anchors = paths[e.symbol][by_share(lines[e.symbol], whole)]
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import svg as ink
-from .axes_box import LABEL, TICK, Frame
+from .axes_box import LABEL, TICK, PanelFrame
 from .axis import Side
 from .layout import arranged
 from .legend import Legend
@@ -107,7 +107,7 @@ class Chart:
             + ground
         ]
         for i, (panel, box) in enumerate((p, b) for p, b in boxes if p.axison):
-            parts.append(Frame(panel, box, self.look.edge).svg(i))
+            parts.append(PanelFrame(panel, box, self.look.edge).svg(i))
         if self.key is not None and self.key.labels:
             parts.append(self.key.svg((self.width - self.key.width) / 2, TICK, self.look.ink))
         return "".join([*parts, "</svg>"])

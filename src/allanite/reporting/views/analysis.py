@@ -111,7 +111,7 @@ def _face(study: Study, level: float) -> Face:
     )
 
 
-def _sheet(channel: Channel, level: float, panel: "figures.Panel | None" = None) -> Sheet:
+def _sheet(channel: Channel, level: float, panel: "figures.CurvePanel | None" = None) -> Sheet:
     doubt = channel.noise is None or not channel.explained
     fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
     verdicts = (verdict(channel, level),) if channel.fit or channel.refusal else ()
@@ -129,7 +129,7 @@ def _told(note: str, channel: Channel) -> bool:
     )
 
 
-def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
+def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
     if channel.fit is None:
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []

@@ -252,13 +252,13 @@ def _details(batch: Batch, level: float) -> Iterator[Part]:
 def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
     batch: Batch = values[0]
     curves = []
-    lines: dict[str, Sequence[figures.Line]] = {}
+    lines: dict[str, Sequence[figures.LimitLine]] = {}
     for unit in batch:
         for channel in (channel for channel in unit.channels if channel.curve is not None):
             (panel,) = figures.panels_of(channel)
             curves.append(figures.UnitCurve(batch.label(unit), _outcome(unit, channel) == FAIL, panel))
             limits = batch.specification.of(channel.record.name, channel.record.signal) if batch.specification else ()
-            lines[panel.name] = [figures.Line(limit.words(), limit.symbol, limit.maximum) for limit in limits]
+            lines[panel.name] = [figures.LimitLine(limit.words(), limit.symbol, limit.maximum) for limit in limits]
     return figures.plot_units(curves, lines)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from allanite.core.curve import Curve
-from allanite.core.datasheet import Entry
+from allanite.core.datasheet import DataSheetRow
 from allanite.core.display_units import readable_unit
 from allanite.core.estimate import Estimate
 from allanite.core.units import convert
@@ -43,7 +43,7 @@ def data_sheet_table(channel: Channel, level: float, *, whole: bool = True) -> T
     return Table(heads, rows, say("data sheet"), marks=marks, key=KEY)
 
 
-def _number(entry: Entry) -> tuple[str, str]:
+def _number(entry: DataSheetRow) -> tuple[str, str]:
     """Value and interval; of a term that was not found its limit."""
     if entry.value is None:
         return "", "" if entry.high is None else say("below {limit}", limit=digits(entry.high, figures=2).plain()[0])

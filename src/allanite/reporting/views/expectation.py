@@ -56,7 +56,7 @@ def _rows(found: Expectation, _: float) -> Rows:
 
 def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
     panels = [
-        figures.Panel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
+        figures.CurvePanel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
         for found in values
         for curve in found.curves
     ]

@@ -83,7 +83,7 @@ def _tested(lot: Lot) -> Iterator[Note]:
         yield Note(none, "fair")
 
 
-def _drawn(lot: Lot) -> "list[figures.Coefficient]":
+def _drawn(lot: Lot) -> "list[figures.LotRow]":
     """What is drawn: the coefficients with several values."""
     found = []
     for one in lot.distributions:
@@ -91,7 +91,7 @@ def _drawn(lot: Lot) -> "list[figures.Coefficient]":
         courses = dict(map(_course, own))
         symbol, values = symbol_of(one.symbol), one.values / one.factor
         if values.size > 1:
-            found.append(figures.Coefficient(one.channel, symbol, one.sheet_unit, values, courses))
+            found.append(figures.LotRow(one.channel, symbol, one.sheet_unit, values, courses))
     return found
 
 

@@ -17,7 +17,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, T
 from allanite.study.modelled import Modelled, RecordingPlans
 
 from . import Rows, View
-from .modelled import Form, job_face, job_rows, one_face
+from .modelled import ModelledForm, job_face, job_rows, one_face
 
 if TYPE_CHECKING:
     from allanite.reporting.style import Plot
@@ -166,8 +166,8 @@ def _bound_rows(bound: Bound, _: float) -> Rows:
     return ["parameter", "relative_error"], [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))]
 
 
-_PLAN = Form(say("plan"), say("Plan for"), say("how long to record"), _plan_about, _plan_parts, PLANNED)
-_CHECK = Form(
+_PLAN = ModelledForm(say("plan"), say("Plan for"), say("how long to record"), _plan_about, _plan_parts, PLANNED)
+_CHECK = ModelledForm(
     say("check"),
     say("Check of the identification:"),
     say("simulated records, identified"),

@@ -15,7 +15,7 @@ from allanite.statespace.build import MEASUREMENTS
 from allanite.study.modelled import Modelled, StateSpaces
 
 from . import View
-from .modelled import Form, job_face, job_rows, one_face
+from .modelled import ModelledForm, job_face, job_rows, one_face
 
 if TYPE_CHECKING:
     from allanite.reporting.style import Plot
@@ -80,7 +80,7 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
     return figures.plot_state_spaces(spaces, level=level)
 
 
-_FORM = Form(
+_FORM = ModelledForm(
     say("model"),
     say("State space of"),
     say("state space of an inertial sensor's noise"),

@@ -28,7 +28,7 @@ MOST_COLUMNS = 8
 """Averaging times of a surface that are printed."""
 
 
-class Form(NamedTuple):
+class NumbersForm(NamedTuple):
     """What is written of a value: title, headings, cells of its rows, and the rows of a CSV file."""
 
     title: Callable[[Any], str]
@@ -142,27 +142,27 @@ def _surface_lines(surface: Surface, _: float) -> Iterator[list[Any]]:
 
 
 def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Plot":
-    panels = [figures.Panel(curve.name, curve, fits.get(curve.name)) for curve in curves]
+    panels = [figures.CurvePanel(curve.name, curve, fits.get(curve.name)) for curve in curves]
     draw = figures.plot_panels if len(panels) == 1 else figures.plot_overlay
     return draw(panels, level=level)
 
 
-FORMS: dict[type, Form] = {
-    Curve: Form(
+FORMS: dict[type, NumbersForm] = {
+    Curve: NumbersForm(
         lambda curve: say("{statistic} in {unit}", statistic=STATISTICS[curve.statistic].title, unit=curve.unit),
         _curve_table,
         ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count", "alpha"),
         _curve_lines,
         _plot_curves,
     ),
-    Spectrum: Form(
+    Spectrum: NumbersForm(
         _spectrum_title,
         _spectrum_table,
         ("channel", "frequency_hz", "density", "low", "high", "unit", "sides", "amplitude", "amplitude_unit", "dof"),
         _spectrum_lines,
         lambda spectra, fits, level: figures.plot_spectra(spectra, fits, level=level),
     ),
-    Surface: Form(
+    Surface: NumbersForm(
         _surface_title,
         _surface_table,
         ("channel", "statistic", "time_s", "m", "tau_s", "deviation", "unit", "count"),
