@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from allanite.phrases.phrase import Phrase, say
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .estimate import Estimate
 from .fit import Fit
@@ -68,11 +68,20 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
     ['0.12 deg/sqrt(h)', '0.002 deg/s/sqrt(Hz)', '7.2 deg/h/sqrt(Hz)']
     """
     estimates = () if fit is None else fit.estimates
-    white = [e for e in estimates if e.symbol == "N"]
-    found = [entry for e in white for entry in _white(e, level)]
+    white = [e for e in estimates if TERMS[e.symbol].slope == WHITE]
+    found = [row for e in white for row in _white(e, level)]
     found += _minimum(readings, level)
-    found += [entry for e in estimates if e.symbol != "N" for entry in _coefficient(e, level)]
-    found += _stability(readings)
+    for e in (e for e in estimates if e not in white):
+        found.append(_entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True))
+        if TERMS[e.symbol].slope == 0:
+            floor = math.sqrt(TERMS[e.symbol].level)
+            found.append(_entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor))
+    if readings is not None:
+        unit = readings.shown_unit(0)
+        for means in readings.means:
+            value = convert(means.value, readings.unit, unit)
+            remark = say("{count} means", count=means.count)
+            found.append(DataSheetRow(stability_over(means.seconds), value, None, None, unit, means.seconds, remark))
     return found if fit is None else [*found, _bandwidth(fit, rate)]
 
 
@@ -81,20 +90,13 @@ def _name(e: Estimate) -> Phrase:
 
 
 def _white(e: Estimate, level: float) -> Iterator[DataSheetRow]:
-    for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS["N"].power])):
+    for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS[e.symbol].power])):
         yield _entry(e, _name(e), unit, level)._replace(coefficient=unit == e.sheet_unit)
     two, one = say("noise density, two-sided"), say("noise density, one-sided")
-    for quantity, factor, symbol in ((two, 1.0, "N"), (one, ONE_SIDED, "sqrt(2) N")):
+    for quantity, factor, symbol in ((two, 1.0, e.symbol), (one, ONE_SIDED, f"sqrt(2) {e.symbol}")):
         for unit in e.signal.density:
             found = _entry(e, quantity, unit, level, factor)
             yield found if found.remark else found._replace(remark=symbol)
-
-
-def _coefficient(e: Estimate, level: float) -> Iterator[DataSheetRow]:
-    yield _entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True)
-    if e.symbol == "B":
-        floor = math.sqrt(TERMS["B"].level)
-        yield _entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor)
 
 
 def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> DataSheetRow:
@@ -120,16 +122,6 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[DataSheetRow]:
         name, point.deviation * factor, low * factor, high * factor, unit, point.tau,
         remark if inertial or not readings.inside else "",
     )  # fmt: skip
-
-
-def _stability(readings: Readings | None) -> Iterator[DataSheetRow]:
-    if readings is None:
-        return
-    unit = readings.shown_unit(0)
-    for means in readings.means:
-        value = convert(means.value, readings.unit, unit)
-        remark = say("{count} means", count=means.count)
-        yield DataSheetRow(stability_over(means.seconds), value, None, None, unit, means.seconds, remark)
 
 
 def _bandwidth(fit: Fit, rate: float) -> DataSheetRow:

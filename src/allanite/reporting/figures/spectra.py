@@ -16,6 +16,7 @@ from allanite.identification.likelihood.filters import FILTERS
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
+from allanite.terms import TERMS, WHITE
 
 from .drawing import (
     MODEL,
@@ -109,7 +110,7 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([drawn, *(path[::4] for path in paths.values())])
         if len(seen):
-            text = join("", (label_of(e, level), _level(spectrum, e) if e.symbol == "N" else ""))
+            text = join("", (label_of(e, level), _level(spectrum, e) if TERMS[e.symbol].slope == WHITE else ""))
             placed.append(draw_label(ax, (e.symbol, text), seen[::8], avoid, placed))
 
 
