@@ -94,13 +94,18 @@ def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
         # unlike tempfile, open gives the file the permissions of the user's umask
         part.open("xb").close()
         yield part
-        with part.open("r+b") as file:  # a name on the disk before its data is an empty file after a power failure
-            os.fsync(file.fileno())
+        _flush(part)
         os.replace(part, target)
     except OSError as error:
         raise _unwritable(path, error) from None
     finally:
         part.unlink(missing_ok=True)
+
+
+def _flush(part: Path) -> None:
+    """Wait until a file is on the disk: a name that is there before its data is an empty file after a power failure."""
+    with part.open("r+b") as file:
+        os.fsync(file.fileno())
 
 
 def _unwritable(path: PathLike, error: OSError) -> UsageError:
