@@ -27,5 +27,5 @@ def line_of(  # noqa: PLR0913 - as matplotlib has it
         raise Unsketched(f"line {form or marker}")
     made = Marker(shape, ms, mfc or color, mec or color, EDGE if mew is None else mew, alpha) if shape and ms else None
     dash = ls[1] if isinstance(ls, tuple) else DASHES[ls or "-"]
-    values = [np.atleast_1d(np.asarray(part, dtype=float)) for part in (x, y)]
-    return LineMark(values[0], values[1], color, lw, dash, drawn, made, zorder, label, transform, alpha=alpha)
+    x, y = np.array(x, dtype=float, ndmin=1), np.array(y, dtype=float, ndmin=1)
+    return LineMark(x, y, color, lw, dash, drawn, made, zorder, label, transform, alpha=alpha)

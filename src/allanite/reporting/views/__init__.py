@@ -36,6 +36,16 @@ class View:
     rows: Callable[[Any, float], Rows] | None = None
     coefficients: Callable[[Any, float], Rows] | None = None
 
+    def through(self, part: Callable[[Any], Any]) -> "View":
+        """The view of values that are shown by what `part` makes of each."""
+        face, plot, rows, coefficients = self.face, self.plot, self.rows, self.coefficients
+        return View(
+            lambda value, level: face(part(value), level),
+            plot and (lambda values, fit, level: plot([part(value) for value in values], fit, level)),
+            rows and (lambda value, level: rows(part(value), level)),
+            coefficients and (lambda value, level: coefficients(part(value), level)),
+        )
+
 
 VIEWS: dict[str, str] = {
     "Study": "analysis.STUDY",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
-from allanite.core.model import Model, Term, model_of
+from allanite.core.model import model_of
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures
@@ -63,13 +63,5 @@ def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
     return figures.plot_panels(panels, level=level)
 
 
-def _of(model: Model | Term) -> Expectation:
-    return expectation(model)
-
-
 EXPECTATION = View(_face, _plot, _rows)
-MODEL = View(
-    lambda model, level: _face(_of(model_of(model)), level),
-    lambda values, fit, level: _plot([_of(model) for model in values], fit, level),
-    lambda model, level: _rows(_of(model), level),
-)
+MODEL = EXPECTATION.through(lambda model: expectation(model_of(model)))

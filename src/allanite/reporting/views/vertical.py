@@ -240,11 +240,7 @@ DESIGN = View(
     lambda values, fit, level: figures.plot_optima([("", v.optimum) for v in values]),
     lambda found, _: found.optimum.rows() if found.scenarios is None else _scenario_rows(found.scenarios),
 )
-OPTIMUM = View(
-    lambda found, level: _design_face(VerticalDesign(found), level),
-    lambda values, fit, level: figures.plot_optima([("", v) for v in values]),
-    lambda found, level: found.rows(),
-)
+OPTIMUM = DESIGN.through(VerticalDesign)
 SCENARIOS = View(
     lambda found, level: Face(say("Filters in scenarios"), BRAND, (Sheet("", (), tuple(_scenario_parts(found))),)),
     lambda values, fit, level: figures.plot_scenarios(values[0]),
