@@ -171,7 +171,6 @@ allanite("explain pilot")
 allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
     "verb, result": ({"study/extent.py": EXTENT, "cli/extent.py": VERB, "reporting/views/extent.py": VIEW}, (
         ("cli/__init__.py", '    "Learn": {', '"extent": "extent.extent", '),
-        ("core/plain.py", '    "study.analysis": "Channel Study",\n', '    "study.extent": "Extent Extents",\n'),
         ("reporting/views/__init__.py", '    "Lot": "lot.LOT",\n', '    "Extents": "extent.EXTENTS",\n')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")

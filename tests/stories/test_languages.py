@@ -19,7 +19,7 @@ from allanite.cli import VERBS, deliver, main
 from allanite.exporting.exports import EXPORTS
 from allanite.identification.front import METHODS
 from allanite.phrases.phrase import Phrase
-from allanite.reporting import html, language, style, text
+from allanite.reporting import html, language, text
 from allanite.reporting.sheet import Code, Fold
 from allanite.reporting.sketch.limits import Unsketched
 from allanite.reporting.views import level_of, view_of
@@ -135,7 +135,7 @@ def shown(value, monkeypatch, drawn):
         parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
-        monkeypatch.setattr(html, "_picture", lambda drawing, lang: found.extend(words_of(drawing.draw())))
+        monkeypatch.setattr(html, "_picture", lambda drawing, lang: found.extend(words_of(drawing.draw().printed())))
         monkeypatch.setattr(html, "drawer", lambda pictures: lambda drawing: "")
         found += Shown(made(html.render(replace(face, command="allanite"), Work.one(lambda: b"x")))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
@@ -332,13 +332,12 @@ def test_a_figure_on_a_page_has_the_words_of_that_for_print(verb, values):
     for value in values:
         for drawing in drawings(view_of(value).face(value, level_of(value))):
             try:
-                with style.sketching():
-                    page = ElementTree.fromstring(drawing.draw().svg())
+                page = ElementTree.fromstring(drawing.draw().sketched().svg())
             except Unsketched:
                 continue
             wide, high = (float(number) for number in page.get("viewBox").split()[2:])
             texts = list(page.iter("{http://www.w3.org/2000/svg}text"))
             assert all(0 <= float(t.get("x")) <= wide and 0 <= float(t.get("y")) <= high for t in texts)
             said = {" ".join(text.text.split()) for text in texts}
-            printed = {" ".join(line.split()) for line in printed_words(drawing.draw())}
+            printed = {" ".join(line.split()) for line in printed_words(drawing.draw().printed())}
             assert printed - said <= {line for line in printed if "$" in line}, verb

@@ -13,13 +13,6 @@ from allanite.study.analysis import Channel, Study
 from .specification import Limit, Specification
 
 PASS, FAIL, NOT_SHOWN = "pass", "fail", "not shown"
-STATUSES = {
-    "absent": say("absent"),
-    "not observable": say("not observable"),
-    "not valid": say("not valid"),
-    "negative": say("negative"),
-}
-"""Statuses of terms that have no value to judge."""
 
 OUTCOMES = (FAIL, NOT_SHOWN, PASS)
 """Outcomes, the worst first."""
@@ -154,7 +147,7 @@ def _coefficient(channel: Channel, symbol: str, level: float) -> Seen:
     if e.status == "absent" and e.upper is not None:
         return Seen(upper=e.upper)
     if e.value is None or not e.valued:
-        return Seen(reason=join(": ", [STATUSES[e.status], *([e.reason] if e.reason else [])]))
+        return Seen(reason=join(": ", [e.row.name, *([e.reason] if e.reason else [])]))
     low, high = e.interval(level)
     low, high = (low, high) if low >= 0 or not math.isfinite(low) else _sizes(low, high)
     return Seen(abs(e.value), low, high)

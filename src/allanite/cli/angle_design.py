@@ -129,7 +129,7 @@ def _drawn(gimbals: "Gimbals", known: "Sequence[Harmonics]", where: Outputs) -> 
 
     path = where.paths["plot"]
     with speaking(where.lang), speaking(drawn_in(where.lang)):
-        return encode(figures.plot_error_in_time(gimbals, known), demand_figure_path(path, force=where.force))
+        return encode(figures.plot_error_in_time(gimbals, known).printed(), demand_figure_path(path, force=where.force))
 
 
 def _known(errors: Sequence[str]) -> "dict[str, Harmonics]":

@@ -21,7 +21,6 @@ from allanite.core.errors import DataError
 from allanite.core.model import Term
 from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
-from allanite.core.sensors import SENSORS
 from allanite.core.units import Signal
 from allanite.core.validity import Scope
 from allanite.identification.likelihood.band import Tuned
@@ -238,8 +237,9 @@ def demand_one_kind(records: Sequence[Record]) -> None:
     """
     signals = {record.signal.name: record.name for record in records}
     if len(signals) > 1:
-        named = ((SENSORS[signal], name) for signal, name in signals.items())
-        kinds = (say("{sensor} ({name})", sensor=sensor, name=name) if name else sensor for sensor, name in named)
+        kinds = (
+            say("{sensor} ({name})", sensor=sensor, name=name) if name else sensor for sensor, name in signals.items()
+        )
         raise DataError(
             say(
                 "only sensors of one type can be compared, not {kinds}; select channels of one type with {option}",

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from allanite.phrases.phrase import Phrase, say
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
-from .estimate import STATUS_WORDS, Estimate
+from .estimate import Estimate
 from .fit import Fit
 from .readings import Readings, stability_over
 from .titles import title_of
@@ -19,7 +19,7 @@ ONE_SIDED = math.sqrt(2)
 BANDWIDTH = say("bandwidth (-3 dB)")
 
 
-class Entry(NamedTuple):
+class DataSheetRow(NamedTuple):
     """One line of a data sheet.
 
     `value`, `low` and `high` are in `unit`; of a term that was not found only `high` is known, a one-sided 95 % upper
@@ -37,7 +37,7 @@ class Entry(NamedTuple):
     coefficient: bool = False
 
 
-def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: float = 0.95) -> list[Entry]:
+def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: float = 0.95) -> list[DataSheetRow]:
     """The quantities of a data sheet, each with its limits.
 
     Parameters
@@ -53,7 +53,7 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
 
     Returns
     -------
-    list of Entry
+    list of DataSheetRow
         The angle random walk N in the units in use; the amplitude spectral density of white noise, two-sided (N) and
         one-sided (sqrt(2) N); the minimum of the Allan deviation, which data sheets call in-run bias stability; the
         other coefficients; N-second stability and bandwidth.
@@ -68,11 +68,20 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
     ['0.12 deg/sqrt(h)', '0.002 deg/s/sqrt(Hz)', '7.2 deg/h/sqrt(Hz)']
     """
     estimates = () if fit is None else fit.estimates
-    white = [e for e in estimates if e.symbol == "N"]
-    found = [entry for e in white for entry in _white(e, level)]
+    white = [e for e in estimates if TERMS[e.symbol].slope == WHITE]
+    found = [row for e in white for row in _white(e, level)]
     found += _minimum(readings, level)
-    found += [entry for e in estimates if e.symbol != "N" for entry in _coefficient(e, level)]
-    found += _stability(readings)
+    for e in (e for e in estimates if e not in white):
+        found.append(_entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True))
+        if TERMS[e.symbol].slope == 0:
+            floor = math.sqrt(TERMS[e.symbol].level)
+            found.append(_entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor))
+    if readings is not None:
+        unit = readings.shown_unit(0)
+        for means in readings.means:
+            value = convert(means.value, readings.unit, unit)
+            remark = say("{count} means", count=means.count)
+            found.append(DataSheetRow(stability_over(means.seconds), value, None, None, unit, means.seconds, remark))
     return found if fit is None else [*found, _bandwidth(fit, rate)]
 
 
@@ -80,34 +89,27 @@ def _name(e: Estimate) -> Phrase:
     return say("{term} {symbol}", term=title_of(e.symbol, e.signal), symbol=e.symbol)
 
 
-def _white(e: Estimate, level: float) -> Iterator[Entry]:
-    for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS["N"].power])):
+def _white(e: Estimate, level: float) -> Iterator[DataSheetRow]:
+    for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS[e.symbol].power])):
         yield _entry(e, _name(e), unit, level)._replace(coefficient=unit == e.sheet_unit)
     two, one = say("noise density, two-sided"), say("noise density, one-sided")
-    for quantity, factor, symbol in ((two, 1.0, "N"), (one, ONE_SIDED, "sqrt(2) N")):
+    for quantity, factor, symbol in ((two, 1.0, e.symbol), (one, ONE_SIDED, f"sqrt(2) {e.symbol}")):
         for unit in e.signal.density:
             found = _entry(e, quantity, unit, level, factor)
             yield found if found.remark else found._replace(remark=symbol)
 
 
-def _coefficient(e: Estimate, level: float) -> Iterator[Entry]:
-    yield _entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True)
-    if e.symbol == "B":
-        floor = math.sqrt(TERMS["B"].level)
-        yield _entry(e, say("flicker floor, {floor:.3f} B", floor=floor), e.sheet_unit, level, floor)
-
-
-def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> Entry:
+def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> DataSheetRow:
     scale = factor * convert(1.0, e.unit, unit)
-    remark = {"identified": "", "absent": say("not identified")}.get(e.status, STATUS_WORDS[e.status])
+    remark = {"identified": "", "absent": say("not identified")}.get(e.status, e.row.name)
     if e.status == "not valid" or e.value is None:
         most = None if e.upper is None or e.status == "not valid" else e.upper * scale
-        return Entry(quantity, None, None, most, unit, None, remark)
+        return DataSheetRow(quantity, None, None, most, unit, None, remark)
     low, high = (None if math.isnan(v) else v * scale for v in e.interval(level))
-    return Entry(quantity, e.value * scale, low, high, unit, None, remark)
+    return DataSheetRow(quantity, e.value * scale, low, high, unit, None, remark)
 
 
-def _minimum(readings: Readings | None, level: float) -> Iterator[Entry]:
+def _minimum(readings: Readings | None, level: float) -> Iterator[DataSheetRow]:
     if readings is None or readings.minimum is None:
         return
     point, unit = readings.minimum, readings.shown_unit(0)
@@ -116,27 +118,17 @@ def _minimum(readings: Readings | None, level: float) -> Iterator[Entry]:
     lowest, inertial = say("minimum of the Allan deviation"), readings.signal.inertial
     remark = lowest if readings.inside else say("upper limit: still falling")
     name = say("in-run bias stability") if inertial else lowest
-    yield Entry(
+    yield DataSheetRow(
         name, point.deviation * factor, low * factor, high * factor, unit, point.tau,
         remark if inertial or not readings.inside else "",
     )  # fmt: skip
 
 
-def _stability(readings: Readings | None) -> Iterator[Entry]:
-    if readings is None:
-        return
-    unit = readings.shown_unit(0)
-    for means in readings.means:
-        value = convert(means.value, readings.unit, unit)
-        remark = say("{count} means", count=means.count)
-        yield Entry(stability_over(means.seconds), value, None, None, unit, means.seconds, remark)
-
-
-def _bandwidth(fit: Fit, rate: float) -> Entry:
+def _bandwidth(fit: Fit, rate: float) -> DataSheetRow:
     behind = fit.scope.filter if fit.scope else None
     if behind is not None:
-        return Entry(BANDWIDTH, behind.cutoff, behind.low, behind.high, "Hz", None, behind.title)
+        return DataSheetRow(BANDWIDTH, behind.cutoff, behind.low, behind.high, "Hz", None, behind.title)
     if fit.scope is None or not fit.scope.whole:
-        return Entry(BANDWIDTH, None, None, None, "", None, say("not determined"))
+        return DataSheetRow(BANDWIDTH, None, None, None, "", None, say("not determined"))
     remark = say("no roll-off up to {frequency:.6g} Hz", frequency=rate / 2)
-    return Entry(BANDWIDTH, None, None, None, "", None, remark)
+    return DataSheetRow(BANDWIDTH, None, None, None, "", None, remark)

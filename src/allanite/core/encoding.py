@@ -18,7 +18,7 @@ from .units import Signal, signal_named
 NOT_FINITE = ("nan", "inf", "-inf")
 
 
-class Form(NamedTuple):
+class Codec(NamedTuple):
     """How values of one kind of type are written and read.
 
     `write` takes the value, the arguments of the type and a confidence level, `read` the plain data and the arguments;
@@ -52,7 +52,7 @@ def _derived(hint: Any) -> tuple[Any, tuple[Any, ...]]:
     return origin, args
 
 
-def _form(hint: Any) -> Form:
+def _form(hint: Any) -> Codec:
     origin, _ = _derived(hint)
     if origin in FORMS:
         return FORMS[origin]
@@ -61,9 +61,9 @@ def _form(hint: Any) -> Form:
     raise TypeError(f"a field of type {hint} cannot be written as plain data")
 
 
-def _value_form(kind: Any) -> Form:
+def _value_form(kind: Any) -> Codec:
     """A value that writes itself; it is read by its own class or a subclass of it."""
-    return Form(
+    return Codec(
         lambda value, _, level: value.to_dict(level),
         lambda data, _: kind.from_dict(data),
         lambda value: isinstance(value, kind),
@@ -180,22 +180,18 @@ def _is(*kinds: type) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, kinds)
 
 
-def _is_number(data: Any) -> bool:
-    return data is None or (isinstance(data, (int, float)) and not isinstance(data, bool)) or data in NOT_FINITE
-
-
-_itself = Form(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
-_float_form = Form(
+_itself = Codec(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
+_float_form = Codec(
     lambda value, _, level: _scalar(value),
     lambda data, _: math.nan if data is None else float(data) if isinstance(data, str) else data,
     _is(int, float, np.floating, np.integer),
-    _is_number,
+    lambda data: data is None or (isinstance(data, (int, float)) and not isinstance(data, bool)) or data in NOT_FINITE,
 )
-_union = Form(_write_union, _read_union, _no_type, _no_type)
-_dict = Form(_write_dict, _read_dict, _is(dict), _is(dict))
-_tuple = Form(_write_tuple, _read_tuple, _is(tuple, list), _is(list, tuple))
+_union = Codec(_write_union, _read_union, _no_type, _no_type)
+_dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict))
+_tuple = Codec(_write_tuple, _read_tuple, _is(tuple, list), _is(list, tuple))
 
-FORMS: dict[Any, Form] = {
+FORMS: dict[Any, Codec] = {
     Any: _itself,
     object: _itself,
     Literal: _itself,
@@ -203,9 +199,9 @@ FORMS: dict[Any, Form] = {
     str: _itself._replace(holds=_is(str), written=_is(str)),
     int: _itself._replace(holds=_is(int, np.integer), written=_is(int)),
     float: _float_form,
-    Path: Form(lambda value, _, level: str(value), lambda data, _: Path(data), _is(Path), _is(str)),
-    Signal: Form(lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str)),
-    np.ndarray: Form(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict)),
+    Path: Codec(lambda value, _, level: str(value), lambda data, _: Path(data), _is(Path), _is(str)),
+    Signal: Codec(lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str)),
+    np.ndarray: Codec(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict)),
     tuple: _tuple,
     list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))),
     Sequence: _tuple,
@@ -213,6 +209,6 @@ FORMS: dict[Any, Form] = {
     Mapping: _dict,
     Union: _union,
     types.UnionType: _union,
-    Callable: Form(_write_call, _read_call, callable, _is(dict)),
+    Callable: Codec(_write_call, _read_call, callable, _is(dict)),
 }
 """The codec of a type, or of the type that it is derived from."""

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
-from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .display_units import shown_unit
@@ -18,16 +18,62 @@ from .units import Signal
 WEAK = 0.25
 """Relative standard error above which an identified term is called weak."""
 
-STATUS_WORDS = {
-    "identified": say("identified"),
-    "weak": say("weak"),
-    "absent": say("absent"),
-    "not observable": say("not observable"),
-    "not valid": say("not valid"),
-    "reported": say("reported"),
-    "negative": say("negative"),
-}
-"""Every status as it is shown."""
+
+class Status(NamedTuple):
+    """What is known of a coefficient.
+
+    Attributes
+    ----------
+    name : str
+    meaning : str
+    claimed, valued, usable : bool
+        Whether the term was detected; its value is a result of the method; its value or its limit is one.
+    mark, color : str
+        How its row is marked in a table (see `reporting.sheet.Mark`), and its color in a terminal.
+    """
+
+    name: str
+    meaning: str
+    claimed: bool = False
+    valued: bool = False
+    usable: bool = True
+    mark: Literal["", "strong", "struck"] = ""
+    color: str = ""
+
+
+STATUSES: dict[str, Status] = {
+    row.name: row
+    for row in (
+        Status(
+            say("identified"), say("relative standard error at most 25 %"),
+            claimed=True, valued=True, mark="strong", color="green",
+        ),
+        Status(
+            say("weak"), say("relative standard error above 25 %: an order of magnitude, not a specification"),
+            claimed=True, valued=True, mark="strong", color="yellow",
+        ),
+        Status(say("absent"), say("not identified; the limit is the one-sided 95 % upper limit"), color="dim"),
+        Status(
+            say("not observable"),
+            say("cannot be determined from the part of the record that was used, for the reason given"),
+            usable=False, color="dim",
+        ),
+        Status(
+            say("not valid"),
+            say("the model does not explain the record, or its measured curve contradicts the value: not a result"),
+            usable=False, mark="struck", color="red",
+        ),
+        Status(
+            say("reported"), say("by a method that gives no evidence for the term: it may be absent"),
+            valued=True, color="cyan",
+        ),
+        Status(
+            say("negative"), say("the estimated square of the coefficient is negative: the method finds no such term"),
+            usable=False,
+        ),
+    )
+}  # fmt: skip
+"""Every status of a coefficient, by its name."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,14 +143,19 @@ class Estimate(Value):
         return shown_unit(self.signal, TERMS[self.symbol].power, self.wanted)
 
     @property
+    def row(self) -> Status:
+        """The row of `STATUSES`."""
+        return STATUSES[self.status]
+
+    @property
     def claimed(self) -> bool:
         """Whether the term was detected."""
-        return self.status in ("identified", "weak")
+        return self.row.claimed
 
     @property
     def valued(self) -> bool:
         """Whether `value` is a result of the method: that of a term that was detected, or reported without evidence."""
-        return self.value is not None and (self.claimed or self.status == "reported")
+        return self.value is not None and self.row.valued
 
     def interval(self, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval (low, high) in SI; from 0 to `upper` for an absent term."""
@@ -129,21 +180,18 @@ class Estimate(Value):
         if self.status == "not observable":
             return say("not observable: {reason}", reason=self.reason)
         if self.value is None:
-            return self._missing(scale, unit)
+            # why there is no value, and its limit
+            if self.status == "not valid":
+                return say("not valid: {reason}", reason=self.reason)
+            if self.upper is None:
+                return say("not identified")
+            return say("not identified, below {limit:.3g} {unit}", limit=self.upper * scale, unit=unit)
         if self.status == "not valid":
             value = self.value * scale
             return say("not valid ({value:.4g} {unit}): {reason}", value=value, unit=unit, reason=self.reason)
         low, high = self.interval(level)
         around = f" ({low * scale:.4g} .. {high * scale:.4g})" if math.isfinite(low) and math.isfinite(high) else ""
         return f"{self.value * scale:.4g}{around} {unit}"
-
-    def _missing(self, scale: float, unit: str) -> Phrase:
-        """Why there is no value, and its limit."""
-        if self.status == "not valid":
-            return say("not valid: {reason}", reason=self.reason)
-        if self.upper is None:
-            return say("not identified")
-        return say("not identified, below {limit:.3g} {unit}", limit=self.upper * scale, unit=unit)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""
@@ -152,15 +200,13 @@ class Estimate(Value):
         known = {"value": self.value, "low": low, "high": high}
         shown = {key: None if v is None else finite(v * scale) for key, v in known.items()}
         extra = {"low": low, "high": high, "unit": self.unit, "level": level}
-        return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | self._shape_dict(level)
+        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
+        shape = {
+            p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
+            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
+        }
+        return super().to_dict(level) | extra | {"shown": {**shown, "unit": self.sheet_unit}} | shape
 
     def _summary(self) -> str:
         size = "" if self.value is None else f" {self.to(self.sheet_unit):.4g} {self.sheet_unit}"
         return f"{self.symbol}{size}, {self.status}"
-
-    def _shape_dict(self, level: float) -> dict[str, Any]:
-        limits = self.shape_limits(level) if self.shape_limits else ((math.nan, math.nan),) * len(self.shape)
-        return {
-            p.name: {"value": finite(value), "low": finite(low), "high": finite(high), "unit": p.unit}
-            for p, value, (low, high) in zip(TERMS[self.symbol].parameters, self.shape, limits, strict=False)
-        }

@@ -261,14 +261,14 @@ class Model(Value):
         return cls(tuple(Term.from_dict({"signal": data["signal"], **t}) for t in data["terms"]))
 
 
-class Modelled(Protocol):
+class HasModel(Protocol):
     """An object with a model, such as the result of a fit."""
 
     @property
     def model(self) -> Model: ...  # noqa: D102
 
 
-ModelLike = Model | Term | Modelled
+ModelLike = Model | Term | HasModel
 """What is accepted wherever a model is expected."""
 
 

@@ -15,82 +15,11 @@ VERSION = 1
 LONGEST = 120
 """Maximum length of a `repr`."""
 
-_MODULES: dict[str, str] = {
-    "applications.angle.calibration": "Calibration",
-    "applications.angle.geometry": "Gimbals Sway",
-    "applications.angle.harmonics": "Harmonics",
-    "applications.angle.plans": "AnglePlan AngleSettings Scan",
-    "applications.angle.residuals": "InnovationTest",
-    "applications.angle.solution": "History Solution",
-    "applications.angle.squareroot": "SquareRoot",
-    "applications.attitude.loop": "Loop",
-    "applications.attitude.optimum": "Optimum",
-    "applications.attitude.prediction": "Prediction Source",
-    "applications.attitude.scenarios": "Trial",
-    "applications.attitude.trials": "ScenarioErrors VerticalDesign",
-    "applications.attitude.result": "Angle VerticalChannel VerticalSettings VerticalStudy",
-    "batch.summary": "Across",
-    "batch.batch": "Batch BatchUnit",
-    "batch.judgement": "Judgement",
-    "batch.lot": "Lot",
-    "batch.scatter": "Distribution Outlying Trend",
-    "batch.specification": "Limit Specification",
-    "comparison.change": "Change Homogeneity",
-    "comparison.comparison": "Comparison ComparisonSettings Pair Ratios",
-    "comparison.pooled": "Pool PooledChannel PooledTerm",
-    "applications.compensation.compensated": "Compensated CompensationStudy",
-    "applications.compensation.gain": "Gain",
-    "applications.compensation.mixture": "Mixture",
-    "applications.compensation.regression": "Regression",
-    "applications.compensation.regressor": "Effect Regressor",
-    "applications.compensation.settings": "CompensationSettings FitSettings",
-    "core.averaged": "Averaged",
-    "core.curve": "Curve",
-    "core.finding": "Finding Quality",
-    "core.estimate": "Estimate",
-    "core.fit": "Alternative Fit Goodness Line",
-    "core.model": "Model Term",
-    "core.header": "Header",
-    "core.readings": "Means Reading Readings Slope",
-    "core.record": "Recording",
-    "core.residuals": "Check Residuals Shared",
-    "core.validity": "LowPass Scope",
-    "core.spectrum": "Spectrum",
-    "core.surface": "Surface",
-    "exporting.content": "Entry",
-    "exporting.conversion": "Explanation",
-    "exporting.export": "Export",
-    "exporting.imported": "Imported",
-    "interpretation.causes": "Meaning",
-    "planning.bound": "Bound",
-    "planning.plan": "RecordingPlan",
-    "planning.properties": "Properties",
-    "planning.selfcheck": "SelfCheck",
-    "planning.termcheck": "TermCheck",
-    "applications.rate.earth": "North",
-    "applications.rate.estimates": "RateEstimate",
-    "applications.rate.experiments": "Experiment",
-    "applications.rate.first_interval": "Closeup",
-    "applications.rate.predict": "Ranking",
-    "applications.rate.run": "ExperimentSettings",
-    "applications.rate.setting": "EstimatorSettings",
-    "applications.rate.campaign": "RateChannel RateSettings RateStudy",
-    "applications.signals.rounding_noise": "Budget StageNoise",
-    "applications.signals.stage": "Codes Stage",
-    "applications.signals.budgeting": "BudgetChannel BudgetStudy PathSettings",
-    "applications.signals.torque": "TorqueScale",
-    "simulation.recording": "Simulation",
-    "statespace.space": "StateSpace",
-    "statistics.model_curves": "Expectation",
-    "study.analysis": "Channel Study",
-    "study.modelled": "RecordingPlans SelfChecks StateSpaces",
-    "study.modelling": "PlanSettings SelfCheckSettings StateSpaceSettings",
-    "study.survey": "Densities Deviations Measured Survey Windows",
-    "study.theory": "TheorySettings",
-}
+TYPES: "dict[str, type[Value]]" = {}
+"""Every kind of value that is imported, by its "type"; a class is here as soon as it is defined."""
 
-TYPES: dict[str, str] = {name: module for module, names in _MODULES.items() for name in names.split()}
-"""The module, within the package, of every value that `from_dict` reads, by its "type"."""
+RESULTS = "allanite.reporting"
+"""The package that knows all results; it is imported when a stored type is not known yet, or a notebook shows one."""
 
 
 class Portable:
@@ -122,6 +51,10 @@ class Value(Portable):
 
     _keys: ClassVar[dict[str, str]] = {}
     _also: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        TYPES.setdefault(cls.__name__, cls)
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data that JSON can hold, with confidence limits at `level`."""
@@ -167,7 +100,7 @@ class Value(Portable):
 
     def _repr_html_(self) -> str:
         """What a notebook shows; the renderer is imported only then."""
-        render = getattr(importlib.import_module("allanite.reporting"), "html_of", None)
+        render = getattr(importlib.import_module(RESULTS), "html_of", None)
         return f"<pre>{escape(repr(self))}</pre>" if render is None else str(render(self))
 
 
@@ -236,8 +169,10 @@ def class_of(data: dict[str, Any]) -> type[Value]:
     UsageError
         No class has that name.
     """
-    name = data.get("type") if isinstance(data, dict) else None
-    if name not in TYPES:
-        raise UsageError(f"stored data of type {name!r} cannot be read; known types: {', '.join(sorted(TYPES))}")
-    found: type[Value] = getattr(importlib.import_module(f"allanite.{TYPES[name]}"), name)
-    return found
+    name = str(data.get("type")) if isinstance(data, dict) else None
+    if name is not None and name not in TYPES:
+        importlib.import_module(f"{RESULTS}.views").import_type(name)
+    if name is None or name not in TYPES:
+        known = (known for known, cls in TYPES.items() if not cls.__subclasses__())
+        raise UsageError(f"stored data of type {name!r} cannot be read; known types: {', '.join(sorted(known))}")
+    return TYPES[name]

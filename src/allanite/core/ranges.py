@@ -56,16 +56,14 @@ def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float],
     parts = pieces.split(",") if isinstance(pieces, str) else pieces
     if not isinstance(parts, (tuple, list)) or not parts:
         raise UsageError(f"pieces are pairs of numbers in {unit}, as {AS[unit]}, not {pieces!r}")
-    return tuple(sorted(_piece(part, unit) for part in parts))
-
-
-def _piece(part: object, unit: str) -> tuple[float, float]:
-    pair = part.split("..") if isinstance(part, str) else part
-    try:
-        start, end = (float(number) for number in pair)  # type: ignore[attr-defined]  # what is no pair raises
-    except (TypeError, ValueError):
-        one = AS[unit].partition(",")[0]
-        raise UsageError(f"a piece is a pair of numbers in {unit}, as {one}, not {part!r}") from None
-    if not 0 <= start < end < math.inf:
-        raise UsageError(f"a piece begins at 0 {unit} or later and ends after that, unlike {start:g}..{end:g}")
-    return start, end
+    pairs = []
+    for part in parts:
+        try:
+            start, end = (float(number) for number in (part.split("..") if isinstance(part, str) else part))
+        except (TypeError, ValueError):
+            example = AS[unit].partition(",")[0]
+            raise UsageError(f"a piece is a pair of numbers in {unit}, as {example}, not {part!r}") from None
+        if not 0 <= start < end < math.inf:
+            raise UsageError(f"a piece begins at 0 {unit} or later and ends after that, unlike {start:g}..{end:g}")
+        pairs.append((start, end))
+    return tuple(sorted(pairs))

@@ -200,14 +200,13 @@ class Readings(Value):
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, data sheet and SI side by side."""
         headings = ["reading", "tau", "value", "low", "high", "unit", "SI value", "SI unit", "remark"]
-        return headings, [[q.title, q.tau, *self._shown(q), q.remark] for q in self.quantities(level)]
-
-    def _shown(self, q: Quantity) -> list[Any]:
-        if q.power is None:
-            return [q.value, q.low, q.high, "", q.value, ""]
-        sheet, si = self.shown_unit(q.power), self.signal.si[q.power]
-        factor = convert(1.0, si, sheet)
-        return [q.value * factor, q.low * factor, q.high * factor, sheet, q.value, si]
+        rows: list[list[Any]] = []
+        for q in self.quantities(level):
+            sheet, si = ("", "") if q.power is None else (self.shown_unit(q.power), self.signal.si[q.power])
+            factor = convert(1.0, si, sheet) if sheet else 1.0
+            size = (q.value * factor, q.low * factor, q.high * factor)
+            rows.append([q.title, q.tau, *size, sheet, q.value, si, q.remark])
+        return headings, rows
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, SI, with the data-sheet form under "shown"."""

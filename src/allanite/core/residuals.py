@@ -145,37 +145,33 @@ def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
     """How well a model explains a record: the grade, the test, the reasons, the assumptions."""
     if not grade:
         return Statement("")
-    good = fit.goodness if fit is not None else left.goodness if left is not None else None
+    good: Goodness | None = getattr(left if fit is None else fit, "goodness", None)
     scope = None if fit is None else fit.scope
     why = left.reasons if left is not None else good.reasons if good is not None else ()
     remarks = () if good is None else good.remarks
-    told = (e for e in fit or () if e.status == "not valid" and e.reason != REJECTED)
-    wrong = tuple(say("{symbol} is not valid: {reason}", symbol=e.symbol, reason=e.reason) for e in told)
+    contradicted = (e for e in fit or () if e.status == "not valid" and e.reason != REJECTED)
+    wrong = tuple(say("{symbol} is not valid: {reason}", symbol=e.symbol, reason=e.reason) for e in contradicted)
     if grade == UNEXPLAINED:
-        if good is not None and good.grade != UNEXPLAINED:  # a p-value that does not reject the model is omitted
-            said = say("not explained, although the spectrum fits")
-            return Statement(grade, said, (*why, *wrong, *remarks))
-        said = say("not explained: no model of these terms explains the record")
-        if good is not None:
-            said = say("{said} (goodness of fit {p})", said=said, p=chance(good.p))
-        return Statement(grade, said, (*why, *wrong, *_tried(scope), *remarks))
+        head, tried = _rejection(good, scope)
+        return Statement(grade, head, (*why, *wrong, *tried, *remarks))
     widened = (say("the intervals allow for the misfit"),) if scope is not None and scope.misfit else ()
     supposed = () if scope is None else scope.sentences
     return Statement(grade, tested(grade, scope, good), (*wrong, *widened, *why, *supposed, *remarks))
 
 
-def _tried(scope: Scope | None) -> tuple[str, ...]:
-    """What can be tried if the model does not explain the record."""
-    if scope is None:
-        return ()
-    if scope.choice == "auto":
-        return (
-            say(
-                "low-pass filters, masks and frequency bands were tried; with none of them do these terms explain the "
-                "record"
-            ),
-        )
-    return (try_band(),)
+def _rejection(good: Goodness | None, scope: Scope | None) -> tuple[Phrase, tuple[Phrase, ...]]:
+    """That the model does not explain the record, and what was tried, or can be."""
+    if good is not None and good.grade != UNEXPLAINED:  # a p-value that does not reject the model is omitted
+        return say("not explained, although the spectrum fits"), ()
+    head = say("not explained: no model of these terms explains the record")
+    if good is not None:
+        head = say("{said} (goodness of fit {p})", said=head, p=chance(good.p))
+    if scope is None or scope.choice != "auto":
+        return head, () if scope is None else (try_band(),)
+    tried = say(
+        "low-pass filters, masks and frequency bands were tried; with none of them do these terms explain the record"
+    )
+    return head, (tried,)
 
 
 def try_band() -> Phrase:

@@ -132,16 +132,12 @@ class _Parser:
             return unit**0.5 if word == "sqrt" else unit
         if word == "1":
             return Unit(1.0, _powers())
-        return _named(word)
-
-
-def _named(name: str) -> Unit:
-    for key in (name, name.lower()):
-        if key in ATOMS:
-            return Unit(*ATOMS[key])
-        if key in SPELLINGS:
-            return _Parser(SPELLINGS[key]).expression()
-    raise ValueError(name)
+        for key in (word, word.lower()):
+            if key in ATOMS:
+                return Unit(*ATOMS[key])
+            if key in SPELLINGS:
+                return _Parser(SPELLINGS[key]).expression()
+        raise ValueError(word)
 
 
 @lru_cache(maxsize=1024)
@@ -228,9 +224,10 @@ def times(unit: str, power: float, second: str = "s") -> str:
 
 @dataclass(frozen=True)
 class Signal:
-    """A type of sensor output: its SI unit, what it and its integral are called, and its other units.
+    """A type of sensor output: its SI unit, what it, its integral and its sensor are called, and its other units.
 
-    `si` and `sheet` are the SI and data-sheet units of signal x time^p by the power p.
+    `sensor` is the name of the sensor, `a_sensor` the same with its article. `si` and `sheet` are the SI and data-sheet
+    units of signal x time^p by the power p.
 
     `inertial`: the output of a gyro or accelerometer; the other types are recorded along with them, or converted to a
     rate. `density` are the units in which data sheets give the amplitude spectral density of white noise. `kind` is
@@ -242,6 +239,8 @@ class Signal:
     unit: str
     quantity: str
     integral: str
+    sensor: str
+    a_sensor: str
     si: Units
     sheet: Units
     inertial: bool = False
@@ -255,44 +254,53 @@ class Signal:
 
     def __reduce__(self) -> "tuple[Callable[[str], Signal], tuple[str]]":
         """The row of `SIGNALS` by its name, so that unpickling returns the row itself."""
-        return signal_named, (self.name,)
+        return signal_named, (str(self.name),)
 
 
 def _plain(
-    name: str, unit: str, quantity: str, *, sheet: str = "", named: dict[float, str] | None = None, kind: str = "rate"
-) -> Signal:
-    """A signal whose noise has no data-sheet units of its own, but those of `sheet` times time."""
+    name: str, unit: str, sensor: tuple[str, str], *, sheet: str = "", named: dict[float, str] | None = None,
+    kind: str = "rate",
+) -> Signal:  # fmt: skip
+    """A signal that is called as its quantity, and whose noise has the units of `sheet` times time."""
     si, shown = (Units(u, "s", named) for u in (unit, sheet or unit))
-    integral = say("integrated {quantity}", quantity=quantity)
-    return Signal(name, unit, quantity, integral, si, shown, density=(f"{sheet or unit}/sqrt(Hz)",), kind=kind)
+    integral = say("integrated {quantity}", quantity=name)
+    density = (f"{sheet or unit}/sqrt(Hz)",)
+    return Signal(name, unit, name, integral, *sensor, si, shown, density=density, kind=kind)
 
 
 SIGNALS = (
     Signal(
-        "gyro", "rad/s", say("rate"), say("angle"),
+        say("gyro"), "rad/s", say("rate"), say("angle"), say("gyroscope"), say("a gyroscope"),
         Units("rad/s"),
         Units("deg/h", "h", {1: "arcsec", -0.5: "deg/h/sqrt(h)"}),
         inertial=True,
         density=("deg/s/sqrt(Hz)", "deg/h/sqrt(Hz)"),
     ),
     Signal(
-        "accelerometer", "m/s^2", say("acceleration"), say("velocity"),
+        say("accelerometer"), "m/s^2", say("acceleration"), say("velocity"),
+        say("accelerometer"), say("an accelerometer"),
         Units("m/s^2"),
         Units("ug", "h", {1: "m/s", 0.5: "m/s/sqrt(h)"}),
         inertial=True,
         density=("ug/sqrt(Hz)", "m/s^2/sqrt(Hz)"),
     ),
-    Signal("dimensionless", "1", say("signal"), say("time"), Units("1"), Units("1")),
-    _plain("current", "A", say("current")),
-    _plain("voltage", "V", say("voltage")),
-    _plain("temperature", "K", say("temperature")),
-    _plain("displacement", "m", say("displacement")),
-    _plain("flux density", "T", say("flux density")),
-    _plain("pressure", "Pa", say("pressure")),
-    _plain("angle", "rad", say("angle"), sheet="arcsec", kind="value"),
-    _plain("velocity", "m/s", say("velocity"), kind="value"),
-    _plain("time", "s", say("time"), kind="value"),
-    _plain("frequency", "Hz", say("frequency"), named={1: "1", 0.5: "1/sqrt(s)"}, kind="value"),
+    Signal(
+        say("dimensionless"), "1", say("signal"), say("time"),
+        say("sensor of a dimensionless signal"), say("a sensor of a dimensionless signal"), Units("1"), Units("1"),
+    ),
+    _plain(say("current"), "A", (say("current sensor"), say("a current sensor"))),
+    _plain(say("voltage"), "V", (say("voltmeter"), say("a voltmeter"))),
+    _plain(say("temperature"), "K", (say("thermometer"), say("a thermometer"))),
+    _plain(say("displacement"), "m", (say("displacement sensor"), say("a displacement sensor"))),
+    _plain(say("flux density"), "T", (say("magnetometer"), say("a magnetometer"))),
+    _plain(say("pressure"), "Pa", (say("pressure sensor"), say("a pressure sensor"))),
+    _plain(say("angle"), "rad", (say("measured angle"), say("a measured angle")), sheet="arcsec", kind="value"),
+    _plain(say("velocity"), "m/s", (say("measured velocity"), say("a measured velocity")), kind="value"),
+    _plain(say("time"), "s", (say("measured time"), say("a measured time")), kind="value"),
+    _plain(
+        say("frequency"), "Hz", (say("measured frequency"), say("a measured frequency")),
+        named={1: "1", 0.5: "1/sqrt(s)"}, kind="value",
+    ),
 )  # fmt: skip
 
 

@@ -179,11 +179,11 @@ class Scope(Value):
             found = self.filter.words()
             said.append(say("the samples are low-pass filtered: {filter}; the model includes the filter", filter=found))
         if self.masks:
-            out = [
-                (say("{low:.3g} to {high:.3g} Hz", low=low, high=high), self._loud(low, high))
-                for low, high in self.masks
-            ]
-            loud, stop = ([where for where, one in out if one is kind] for kind in (True, False))
+            loud, stop = list[str](), list[str]()
+            for low, high in self.masks:
+                inside = (self.frequency >= low) & (self.frequency <= high)
+                excess = self.level[inside].max(initial=0.0) > STOPPED  # power that the model does not have
+                (loud if excess else stop).append(say("{low:.3g} to {high:.3g} Hz", low=low, high=high))
             reasons = (
                 (loud, say("excess power there: vibration or a resonance")),
                 (stop, say("stop band of the filter")),
@@ -210,11 +210,6 @@ class Scope(Value):
                 )
             )
         return (*said, *self.remarks)
-
-    def _loud(self, low: float, high: float) -> bool:
-        """Whether a mask excludes power that the model does not have."""
-        inside = (self.frequency >= low) & (self.frequency <= high)
-        return bool(self.level[inside].max(initial=0.0) > STOPPED)
 
     def _summary(self) -> str:
         low, high = self.band

@@ -9,7 +9,6 @@ from typing import Any
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, encoded, write
 from allanite.core.plain import Value
-from allanite.core.sensors import SENSORS
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.study.analysis import Study
@@ -202,7 +201,7 @@ def _axes(source: Source, how: How) -> tuple[Axis, ...]:
     axes = list(axes_of(source))
     inertial = [axis for axis in axes if axis.fit.signal.inertial]
     if axes and not inertial:
-        names = ", ".join(f"{axis.label!r} ({SENSORS[axis.sensor]})" for axis in axes)
+        names = ", ".join(f"{axis.label!r} ({axis.sensor})" for axis in axes)
         raise DataError(
             f"files for other programs hold the noise of gyroscopes and accelerometers, not of {names}; write the "
             "coefficients of any quantity with " + spelled("'allanite analyze FILE --coefficients PATH'", "fit.rows()")

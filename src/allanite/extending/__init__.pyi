@@ -35,7 +35,6 @@ from allanite.core.record import SHORTEST as SHORTEST
 from allanite.core.record import Record as Record
 from allanite.core.record import Recording as Recording
 from allanite.core.record import header_dict as header_dict
-from allanite.core.sensors import SENSORS as SENSORS
 from allanite.core.units import Signal as Signal
 from allanite.core.units import convert as convert
 from allanite.core.units import signal_with as signal_with

@@ -6,7 +6,6 @@ from functools import reduce
 from allanite.core.fit import Fit
 from allanite.core.plain import Value
 from allanite.core.readings import Readings
-from allanite.core.sensors import SENSORS
 from allanite.phrases.phrase import say
 
 from .device import Cause
@@ -89,7 +88,7 @@ def meaning(
             "the table of {device} is about {signals} signals, not about this {sensor}",
             device=row.title,
             signals=reduce(lambda first, second: say("{first} or {second}", first=first, second=second), row.signals),
-            sensor=SENSORS[fit.signal.name],
+            sensor=fit.signal.name,
         )
         return Meaning(fit.name, said, device, (), note)
     there = tuple(e.symbol for e in fit if e.claimed and e.symbol in row.terms) if fit.valid is not None else ()

@@ -75,7 +75,7 @@ def plot(
     if draw is None:
         raise UsageError(f"a {type(values[0]).__name__} has no figure; al.report writes its page")
     with speaking(lang), speaking(drawn_in(lang)):
-        figure = draw(values, fit, level_of(values[0], level))
+        figure = draw(values, fit, level_of(values[0], level)).printed()
         if path is not None:
             save(figure, path, force=force)
     return figure
@@ -165,7 +165,7 @@ def html_of(value: Any) -> str:
 
     view = view_of(value)
     level = level_of(value)
-    drawn = None if view.plot is None else view.plot([value], None, level)
+    drawn = None if view.plot is None else view.plot([value], None, level).printed()
     return fragment(view.face(value, level), drawn)
 
 

@@ -2,11 +2,10 @@
 
 import base64
 import re
-from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cache, partial
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
@@ -17,7 +16,20 @@ from allanite.terms import TERMS
 
 from .language import speaking, spoken, tr
 from .matplotlib_svg import Picture, drawer, drawn, svg, variable
-from .sheet import Code, Column, Drawing, Face, Fold, Note, Part, Table, printable, printed, printed_heading
+from .sheet import (
+    Code,
+    Column,
+    Drawing,
+    Face,
+    Fold,
+    Note,
+    Table,
+    drawings,
+    on_page,
+    printable,
+    printed,
+    printed_heading,
+)
 from .words import capital
 
 if TYPE_CHECKING:
@@ -35,29 +47,20 @@ _NOTEBOOK = count()
 def render(face: Face, stored: Work[bytes]) -> Work[str]:
     """The making of the page as text, figure by figure; what `stored` makes are its data."""
     lang = spoken()
-    drawings = list(
-        _drawings((*face.parts, *(part for one in face.sheets for part in one.parts), *face.close, *face.how))
-    )
+    every = (*face.parts, *(part for sheet in face.sheets for part in sheet.parts), *face.close, *face.how)
+    figures = list(drawings(every))
 
     def page(made: tuple[bytes, list[Picture]]) -> str:
         from .style import DARK
 
         data, pictures = made
-        drawn = {id(drawing): picture for drawing, picture in zip(drawings, pictures, strict=True)}
+        drawn = {id(drawing): picture for drawing, picture in zip(figures, pictures, strict=True)}
         grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
         shown = {"face": replace(face, data=data), "draw": drawer(drawn), "grounds": grounds, "lang": lang}
         with speaking(lang):
             return _environment().get_template("page.html.j2").render(shown)
 
-    return stored.beside(Work([partial(_picture, drawing, lang) for drawing in drawings], list)).then(page)
-
-
-def _drawings(parts: Iterable[Part]) -> Iterator[Drawing]:
-    for part in _shown(parts):
-        if isinstance(part, Drawing):
-            yield part
-        elif isinstance(part, Fold):
-            yield from _drawings(part.parts)
+    return stored.beside(Work([partial(_picture, drawing, lang) for drawing in figures], list)).then(page)
 
 
 def _picture(drawing: Drawing, lang: str) -> Picture:
@@ -102,7 +105,14 @@ def _environment() -> Environment:
     env.filters["capital"] = capital
     env.filters["base64"] = lambda data: base64.b64encode(data).decode()
     env.globals.update(say=say, say_count=say_count)
-    env.globals.update(cell=_cell, kind_of=_kind_of, css=_css, numeric=_numeric, shown=_shown, color_of=_color_of)
+    env.globals.update(
+        cell=_cell,
+        kind_of=lambda part: {Table: "table", Note: "note", Drawing: "drawing", Code: "code", Fold: "fold"}[type(part)],
+        css=_css,
+        numeric=lambda column: column.kind in ("number", "interval", "unit"),
+        shown=on_page,
+        color_of=_color_of,
+    )
     return env
 
 
@@ -111,18 +121,10 @@ def _made(key: str) -> str:
     return join(" ", (_made(name), number)) if number.isdigit() else MADE.get(key, key)
 
 
-def _kind_of(part: Part) -> str:
-    return {Table: "table", Note: "note", Drawing: "drawing", Code: "code", Fold: "fold"}[type(part)]
-
-
 def _color_of(symbol: str) -> str:
     """The color of a term: that of the page's ground, or of white paper in a notebook."""
     name = symbol.strip("|")
     return f"var({variable(TERMS[name].color)}, {TERMS[name].color})" if name in TERMS else ""
-
-
-def _shown(parts: Any) -> Iterator[Part]:
-    return (part for part in parts if part.where != "text")
 
 
 def _cell(column: Column, text: str) -> Markup | str:
@@ -132,10 +134,6 @@ def _cell(column: Column, text: str) -> Markup | str:
         # a long one is scrolled where the screen is narrow: by keys, too
         return Markup(convert(text).replace("<math ", '<math tabindex="0" ', 1))  # noqa: S704 - our own tables' formulas
     return printed(tr(text), column.kind)
-
-
-def _numeric(column: Column) -> bool:
-    return column.kind in ("number", "interval", "unit")
 
 
 def _css(column: Column, text: str, mark: str) -> str:

@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import count
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
@@ -14,8 +14,6 @@ from .sheet import Drawing, printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from .sketch.chart import Chart
 
 FONT = "'DejaVu Sans',Verdana,sans-serif"
 """Verdana has the same widths."""
@@ -50,14 +48,13 @@ def svg(figure: "Figure", prefix: str, label: str) -> Markup:
 def drawn(drawing: Drawing) -> Picture:
     """The figure of a page, by `sketch` or else by matplotlib."""
     from .sketch.limits import Unsketched
-    from .style import sketching
 
+    plot = drawing.draw()
     try:
-        with sketching():
-            chart = cast("Chart", drawing.draw())
-            return Picture(chart.svg(), chart.width)
+        chart = plot.sketched()
+        return Picture(chart.svg(), chart.width)
     except Unsketched:
-        return picture(drawing.draw())
+        return picture(plot.printed())
 
 
 def picture(figure: "Figure") -> Picture:
@@ -68,65 +65,13 @@ def picture(figure: "Figure") -> Picture:
         # the browser has the letters that are missing here
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         text = encode(figure, "svg", text=True).decode()
-    text = text[text.index("<svg") :]
+    text = text[text.index("<svg") :].rstrip()
     text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", text, flags=re.DOTALL)
     text = text.replace("xlink:href", "href")
     text = re.sub(r"'DejaVu Sans'(?:, '[^']*')?", FONT, text)  # of further fonts the reader's browser knows better
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
     text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", text)
-    return Picture(_without_groups(_rounded(text)), figure.get_figwidth() * 72)
-
-
-def _rounded(text: str) -> str:
-    """Blanks and decimals of attributes that nobody sees taken out; the words of a figure stay as they are."""
-    parts = re.split(r"(<[^<>]*>)", text)
-    parts[1::2] = [_short_tag(tag) for tag in parts[1::2]]
-    inside = False
-    for i, part in enumerate(parts):
-        inside = (inside or part.startswith("<text")) and part != "</text>"
-        if not i % 2 and not inside:
-            parts[i] = part.strip()
-    return "".join(parts)
-
-
-_POINTS = re.compile(r'\b(?:d|x|y)="[^"]*"')
-_TENTH, _HUNDREDTH = re.compile(r"(\.\d)\d+"), re.compile(r"(\.\d\d)\d+")
-_BLANKS, _PATH, _TURNED = (
-    re.compile(r"\s+"),
-    re.compile(r'(?<= d=")[^"]*'),
-    re.compile(r' transform="rotate\(-0 [^"]*"'),
-)
-_LINES = re.compile(r"([ML])((?: -?[\d.]+){2})((?: L(?: -?[\d.]+){2})+)")
-_WHOLE, _LETTERS = re.compile(r"(?<=\d)\.0(?!\d)"), re.compile(r" ?([A-Za-z]) ?| (?=-)")
-
-
-def _short_tag(tag: str) -> str:
-    if "." in tag:
-        points = _POINTS.sub(lambda found: _TENTH.sub(r"\1", found[0]), tag)
-        tag = _HUNDREDTH.sub(r"\1", points)
-    short = _BLANKS.sub(" ", tag).replace(' "', '"')
-    if ' d="' in short:
-        short = _PATH.sub(lambda found: _short_path(found[0]), short)
-    return _TURNED.sub("", short)
-
-
-def _short_path(path: str) -> str:
-    """A path without what its reader supplies: the letters of lines after a line, blanks before letters and signs."""
-    path = _LINES.sub(lambda m: m[1] + m[2] + m[3].replace(" L", ""), path)
-    return _LETTERS.sub(r"\1", _WHOLE.sub("", path))
-
-
-def _without_groups(text: str) -> str:
-    """The same without groups that say nothing."""
-    kept: list[bool] = []
-
-    def tag(found: re.Match[str]) -> str:
-        if found[0] == "</g>":
-            return found[0] if kept.pop() else ""
-        kept.append(found[0] != "<g>")
-        return found[0] if kept[-1] else ""
-
-    return re.sub(r"<g(?:\s[^>]*)?(?<!/)>|</g>", tag, text)
+    return Picture(text, figure.get_figwidth() * 72)
 
 
 def drawer(pictures: Mapping[int, Picture]) -> Callable[[Drawing], Markup]:

@@ -1,7 +1,7 @@
 """Sheets: the neutral form of every result, which the terminal, the page and the notebook render."""
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,7 +11,7 @@ from allanite.phrases.phrase import join, say
 from .digits import SUPERSCRIPT
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from .style import Plot
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
 Mark = Literal["", "good", "weak", "alarm", "quiet", "strong", "struck"]
@@ -77,7 +77,7 @@ class Note:
 class Drawing:
     """A figure that is drawn only where it is shown."""
 
-    draw: "Callable[[], Figure]"
+    draw: "Callable[[], Plot]"
     label: str
     caption: str = ""
     title: str = ""
@@ -122,6 +122,20 @@ class Fold:
 
 
 Part = Table | Note | Drawing | Code | Fold
+
+
+def on_page(parts: "Iterable[Part]") -> "Iterator[Part]":
+    """Those that are on a page."""
+    return (part for part in parts if part.where != "text")
+
+
+def drawings(parts: "Iterable[Part]") -> Iterator[Drawing]:
+    """The figures of a page, also those that are folded away."""
+    for part in on_page(parts):
+        if isinstance(part, Drawing):
+            yield part
+        elif isinstance(part, Fold):
+            yield from drawings(part.parts)
 
 
 @dataclass(frozen=True)

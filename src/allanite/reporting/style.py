@@ -3,12 +3,12 @@
 import io
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from contextvars import ContextVar
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, wraps
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Concatenate, ParamSpec, cast
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -25,11 +25,9 @@ from allanite.terms import TERMS
 
 from . import fonts
 from .language import ENGLISH, spoken, tr
-from .measure import measured
 from .sheet import printable
 from .sketch.chart import Chart, Look
 from .sketch.lines import line_of
-from .ticks import drawn_at_once
 
 PathLike = str | os.PathLike[str]
 
@@ -56,7 +54,7 @@ _LOOK: dict[str, Any] = {
     "text.color": INK,
     "axes.labelsize": 9.0,
     "axes.titlesize": 10.0,
-    "axes.titley": 1.0,  # a fixed height: else every drawing measures the ticks once more, for nothing
+    "axes.titley": 1.0,  # a fixed height
     "axes.edgecolor": "#555B63",
     "axes.linewidth": 0.8,
     "axes.labelcolor": INK,
@@ -84,44 +82,49 @@ FORMATS: dict[str, dict[str, Any]] = {
 }
 
 
-_SKETCHING: ContextVar[bool] = ContextVar("_SKETCHING", default=False)
-"""Whether figures are made for a page."""
+NewFigure = Callable[[float, float], Figure]
+"""(width, height) in inches -> an empty figure."""
+
+P = ParamSpec("P")
 
 
-@contextmanager
-def sketching() -> Iterator[None]:
-    """Within this context new figures are those of `sketch`."""
-    token = _SKETCHING.set(True)
-    try:
-        yield
-    finally:
-        _SKETCHING.reset(token)
+@dataclass(frozen=True)
+class Plot:
+    """A figure that is yet to be drawn, on whatever `draw` is given."""
+
+    draw: Callable[[NewFigure], Figure]
+
+    def printed(self) -> Figure:
+        """For print, by matplotlib. Figures are drawn with phrases; afterwards they are in the language spoken."""
+        with look():
+            figure = self.draw(new_figure)
+        for text in figure.findobj(Text) if spoken() != ENGLISH else ():
+            assert isinstance(text, Text)  # noqa: S101 - as asked for
+            text.set_text(tr(text.get_text()))
+        return figure
+
+    def sketched(self) -> Chart:
+        """For a page, by `sketch`; what that cannot draw raises `Unsketched`."""
+        return cast(Chart, self.draw(lambda width, height: cast(Figure, Chart(width, height, Look(INK, "#555b63")))))
 
 
-_MADE: ContextVar[list[Figure] | None] = ContextVar("_MADE", default=None)
-"""Figures that were made within the innermost `look`."""
+def plotted(function: Callable[Concatenate[NewFigure, P], Figure]) -> Callable[P, Plot]:
+    """A function that draws on a new figure, as one that gives a `Plot`."""
+
+    @wraps(function)
+    def plot(*arguments: P.args, **named: P.kwargs) -> Plot:
+        return Plot(lambda new_figure: function(new_figure, *arguments, **named))
+
+    return plot
 
 
 @contextmanager
 def look() -> Iterator[None]:
-    """These settings and no matplotlibrc; the settings from before are restored afterwards.
-
-    Figures are drawn with phrases. Those made within this context are then in the language that is spoken.
-    """
-    if _SKETCHING.get():
-        yield
-        return
+    """These settings and no matplotlibrc; the settings from before are restored afterwards."""
     lang = spoken()
     with mpl.rc_context(), fonts.quiet(lang):
         dict.update(cast(Any, mpl.rcParams), _settings(lang))  # they were checked when they were collected
-        made: list[Figure] = []
-        token = _MADE.set(made)
-        try:
-            yield
-        finally:
-            _MADE.reset(token)
-        for figure in made if lang != ENGLISH else ():
-            _translate(figure)
+        yield
 
 
 @cache
@@ -137,12 +140,6 @@ def _settings(lang: str) -> dict[str, Any]:
         return settings
 
 
-def _translate(figure: Figure) -> None:
-    for text in figure.findobj(Text):
-        assert isinstance(text, Text)  # noqa: S101 - as asked for
-        text.set_text(tr(text.get_text()))
-
-
 class NotebookFigure(Figure):
     """A figure that a notebook shows without a magic word."""
 
@@ -152,19 +149,14 @@ class NotebookFigure(Figure):
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure of so many inches, outside of pyplot's list of open ones."""
-    if _SKETCHING.get():
-        return cast(Figure, Chart(width, height, Look(INK, "#555b63")))
     figure = NotebookFigure(figsize=(width, height), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
-    made = _MADE.get()
-    if made is not None:
-        made.append(figure)
     return figure
 
 
-def key(**look: Any) -> Line2D:
-    """A line of no panel, for a legend."""
-    return cast(Line2D, line_of([], [], **look)) if _SKETCHING.get() else Line2D([], [], **look)
+def key(figure: Figure, **look: Any) -> Line2D:
+    """A line of no panel, for the legend of a figure."""
+    return cast(Line2D, line_of([], [], **look)) if isinstance(figure, Chart) else Line2D([], [], **look)
 
 
 def grid(axes: Axes, *, fine: bool = True) -> None:
@@ -225,7 +217,7 @@ def save(figure: Figure, path: PathLike, *, force: bool = False) -> None:
 def encode(figure: Figure, form: str, *, text: bool = False) -> bytes:
     """The figure as png, svg or pdf; with `text`, an svg keeps its letters as text and needs a font to show them."""
     buffer = io.BytesIO()
-    with look(), drawn_at_once(figure, measured if form == "svg" else None):
+    with look():
         mpl.rcParams["svg.fonttype"] = "none" if text else "path"
         figure.savefig(buffer, format=form, metadata=FORMATS[form])
     return buffer.getvalue()

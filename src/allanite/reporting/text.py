@@ -11,18 +11,15 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
+from allanite.core.estimate import STATUSES
 from allanite.phrases.phrase import say
 
 from .cells import pad, wrapped
 from .language import tr
-from .sheet import Code, Column, Face, Note, Part, Sheet, Table, printable
+from .sheet import Code, Column, Face, Note, Part, Table, printable
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
 NOTES = {"alert": "bold red", "good": "green", "fair": "yellow", "note": "", "strong": "bold", "quiet": "dim"}
-STATUSES = {
-    "identified": "green", "weak": "yellow", "absent": "dim", "reported": "cyan", "not valid": "red",
-    "not observable": "dim",
-}  # fmt: skip
 LABEL = 10
 """Columns of the header's labels."""
 
@@ -48,19 +45,15 @@ def _lines(face: Face, width: int) -> Iterator[RenderableType]:
     yield from _parts(face.parts, width)
     for sheet in face.sheets:
         yield Text()
-        yield from _sheet(sheet, width)
+        first, *rest = sheet.about or ("",)
+        name = Text(_plain(sheet.name or say("channel")), style="bold")
+        yield name + Text(f"  {_plain(first)}" if first else "", style="not bold dim")
+        for line in rest:
+            yield from prose(line, width, first="  ", indent=2, style="dim")
+        yield from _parts(sheet.parts, width)
     if face.close:
         yield Text()
     yield from _parts(face.close, width)
-
-
-def _sheet(sheet: Sheet, width: int) -> Iterator[RenderableType]:
-    first, *rest = sheet.about or ("",)
-    name = Text(_plain(sheet.name or say("channel")), style="bold")
-    yield name + Text(f"  {_plain(first)}" if first else "", style="not bold dim")
-    for line in rest:
-        yield from prose(line, width, first="  ", indent=2, style="dim")
-    yield from _parts(sheet.parts, width)
 
 
 def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
@@ -97,7 +90,15 @@ def _table(table: Table, width: int) -> Iterator[RenderableType]:
         yield Text(f"  {tr(table.title)}", style="dim")
     kept = spread(len(table.rows), table.most)
     for which in _blocks(table, width):
-        yield Padding(_grid(table, which, kept), (0, 0, 0, 2))
+        grid = Grid(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
+        for column in (table.columns[i] for i in which):
+            grid.add_column(
+                Text(tr(column.heading)), justify="right" if column.kind == "number" else "left", no_wrap=True
+            )
+        for i in kept:
+            cells = [_cell(table.columns[j], table.rows[i][j], table.mark(i)) for j in which]
+            grid.add_row(*cells, style=STYLES[table.mark(i)])
+        yield Padding(grid, (0, 0, 0, 2))
     if len(kept) < len(table.rows):
         left = say("{shown} of {total} rows; --csv writes all", shown=len(kept), total=len(table.rows))
         yield Text(f"  {tr(left)}", style="dim")
@@ -117,25 +118,11 @@ def _width(text: str) -> int:
     return cell_len(tr(text))
 
 
-def _grid(table: Table, which: list[int], kept: list[int]) -> Grid:
-    grid = Grid(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
-    for column in (table.columns[i] for i in which):
-        grid.add_column(Text(tr(column.heading)), justify=_justify(column), no_wrap=True)
-    for i in kept:
-        cells = [_cell(table.columns[j], table.rows[i][j], table.mark(i)) for j in which]
-        grid.add_row(*cells, style=STYLES[table.mark(i)])
-    return grid
-
-
 def _cell(column: Column, cell: str, mark: str) -> Text:
     shown = _plain(cell)
     if mark == "struck" and column.kind == "number" and cell:
         shown = f"({shown})"
-    return Text(shown, style=STATUSES.get(cell, "") if column.kind == "status" else "")
-
-
-def _justify(column: Column) -> Literal["left", "right"]:
-    return "right" if column.kind == "number" else "left"
+    return Text(shown, style=STATUSES[cell].color if column.kind == "status" and cell in STATUSES else "")
 
 
 def spread(count: int, most: int) -> list[int]:

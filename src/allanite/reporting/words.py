@@ -21,52 +21,6 @@ from allanite.terms import TERMS
 from .digits import Digits, digits
 from .sheet import printed_unit
 
-SENSORS = {
-    "gyro": say("gyroscope"),
-    "accelerometer": say("accelerometer"),
-    "dimensionless": say("sensor of a dimensionless signal"),
-    "current": say("current sensor"),
-    "voltage": say("voltmeter"),
-    "temperature": say("thermometer"),
-    "displacement": say("displacement sensor"),
-    "flux density": say("magnetometer"),
-    "pressure": say("pressure sensor"),
-    "angle": say("measured angle"),
-    "velocity": say("measured velocity"),
-    "time": say("measured time"),
-    "frequency": say("measured frequency"),
-}
-A_SENSOR = {
-    "gyro": say("a gyroscope"),
-    "accelerometer": say("an accelerometer"),
-    "dimensionless": say("a sensor of a dimensionless signal"),
-    "current": say("a current sensor"),
-    "voltage": say("a voltmeter"),
-    "temperature": say("a thermometer"),
-    "displacement": say("a displacement sensor"),
-    "flux density": say("a magnetometer"),
-    "pressure": say("a pressure sensor"),
-    "angle": say("a measured angle"),
-    "velocity": say("a measured velocity"),
-    "time": say("a measured time"),
-    "frequency": say("a measured frequency"),
-}
-"""The sensor of a signal, alone and with an article."""
-
-STATUS = {
-    "identified": say("relative standard error at most 25 %"),
-    "weak": say("relative standard error above 25 %: an order of magnitude, not a specification"),
-    "absent": say("not identified; the limit is the one-sided 95 % upper limit"),
-    "not observable": say("cannot be determined from the part of the record that was used, for the reason given"),
-    "not valid": say(
-        "the model does not explain the record, or its measured curve contradicts the value: not a result"
-    ),
-    "reported": say("by a method that gives no evidence for the term: it may be absent"),
-    "negative": say("the estimated square of the coefficient is negative: the method finds no such term"),
-}
-"""What each status means."""
-
-
 title = title_of
 
 
@@ -186,12 +140,11 @@ def in_print(estimate: Estimate, unit: str, level: float) -> str:
 
 def about(record: Record | Header) -> str:
     """The record of a channel: ``gyroscope, rate in deg/h, 100 Hz, 360000 samples, 1 h``."""
-    sensor = SENSORS[record.signal.name]
     scale = "" if record.scale is None else f"{record.scale:g} "
     plain = record.kind == "rate" and not record.signal.inertial
     return say(
         "{sensor}, {kind} in {unit}, {rate:.8g} Hz, {samples}, {length}",
-        sensor=sensor,
+        sensor=record.signal.sensor,
         kind=record.signal.quantity if plain else KIND_WORDS[record.kind],
         unit=f"{scale}{record.unit}",
         rate=record.rate,

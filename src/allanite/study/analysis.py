@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any, Self
 
 from allanite.core.curve import Curve
-from allanite.core.datasheet import Entry, data_sheet
+from allanite.core.datasheet import DataSheetRow, data_sheet
 from allanite.core.display_units import showing
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
@@ -76,7 +76,7 @@ class Channel(ChannelResult):
         read = None if self.readings is None else replace(self.readings, wanted=units)
         return replace(self, noise=replace(self.noise, fit=fit), readings=read)
 
-    def data_sheet(self, level: float = 0.95) -> list[Entry]:
+    def data_sheet(self, level: float = 0.95) -> list[DataSheetRow]:
         """The quantities and units of data sheets, with limits."""
         return data_sheet(self.fit, self.readings, self.record.rate, level)
 

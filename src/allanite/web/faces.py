@@ -9,7 +9,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term, coefficient_factor
 from allanite.reporting import words
-from allanite.reporting.figures.panels import Panel, panels_of, points
+from allanite.reporting.figures.panels import CurvePanel, panels_of, points
 from allanite.reporting.html import pieces
 from allanite.reporting.language import speaking, tr
 from allanite.reporting.views import level_of, view_of
@@ -62,13 +62,13 @@ def _finding(finding: Any) -> dict[str, Any]:
     }
 
 
-def panel_of(curve: Curve, fit: Any, wanted: str = "") -> Panel:
+def panel_of(curve: Curve, fit: Any, wanted: str = "") -> CurvePanel:
     """What is drawn of a curve."""
     found = panels_of(curve, fit)[0]
     return found._replace(wanted=wanted) if wanted else found
 
 
-def drawn(panel: Panel, level: float, lang: str) -> dict[str, Any]:
+def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
     """The points of a curve with its band, its model, and each term of that, in the unit that is shown."""
     shown = points(panel, level)
     tau = np.geomspace(float(shown.tau[0]), float(shown.tau[-1]), FINE)
@@ -96,7 +96,7 @@ def drawn(panel: Panel, level: float, lang: str) -> dict[str, Any]:
         }
 
 
-def _term(panel: Panel, term: Term, tau: Any) -> dict[str, Any]:
+def _term(panel: CurvePanel, term: Term, tau: Any) -> dict[str, Any]:
     unit = term.signal.sheet[term.row.power]
     return {
         "symbol": term.symbol,
@@ -110,7 +110,7 @@ def _term(panel: Panel, term: Term, tau: Any) -> dict[str, Any]:
     }
 
 
-def _guides(panel: Panel, tau: Any) -> list[dict[str, Any]]:
+def _guides(panel: CurvePanel, tau: Any) -> list[dict[str, Any]]:
     """The deviation of each term of one slope with a coefficient of 1 in the unit of data sheets."""
     signal = panel.fit.signal if panel.fit is not None else None
     if signal is None:

@@ -229,7 +229,7 @@ def test_errors_are_drawn_against_time(tmp_path):
 
     hour = gimbals(np.arange(3600.0, 7200.0, 10.0), latitude=np.radians(60))
     known = Harmonics.of({128: (3 / 206264.806, 0.0)}, "h")
-    (axes,) = figures.plot_error_in_time(hour, [known]).axes
+    (axes,) = figures.plot_error_in_time(hour, [known]).printed().axes
     time, error = axes.lines[0].get_data()
     np.testing.assert_allclose(time, hour.time / 60)
     np.testing.assert_allclose(error, 3 * np.sin(128 * hour.h), atol=1e-6)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from allanite.reporting.figures.labels import ENOUGH, Box, freedom, place
+from allanite.reporting.figures.labels import ENOUGH, LabelBox, freedom, place
 
 NOTHING = np.empty((0, 2))
 
@@ -14,12 +14,12 @@ NOTHING = np.empty((0, 2))
 )
 def test_points_are_as_far_from_a_label_as_they_are_outside_it(obstacle, wanted):
     """1 is its edge."""
-    label = Box(0.5, 0.5, 0.2, 0.1)
+    label = LabelBox(0.5, 0.5, 0.2, 0.1)
     assert freedom(label, np.array([(0.95, 0.05), obstacle]), ()) == pytest.approx(wanted)
 
 
 def test_labels_keep_a_wider_distance_from_each_other():
-    label, touching = Box(0.5, 0.5, 0.2, 0.1), Box(0.5, 0.6, 0.2, 0.1)
+    label, touching = LabelBox(0.5, 0.5, 0.2, 0.1), LabelBox(0.5, 0.6, 0.2, 0.1)
     assert freedom(label, NOTHING, ()) == ENOUGH
     assert freedom(label, NOTHING, [touching]) == pytest.approx(1.0)
     assert freedom(label, NOTHING, [touching._replace(y=0.55)]) == pytest.approx(-0.5)

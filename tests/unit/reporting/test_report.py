@@ -255,7 +255,7 @@ def test_a_figure_is_refused_before_it_is_drawn(study, tmp_path):
 def test_a_cell_without_power_does_not_spoil_the_strips(least):
     z = np.linspace(-4, 1.5, 24)
     ratio = np.where(z == z.min(), least, 1.0)
-    figure = plot_goodness(Goodness(np.geomspace(1e-4, 5, 25), ratio, z, 0.2), "x")
+    figure = plot_goodness(Goodness(np.geomspace(1e-4, 5, 25), ratio, z, 0.2), "x").printed()
     encode(figure, "svg")  # lays it out
     assert all(ax.get_position().height > 0.2 for ax in figure.axes)
     assert figure.axes[0].get_ylim()[0] > 0.04

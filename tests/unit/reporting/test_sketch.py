@@ -84,8 +84,7 @@ def test_every_figure_of_an_analysis_is_sketched(study):
     found = list(drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]))
     assert len(found) > 15
     for drawing in found:
-        with style.sketching():
-            made = drawing.draw()
+        made = drawing.draw().sketched()
         assert isinstance(made, Chart)
         ElementTree.fromstring(made.svg())
 
@@ -151,13 +150,13 @@ def test_names_of_the_user_are_no_formulas_and_no_markup(study):
 
 
 def test_what_only_matplotlib_draws_is_left_to_it():
-    def draw():
-        with style.look():
-            figure = style.new_figure(4.0, 3.0)
-            figure.subplots().scatter([1.0, 2.0], [1.0, 2.0])
+    @style.plotted
+    def draw(new_figure):
+        figure = new_figure(4.0, 3.0)
+        figure.subplots().scatter([1.0, 2.0], [1.0, 2.0])
         return figure
 
-    assert isinstance(draw(), Figure)
+    assert isinstance(draw().printed(), Figure)
     assert "<path" in drawn(Drawing(draw, "points")).text
 
 

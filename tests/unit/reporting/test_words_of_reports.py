@@ -2,7 +2,7 @@
 
 import pickle
 
-from allanite.core.estimate import STATUS_WORDS
+from allanite.core.estimate import STATUSES
 from allanite.core.units import SIGNALS
 from allanite.phrases.phrase import say
 from allanite.reporting import words
@@ -26,6 +26,5 @@ def test_the_capital_letter_is_that_of_the_language():
 
 
 def test_every_status_and_sensor_has_words():
-    assert STATUS_WORDS.keys() == words.STATUS.keys()
-    assert all(word == status for status, word in STATUS_WORDS.items())
-    assert words.SENSORS.keys() == words.A_SENSOR.keys() == {signal.name for signal in SIGNALS}
+    assert all(row.name == status and row.meaning for status, row in STATUSES.items())
+    assert all(signal.a_sensor.endswith(signal.sensor) for signal in SIGNALS)

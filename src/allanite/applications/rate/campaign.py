@@ -18,7 +18,6 @@ from allanite.applications.rate import (
     subtract_bias,
 )
 from allanite.extending import (
-    SENSORS,
     ChannelResult,
     DataError,
     Inspected,
@@ -103,7 +102,7 @@ class RateSettings(Value):
         if self.signal is not None and self.signal is not record.signal:
             raise DataError(
                 say("the given true rate or bias belongs to another type of sensor: {sensor}",
-                    sensor=SENSORS[self.signal.name])
+                    sensor=self.signal.name)
             )  # fmt: skip
         if self.latitude is None or self.horizontal or record.signal.name != "gyro":
             return self.experiment

@@ -9,11 +9,11 @@ from .comparison import plot_comparison as plot_comparison
 from .compensation import plot_compensated as plot_compensated
 from .curves import plot_panels as plot_panels
 from .goodness import plot_goodness as plot_goodness
-from .lots import Coefficient as Coefficient
 from .lots import Course as Course
+from .lots import LotRow as LotRow
 from .lots import plot_lot as plot_lot
 from .overlay import plot_overlay as plot_overlay
-from .panels import Panel as Panel
+from .panels import CurvePanel as CurvePanel
 from .panels import facts_of as facts_of
 from .panels import panels_of as panels_of
 from .planning import plot_plans as plot_plans
@@ -25,7 +25,7 @@ from .residuals import plot_series as plot_series
 from .spectra import plot_spectra as plot_spectra
 from .statespace import plot_state_spaces as plot_state_spaces
 from .surfaces import plot_surfaces as plot_surfaces
-from .units import Line as Line
+from .units import LimitLine as LimitLine
 from .units import UnitCurve as UnitCurve
 from .units import plot_units as plot_units
 from .vertical import plot_angles as plot_angles

@@ -28,53 +28,51 @@ MOST = 3000
 LAGS = 40
 
 
-def plot_errors(result: Result, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95) -> Figure:
     """The error of each sensor over one period of its harmonics together, with its confidence band."""
     found = parts_of(result)
-    with style.look():
-        figure = style.new_figure(3.9 * len(found) if len(found) > 1 else 6.4, 3.4)
-        axes = figure.subplots(1, len(found), squeeze=False)[0]
-        for ax, harmonics in zip(axes, found, strict=True):
-            _draw_error(ax, harmonics, level)
+    figure = new_figure(3.9 * len(found) if len(found) > 1 else 6.4, 3.4)
+    axes = figure.subplots(1, len(found), squeeze=False)[0]
+    for ax, harmonics in zip(axes, found, strict=True):
+        common = math.gcd(*harmonics.orders)
+        period = 2 * math.pi / common
+        angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
+        rows = waves(angle, harmonics.orders)
+        error = harmonics.at(angle) / ARCSEC
+        spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, harmonics.covariance, rows)) / ARCSEC
+        half = quantile(level, harmonics.freedom) * spread
+        style.grid(ax)
+        ax.fill_between(
+            np.degrees(angle),
+            error - half,
+            error + half,
+            color=style.DATA,
+            alpha=0.2,
+            lw=0,
+            label=say("{share} band", share=percent(level)),
+        )
+        ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
+        ax.axhline(0, color=style.INK, lw=0.8)
+        style.title(ax, harmonics.name or say("angle"))
+        ax.set(xlabel=say("angle (deg), one period"), ylabel=say("error (arcsec)"), xlim=(0, math.degrees(period)))
+        ax.legend(loc="best")
     return figure
 
 
-def _draw_error(ax: Axes, harmonics: Harmonics, level: float) -> None:
-    common = math.gcd(*harmonics.orders)
-    period = 2 * math.pi / common
-    angle = np.linspace(0, period, max(400, 16 * max(harmonics.orders) // common))
-    rows = waves(angle, harmonics.orders)
-    error = harmonics.at(angle) / ARCSEC
-    spread = np.sqrt(np.einsum("ij,jk,ik->i", rows, harmonics.covariance, rows)) / ARCSEC
-    half = quantile(level, harmonics.freedom) * spread
-    style.grid(ax)
-    ax.fill_between(
-        np.degrees(angle),
-        error - half,
-        error + half,
-        color=style.DATA,
-        alpha=0.2,
-        lw=0,
-        label=say("{share} band", share=percent(level)),
-    )
-    ax.plot(np.degrees(angle), error, color=style.DATA, lw=1.4, label=say("error"))
-    ax.axhline(0, color=style.INK, lw=0.8)
-    style.title(ax, harmonics.name or say("angle"))
-    ax.set(xlabel=say("angle (deg), one period"), ylabel=say("error (arcsec)"), xlim=(0, math.degrees(period)))
-    ax.legend(loc="best")
-
-
-def plot_error_in_time(gimbals: Gimbals, harmonics: Sequence[Harmonics], level: float = 0.95) -> Figure:
+@style.plotted
+def plot_error_in_time(
+    new_figure: style.NewFigure, gimbals: Gimbals, harmonics: Sequence[Harmonics], level: float = 0.95
+) -> Figure:
     """The error of each sensor while its angle moves, a panel each, with its confidence band."""
-    with style.look():
-        figure = style.new_figure(7.2, 1.1 + 2.0 * len(harmonics))
-        axes = figure.subplots(len(harmonics), 1, sharex=True, squeeze=False)[:, 0]
-        for ax, found in zip(axes, harmonics, strict=True):
-            angle = np.asarray(getattr(gimbals, found.name), dtype=np.float64)
-            keep = np.linspace(0, angle.size - 1, min(angle.size, MOST)).astype(np.int64)
-            _draw_error_in_time(ax, found, (gimbals.time[keep] / 60, angle[keep]), level)
-            style.title(ax, found.name)
-        axes[-1].set_xlabel(say("time (min)"))
+    figure = new_figure(7.2, 1.1 + 2.0 * len(harmonics))
+    axes = figure.subplots(len(harmonics), 1, sharex=True, squeeze=False)[:, 0]
+    for ax, found in zip(axes, harmonics, strict=True):
+        angle = np.asarray(getattr(gimbals, found.name), dtype=np.float64)
+        keep = np.linspace(0, angle.size - 1, min(angle.size, MOST)).astype(np.int64)
+        _draw_error_in_time(ax, found, (gimbals.time[keep] / 60, angle[keep]), level)
+        style.title(ax, found.name)
+    axes[-1].set_xlabel(say("time (min)"))
     return figure
 
 
@@ -95,20 +93,34 @@ def _draw_error_in_time(ax: Axes, found: Harmonics, path: tuple[np.ndarray, np.n
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
-def plot_history(result: Result, solution: Solution, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_history(new_figure: style.NewFigure, result: Result, solution: Solution, level: float = 0.95) -> Figure:
     """Convergence of every amplitude, with its confidence band."""
     found = parts_of(result)
     half = quantile(level, math.inf)
-    with style.look():
-        figure = style.new_figure(7.2, 2.1 + 1.5 * len(found))
-        axes = figure.subplots(len(found), 1, sharex=True, squeeze=False)[:, 0]
-        first = 0
-        for ax, harmonics in zip(axes, found, strict=True):
-            count = 2 * len(harmonics.orders)
-            _draw_history(ax, solution, range(first, first + count), half)
-            style.title(ax, harmonics.name or say("angle"))
-            first += count
-        axes[-1].set_xlabel(say("samples") if _numbered(solution) else say("time (min)"))
+    figure = new_figure(7.2, 2.1 + 1.5 * len(found))
+    axes = figure.subplots(len(found), 1, sharex=True, squeeze=False)[:, 0]
+    first = 0
+    for ax, harmonics in zip(axes, found, strict=True):
+        count = 2 * len(harmonics.orders)
+        which = range(first, first + count)
+        way = solution.history
+        x = way.time if _numbered(solution) else way.time / 60
+        style.grid(ax)
+        # what is not known yet is anywhere: the scale is that of the last half, and nothing wider is drawn
+        late = slice(len(x) // 2, None)
+        sizes = [np.abs(way.values[late, i]) + half * way.errors[late, i] for i in which]
+        reach = 1.1 * float(np.max(sizes)) / ARCSEC
+        for i, color in zip(which, PALETTE * len(which), strict=False):
+            known = half * way.errors[:, i] / ARCSEC < reach
+            value, error = way.values[known, i] / ARCSEC, half * way.errors[known, i] / ARCSEC
+            ax.fill_between(x[known], value - error, value + error, color=color, alpha=0.13, lw=0)
+            ax.plot(x[known], value, color=color, lw=1.1, label=solution.names[i].split()[0])
+        ax.set(ylabel="arcsec", ylim=(-reach, reach), xlim=(x[0], x[-1]) if len(x) > 1 else None)
+        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        style.title(ax, harmonics.name or say("angle"))
+        first += count
+    axes[-1].set_xlabel(say("samples") if _numbered(solution) else say("time (min)"))
     return figure
 
 
@@ -116,24 +128,8 @@ def _numbered(solution: Solution) -> bool:
     return "offset" in solution.names
 
 
-def _draw_history(ax: Axes, solution: Solution, which: range, half: float) -> None:
-    way = solution.history
-    x = way.time if _numbered(solution) else way.time / 60
-    style.grid(ax)
-    # what is not known yet is anywhere: the scale is that of the last half, and nothing wider is drawn
-    late = slice(len(x) // 2, None)
-    sizes = [np.abs(way.values[late, i]) + half * way.errors[late, i] for i in which]
-    reach = 1.1 * float(np.max(sizes)) / ARCSEC
-    for i, color in zip(which, PALETTE * len(which), strict=False):
-        known = half * way.errors[:, i] / ARCSEC < reach
-        value, error = way.values[known, i] / ARCSEC, half * way.errors[known, i] / ARCSEC
-        ax.fill_between(x[known], value - error, value + error, color=color, alpha=0.13, lw=0)
-        ax.plot(x[known], value, color=color, lw=1.1, label=solution.names[i].split()[0])
-    ax.set(ylabel="arcsec", ylim=(-reach, reach), xlim=(x[0], x[-1]) if len(x) > 1 else None)
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-
-
-def plot_innovations(solution: Solution) -> Figure:
+@style.plotted
+def plot_innovations(new_figure: style.NewFigure, solution: Solution) -> Figure:
     """Innovations in standard deviations, and their autocorrelation."""
     left = solution.innovations
     keep = np.linspace(0, left.size - 1, min(left.size, MOST)).astype(np.int64)
@@ -141,59 +137,53 @@ def plot_innovations(solution: Solution) -> Figure:
     centred = left - left.mean()
     r = np.array([centred[k:] @ centred[: left.size - k] for k in range(1, lags + 1)]) / (centred @ centred)
     passed = all(check.passed for check in solution.checks)
-    with style.look():
-        figure = style.new_figure(7.2, 2.9)
-        one, two = figure.subplots(1, 2, width_ratios=[1.6, 1])
-        style.grid(one)
-        one.axhspan(-3, 3, color=style.DATA, alpha=0.12, lw=0)
-        one.plot(keep + 1, left[keep], ".", ms=2.5, color=style.DATA)
-        one.set(xlabel=say("sample"), ylabel=say("innovation (standard deviations)"), xlim=(1, left.size))
-        style.grid(two)
-        limit = 2.58 / math.sqrt(left.size)
-        two.axhspan(-limit, limit, color=style.DATA, alpha=0.15, lw=0)
-        two.bar(range(1, lags + 1), r, color=style.DATA if passed else style.ALARM, width=0.7)
-        two.axhline(0, color=style.INK, lw=0.8)
-        reach = max(2 * limit, 1.15 * float(np.abs(r).max()))
-        two.set(xlabel=say("lag (samples)"), ylabel=say("autocorrelation"), ylim=(-reach, reach))
-        two.xaxis.set_major_locator(MaxNLocator(integer=True))
+    figure = new_figure(7.2, 2.9)
+    one, two = figure.subplots(1, 2, width_ratios=[1.6, 1])
+    style.grid(one)
+    one.axhspan(-3, 3, color=style.DATA, alpha=0.12, lw=0)
+    one.plot(keep + 1, left[keep], ".", ms=2.5, color=style.DATA)
+    one.set(xlabel=say("sample"), ylabel=say("innovation (standard deviations)"), xlim=(1, left.size))
+    style.grid(two)
+    limit = 2.58 / math.sqrt(left.size)
+    two.axhspan(-limit, limit, color=style.DATA, alpha=0.15, lw=0)
+    two.bar(range(1, lags + 1), r, color=style.DATA if passed else style.ALARM, width=0.7)
+    two.axhline(0, color=style.INK, lw=0.8)
+    reach = max(2 * limit, 1.15 * float(np.abs(r).max()))
+    two.set(xlabel=say("lag (samples)"), ylabel=say("autocorrelation"), ylim=(-reach, reach))
+    two.xaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
 
 
-def plot_scan(scan: Scan) -> Figure:
+@style.plotted
+def plot_scan(new_figure: style.NewFigure, scan: Scan) -> Figure:
     """Expected accuracy and condition by the start of the interval."""
     hours = scan.starts / 3600
-    with style.look():
-        figure = style.new_figure(7.2, 4.6)
-        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1])
-        for ax, values, label in (
-            (upper, scan.totals, say("sum of expected\nstandard deviations")),
-            (lower, scan.conditions, say("condition")),
-        ):
-            style.grid(ax)
-            ax.plot(hours, values, "o-", ms=2.8 if hours.size > 30 else 4, lw=1.1, color=style.DATA)
-            ax.set(ylabel=label)
-            if values.max() > 3 * values.min():
-                ax.set_yscale("log")
-                style.plain_ticks(ax.yaxis)
-                ax.yaxis.set_minor_formatter(_some)
-            ax.axvline(scan.best.start / 3600, color=style.ALARM, lw=1.1)
-        low, high = (f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.best.h)
-        best = say("best: h from {low} to {high} deg, sum {total:.3g}", low=low, high=high, total=scan.best.total)
-        upper.plot([], [], color=style.ALARM, lw=1.1, label=best)
-        upper.legend(loc="best")
-        lower.set_xlabel(say("start of the interval (h after h = 0)"))
-        _degrees_above(upper, scan)
+    figure = new_figure(7.2, 4.6)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1])
+    for ax, values, label in (
+        (upper, scan.totals, say("sum of expected\nstandard deviations")),
+        (lower, scan.conditions, say("condition")),
+    ):
+        style.grid(ax)
+        ax.plot(hours, values, "o-", ms=2.8 if hours.size > 30 else 4, lw=1.1, color=style.DATA)
+        ax.set(ylabel=label)
+        if values.max() > 3 * values.min():
+            ax.set_yscale("log")
+            style.plain_ticks(ax.yaxis)
+            ax.yaxis.set_minor_formatter(_some)
+        ax.axvline(scan.best.start / 3600, color=style.ALARM, lw=1.1)
+    low, high = (f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.best.h)
+    best = say("best: h from {low} to {high} deg, sum {total:.3g}", low=low, high=high, total=scan.best.total)
+    upper.plot([], [], color=style.ALARM, lw=1.1, label=best)
+    upper.legend(loc="best")
+    lower.set_xlabel(say("start of the interval (h after h = 0)"))
+    ticks = np.unique(np.linspace(0, scan.starts.size - 1, 9).astype(np.int64))
+    top = upper.secondary_xaxis("top")
+    top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.h[ticks, 0]])
+    top.set_xlabel(say("smallest h of the interval (deg)"))
     return figure
 
 
 def _some(value: float, _: int) -> str:
     """Labels of 2, 3 and 5 times a power of ten, and of no other minor tick."""
     return f"{value:g}" if f"{value:e}"[0] in "235" else ""
-
-
-def _degrees_above(ax: Axes, scan: Scan) -> None:
-    """The smallest h of each interval, above the figure."""
-    ticks = np.unique(np.linspace(0, scan.starts.size - 1, 9).astype(np.int64))
-    top = ax.secondary_xaxis("top")
-    top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.h[ticks, 0]])
-    top.set_xlabel(say("smallest h of the interval (deg)"))

@@ -12,12 +12,12 @@ from allanite.reporting import style
 from allanite.reporting.sheet import printable, printed_unit
 
 
-def plot_budgets(budgets: Sequence[Budget]) -> Figure:
+@style.plotted
+def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> Figure:
     """A panel for each channel, one below the other."""
-    with style.look():
-        figure = style.new_figure(6.4, 0.4 + 3.4 * len(budgets))
-        for ax, budget in zip(figure.subplots(len(budgets), 1, squeeze=False)[:, 0], budgets, strict=True):
-            _draw(ax, budget)
+    figure = new_figure(6.4, 0.4 + 3.4 * len(budgets))
+    for ax, budget in zip(figure.subplots(len(budgets), 1, squeeze=False)[:, 0], budgets, strict=True):
+        _draw(ax, budget)
     return figure
 
 

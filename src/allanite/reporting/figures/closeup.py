@@ -21,23 +21,23 @@ MOST = 6000
 """Counts whose residuals are drawn."""
 
 
-def plot_closeups(closeups: Sequence[Closeup]) -> Figure:
+@style.plotted
+def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> Figure:
     """A column for each interval: slopes; below, if there are counts, their first steps and all that is left over."""
     rows = 3 if any(found.counts.size for found in closeups) else 1
-    with style.look():
-        width = 7.2 if len(closeups) == 1 else 5.4 * len(closeups)
-        figure = style.new_figure(width, 3.2 if rows == 1 else 7.8)
-        grid = figure.subplots(rows, len(closeups), squeeze=False, height_ratios=(1.0, 1.25, 0.7)[:rows])
-        for column, found in zip(grid.T, closeups, strict=True):
-            for ax in column:
-                style.grid(ax)
-            _draw_slopes(column[0], found)
-            if found.counts.size:
-                _draw_stairs(column[1], found)
-                _draw_misfit(column[2], found)
-            else:
-                for ax in column[1:]:
-                    ax.set_axis_off()
+    width = 7.2 if len(closeups) == 1 else 5.4 * len(closeups)
+    figure = new_figure(width, 3.2 if rows == 1 else 7.8)
+    grid = figure.subplots(rows, len(closeups), squeeze=False, height_ratios=(1.0, 1.25, 0.7)[:rows])
+    for column, found in zip(grid.T, closeups, strict=True):
+        for ax in column:
+            style.grid(ax)
+        _draw_slopes(column[0], found)
+        if found.counts.size:
+            _draw_stairs(column[1], found)
+            _draw_misfit(column[2], found)
+        else:
+            for ax in column[1:]:
+                ax.set_axis_off()
     return figure
 
 

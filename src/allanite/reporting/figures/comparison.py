@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from allanite.comparison.comparison import Comparison, Pair, Ratios
+from allanite.comparison.comparison import Comparison, Pair
 from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
@@ -30,7 +30,8 @@ FEW = 2.0
 """Ratio within which the axis of ratios always reaches."""
 
 
-def plot_comparison(values: Sequence[Comparison | Pool], level: float) -> Figure:
+@style.plotted
+def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | Pool], level: float) -> Figure:
     """Two panels a channel: the curves with their bands, and the ratio of their variances.
 
     Raises
@@ -41,20 +42,17 @@ def plot_comparison(values: Sequence[Comparison | Pool], level: float) -> Figure
     drawn = [draw for value in values for draw in _drawers(value, level)]
     if not drawn:
         raise UsageError("there are no curves to draw: only coefficients were compared")
-    with style.look():
-        alone = len(drawn) == 1
-        figure = style.new_figure(*((7.2, 6.8) if alone else (12.4, 0.6 + 3.3 * len(drawn))))
-        grid = (
-            figure.subplots(2, 1, height_ratios=(3, 2), sharex=True)[None, :]
-            if alone
-            else figure.subplots(len(drawn), 2)
-        )
-        for draw, (above, below) in zip(drawn, np.reshape(grid, (-1, 2)), strict=True):
-            draw((above, below))
-            below.set_xlabel(TIME)
-            if not alone:
-                above.set_xlabel(TIME)
-        draw_legend(figure, marks=False)
+    alone = len(drawn) == 1
+    figure = new_figure(*((7.2, 6.8) if alone else (12.4, 0.6 + 3.3 * len(drawn))))
+    grid = (
+        figure.subplots(2, 1, height_ratios=(3, 2), sharex=True)[None, :] if alone else figure.subplots(len(drawn), 2)
+    )
+    for draw, (above, below) in zip(drawn, np.reshape(grid, (-1, 2)), strict=True):
+        draw((above, below))
+        below.set_xlabel(TIME)
+        if not alone:
+            above.set_xlabel(TIME)
+    draw_legend(figure, marks=False)
     return figure
 
 
@@ -72,7 +70,18 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     for i, curve, name in zip(COLORS, (ratios.before, ratios.after), map(printable, names), strict=True):
         _curve(above, curve, (i, name), level)
     _frame(above, ratios.before, pair.name, [ratios.before, ratios.after])
-    _ratio(below, ratios, level, ratios.p <= pair.alpha)
+    apart = ratios.p <= pair.alpha
+    low, high = ratios.interval(level)
+    ratio = ratios.ratio
+    below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
+    for there, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
+        if there.any():
+            error = np.abs(np.array([low[there], high[there]]) - ratio[there])
+            below.errorbar(
+                ratios.tau[there], ratio[there], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
+                capsize=2.0, zorder=3, label=label,
+            )  # fmt: skip
+    _ratio_frame(below, ratio)
     before, after = map(printable, names)
     below.set_ylabel(say("variance of {after}\nover {before}", after=after, before=before), parse_math=False)
 
@@ -114,20 +123,6 @@ def _frame(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     style.grid(ax)
     style.title(ax, name)
     ax.set_ylabel(with_unit(STATISTICS[curve.statistic].title, unit))
-
-
-def _ratio(ax: Axes, ratios: Ratios, level: float, apart: BoolArray) -> None:
-    low, high = ratios.interval(level)
-    ratio = ratios.ratio
-    ax.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
-    for there, color, label in ((~apart, style.OTHER, say("no change")), (apart, style.ALARM, say("changed"))):
-        if there.any():
-            error = np.abs(np.array([low[there], high[there]]) - ratio[there])
-            ax.errorbar(
-                ratios.tau[there], ratio[there], error, fmt="o", ms=3.6, mew=0, color=color, elinewidth=1.0,
-                capsize=2.0, zorder=3, label=label,
-            )  # fmt: skip
-    _ratio_frame(ax, ratio)
 
 
 def _ratio_frame(ax: Axes, ratio: FloatArray) -> None:

@@ -22,27 +22,40 @@ POINTS = 400
 """Means over time that are drawn."""
 
 
-def plot_compensated(channels: Sequence[Compensated], level: float) -> Figure:
+@style.plotted
+def plot_compensated(new_figure: style.NewFigure, channels: Sequence[Compensated], level: float) -> Figure:
     """Deviation by averaging time, and below it rate by time, of each channel that was corrected."""
     width = 7.2 if len(channels) == 1 else 5.2 * len(channels)
-    with style.look():
-        figure = style.new_figure(width, 6.6)
-        for channel, (top, bottom) in zip(channels, figure.subplots(2, len(channels), squeeze=False).T, strict=True):
-            _draw_curves(top, channel, level)
-            _draw_rates(bottom, channel)
-            style.title(top, channel.record.name or say("channel"))
+    figure = new_figure(width, 6.6)
+    for channel, (top, bottom) in zip(channels, figure.subplots(2, len(channels), squeeze=False).T, strict=True):
+        unit = channel.record.signal.sheet[0]
+        style.grid(top)
+        for curve, color, label in ((channel.before, BEFORE, say("before")), (channel.after, AFTER, say("after"))):
+            if curve is not None:
+                _draw_curve(top, curve.to(unit), color, label, level)
+        top.set(
+            xscale="log", yscale="log", xlabel=say("averaging time (s)"), ylabel=with_unit(say("Allan deviation"), unit)
+        )
+        style.plain_ticks(top.xaxis, top.yaxis)
+        top.legend(loc="best", title=say("with {share} bands", share=percent(level)), title_fontsize=8)
+        factor = unit_of(unit).factor
+        if channel.rates is None:  # read from what was stored, without readings
+            bottom.set_axis_off()
+        else:
+            y, left = (rate / factor for rate in channel.rates)
+            bias = float(np.nanmean(left))
+            m = max(1, y.size // POINTS)
+            t = (np.arange(y.size // m) + 0.5) * m / channel.record.rate / 60
+            style.grid(bottom)
+            bottom.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label=say("before"))
+            bottom.plot(t, _means(left - bias, m), color=AFTER, lw=0.9, label=say("after"))
+            bottom.plot(t, _means(y - left, m), color=TAKEN, lw=1.5, label=say("correction"))
+            rest = with_unit(say("rate less the bias"), unit)
+            means = say("{quantity}, means of {length:.3g} s", quantity=rest, length=m / channel.record.rate)
+            bottom.set(xlabel=say("time (min)"), ylabel=means if m > 1 else rest)
+            bottom.legend(loc="best")
+        style.title(top, channel.record.name or say("channel"))
     return figure
-
-
-def _draw_curves(ax: Axes, channel: Compensated, level: float) -> None:
-    unit = channel.record.signal.sheet[0]
-    style.grid(ax)
-    for curve, color, label in ((channel.before, BEFORE, say("before")), (channel.after, AFTER, say("after"))):
-        if curve is not None:
-            _draw_curve(ax, curve.to(unit), color, label, level)
-    ax.set(xscale="log", yscale="log", xlabel=say("averaging time (s)"), ylabel=with_unit(say("Allan deviation"), unit))
-    style.plain_ticks(ax.xaxis, ax.yaxis)
-    ax.legend(loc="best", title=say("with {share} bands", share=percent(level)), title_fontsize=8)
 
 
 def _draw_curve(ax: Axes, curve: Curve, color: str, label: str, level: float) -> None:
@@ -50,26 +63,6 @@ def _draw_curve(ax: Axes, curve: Curve, color: str, label: str, level: float) ->
     known = np.isfinite(low) & np.isfinite(high)
     ax.fill_between(curve.tau[known], low[known], high[known], color=color, alpha=0.2, lw=0)
     ax.plot(curve.tau, curve.deviation, color=color, marker="o", ms=3, lw=1.3, label=label)
-
-
-def _draw_rates(ax: Axes, channel: Compensated) -> None:
-    unit = channel.record.signal.sheet[0]
-    factor = unit_of(unit).factor
-    if channel.rates is None:  # read from what was stored, without readings
-        ax.set_axis_off()
-        return
-    y, left = (rate / factor for rate in channel.rates)
-    bias = float(np.nanmean(left))
-    m = max(1, y.size // POINTS)
-    t = (np.arange(y.size // m) + 0.5) * m / channel.record.rate / 60
-    style.grid(ax)
-    ax.plot(t, _means(y - bias, m), color=BEFORE, lw=0.9, label=say("before"))
-    ax.plot(t, _means(left - bias, m), color=AFTER, lw=0.9, label=say("after"))
-    ax.plot(t, _means(y - left, m), color=TAKEN, lw=1.5, label=say("correction"))
-    rest = with_unit(say("rate less the bias"), unit)
-    means = say("{quantity}, means of {length:.3g} s", quantity=rest, length=m / channel.record.rate)
-    ax.set(xlabel=say("time (min)"), ylabel=means if m > 1 else rest)
-    ax.legend(loc="best")
 
 
 def _means(y: FloatArray, m: int) -> FloatArray:

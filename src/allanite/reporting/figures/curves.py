@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.core.fit import Fit
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
@@ -17,8 +16,8 @@ from allanite.reporting.sheet import printed_unit
 from allanite.statistics import STATISTICS
 
 from .drawing import TIME, draw_label, draw_legend, draw_titles, fractions, shade, with_unit
-from .labels import Box, FloatArray
-from .panels import Panel, Points, columns_of, points, span
+from .labels import LabelBox
+from .panels import CurvePanel, columns_of, points, span
 from .terms import draw_model
 
 FEW = 2.0
@@ -35,7 +34,8 @@ LEAST, MOST = 3.2, 5.6
 Span = tuple[tuple[float, float], tuple[float, float]]
 
 
-def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_panels(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95) -> Figure:
     """One panel for each curve: sensors side by side, the channels of each one below the other, with equal decades."""
     columns = columns_of(panels)
     rows = max(map(len, columns))
@@ -43,14 +43,24 @@ def plot_panels(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
     sizes = [_scaled([span(panel) for panel in column], wide) for column in columns]
     width = sum(size[1] for size in sizes) + 0.8 * len(columns)
     height = rows * (max(size[2] for size in sizes) + 0.3) + 1.1
-    with style.look():
-        figure = style.new_figure(width, height)
-        grid = figure.subplots(rows, len(columns), squeeze=False, width_ratios=[size[1] for size in sizes])
-        for ax in grid.flat:
-            ax.set_axis_off()
-        for j, column in enumerate(columns):
-            _draw_column(list(grid[: len(column), j]), column, sizes[j][:2], level)
-        draw_legend(figure)
+    figure = new_figure(width, height)
+    grid = figure.subplots(rows, len(columns), squeeze=False, width_ratios=[size[1] for size in sizes])
+    for ax in grid.flat:
+        ax.set_axis_off()
+    for j, column in enumerate(columns):
+        axes = list(grid[: len(column), j])
+        (tau, deviation), inches = sizes[j][:2]
+        for ax, panel in zip(axes, column, strict=True):
+            ax.set_axis_on()
+            ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
+            ax.set_aspect("equal", adjustable="box", anchor="N")
+            style.plain_ticks(ax.xaxis)
+            style.plain_ticks(ax.yaxis, most=3000)
+            _draw_panel(ax, panel, level)
+            draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
+            ax.tick_params(labelbottom=ax is axes[-1])
+        axes[-1].set_xlabel(TIME)
+    draw_legend(figure)
     return figure
 
 
@@ -64,35 +74,44 @@ def _scaled(spans: Sequence[Span], wide: float) -> tuple[Span, float, float]:
     return ((left, right), (low, high)), across * inches, up * inches
 
 
-def _draw_column(axes: Sequence[Axes], panels: Sequence[Panel], scaled: tuple[Span, float], level: float) -> None:
-    (tau, deviation), inches = scaled
-    for ax, panel in zip(axes, panels, strict=True):
-        ax.set_axis_on()
-        ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
-        ax.set_aspect("equal", adjustable="box", anchor="N")
-        style.plain_ticks(ax.xaxis)
-        style.plain_ticks(ax.yaxis, most=3000)
-        _draw_panel(ax, panel, level)
-        draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
-        ax.tick_params(labelbottom=ax is axes[-1])
-    axes[-1].set_xlabel(TIME)
-
-
-def _draw_panel(ax: Axes, panel: Panel, level: float) -> None:
+def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
     style.grid(ax)
     placed = _draw_landmarks(ax)
     drawn = points(panel, level)
     if panel.model is None:
-        _draw_curve(ax, drawn, STATISTICS[panel.curve.statistic].title, level)
+        if drawn.low is not None and drawn.high is not None:
+            label = words.interval(level)
+            ax.fill_between(drawn.tau, drawn.low, drawn.high, color=style.DATA, alpha=0.18, lw=0, zorder=2, label=label)
+        # an unknown number of degrees of freedom is not many
+        few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= FEW)
+        size = 3.4 if drawn.tau.size <= 150 else 0.0
+        ax.plot(drawn.tau, drawn.deviation, color=style.DATA, lw=0.9, zorder=4)
+        dots: dict[str, Any] = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 4}
+        ax.plot(
+            drawn.tau[~few],
+            drawn.deviation[~few],
+            ms=size,
+            mew=0,
+            label=STATISTICS[panel.curve.statistic].title,
+            **dots,
+        )
+        if few.any():
+            label = say("below {count:g} degrees of freedom", count=FEW)
+            ax.plot(drawn.tau[few], drawn.deviation[few], ms=3.6, mfc="white", mew=0.8, label=label, **dots)
     if panel.fit is not None:
-        _shade(ax, panel.fit)
+        fit = panel.fit
+        if fit.scope is not None and fit.valid is not None:
+            # of a frequency, the averaging times at which it weighs most in the deviation
+            shortest, longest = fit.scope.times
+            masks = ((WEIGHS / high, WEIGHS / low) for low, high in fit.scope.masks)
+            shade(ax, ((0.0, shortest), *masks, (longest, math.inf)))
     if panel.drawn is not None:
         draw_model(ax, panel, drawn, placed, level)
     _draw_minimum(ax, panel, placed, level)
     ax.set_ylabel(with_unit(STATISTICS[panel.curve.statistic].title, panel.unit))
 
 
-def _draw_minimum(ax: Axes, panel: Panel, placed: list[Box], level: float) -> None:
+def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: float) -> None:
     """The minimum of the Allan deviation with its averaging time, as data sheets quote it."""
     readings = panel.readings
     if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
@@ -107,26 +126,12 @@ def _draw_minimum(ax: Axes, panel: Panel, placed: list[Box], level: float) -> No
         text = say("minimum at most {value}\nat τ = {tau}", **size)
     ax.plot(readings.minimum.tau, deviation, "v", ms=6.5, color=style.INK, zorder=5)
     anchor = fractions(ax, np.array([[readings.minimum.tau, deviation]]))
-    placed.append(draw_label(ax, ("", text), anchor, _lines(ax), placed))
-
-
-def _lines(ax: Axes) -> FloatArray:
-    """What is drawn in a panel, as fractions of it."""
     data = (np.asarray(line.get_xydata()) for line in ax.lines)
     drawn = np.concatenate([points for points in data if len(points) > 2])  # no rules, whose ordinates are fractions
-    return fractions(ax, drawn[(drawn > 0).all(axis=1)])
+    placed.append(draw_label(ax, ("", text), anchor, fractions(ax, drawn[(drawn > 0).all(axis=1)]), placed))
 
 
-def _shade(ax: Axes, fit: Fit) -> None:
-    """Averaging times that the fit does not read: of a frequency, those at which it weighs most in the deviation."""
-    if fit.scope is None or fit.valid is None:
-        return
-    shortest, longest = fit.scope.times
-    masks = ((WEIGHS / high, WEIGHS / low) for low, high in fit.scope.masks)
-    shade(ax, ((0.0, shortest), *masks, (longest, math.inf)))
-
-
-def _draw_landmarks(ax: Axes) -> list[Box]:
+def _draw_landmarks(ax: Axes) -> list[LabelBox]:
     """Rules at a minute, an hour and a day; where their labels are."""
     (low, high), taken = ax.get_xlim(), []
     for tau, label in LANDMARKS:
@@ -136,20 +141,5 @@ def _draw_landmarks(ax: Axes) -> list[Box]:
                 label, (tau, 1), xycoords=("data", "axes fraction"), xytext=(2, -3), textcoords="offset points",
                 va="top", fontsize=7.5, color=style.SOFT,
             )  # fmt: skip
-            taken.append(Box(math.log(tau / low) / math.log(high / low) + 0.035, 0.965, 0.07, 0.05))
+            taken.append(LabelBox(math.log(tau / low) / math.log(high / low) + 0.035, 0.965, 0.07, 0.05))
     return taken
-
-
-def _draw_curve(ax: Axes, drawn: Points, title: str, level: float) -> None:
-    if drawn.low is not None and drawn.high is not None:
-        label = words.interval(level)
-        ax.fill_between(drawn.tau, drawn.low, drawn.high, color=style.DATA, alpha=0.18, lw=0, zorder=2, label=label)
-    # an unknown number of degrees of freedom is not many
-    few = np.zeros(drawn.tau.size, dtype=bool) if drawn.edf is None else ~(drawn.edf >= FEW)
-    size = 3.4 if drawn.tau.size <= 150 else 0.0
-    ax.plot(drawn.tau, drawn.deviation, color=style.DATA, lw=0.9, zorder=4)
-    dots: dict[str, Any] = {"ls": "-" if size == 0 else "", "marker": "o", "color": style.DATA, "zorder": 4}
-    ax.plot(drawn.tau[~few], drawn.deviation[~few], ms=size, mew=0, label=title, **dots)
-    if few.any():
-        label = say("below {count:g} degrees of freedom", count=FEW)
-        ax.plot(drawn.tau[few], drawn.deviation[few], ms=3.6, mfc="white", mew=0.8, label=label, **dots)

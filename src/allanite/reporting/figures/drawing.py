@@ -19,7 +19,7 @@ from allanite.reporting.sheet import printable, printed_unit
 from allanite.reporting.sketch.text_width import wide
 from allanite.terms import TERMS
 
-from .labels import Box, FloatArray, IntArray, nearest, place
+from .labels import FloatArray, IntArray, LabelBox, nearest, place
 
 TIME = say("averaging time τ (s)")
 """What the abscissa of a deviation is called."""
@@ -33,11 +33,11 @@ def with_unit(quantity: str, unit: str) -> Phrase:
     return say("{quantity} ({unit})", quantity=quantity, unit=printed_unit(unit))
 
 
-def stacked(lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
+def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
     """A figure of columns with so many panels; those of a column share the abscissa, and its labels stand below it."""
     rows = max(lengths)
     single = rows == len(lengths) == 1
-    figure = style.new_figure(*((7.2, 5.0) if single else (6.4 * len(lengths), 0.6 + 3.3 * rows)))
+    figure = new_figure(*((7.2, 5.0) if single else (6.4 * len(lengths), 0.6 + 3.3 * rows)))
     grid = figure.subplots(rows, len(lengths), squeeze=False, sharex="col")
     columns = [list(axes[:length]) for axes, length in zip(grid.T, lengths, strict=True)]
     for axes, length in zip(grid.T, lengths, strict=True):
@@ -73,18 +73,17 @@ def draw_titles(ax: Axes, parts: Iterable[str], fit: Fit | None, *, before: str 
     said = join("; ", filter(None, (before, words.grade(fit) if fit is not None else "")))
     known = [printable(part) for part in parts if part]
     room = room or _inside(ax)[0]
-    lines = [line for part in known for line in _broken(part, room)] or [""]
+    lines = []
+    for part in known:
+        long = _long(part)
+        lines += [part] if long <= room else textwrap.wrap(part, max(1, int(len(part) * room / long)))
+    lines = lines or [""]
     beside = room - GRADE * wide(tr(said)) - GRADE
     layouts = (["   ".join(known)], lines)
     fitting = (layout for layout in layouts if _long(layout[-1]) <= beside)
     name = "\n".join(next(fitting, [*lines, " "]))
     ax.set_title(name, loc="left", fontweight="bold", fontsize=NAME, parse_math=False)
     ax.set_title(said, loc="right", color=GRADES["" if fit is None else fit.validity], fontsize=GRADE)
-
-
-def _broken(text: str, room: float) -> list[str]:
-    """A title in lines that have room."""
-    return [text] if _long(text) <= room else textwrap.wrap(text, max(1, int(len(text) * room / _long(text))))
 
 
 def _long(text: str) -> float:
@@ -106,10 +105,14 @@ def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
     return np.argsort(-(line / whole)[known], kind="stable")
 
 
-def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[Box]) -> Box:
+def draw_label(
+    ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: FloatArray, placed: Sequence[LabelBox]
+) -> LabelBox:
     """Write (symbol, text) where it is free, with a line to its anchor if that is farther off, and say where it is."""
     symbol, text = label
-    box = place(anchors, _size(ax, text), avoid, placed)
+    width, height = _inside(ax)
+    lines = tr(text).splitlines()  # whose letters, of 8.5 points, are 5.3 points wide
+    box = place(anchors, (max(map(cell_len, lines)) * 5.3 / width, 11.5 * len(lines) / height), avoid, placed)
     at = nearest(anchors, box)
     ax.annotate(
         text, (at[0], at[1]), (box.x, box.y), xycoords="axes fraction", textcoords="axes fraction", ha="center",
@@ -123,14 +126,6 @@ def draw_label(ax: Axes, label: tuple[str, str], anchors: FloatArray, avoid: Flo
 def label_of(estimate: Estimate, level: float) -> str:
     """A coefficient for the figure, with the digits of the table: ``N = 0.310 (0.302 … 0.318) deg/√h``."""
     return join(" = ", (words.symbol(estimate), words.in_print(estimate, estimate.sheet_unit, level)))
-
-
-def _size(ax: Axes, text: str) -> tuple[float, float]:
-    """Width and height of a label in fractions of the panel, before anything is laid out."""
-    width, height = _inside(ax)
-    lines = tr(text).splitlines()
-    # points of a letter of 8.5 points
-    return max(map(cell_len, lines)) * 5.3 / width, 11.5 * len(lines) / height
 
 
 def _inside(ax: Axes) -> tuple[float, float]:
@@ -161,12 +156,12 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     if MODEL in entries:
-        entries[say("each term alone")] = style.key(color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+        entries[say("each term alone")] = style.key(figure, color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
         if marks:
-            mark = style.key(ls="", marker="D", ms=5, mfc="white", color=style.OTHER, mew=1.3)
+            mark = style.key(figure, ls="", marker="D", ms=5, mfc="white", color=style.OTHER, mew=1.3)
             entries[say("where its coefficient is read off")] = mark
     if EXPECTED in entries:
-        entries[EXPECTED] = style.key(color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
+        entries[EXPECTED] = style.key(figure, color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
     columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
     legend = figure.legend(
         list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6

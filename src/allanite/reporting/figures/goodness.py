@@ -18,7 +18,8 @@ LEAST = 0.05
 """Ratio below which a cell is drawn at the edge."""
 
 
-def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
+@style.plotted
+def plot_goodness(new_figure: style.NewFigure, goodness: Goodness, name: str = "") -> Figure:
     """Two strips over frequency: the ratio of powers, and how surprising it is.
 
     Parameters
@@ -28,17 +29,16 @@ def plot_goodness(goodness: Goodness, name: str = "") -> Figure:
     name : str
         Of the channel, for the title.
     """
-    with style.look():
-        figure = style.new_figure(7.2, 3.6)
-        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-        title = join("   ", filter(None, (printable(name), say("goodness of fit p = {p:.2g}", p=goodness.p))))
-        color = style.ALARM if goodness.grade == UNEXPLAINED else style.INK
-        upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
-        draw_ratio(upper, goodness)
-        draw_surprise(lower, goodness)
-        lower.set_xlabel(say("frequency (Hz)"))
-        lower.set_xlim(goodness.frequency[0], goodness.frequency[-1])
-        style.plain_ticks(lower.xaxis)
+    figure = new_figure(7.2, 3.6)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+    title = join("   ", filter(None, (printable(name), say("goodness of fit p = {p:.2g}", p=goodness.p))))
+    color = style.ALARM if goodness.grade == UNEXPLAINED else style.INK
+    upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
+    draw_ratio(upper, goodness)
+    draw_surprise(lower, goodness)
+    lower.set_xlabel(say("frequency (Hz)"))
+    lower.set_xlim(goodness.frequency[0], goodness.frequency[-1])
+    style.plain_ticks(lower.xaxis)
     return figure
 
 

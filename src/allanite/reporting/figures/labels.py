@@ -21,7 +21,7 @@ NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7
 GRID = np.array(np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 15))).reshape(2, -1).T
 
 
-class Box(NamedTuple):
+class LabelBox(NamedTuple):
     """A label's centre and size."""
 
     x: float
@@ -30,7 +30,7 @@ class Box(NamedTuple):
     height: float
 
 
-def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[Box]) -> Box:
+def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[LabelBox]) -> LabelBox:
     """The freest place above or below one of the anchors.
 
     Parameters
@@ -41,7 +41,7 @@ def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray,
         Of the label.
     obstacles : array, shape (n, 2)
         Points that should stay visible.
-    taken : sequence of Box
+    taken : sequence of LabelBox
         Labels that are placed already.
     """
     shape = np.array(size)
@@ -51,33 +51,31 @@ def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray,
     away = np.hypot(*(anchors[:, None] - centres).T) + 0.002 * np.arange(len(anchors))
     at = anchors[away.argmin(axis=1)]
     far = np.hypot(*(at - centres).T)
-    worth = _freedom(centres, size, obstacles, taken) - 0.5 * far - 0.4 * _crossed(centres, at, taken)
+    # whether the line from a label to its anchor runs across another label, shape (n,)
+    share = np.linspace(0.0, 1.0, 12)[:, None, None]
+    line = at + share * (centres - at)
+    crossed = np.zeros(len(centres), np.bool_)
+    for b in taken:
+        crossed |= (np.abs(line - (b.x, b.y)) < (b.width / 2, b.height / 2)).all(axis=2).any(axis=0)
+    worth = _freedom(centres, size, obstacles, taken) - 0.5 * far - 0.4 * crossed
     x, y = centres[int(worth.argmax())].tolist()
-    return Box(x, y, *size)
+    return LabelBox(x, y, *size)
 
 
-def nearest(anchors: FloatArray, box: Box) -> FloatArray:
+def nearest(anchors: FloatArray, box: LabelBox) -> FloatArray:
     """The anchor that is nearest to a label; earlier ones are preferred."""
     away = np.hypot(*(anchors - (box.x, box.y)).T) + 0.002 * np.arange(len(anchors))
     return np.asarray(anchors[int(away.argmin())])
 
 
-def freedom(box: Box, obstacles: FloatArray, taken: Sequence[Box]) -> float:
+def freedom(box: LabelBox, obstacles: FloatArray, taken: Sequence[LabelBox]) -> float:
     """Distance to the nearest thing in label sizes, at most `ENOUGH`."""
     return float(_freedom(np.array([[box.x, box.y]]), (box.width, box.height), obstacles, taken)[0])
 
 
-def _crossed(centres: FloatArray, anchors: FloatArray, taken: Sequence[Box]) -> BoolArray:
-    """Whether the line from a label to its anchor runs across another label, shape (n,)."""
-    share = np.linspace(0.0, 1.0, 12)[:, None, None]
-    line = anchors + share * (centres - anchors)
-    crossed = np.zeros(len(centres), np.bool_)
-    for b in taken:
-        crossed |= (np.abs(line - (b.x, b.y)) < (b.width / 2, b.height / 2)).all(axis=2).any(axis=0)
-    return crossed
-
-
-def _freedom(centres: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[Box]) -> FloatArray:
+def _freedom(
+    centres: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[LabelBox]
+) -> FloatArray:
     """Distance of labels of a size to the nearest thing in label sizes, at most `ENOUGH`, shape (n,)."""
     free, half = np.full(len(centres), ENOUGH), np.array(size) / 2
     if obstacles.size:

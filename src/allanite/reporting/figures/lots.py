@@ -27,7 +27,7 @@ class Course(NamedTuple):
     shown: bool
 
 
-class Coefficient(NamedTuple):
+class LotRow(NamedTuple):
     """The values of one coefficient, and its course by the label of the abscissa."""
 
     channel: str
@@ -37,22 +37,33 @@ class Coefficient(NamedTuple):
     courses: dict[str, Course]
 
 
-def plot_lot(found: Sequence[Coefficient]) -> Figure:
+@style.plotted
+def plot_lot(new_figure: style.NewFigure, found: Sequence[LotRow]) -> Figure:
     """A row of panels for each coefficient."""
     shown = sorted(found, key=lambda one: -one.values.size)[:MOST]
     labels = list(dict.fromkeys(label for one in shown for label in one.courses))
-    with style.look():
-        wide = 1 + len(labels)
-        figure = style.new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))
-        grid = figure.subplots(len(shown), wide, squeeze=False)
-        for one, axes in zip(shown, grid, strict=True):
-            _draw_shares(axes[0], one)
-            for ax, label in zip(axes[1:], labels, strict=True):
-                _draw_course(ax, label, one)
+    wide = 1 + len(labels)
+    figure = new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))
+    grid = figure.subplots(len(shown), wide, squeeze=False)
+    for one, axes in zip(shown, grid, strict=True):
+        _draw_shares(axes[0], one)
+        for ax, label in zip(axes[1:], labels, strict=True):
+            course = one.courses.get(label)
+            if course is None:
+                ax.set_axis_off()
+            else:
+                ax.plot(course.at, course.value, "o", ms=3.5, color=style.SERIES[0])
+                ends = np.array([course.at.min(), course.at.max()])
+                line = course.value.mean() + course.slope * (ends - course.at.mean())
+                ax.plot(ends, line, color=style.ALARM if course.shown else style.OTHER, lw=1.2)
+                ax.set_xlabel(label)
+                ax.set_ylabel(with_unit(one.symbol, one.unit))
+                ax.locator_params(nbins=5)
+                style.grid(ax, fine=False)
     return figure
 
 
-def _draw_shares(ax: Axes, one: Coefficient) -> None:
+def _draw_shares(ax: Axes, one: LotRow) -> None:
     """The share of units that are not above each value."""
     size = one.values.size
     ax.plot(np.sort(one.values), 100 * (np.arange(size) + 0.5) / size, "o", ms=3.5, color=style.SERIES[0])
@@ -61,19 +72,4 @@ def _draw_shares(ax: Axes, one: Coefficient) -> None:
     ax.set_xlabel(with_unit(one.symbol, one.unit))
     ax.locator_params(axis="x", nbins=5)
     style.title(ax, join(", ", [printable(one.channel), one.symbol]))
-    style.grid(ax, fine=False)
-
-
-def _draw_course(ax: Axes, label: str, one: Coefficient) -> None:
-    course = one.courses.get(label)
-    if course is None:
-        ax.set_axis_off()
-        return
-    ax.plot(course.at, course.value, "o", ms=3.5, color=style.SERIES[0])
-    ends = np.array([course.at.min(), course.at.max()])
-    line = course.value.mean() + course.slope * (ends - course.at.mean())
-    ax.plot(ends, line, color=style.ALARM if course.shown else style.OTHER, lw=1.2)
-    ax.set_xlabel(label)
-    ax.set_ylabel(with_unit(one.symbol, one.unit))
-    ax.locator_params(nbins=5)
     style.grid(ax, fine=False)

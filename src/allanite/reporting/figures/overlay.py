@@ -12,41 +12,41 @@ from allanite.reporting.sheet import printable
 from allanite.statistics import STATISTICS
 
 from .drawing import EXPECTED, TIME, draw_legend, stacked, with_unit
-from .panels import Panel, points, span
+from .panels import CurvePanel, points, span
 
 MOST_BANDS = 3
 """Curves of a panel whose confidence bands can still be told apart."""
 
 
-def plot_overlay(panels: Sequence[Panel], *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_overlay(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95) -> Figure:
     """One panel for each channel with all its statistics; channels of a single statistic share one panel.
 
     Sensors of different units stand side by side. Where a fit is given its model's expectation of each statistic is
     drawn as a dashed line.
     """
     columns = _columns(panels)
-    with style.look():
-        figure, grid = stacked([len(column) for column in columns])
-        for column, axes in zip(columns, grid, strict=True):
-            spans = [span(panel)[0] for group in column for panel in group]
-            for ax, group in zip(axes, column, strict=True):
-                ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
-                _draw_group(ax, group, level)
-            axes[-1].set_xlabel(TIME)
-        draw_legend(figure, marks=False)
+    figure, grid = stacked(new_figure, [len(column) for column in columns])
+    for column, axes in zip(columns, grid, strict=True):
+        spans = [span(panel)[0] for group in column for panel in group]
+        for ax, group in zip(axes, column, strict=True):
+            ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
+            _draw_group(ax, group, level)
+        axes[-1].set_xlabel(TIME)
+    draw_legend(figure, marks=False)
     return figure
 
 
-def _columns(panels: Sequence[Panel]) -> list[list[list[Panel]]]:
+def _columns(panels: Sequence[CurvePanel]) -> list[list[list[CurvePanel]]]:
     """Columns by unit, of panels by channel, of curves."""
     single = len({panel.curve.statistic for panel in panels}) == 1
-    columns: dict[str, dict[str, list[Panel]]] = {}
+    columns: dict[str, dict[str, list[CurvePanel]]] = {}
     for panel in panels:
         columns.setdefault(panel.unit, {}).setdefault("" if single else panel.name, []).append(panel)
     return [list(column.values()) for column in columns.values()]
 
 
-def _draw_group(ax: Axes, group: Sequence[Panel], level: float) -> None:
+def _draw_group(ax: Axes, group: Sequence[CurvePanel], level: float) -> None:
     spans = [span(panel)[1] for panel in group]
     ax.set(yscale="log", ylim=(min(low for low, _ in spans), max(high for _, high in spans)))
     style.plain_ticks(ax.xaxis)
@@ -63,11 +63,11 @@ def _draw_group(ax: Axes, group: Sequence[Panel], level: float) -> None:
     ax.set_ylabel(with_unit(what, group[0].unit))
 
 
-def _called(panel: Panel) -> tuple[str, str]:
+def _called(panel: CurvePanel) -> tuple[str, str]:
     return printable(panel.name), STATISTICS[panel.curve.statistic].title
 
 
-def _draw_curve(ax: Axes, panel: Panel, label: tuple[int, str], level: float | None) -> None:
+def _draw_curve(ax: Axes, panel: CurvePanel, label: tuple[int, str], level: float | None) -> None:
     i, text = label
     drawn = points(panel, level or 0.95)
     color, marker = style.SERIES[i % len(style.SERIES)], style.MARKERS[i % len(style.MARKERS)]

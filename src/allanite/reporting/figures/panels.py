@@ -23,7 +23,7 @@ MOST_POINTS = 400
 """Points of a curve that are drawn: more are not seen, but weigh."""
 
 
-class Panel(NamedTuple):
+class CurvePanel(NamedTuple):
     """A curve and what explains it.
 
     `readings` have its minimum, `facts` are its file, rate and length, `wanted` is the unit that was asked for. A curve
@@ -75,7 +75,7 @@ class Panel(NamedTuple):
         return values * convert(1.0, self.curve.unit, self.unit)
 
 
-class Points(NamedTuple):
+class DrawnPoints(NamedTuple):
     """The points that are drawn; no limits where the noise is not known."""
 
     tau: FloatArray
@@ -85,15 +85,15 @@ class Points(NamedTuple):
     high: FloatArray | None
 
 
-def points(panel: Panel, level: float) -> Points:
+def points(panel: CurvePanel, level: float) -> DrawnPoints:
     """The curve in the unit that is shown, thinned to what the eye resolves."""
     curve = panel.curve
     keep = thinned(curve.tau.size)
     tau, deviation = curve.tau[keep], panel.shown(curve.deviation[keep])
     if curve.law is None:
-        return Points(tau, deviation, None, None, None)
+        return DrawnPoints(tau, deviation, None, None, None)
     low, high = (panel.shown(limit[keep]) for limit in curve.interval(level))
-    return Points(tau, deviation, curve.edf[keep], low, high)
+    return DrawnPoints(tau, deviation, curve.edf[keep], low, high)
 
 
 def thinned(count: int) -> IntArray:
@@ -103,7 +103,7 @@ def thinned(count: int) -> IntArray:
     return np.unique(np.rint(np.geomspace(1, count, MOST_POINTS)).astype(np.int64)) - 1
 
 
-def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
+def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
     """Range of both axes: room below the curve for the lines of the terms, above for the band.
 
     Raises
@@ -124,7 +124,7 @@ def span(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
     )
 
 
-def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> list[Panel]:
+def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> list[CurvePanel]:
     """What is drawn of a Curve, Fit, Channel or Study, or of a sequence of them.
 
     Raises
@@ -138,9 +138,9 @@ def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> lis
     return found
 
 
-def _panels(value: Any, fit: Fit | None) -> list[Panel]:
+def _panels(value: Any, fit: Fit | None) -> list[CurvePanel]:
     if isinstance(value, Curve):
-        return [Panel(value.name, value, fit, facts=facts_of(value))]
+        return [CurvePanel(value.name, value, fit, facts=facts_of(value))]
     if isinstance(value, Fit):
         return _panels(value.curve, value)
     if hasattr(value, "channels") and hasattr(value, "recipe"):  # a Study
@@ -171,9 +171,9 @@ def facts_of(curve: Curve) -> str:
     return ", ".join(filter(None, (f"{curve.rate:.6g} Hz" if curve.rate else "", length)))
 
 
-def columns_of(panels: Sequence[Panel]) -> list[list[Panel]]:
+def columns_of(panels: Sequence[CurvePanel]) -> list[list[CurvePanel]]:
     """Panels side by side by unit; a long single column is broken in two."""
-    by_unit: dict[str, list[Panel]] = {}
+    by_unit: dict[str, list[CurvePanel]] = {}
     for panel in panels:
         by_unit.setdefault(panel.unit, []).append(panel)
     columns = list(by_unit.values())

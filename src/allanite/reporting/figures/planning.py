@@ -16,14 +16,14 @@ LEAST, MOST = 1e-4, 1.5
 """Errors that are drawn."""
 
 
-def plot_plans(plans: Sequence[tuple[str, RecordingPlan]]) -> Figure:
+@style.plotted
+def plot_plans(new_figure: style.NewFigure, plans: Sequence[tuple[str, RecordingPlan]]) -> Figure:
     """Relative standard errors by length, a panel for each (name, plan) and a line for each parameter."""
-    with style.look():
-        figure, (axes,) = stacked([len(plans)])
-        for ax, (name, plan) in zip(axes, plans, strict=True):
-            _draw(ax, plan)
-            style.title(ax, name or str(plan.model))
-        axes[-1].set_xlabel(say("length of the record"))
+    figure, (axes,) = stacked(new_figure, [len(plans)])
+    for ax, (name, plan) in zip(axes, plans, strict=True):
+        _draw(ax, plan)
+        style.title(ax, name or str(plan.model))
+    axes[-1].set_xlabel(say("length of the record"))
     return figure
 
 

@@ -20,32 +20,31 @@ MOST_MARKED = 40
 """Intervals up to which each is marked."""
 
 
-def plot_rates(channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> Figure:
+@style.plotted
+def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> Figure:
     """A column a channel: its experiment, and below it the experiments of several measuring times, if any."""
     rows = 1 + any(series for _, series in channels)
-    with style.look():
-        figure = style.new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
-        grid = figure.subplots(rows, len(channels), squeeze=False)
-        for column, (found, series) in zip(grid.T, channels, strict=True):
-            _draw_errors(column[0], found)
-            column[0].set_title(printable(found.name), loc="left", fontweight="bold", parse_math=False, pad=22)
-            if series:
-                _draw_accuracy(column[1], series)
-            elif rows > 1:
-                column[1].set_axis_off()
+    figure = new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
+    grid = figure.subplots(rows, len(channels), squeeze=False)
+    for column, (found, series) in zip(grid.T, channels, strict=True):
+        ax = column[0]
+        unit = found.signal.sheet[0]
+        t = (found.start + found.duration / 2) / 60
+        style.grid(ax)
+        ax.axhline(0.0, color=style.INK, lw=0.8, zorder=2)
+        marker = "o" if t.size <= MOST_MARKED else ""
+        for method, errors in zip(found.methods, found.errors / unit_of(unit).factor, strict=True):
+            ax.plot(
+                t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3
+            )
+        ax.set(xlabel=say("time after the start of the record (min)"), ylabel=with_unit(say("error"), unit))
+        ax.legend(ncols=len(found.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
+        column[0].set_title(printable(found.name), loc="left", fontweight="bold", parse_math=False, pad=22)
+        if series:
+            _draw_accuracy(column[1], series)
+        elif rows > 1:
+            column[1].set_axis_off()
     return figure
-
-
-def _draw_errors(ax: Axes, found: Experiment) -> None:
-    unit = found.signal.sheet[0]
-    t = (found.start + found.duration / 2) / 60
-    style.grid(ax)
-    ax.axhline(0.0, color=style.INK, lw=0.8, zorder=2)
-    marker = "o" if t.size <= MOST_MARKED else ""
-    for method, errors in zip(found.methods, found.errors / unit_of(unit).factor, strict=True):
-        ax.plot(t, errors, color=RATE_ESTIMATORS[method].color, lw=0.9, marker=marker, ms=2.5, label=method, zorder=3)
-    ax.set(xlabel=say("time after the start of the record (min)"), ylabel=with_unit(say("error"), unit))
-    ax.legend(ncols=len(found.methods), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.0)
 
 
 def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
@@ -61,22 +60,16 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
         ax.plot(times, measured, "o", color=RATE_ESTIMATORS[method].color, ms=3.5, label=method, zorder=4)
         if np.isfinite(predicted).any():
             ax.plot(times, predicted, color=RATE_ESTIMATORS[method].color, lw=1.0, zorder=3)
-    _draw_wander(ax, series, factor)
+    # how far B, K and R move the rate itself from interval to interval: measured scatter includes it
+    ranking = series[0].ranking
+    terms = () if ranking is None else tuple(t for t in ranking.model if t.row.slope >= 0)
+    if terms:
+        durations = np.array([e.duration for e in series])
+        moved = np.sqrt(expected(Model(terms), "adev", durations)) / factor
+        symbols = ", ".join(dict.fromkeys(t.symbol for t in terms))
+        label = say("change of the rate itself from interval to interval ({terms})", terms=symbols)
+        ax.plot(durations, moved, color=style.INK, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=label)
+        ax.legend(handles=[ax.lines[-1]], loc="best")
     ax.set(xscale="log", yscale="log", xlabel=say("measuring time (s)"))
     ax.set_ylabel(say("standard deviation ({unit})\npoints measured, lines predicted", unit=printed_unit(unit)))
     style.plain_ticks(ax.xaxis, ax.yaxis)
-
-
-def _draw_wander(ax: Axes, series: tuple[Experiment, ...], factor: float) -> None:
-    """How far B, K and R move the rate itself from interval to interval: measured scatter includes it."""
-    ranking = series[0].ranking
-    terms = () if ranking is None else tuple(t for t in ranking.model if t.row.slope >= 0)
-    if not terms:
-        return
-    times = np.array([e.duration for e in series])
-    moved = np.sqrt(expected(Model(terms), "adev", times)) / factor
-    symbols = ", ".join(dict.fromkeys(t.symbol for t in terms))
-    label = say("change of the rate itself from interval to interval ({terms})", terms=symbols)
-    ax.plot(times, moved, color=style.INK, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=label)
-    handle = ax.lines[-1]
-    ax.legend(handles=[handle], loc="best")

@@ -11,7 +11,7 @@ from allanite.reporting.sheet import printed_unit
 
 from .drawing import TIME
 from .labels import FloatArray
-from .panels import Panel, points
+from .panels import CurvePanel, points
 
 STRETCHES = 240
 """Stretches of a record whose least and largest sample are drawn: more are not seen."""
@@ -25,7 +25,8 @@ def time_scale(length: float) -> tuple[str, float]:
     return ("h", 3600.0) if length > HOURS else ("min", 60.0) if length > MINUTES else ("s", 1.0)
 
 
-def plot_record(record: Record) -> Figure:
+@style.plotted
+def plot_record(new_figure: style.NewFigure, record: Record) -> Figure:
     """A record over time: the range of short stretches, their means, and the missing samples."""
     unit = record.signal.sheet[0]
     values = record.rate_values * convert(1.0, record.signal.si[0], unit)
@@ -34,20 +35,19 @@ def plot_record(record: Record) -> Figure:
     low, mean, high = _ranges(values, edges)
     name, size = time_scale(record.duration)
     middle = (edges[:-1] + edges[1:]) / 2 / record.rate / size
-    with style.look():
-        figure = style.new_figure(7.2, 2.0)
-        ax = figure.subplots()
-        style.grid(ax, fine=False)
-        ax.fill_between(middle, low, high, color=style.DATA, alpha=0.3, lw=0, label=say("range"))
-        ax.plot(middle, mean, color=style.DATA, lw=0.9, label=say("mean"))
-        missing = np.isnan(values)
-        gaps = middle[np.add.reduceat(missing, edges[:-1]) > 0]
-        if gaps.size:
-            ax.plot(gaps, np.full(gaps.size, 0.03), "|", color=style.ALARM, ms=6, label=say("missing samples"),
-                    transform=ax.get_xaxis_transform())  # fmt: skip
-        ax.set(xlabel=say("time ({unit})", unit=name), ylabel=printed_unit(unit), xlim=(0, record.duration / size))
-        style.title(ax, record.name)
-        ax.legend(loc="upper right", ncols=3)
+    figure = new_figure(7.2, 2.0)
+    ax = figure.subplots()
+    style.grid(ax, fine=False)
+    ax.fill_between(middle, low, high, color=style.DATA, alpha=0.3, lw=0, label=say("range"))
+    ax.plot(middle, mean, color=style.DATA, lw=0.9, label=say("mean"))
+    missing = np.isnan(values)
+    gaps = middle[np.add.reduceat(missing, edges[:-1]) > 0]
+    if gaps.size:
+        ax.plot(gaps, np.full(gaps.size, 0.03), "|", color=style.ALARM, ms=6, label=say("missing samples"),
+                transform=ax.get_xaxis_transform())  # fmt: skip
+    ax.set(xlabel=say("time ({unit})", unit=name), ylabel=printed_unit(unit), xlim=(0, record.duration / size))
+    style.title(ax, record.name)
+    ax.legend(loc="upper right", ncols=3)
     return figure
 
 
@@ -62,21 +62,21 @@ def _ranges(values: FloatArray, edges: "np.ndarray[tuple[int], np.dtype[np.int64
     return tuple(np.where(count > 0, part, np.nan) for part in (low, mean, high))
 
 
-def plot_strip(panel: Panel, *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_strip(new_figure: style.NewFigure, panel: CurvePanel, *, level: float = 0.95) -> Figure:
     """The deviation over that expected under the model, with its band, by averaging time."""
     drawn = points(panel, level)
     assert panel.fit is not None and panel.fit.valid is not None  # noqa: S101, PT018 - the caller has looked
     expected = panel.expected(panel.fit.valid, drawn.tau)
-    with style.look():
-        figure = style.new_figure(7.2, 1.9)
-        ax = figure.subplots()
-        ax.set(xscale="log", yscale="log", xlabel=TIME, ylabel=say("observed /\nexpected"))
-        style.grid(ax, fine=False)
-        ax.axhline(1.0, color=style.INK, lw=1.0)
-        if drawn.low is not None and drawn.high is not None:
-            ax.fill_between(drawn.tau, drawn.low / expected, drawn.high / expected, color=style.DATA, alpha=0.18, lw=0)
-        ax.plot(drawn.tau, drawn.deviation / expected, "o-", color=style.DATA, ms=2.8, mew=0, lw=0.9)
-        seen = (drawn.deviation / expected)[np.isfinite(drawn.deviation / expected) & (drawn.deviation > 0)]
-        ax.set_ylim(min(0.45, seen.min(initial=1.0) / 1.2), max(2.2, seen.max(initial=1.0) * 1.2))
-        style.plain_ticks(ax.xaxis, ax.yaxis)
+    figure = new_figure(7.2, 1.9)
+    ax = figure.subplots()
+    ax.set(xscale="log", yscale="log", xlabel=TIME, ylabel=say("observed /\nexpected"))
+    style.grid(ax, fine=False)
+    ax.axhline(1.0, color=style.INK, lw=1.0)
+    if drawn.low is not None and drawn.high is not None:
+        ax.fill_between(drawn.tau, drawn.low / expected, drawn.high / expected, color=style.DATA, alpha=0.18, lw=0)
+    ax.plot(drawn.tau, drawn.deviation / expected, "o-", color=style.DATA, ms=2.8, mew=0, lw=0.9)
+    seen = (drawn.deviation / expected)[np.isfinite(drawn.deviation / expected) & (drawn.deviation > 0)]
+    ax.set_ylim(min(0.45, seen.min(initial=1.0) / 1.2), max(2.2, seen.max(initial=1.0) * 1.2))
+    style.plain_ticks(ax.xaxis, ax.yaxis)
     return figure

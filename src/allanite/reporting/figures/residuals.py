@@ -23,7 +23,8 @@ MOST = 70
 """Quantiles that are drawn, about."""
 
 
-def plot_series(residuals: Residuals) -> Figure:
+@style.plotted
+def plot_series(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
     """The whitened series with its RMS, the autocorrelation, and the quantiles, side by side.
 
     Parameters
@@ -31,14 +32,14 @@ def plot_series(residuals: Residuals) -> Figure:
     residuals : Residuals
         With checks.
     """
-    with style.look():
-        figure = style.new_figure(7.2, 2.6)
-        axes = figure.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0])
-        _draw(axes, residuals)
+    figure = new_figure(7.2, 2.6)
+    axes = figure.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0])
+    _draw(axes, residuals)
     return figure
 
 
-def plot_residuals(residuals: Residuals) -> Figure:
+@style.plotted
+def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
     """All of it: the ratio of powers by cells of frequency and how surprising it is, and below it the series.
 
     Raises
@@ -48,29 +49,37 @@ def plot_residuals(residuals: Residuals) -> Figure:
     """
     if not residuals.checks:
         raise UsageError(f"{residuals.name!r} has too few samples, without ends and gaps, to draw residuals")
-    with style.look():
-        figure = style.new_figure(7.2, 6.0)
-        halves: Any = figure.subfigures(2, 1, height_ratios=[1.3, 1.0])
-        above, below = halves
-        said = residuals.statement
-        color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[said.grade]
-        if residuals.goodness is not None:
-            upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-            title = say("{grade}, goodness of fit {p}", grade=graded(said.grade), p=chance(residuals.goodness.p))
-            title = join("   ", filter(None, (printable(residuals.name), title)))
-            draw_ratio(upper, residuals.goodness)
-            draw_surprise(lower, residuals.goodness)
-            lower.set(xlabel=say("frequency (Hz)"), xlim=residuals.goodness.frequency[[0, -1]])
-            style.plain_ticks(lower.xaxis)
-            upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
-        _draw(below.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0]), residuals)
+    figure = new_figure(7.2, 6.0)
+    halves: Any = figure.subfigures(2, 1, height_ratios=[1.3, 1.0])
+    above, below = halves
+    said = residuals.statement
+    color = {EXPLAINED: style.INK, APPROXIMATE: style.FAIR, UNEXPLAINED: style.ALARM}[said.grade]
+    if residuals.goodness is not None:
+        upper, lower = above.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
+        title = say("{grade}, goodness of fit {p}", grade=graded(said.grade), p=chance(residuals.goodness.p))
+        title = join("   ", filter(None, (printable(residuals.name), title)))
+        draw_ratio(upper, residuals.goodness)
+        draw_surprise(lower, residuals.goodness)
+        lower.set(xlabel=say("frequency (Hz)"), xlim=residuals.goodness.frequency[[0, -1]])
+        style.plain_ticks(lower.xaxis)
+        upper.set_title(title, loc="left", fontweight="bold", color=color, parse_math=False)
+    _draw(below.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0]), residuals)
     return figure
 
 
 def _draw(axes: Any, residuals: Residuals) -> None:
     _draw_series(axes[0], residuals)
     _draw_correlation(axes[1], residuals)
-    _draw_quantiles(axes[2], residuals)
+    ax = axes[2]
+    style.grid(ax, fine=False)
+    ends = residuals.expected[[0, -1]]
+    ax.plot(ends, ends, color=style.INK, lw=1.0)
+    some = slice(None, None, max(residuals.expected.size // MOST, 1))
+    ax.plot(
+        residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
+    )
+    ax.set(xlabel=say("normal quantile"), xticks=range(-4, 5, 2))
+    ax.set_title(say("quantiles"), loc="left")
 
 
 def _color(residuals: Residuals, *names: str) -> str:
@@ -110,15 +119,3 @@ def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
     ax.set(xlabel=say("lag (samples)"), xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
     ax.yaxis.set_major_locator(MaxNLocator(5))
     ax.set_title(say("autocorrelation"), loc="left")
-
-
-def _draw_quantiles(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax, fine=False)
-    ends = residuals.expected[[0, -1]]
-    ax.plot(ends, ends, color=style.INK, lw=1.0)
-    some = slice(None, None, max(residuals.expected.size // MOST, 1))
-    ax.plot(
-        residuals.expected[some], residuals.observed[some], ".", color=_color(residuals, "kurtosis"), ms=3, zorder=3
-    )
-    ax.set(xlabel=say("normal quantile"), xticks=range(-4, 5, 2))
-    ax.set_title(say("quantiles"), loc="left")

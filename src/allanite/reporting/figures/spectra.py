@@ -16,6 +16,7 @@ from allanite.identification.likelihood.filters import FILTERS
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.reporting.sheet import printed_unit
+from allanite.terms import TERMS, WHITE
 
 from .drawing import (
     MODEL,
@@ -31,7 +32,7 @@ from .drawing import (
     shade,
     stacked,
 )
-from .labels import Box, FloatArray
+from .labels import FloatArray, LabelBox
 
 MOST_POINTS = 200
 """Values that are drawn as points in a band; more are a line, and its band would hide it."""
@@ -41,7 +42,10 @@ SIDED = {"one": say("one-sided"), "two": say("two-sided")}
 """Words for the sides of a spectrum."""
 
 
-def plot_spectra(spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_spectra(
+    new_figure: style.NewFigure, spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level: float = 0.95
+) -> Figure:
     """One panel for each channel; sensors of different units side by side.
 
     Parameters
@@ -55,15 +59,14 @@ def plot_spectra(spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level:
     columns: dict[str, list[Spectrum]] = {}
     for spectrum in spectra:
         columns.setdefault(readable_unit(spectrum.unit), []).append(spectrum)
-    with style.look():
-        figure, grid = stacked([len(column) for column in columns.values()])
-        for axes, column in zip(grid, columns.values(), strict=True):
-            lowest, highest = min(s.frequency[0] for s in column), max(s.rate / 2 for s in column)
-            for ax, spectrum in zip(axes, column, strict=True):
-                ax.set(xscale="log", xlim=(lowest / 1.3, highest * 1.15))
-                _draw(ax, spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name), level)
-            axes[-1].set_xlabel(say("frequency (Hz)"))
-        draw_legend(figure, marks=False, columns=4)
+    figure, grid = stacked(new_figure, [len(column) for column in columns.values()])
+    for axes, column in zip(grid, columns.values(), strict=True):
+        lowest, highest = min(s.frequency[0] for s in column), max(s.rate / 2 for s in column)
+        for ax, spectrum in zip(axes, column, strict=True):
+            ax.set(xscale="log", xlim=(lowest / 1.3, highest * 1.15))
+            _draw(ax, spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name), level)
+        axes[-1].set_xlabel(say("frequency (Hz)"))
+    draw_legend(figure, marks=False, columns=4)
     return figure
 
 
@@ -91,20 +94,23 @@ def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
 def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
     f = np.geomspace(ax.get_xlim()[0], spectrum.rate / 2, 300)
     assert fit.valid is not None  # noqa: S101 - the caller has looked
-    whole = _expected(spectrum, fit.valid, f) * np.sqrt(_gain(fit, spectrum.rate, f))
+    behind = fit.scope.filter if fit.scope else None
+    whole = _expected(spectrum, fit.valid, f)
+    if behind is not None:
+        whole = whole * np.sqrt(FILTERS[behind.row].gain(f / spectrum.rate, behind.cutoff / spectrum.rate))
     ax.plot(f, whole, color=style.INK, lw=1.3, zorder=4, label=MODEL)
     lines = {term.symbol: _expected(spectrum, term, f) for term in fit.valid if term.row.waveform is None}
     for symbol, line in lines.items():
         ax.plot(f, line, color=color_of(symbol), lw=1.2, ls=dashes(symbol), zorder=2.5)
     paths = {symbol: fractions(ax, pairs(f, line)) for symbol, line in lines.items()}
     drawn = fractions(ax, np.vstack([pairs(spectrum.frequency, spectrum.amplitude), pairs(f, whole)]))
-    placed: list[Box] = []
+    placed: list[LabelBox] = []
     for e in (e for e in fit if e.value is not None and e.symbol in lines):
         anchors = paths[e.symbol][by_share(lines[e.symbol], whole)]
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([drawn, *(path[::4] for path in paths.values())])
         if len(seen):
-            text = join("", (label_of(e, level), _level(spectrum, e) if e.symbol == "N" else ""))
+            text = join("", (label_of(e, level), _level(spectrum, e) if TERMS[e.symbol].slope == WHITE else ""))
             placed.append(draw_label(ax, (e.symbol, text), seen[::8], avoid, placed))
 
 
@@ -115,12 +121,6 @@ def _level(spectrum: Spectrum, white: Estimate) -> str:
     size = factor * white.to(spectrum.amplitude_unit)
     level = f"{name} = {size:.3g} {printed_unit(spectrum.amplitude_unit)}"
     return join("", ("\n", join(", ", (level, SIDED[spectrum.sides]))))
-
-
-def _gain(fit: Fit, rate: float, f: FloatArray) -> FloatArray:
-    """Power gain of the filter before the samples."""
-    behind = fit.scope.filter if fit.scope else None
-    return np.ones_like(f) if behind is None else FILTERS[behind.row].gain(f / rate, behind.cutoff / rate)
 
 
 def _expected(spectrum: Spectrum, model: Model | Term, f: FloatArray) -> FloatArray:

@@ -20,46 +20,39 @@ PER_OCTAVE = 4
 """Averaging times of the lines."""
 
 
-def plot_state_spaces(spaces: Sequence[tuple[str, StateSpace, Sequence[Curve]]], *, level: float = 0.95) -> Figure:
+@style.plotted
+def plot_state_spaces(
+    new_figure: style.NewFigure, spaces: Sequence[tuple[str, StateSpace, Sequence[Curve]]], *, level: float = 0.95
+) -> Figure:
     """A column for each (name, state space, measured curves): Allan deviations, and below how far they are apart."""
-    with style.look():
-        figure = style.new_figure(7.2 if len(spaces) == 1 else 6.4 * len(spaces), 6.0)
-        grid = figure.subplots(2, len(spaces), sharex="col", height_ratios=(3, 1.2), squeeze=False)
-        for (above, below), (name, space, curves) in zip(grid.T, spaces, strict=True):
-            for curve in curves:
-                _draw_measured(above, curve.to(space.model.signal.sheet[0]), level)
-            _draw(above, below, space)
-            count = len(space.states)
-            title = say_count(count, "{count} state at {rate:g} Hz", "{count} states at {rate:g} Hz", rate=space.rate)
-            named = join(": ", (printable(name), title)) if name else title
-            above.set_title(named, loc="left", fontweight="bold", parse_math=False)
+    figure = new_figure(7.2 if len(spaces) == 1 else 6.4 * len(spaces), 6.0)
+    grid = figure.subplots(2, len(spaces), sharex="col", height_ratios=(3, 1.2), squeeze=False)
+    for (above, below), (name, space, curves) in zip(grid.T, spaces, strict=True):
+        for curve in curves:
+            _draw_measured(above, curve.to(space.model.signal.sheet[0]), level)
+        unit = space.model.signal.sheet[0]
+        factor = 1 / convert(1.0, unit, space.model.signal.unit)
+        last = max(2.0, 3 * space.tau[1] * space.rate)
+        m = np.unique(np.rint(np.geomspace(1, last, round(PER_OCTAVE * np.log2(last)) + 1)).astype(np.int64))
+        tau = m / space.rate
+        own, whole = np.sqrt(space.allan(m)), np.sqrt(expected(space.model, "oadev", tau))
+        above.plot(tau, whole * factor, color=style.INK, lw=1.3, label=say("model"))
+        above.plot(tau, own * factor, "o", ms=3.2, mew=0, color=style.SERIES[1], label=say("state space"), zorder=4)
+        above.set(xscale="log", yscale="log", ylabel=with_unit(say("Allan deviation"), unit))
+        below.plot(tau, 100 * (own / whole - 1), color=style.SERIES[1], lw=1.2)
+        below.axhline(0.0, color=style.INK, lw=0.8)
+        largest = max(3 * 100 * space.ripple, 1.0)
+        below.set(ylim=(-largest, largest), ylabel=say("difference (%)"), xlabel=TIME)
+        for ax in (above, below):
+            ax.axvspan(*space.tau, color="#9AA3AD", alpha=0.15, lw=0, label=say("where they are matched"))
+            style.grid(ax)
+        style.plain_ticks(above.xaxis, above.yaxis)
+        above.legend(loc="best")
+        count = len(space.states)
+        title = say_count(count, "{count} state at {rate:g} Hz", "{count} states at {rate:g} Hz", rate=space.rate)
+        named = join(": ", (printable(name), title)) if name else title
+        above.set_title(named, loc="left", fontweight="bold", parse_math=False)
     return figure
-
-
-def _draw(above: Axes, below: Axes, space: StateSpace) -> None:
-    unit = space.model.signal.sheet[0]
-    factor = 1 / convert(1.0, unit, space.model.signal.unit)
-    m = _grid(space)
-    tau = m / space.rate
-    own, whole = np.sqrt(space.allan(m)), np.sqrt(expected(space.model, "oadev", tau))
-    above.plot(tau, whole * factor, color=style.INK, lw=1.3, label=say("model"))
-    above.plot(tau, own * factor, "o", ms=3.2, mew=0, color=style.SERIES[1], label=say("state space"), zorder=4)
-    above.set(xscale="log", yscale="log", ylabel=with_unit(say("Allan deviation"), unit))
-    below.plot(tau, 100 * (own / whole - 1), color=style.SERIES[1], lw=1.2)
-    below.axhline(0.0, color=style.INK, lw=0.8)
-    largest = max(3 * 100 * space.ripple, 1.0)
-    below.set(ylim=(-largest, largest), ylabel=say("difference (%)"), xlabel=TIME)
-    for ax in (above, below):
-        ax.axvspan(*space.tau, color="#9AA3AD", alpha=0.15, lw=0, label=say("where they are matched"))
-        style.grid(ax)
-    style.plain_ticks(above.xaxis, above.yaxis)
-    above.legend(loc="best")
-
-
-def _grid(space: StateSpace) -> np.ndarray:
-    """Averaging factors from 1 to three times the end of the range."""
-    last = max(2.0, 3 * space.tau[1] * space.rate)
-    return np.unique(np.rint(np.geomspace(1, last, round(PER_OCTAVE * np.log2(last)) + 1)).astype(np.int64))
 
 
 def _draw_measured(ax: Axes, curve: Curve, level: float) -> None:

@@ -30,13 +30,13 @@ FEW_WINDOWS = 8
 """Averaging times beyond this part of a window scatter by themselves: their median is marked as uncertain."""
 
 
-def plot_surfaces(surfaces: Sequence[Surface]) -> Figure:
+@style.plotted
+def plot_surfaces(new_figure: style.NewFigure, surfaces: Sequence[Surface]) -> Figure:
     """For each channel, every window's curve, and the ratio of each value to the median of its averaging time."""
-    with style.look():
-        figure = style.new_figure(9.6, 0.4 + 3.7 * len(surfaces))
-        grid = figure.subplots(len(surfaces), 2, squeeze=False, width_ratios=[1, 1.5])
-        for (left, right), surface in zip(grid, surfaces, strict=True):
-            _draw(figure, (left, right), surface.to(readable_unit(surface.unit)))
+    figure = new_figure(9.6, 0.4 + 3.7 * len(surfaces))
+    grid = figure.subplots(len(surfaces), 2, squeeze=False, width_ratios=[1, 1.5])
+    for (left, right), surface in zip(grid, surfaces, strict=True):
+        _draw(figure, (left, right), surface.to(readable_unit(surface.unit)))
     return figure
 
 
@@ -47,26 +47,34 @@ def _draw(figure: Figure, axes: tuple[Axes, Axes], surface: Surface) -> None:
     if not there.any():
         raise UsageError(f"the surface of {surface.name!r} is zero everywhere: logarithmic axes cannot show it")
     tau, deviation = surface.tau[there], deviation[:, there]
-    unit, size = _time_unit(surface.time[-1])
+    longest = surface.time[-1]
+    scales = (("d", 86400.0, 3 * 86400.0), ("h", 3600.0, 3 * 3600.0), ("min", 60.0, 600.0), ("s", 1.0, 0.0))
+    unit, size = next((unit, size) for unit, size, least in scales if longest >= least)
     norm = Normalize(0, (surface.time[-1] + surface.window / 2) / size)
     _draw_curves(left, tau, deviation, surface.time / size, norm)
     left.set(xlabel=TIME)
     left.set_ylabel(with_unit(STATISTICS[surface.statistic].title, surface.unit))
     style.title(left, surface.name)
-    _draw_time_scale(figure, left, norm, unit)
+    scale = mpl.cm.ScalarMappable(norm=norm, cmap=TIME_COLORS)
+    bar = figure.colorbar(scale, cax=left.inset_axes((0.06, 0.14, 0.42, 0.025)), orientation="horizontal")
+    bar.ax.set_title(say("time ({unit})", unit=unit), fontsize=7.5, pad=3)
+    bar.ax.tick_params(labelsize=7)
     left.legend(loc="upper right")
     mesh = _draw_ratios(right, tau, deviation, surface.time / size)
     right.set(xlabel=say("time ({unit})", unit=unit), ylabel=TIME)
     right.set_title(
         say("windows of {length}", length=words.duration(surface.window)), loc="right", fontsize=8, color=style.OTHER
     )
-    _mark_few(right, surface.window)
+    window = surface.window
+    low, high = right.get_ylim()
+    if low < window / FEW_WINDOWS < high:
+        right.axhline(window / FEW_WINDOWS, color=style.INK, lw=0.8, ls=(0, (4, 3)))
+        right.annotate(
+            say("above: few degrees of freedom (τ > window/{part})", part=FEW_WINDOWS), (0.01, window / FEW_WINDOWS),
+            xycoords=("axes fraction", "data"), xytext=(2, 4), textcoords="offset points", fontsize=7, color=style.INK,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0},
+        )  # fmt: skip
     _draw_ratio_scale(figure, right, mesh)
-
-
-def _time_unit(longest: float) -> tuple[str, float]:
-    scales = (("d", 86400.0, 3 * 86400.0), ("h", 3600.0, 3 * 3600.0), ("min", 60.0, 600.0), ("s", 1.0, 0.0))
-    return next((unit, size) for unit, size, least in scales if longest >= least)
 
 
 def _draw_curves(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatArray, norm: Normalize) -> None:
@@ -89,13 +97,6 @@ def _draw_curves(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
     ax.plot(tau, np.nanmedian(deviation, axis=0), color=style.ALARM, lw=1.8, zorder=3, label=say("median over time"))
 
 
-def _draw_time_scale(figure: Figure, ax: Axes, norm: Normalize, unit: str) -> None:
-    scale = mpl.cm.ScalarMappable(norm=norm, cmap=TIME_COLORS)
-    bar = figure.colorbar(scale, cax=ax.inset_axes((0.06, 0.14, 0.42, 0.025)), orientation="horizontal")
-    bar.ax.set_title(say("time ({unit})", unit=unit), fontsize=7.5, pad=3)
-    bar.ax.tick_params(labelsize=7)
-
-
 def _draw_ratios(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatArray) -> QuadMesh:
     ratio = deviation / np.nanmedian(deviation, axis=0)
     extreme = np.nanpercentile(np.abs(np.log(ratio)), 98)
@@ -108,17 +109,6 @@ def _draw_ratios(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
     ax.set_facecolor("#BFC4CA")
     style.plain_ticks(ax.yaxis)
     return mesh
-
-
-def _mark_few(ax: Axes, window: float) -> None:
-    low, high = ax.get_ylim()
-    if low < window / FEW_WINDOWS < high:
-        ax.axhline(window / FEW_WINDOWS, color=style.INK, lw=0.8, ls=(0, (4, 3)))
-        ax.annotate(
-            say("above: few degrees of freedom (τ > window/{part})", part=FEW_WINDOWS), (0.01, window / FEW_WINDOWS),
-            xycoords=("axes fraction", "data"), xytext=(2, 4), textcoords="offset points", fontsize=7, color=style.INK,
-            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0},
-        )  # fmt: skip
 
 
 def _draw_ratio_scale(figure: Figure, ax: Axes, mesh: QuadMesh) -> None:

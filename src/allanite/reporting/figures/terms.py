@@ -17,14 +17,14 @@ from allanite.reporting.sheet import printed_unit
 from allanite.terms import TERMS
 
 from .drawing import MODEL, by_share, color_of, dashes, draw_label, fractions, label_of, pairs
-from .labels import Box, FloatArray, freedom
-from .panels import Panel, Points
+from .labels import FloatArray, LabelBox, freedom
+from .panels import CurvePanel, DrawnPoints
 
 SLOPES = {-1.5: "−1½", -1.0: "−1", -0.5: "−½", 0.0: "0", 0.5: "+½", 1.0: "+1", 1.5: "+1½", 2.0: "+2"}
 """Slopes of the lines in print."""
 
 
-class Lines(NamedTuple):
+class ModelLines(NamedTuple):
     """What is drawn: averaging times, the whole model there, and the line of each term."""
 
     tau: FloatArray
@@ -41,7 +41,7 @@ class Named(NamedTuple):
     term: Term | None
 
 
-def draw_model(ax: Axes, panel: Panel, drawn: Points, placed: list[Box], level: float) -> None:
+def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[LabelBox], level: float) -> None:
     """The whole model, each of its terms, and a label on each term that was found."""
     fit, model = panel.fit, panel.drawn
     assert model is not None  # noqa: S101 - the caller has looked
@@ -63,11 +63,11 @@ def draw_model(ax: Axes, panel: Panel, drawn: Points, placed: list[Box], level: 
             _draw_slope(ax, (symbol, slope), path, np.concatenate([curves, *others]), placed)
 
 
-def _lines(ax: Axes, panel: Panel, model: Model) -> Lines:
+def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
     tau = np.geomspace(*ax.get_xlim(), 300)
     terms = {s: Model(tuple(t for t in model if t.symbol == s)) for s in dict.fromkeys(t.symbol for t in model)}
     parts = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
-    return Lines(tau, panel.expected(model, tau), parts)
+    return ModelLines(tau, panel.expected(model, tau), parts)
 
 
 def _found(fit: Fit, model: Model, level: float) -> list[Named]:
@@ -99,10 +99,10 @@ def _size(term: Term) -> str:
 
 def _draw_labels(
     ax: Axes,
-    panel: Panel,
+    panel: CurvePanel,
     named: Sequence[Named],
-    seen: tuple[Lines, FloatArray, dict[str, FloatArray]],
-    placed: list[Box],
+    seen: tuple[ModelLines, FloatArray, dict[str, FloatArray]],
+    placed: list[LabelBox],
 ) -> None:
     lines, curves, paths = seen
     for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
@@ -123,7 +123,7 @@ def _draw_labels(
 
 
 def _lines_label(
-    ax: Axes, named: tuple[str, FloatArray], path: FloatArray, curves: FloatArray, placed: list[Box]
+    ax: Axes, named: tuple[str, FloatArray], path: FloatArray, curves: FloatArray, placed: list[LabelBox]
 ) -> None:
     """The word at the highest hump of the sinusoids."""
     symbol, line = named
@@ -140,13 +140,13 @@ def _slope(tau: FloatArray, line: FloatArray) -> float:
     return round(2 * float(np.median(np.diff(np.log(line[known])) / np.diff(np.log(tau[known]))))) / 2
 
 
-def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, curves: FloatArray, placed: list[Box]) -> None:
+def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, curves: FloatArray, placed: list[LabelBox]) -> None:
     """The slope on the line of a term, where the line is far from the curve and from the labels."""
     symbol, said = named
     seen = path[((path > 0.06) & (path < 0.94)).all(axis=1)][::6]
     if not len(seen):
         return
-    boxes = [Box(float(x), float(y), 0.12, 0.05) for x, y in seen]
+    boxes = [LabelBox(float(x), float(y), 0.12, 0.05) for x, y in seen]
     box = max(boxes, key=lambda box: freedom(box, curves, placed))
     placed.append(box)
     ax.text(
@@ -155,7 +155,7 @@ def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, curves: Floa
     )  # fmt: skip
 
 
-def _label(panel: Panel, label: Named, line: FloatArray, mark: tuple[float, float] | None) -> str:
+def _label(panel: CurvePanel, label: Named, line: FloatArray, mark: tuple[float, float] | None) -> str:
     """A coefficient, and the value on the axis: the level of a flat line, or that of the point where it is read."""
     text, term, unit = label.text, label.term, printed_unit(panel.unit)
     flat = term is not None and TERMS[label.symbol].slope == 0 and not term.shape
@@ -170,7 +170,7 @@ def _label(panel: Panel, label: Named, line: FloatArray, mark: tuple[float, floa
     return say("{coefficient}\nat τ = {tau}: {deviation}", coefficient=text, tau=at, deviation=size)
 
 
-def _mark(ax: Axes, panel: Panel, term: Term, unit: str) -> tuple[float, float] | None:
+def _mark(ax: Axes, panel: CurvePanel, term: Term, unit: str) -> tuple[float, float] | None:
     """Where the coefficient is read off the term's line, if that is in sight: at so many seconds, or else hours."""
     if not math.isfinite(term.row.read_at):
         return None

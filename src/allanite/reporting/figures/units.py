@@ -15,7 +15,7 @@ from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
 from .drawing import TIME, draw_legend, stacked, with_unit
-from .panels import Panel, span, thinned
+from .panels import CurvePanel, span, thinned
 
 MOST_NAMED = len(style.SERIES) - 1
 """Units of a panel that have a color of their own; the first color is that of all others."""
@@ -26,10 +26,10 @@ class UnitCurve(NamedTuple):
 
     name: str
     marked: bool
-    panel: Panel
+    panel: CurvePanel
 
 
-class Line(NamedTuple):
+class LimitLine(NamedTuple):
     """The limit of a term, or of the minimum of the curve, SI."""
 
     label: str
@@ -37,29 +37,31 @@ class Line(NamedTuple):
     value: float
 
 
-def plot_units(curves: Sequence[UnitCurve], limits: dict[str, Sequence[Line]] | None = None) -> Figure:
+@style.plotted
+def plot_units(
+    new_figure: style.NewFigure, curves: Sequence[UnitCurve], limits: dict[str, Sequence[LimitLine]] | None = None
+) -> Figure:
     """One panel for each channel; sensors of different units of measurement stand side by side.
 
     Parameters
     ----------
     curves : sequence of UnitCurve
-    limits : dict of sequence of Line, optional
+    limits : dict of sequence of LimitLine, optional
         By the name of the channel.
     """
     columns: dict[str, dict[str, list[UnitCurve]]] = {}
     for curve in curves:
         columns.setdefault(curve.panel.unit, {}).setdefault(curve.panel.name, []).append(curve)
-    with style.look():
-        figure, grid = stacked([len(column) for column in columns.values()])
-        for column, axes in zip(columns.values(), grid, strict=True):
-            for ax, (name, group) in zip(axes, column.items(), strict=True):
-                _draw(ax, group, (limits or {}).get(name, ()))
-            axes[-1].set_xlabel(TIME)
-        draw_legend(figure, marks=False)
+    figure, grid = stacked(new_figure, [len(column) for column in columns.values()])
+    for column, axes in zip(columns.values(), grid, strict=True):
+        for ax, (name, group) in zip(axes, column.items(), strict=True):
+            _draw(ax, group, (limits or {}).get(name, ()))
+        axes[-1].set_xlabel(TIME)
+    draw_legend(figure, marks=False)
     return figure
 
 
-def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[Line]) -> None:
+def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -> None:
     spans = [span(curve.panel._replace(fit=None)) for curve in group]
     tau, deviation = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
     ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
@@ -81,13 +83,13 @@ def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[Line]) -> None:
         _draw_limit(ax, first, line)
 
 
-def _plot(ax: Axes, panel: Panel, color: str, label: str, alpha: float) -> None:
+def _plot(ax: Axes, panel: CurvePanel, color: str, label: str, alpha: float) -> None:
     keep = thinned(panel.curve.tau.size)
     shown = panel.shown(panel.curve.deviation[keep])
     ax.plot(panel.curve.tau[keep], shown, color=color, lw=0.6 + 0.8 * (alpha == 1.0), alpha=alpha, label=label)
 
 
-def _draw_limit(ax: Axes, panel: Panel, line: Line) -> None:
+def _draw_limit(ax: Axes, panel: CurvePanel, line: LimitLine) -> None:
     """The asymptote of a term that is as large as it may be, or a level."""
     tau = np.geomspace(*ax.get_xlim(), 50)
     if line.symbol not in TERMS:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,16 +23,27 @@ MOST_POINTS = 4000
 """Points of a line over time."""
 
 
-def plot_optima(found: Sequence[tuple[str, Optimum]]) -> Figure:
+@style.plotted
+def plot_optima(new_figure: style.NewFigure, found: Sequence[tuple[str, Optimum]]) -> Figure:
     """A column for each angle: both paths of the filter, the error by source, and the cost of detuning."""
-    with style.look():
-        figure = style.new_figure(6.8 if len(found) == 1 else 5.6 * len(found), 9.0)
-        grid = figure.subplots(3, len(found), squeeze=False)
-        for column, (name, optimum) in zip(grid.T, found, strict=True):
-            _draw_paths(column[0], optimum)
-            _draw_sources(column[1], optimum)
-            _draw_detuning(column[2], optimum)
-            style.title(column[0], name)
+    figure = new_figure(6.8 if len(found) == 1 else 5.6 * len(found), 9.0)
+    grid = figure.subplots(3, len(found), squeeze=False)
+    for column, (name, optimum) in zip(grid.T, found, strict=True):
+        _draw_paths(column[0], optimum)
+        _draw_sources(column[1], optimum)
+        ax = column[2]
+        factors, errors = np.array(optimum.detuning).T
+        ax.plot(factors * optimum.time_constant, errors / ARCSEC, "o-", color=style.SERIES[0], ms=4, lw=1.2,
+                label=say("first order"))  # fmt: skip
+        if optimum.second is not None:
+            ax.axhline(optimum.second.rms / ARCSEC, color=style.SERIES[2], lw=1.1, label=say("best of second order"))
+        ax.axhline(optimum.bound / ARCSEC, color=style.INK, lw=1.0, ls=(0, (5, 3)), label=say("optimal causal filter"))
+        ax.set(xscale="log", xlabel=say("time constant (s)"), ylabel=say("RMS error (arcsec)"))
+        ax.set_ylim(bottom=0)
+        style.grid(ax)
+        style.plain_ticks(ax.xaxis)
+        ax.legend(loc="best")
+        style.title(column[0], name)
     return figure
 
 
@@ -60,10 +72,14 @@ def _draw_paths(ax: Axes, found: Optimum) -> None:
 def _draw_sources(ax: Axes, found: Optimum) -> None:
     f = _frequencies(found)
     lines = error_density(found.best, f)
+    dash: Any
     for label, density in lines.items():
         sensor, symbol = label.split()
-        dash = "-" if sensor == "gyro" else (0, (5, 3))
-        ax.plot(f, density / ARCSEC, color=color_of(symbol), ls=dash, lw=1.2, label=_source(sensor, symbol))
+        if sensor == "gyro":
+            dash, name = "-", say("gyro {symbol}", symbol=symbol)
+        else:
+            dash, name = (0, (5, 3)), say("accelerometer {symbol}", symbol=symbol)
+        ax.plot(f, density / ARCSEC, color=color_of(symbol), ls=dash, lw=1.2, label=name)
     if lines:
         whole = np.sqrt(sum(density**2 for density in lines.values())) / ARCSEC
         ax.plot(f, whole, color=style.INK, lw=1.6, label=say("all noise"))
@@ -72,71 +88,47 @@ def _draw_sources(ax: Axes, found: Optimum) -> None:
     _finish(ax)
 
 
-def _source(sensor: str, symbol: str) -> str:
-    if sensor == "gyro":
-        return say("gyro {symbol}", symbol=symbol)
-    return say("accelerometer {symbol}", symbol=symbol)
-
-
-def _draw_detuning(ax: Axes, found: Optimum) -> None:
-    factors, errors = np.array(found.detuning).T
-    ax.plot(factors * found.time_constant, errors / ARCSEC, "o-", color=style.SERIES[0], ms=4, lw=1.2,
-            label=say("first order"))  # fmt: skip
-    if found.second is not None:
-        ax.axhline(found.second.rms / ARCSEC, color=style.SERIES[2], lw=1.1, label=say("best of second order"))
-    ax.axhline(found.bound / ARCSEC, color=style.INK, lw=1.0, ls=(0, (5, 3)), label=say("optimal causal filter"))
-    ax.set(xscale="log", xlabel=say("time constant (s)"), ylabel=say("RMS error (arcsec)"))
-    ax.set_ylim(bottom=0)
-    style.grid(ax)
-    style.plain_ticks(ax.xaxis)
-    ax.legend(loc="best")
-
-
 def _finish(ax: Axes) -> None:
     style.grid(ax)
     style.plain_ticks(ax.xaxis, ax.yaxis)
     ax.legend(loc="best")
 
 
-def plot_angles(angles: Sequence[Angle]) -> Figure:
+@style.plotted
+def plot_angles(new_figure: style.NewFigure, angles: Sequence[Angle]) -> Figure:
     """Roll and pitch over time, one below the other, with the predicted limits about their means."""
-    with style.look():
-        figure = style.new_figure(7.2, 2.6 * len(angles) + 0.4)
-        for ax, angle in zip(figure.subplots(len(angles), 1, squeeze=False)[:, 0], angles, strict=True):
-            _draw_angle(ax, angle)
+    figure = new_figure(7.2, 2.6 * len(angles) + 0.4)
+    for ax, angle in zip(figure.subplots(len(angles), 1, squeeze=False)[:, 0], angles, strict=True):
+        style.title(ax, angle.name)
+        style.grid(ax)
+        if isinstance(angle.record, Record):
+            values = angle.record.values
+            size = max(1, len(values) // MOST_POINTS)
+            blocks = values[: len(values) // size * size].reshape(-1, size)
+            t = (np.arange(len(blocks)) + 0.5) * size / angle.record.rate
+            ax.fill_between(t, blocks.min(axis=1), blocks.max(axis=1), color=style.SERIES[0], alpha=0.25, lw=0)
+            ax.plot(t, blocks.mean(axis=1), color=style.SERIES[0], lw=0.9, label=angle.name)
+        mean = math.degrees(angle.mean)
+        if angle.prediction is not None:
+            limit = 2 * math.degrees(angle.prediction.rms)
+            ax.axhline(mean - limit, color=style.SERIES[1], lw=1.0, ls=(0, (5, 3)))
+            ax.axhline(mean + limit, color=style.SERIES[1], lw=1.0, ls=(0, (5, 3)), label=say("predicted, 2 σ"))
+        ax.set(xlabel=say("time (s)"), ylabel=say("angle (deg)"))
+        ax.legend(loc="upper right")
     return figure
 
 
-def _draw_angle(ax: Axes, angle: Angle) -> None:
-    style.title(ax, angle.name)
-    style.grid(ax)
-    if isinstance(angle.record, Record):
-        values = angle.record.values
-        size = max(1, len(values) // MOST_POINTS)
-        blocks = values[: len(values) // size * size].reshape(-1, size)
-        t = (np.arange(len(blocks)) + 0.5) * size / angle.record.rate
-        ax.fill_between(t, blocks.min(axis=1), blocks.max(axis=1), color=style.SERIES[0], alpha=0.25, lw=0)
-        ax.plot(t, blocks.mean(axis=1), color=style.SERIES[0], lw=0.9, label=angle.name)
-    mean = math.degrees(angle.mean)
-    if angle.prediction is not None:
-        limit = 2 * math.degrees(angle.prediction.rms)
-        ax.axhline(mean - limit, color=style.SERIES[1], lw=1.0, ls=(0, (5, 3)))
-        ax.axhline(mean + limit, color=style.SERIES[1], lw=1.0, ls=(0, (5, 3)), label=say("predicted, 2 σ"))
-    ax.set(xlabel=say("time (s)"), ylabel=say("angle (deg)"))
-    ax.legend(loc="upper right")
-
-
-def plot_scenarios(found: ScenarioErrors) -> Figure:
+@style.plotted
+def plot_scenarios(new_figure: style.NewFigure, found: ScenarioErrors) -> Figure:
     """RMS error of every filter in every scenario."""
-    with style.look():
-        figure = style.new_figure(7.2, 0.32 * len(found.filters) + 1.4)
-        ax = figure.subplots()
-        places = np.arange(len(found.filters))[::-1]
-        for i, scenario in enumerate(found.scenarios):
-            ax.plot(np.degrees(found.rms[:, i]), places, style.MARKERS[i], color=style.SERIES[i], ms=6, label=scenario)
-        ax.set_yticks(places, found.filters)
-        ax.set(xscale="log", xlabel=say("RMS error of roll and pitch (deg)"))
-        style.grid(ax)
-        style.plain_ticks(ax.xaxis)
-        figure.legend(loc="outside upper center", ncols=len(found.scenarios))
+    figure = new_figure(7.2, 0.32 * len(found.filters) + 1.4)
+    ax = figure.subplots()
+    places = np.arange(len(found.filters))[::-1]
+    for i, scenario in enumerate(found.scenarios):
+        ax.plot(np.degrees(found.rms[:, i]), places, style.MARKERS[i], color=style.SERIES[i], ms=6, label=scenario)
+    ax.set_yticks(places, found.filters)
+    ax.set(xscale="log", xlabel=say("RMS error of roll and pitch (deg)"))
+    style.grid(ax)
+    style.plain_ticks(ax.xaxis)
+    figure.legend(loc="outside upper center", ncols=len(found.scenarios))
     return figure

@@ -30,7 +30,7 @@ class Box(NamedTuple):
     height: float
 
 
-class Frame:
+class PanelFrame:
     """A panel in a box."""
 
     def __init__(self, panel: Panel, box: Box, edge: str) -> None:

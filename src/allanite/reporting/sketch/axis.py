@@ -185,10 +185,6 @@ def plain(places: Sequence[float]) -> tuple[list[str], str]:
     if not -LONG < order < LONG:
         return plain([at / 10.0**order for at in places])[0], f"$×10^{{{order}}}$"
     step = min((b - a for a, b in pairwise(places)), default=largest)
-    decimals = next((d for d in range(12) if all(_exact(at, d, step) for at in places)), 12)
+    decimals = next((d for d in range(12) if all(abs(round(at, d) - at) < 1e-3 * step for at in places)), 12)
     exact = (at if abs(at) > step * 1e-6 else 0.0 for at in places)
     return [f"{at:.{decimals}f}".replace("-", "\N{MINUS SIGN}") for at in exact], ""
-
-
-def _exact(value: float, decimals: int, step: float) -> bool:
-    return abs(round(value, decimals) - value) < 1e-3 * step

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import svg as ink
-from .axes_box import LABEL, TICK, Frame
+from .axes_box import LABEL, TICK, PanelFrame
 from .axis import Side
 from .layout import arranged
 from .legend import Legend
@@ -100,17 +100,14 @@ class Chart:
         """The figure."""
         top = self.key.height + LABEL if self.key and self.key.labels else 0.0
         boxes = arranged(self.grid, self.ratios, (self.width, self.height, top))
-        parts = [self._head()]
+        wide, high = (f"{length:g}" for length in (round(self.width, 1), round(self.height, 1)))
+        ground = ink.element(f"M0 0H{wide}V{high}H0Z", ink.fill("#ffffff"))
+        parts = [
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}pt" height="{high}pt" viewBox="0 0 {wide} {high}">'
+            + ground
+        ]
         for i, (panel, box) in enumerate((p, b) for p, b in boxes if p.axison):
-            parts.append(Frame(panel, box, self.look.edge).svg(i))
+            parts.append(PanelFrame(panel, box, self.look.edge).svg(i))
         if self.key is not None and self.key.labels:
             parts.append(self.key.svg((self.width - self.key.width) / 2, TICK, self.look.ink))
         return "".join([*parts, "</svg>"])
-
-    def _head(self) -> str:
-        wide, high = (f"{length:g}" for length in (round(self.width, 1), round(self.height, 1)))
-        ground = ink.element(f"M0 0H{wide}V{high}H0Z", ink.fill("#ffffff"))
-        return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}pt" height="{high}pt" viewBox="0 0 {wide} {high}">'
-            + ground
-        )

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .axes_box import Box, Frame
+from .axes_box import Box, PanelFrame
 from .panel import Panel
 
 EDGE, BETWEEN = 3.0, 8.0
@@ -34,7 +34,7 @@ def arranged(
         boxes = _boxes(room, ratios, (width, height, above))
         boxes = [[_fitted(p, box) for p, box in zip(*pair, strict=True)] for pair in zip(grid, boxes, strict=True)]
         room = np.array(
-            [[Frame(p, box, "").room() if p.axison else (0, 0, 0, 0) for p, box in zip(*pair, strict=True)]
+            [[PanelFrame(p, box, "").room() if p.axison else (0, 0, 0, 0) for p, box in zip(*pair, strict=True)]
              for pair in zip(grid, boxes, strict=True)]
         )  # fmt: skip
     boxes = _boxes(room, ratios, (width, height, above))

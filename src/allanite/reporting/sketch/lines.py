@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from .limits import Unsketched, demanding
-from .marks import DATA, SHAPES, Line, Marker
+from .marks import DATA, SHAPES, LineMark, Marker
 
 DASHES: dict[Any, tuple[float, ...]] = {"-": (), "": (), "--": (3.7, 1.6), ":": (1.0, 1.65)}
 EDGE, DOT = 1.0, 6.0
@@ -19,7 +19,7 @@ def line_of(  # noqa: PLR0913 - as matplotlib has it
     x: Any, y: Any, form: str = "", *, color: str, lw: float = 1.5, ls: Any = None, marker: str = "", ms: float = DOT,
     mfc: str = "", mec: str = "", mew: float | None = None, label: str = "", zorder: float = 2.0, transform: str = DATA,
     alpha: float | None = None,
-) -> Line:  # fmt: skip
+) -> LineMark:  # fmt: skip
     """A line, markers, or both, by the words that matplotlib has for them."""
     shape = next((letter for letter in form if letter in SHAPES), marker)
     drawn = any(part in form for part in _LINES) if form else ls != ""
@@ -27,5 +27,5 @@ def line_of(  # noqa: PLR0913 - as matplotlib has it
         raise Unsketched(f"line {form or marker}")
     made = Marker(shape, ms, mfc or color, mec or color, EDGE if mew is None else mew, alpha) if shape and ms else None
     dash = ls[1] if isinstance(ls, tuple) else DASHES[ls or "-"]
-    values = [np.atleast_1d(np.asarray(part, dtype=float)) for part in (x, y)]
-    return Line(values[0], values[1], color, lw, dash, drawn, made, zorder, label, transform, alpha=alpha)
+    x, y = np.array(x, dtype=float, ndmin=1), np.array(y, dtype=float, ndmin=1)
+    return LineMark(x, y, color, lw, dash, drawn, made, zorder, label, transform, alpha=alpha)

@@ -86,7 +86,7 @@ class Marker:
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class LineMark:
     """A line through points, with or without markers."""
 
     x: FloatArray

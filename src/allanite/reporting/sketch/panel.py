@@ -10,10 +10,10 @@ from allanite.core.arrays import FloatArray
 from .axis import Side
 from .limits import Unsketched, limited
 from .lines import DASHES, DOT, EDGE, line_of
-from .marks import AXES, BLEND, DATA, Area, Boxes, Line, Mark, Words
+from .marks import AXES, BLEND, DATA, Area, Boxes, LineMark, Mark, Words
 
 
-class Grid(NamedTuple):
+class GridLines(NamedTuple):
     """Lines of a grid: color, width, opacity."""
 
     color: str
@@ -37,7 +37,7 @@ class Panel:
     def __init__(self, x: Side, ink: str, geometry: tuple[int, int]) -> None:
         self.xaxis, self.yaxis, self.ink = x, Side(across=False), ink
         self.marks: list[Mark] = []
-        self.grids: dict[str, Grid] = {}
+        self.grids: dict[str, GridLines] = {}
         self.titles: dict[str, Title] = {}
         self.legends: dict[str, Any] | None = None
         self.axison, self.labelled, self.equal = True, True, False
@@ -124,7 +124,7 @@ class Panel:
 
     def grid(self, *, which: str, color: str, linewidth: float, alpha: float | None = None) -> None:
         """Lines at major or minor ticks."""
-        self.grids[which] = Grid(color, linewidth, alpha)
+        self.grids[which] = GridLines(color, linewidth, alpha)
 
     def tick_params(self, *, which: str = "", length: float = 2.0, labelbottom: bool | None = None) -> None:
         """Length of minor ticks; whether the abscissa has labels."""
@@ -154,9 +154,9 @@ class Panel:
         return named, [mark.label for mark in named]
 
     @property
-    def lines(self) -> list[Line]:
+    def lines(self) -> list[LineMark]:
         """The lines."""
-        return [mark for mark in self.marks if isinstance(mark, Line)]
+        return [mark for mark in self.marks if isinstance(mark, LineMark)]
 
     def plot(self, x: Any, y: Any, form: str = "", **look: Any) -> None:
         """A line, markers, or both."""
@@ -197,7 +197,7 @@ class Panel:
         color, lw, ls, zorder, label = look
         dash = ls[1] if isinstance(ls, tuple) else DASHES[ls]
         reach = (np.empty(0), y) if meaning == "rule" else (x, np.empty(0))
-        self._add(Line(x, y, color, lw, dash, z=zorder, label=label, meaning=meaning, reach=reach))
+        self._add(LineMark(x, y, color, lw, dash, z=zorder, label=label, meaning=meaning, reach=reach))
 
     def hlines(self, y: Any, left: Any, right: Any, *, color: str, lw: float, zorder: float = 2.0) -> None:
         """Lines across, of their own lengths."""
@@ -224,13 +224,13 @@ class Panel:
     ) -> None:
         between = np.full(x[0].size, np.nan)
         along, up = (np.column_stack([*ends, between]).ravel() for ends in (x, y))
-        self._add(Line(along, up, color, lw, z=zorder))
+        self._add(LineMark(along, up, color, lw, z=zorder))
 
     def stairs(self, values: Any, edges: Any, *, baseline: None, color: str, lw: float) -> None:
         """Steps between edges."""
         if baseline is not None:
             raise Unsketched("stairs with a base")
-        self._add(Line(np.repeat(edges, 2)[1:-1], np.repeat(values, 2), color, lw))
+        self._add(LineMark(np.repeat(edges, 2)[1:-1], np.repeat(values, 2), color, lw))
 
     def bar(
         self, x: Any, height: Any, width: Any = 0.8, *, color: str, align: str = "center", alpha: float | None = None,

@@ -9,9 +9,8 @@ from allanite.core.errors import UsageError
 from allanite.reporting.sheet import Face
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from allanite.core.fit import Fit
+    from allanite.reporting.style import Plot
 
 Rows = tuple[Sequence[str], list[list[Any]]]
 
@@ -24,7 +23,7 @@ class View:
     ----------
     face : (value, level) -> Face
         What the terminal, the page and a notebook show.
-    plot : (values, fit, level) -> Figure, optional
+    plot : (values, fit, level) -> Plot, optional
         The figure for print, of one value or of several that are drawn together.
     rows : (value, level) -> (headings, rows), optional
         The numbers for a CSV file, unrounded.
@@ -33,9 +32,19 @@ class View:
     """
 
     face: Callable[[Any, float], Face]
-    plot: "Callable[[Sequence[Any], Fit | None, float], Figure] | None" = None
+    plot: "Callable[[Sequence[Any], Fit | None, float], Plot] | None" = None
     rows: Callable[[Any, float], Rows] | None = None
     coefficients: Callable[[Any, float], Rows] | None = None
+
+    def through(self, part: Callable[[Any], Any]) -> "View":
+        """The view of values that are shown by what `part` makes of each."""
+        face, plot, rows, coefficients = self.face, self.plot, self.rows, self.coefficients
+        return View(
+            lambda value, level: face(part(value), level),
+            plot and (lambda values, fit, level: plot([part(value) for value in values], fit, level)),
+            rows and (lambda value, level: rows(part(value), level)),
+            coefficients and (lambda value, level: coefficients(part(value), level)),
+        )
 
 
 VIEWS: dict[str, str] = {
@@ -103,9 +112,15 @@ def view_of(value: Any) -> View:
     if name not in VIEWS:
         raise UsageError(f"a {name} cannot be shown; results that can are {', '.join(VIEWS)}")
     module, _, attribute = VIEWS[name].partition(".")
-    found = getattr(import_module(f"allanite.reporting.views.{module}"), attribute)
+    found = getattr(import_module(f"{__name__}.{module}"), attribute)
     assert isinstance(found, View)  # noqa: S101 - the table says so
     return found
+
+
+def import_type(name: str) -> None:
+    """Import the type of a result, by its view; where the name is that of no result, the parts of all results."""
+    for row in [VIEWS[name]] if name in VIEWS else VIEWS.values():
+        import_module(f"{__name__}.{row.partition('.')[0]}")
 
 
 def level_of(value: Any, level: float | None = None) -> float:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from allanite.core.display_units import readable_unit
-from allanite.core.estimate import STATUS_WORDS
+from allanite.core.estimate import STATUSES
 from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
@@ -89,6 +89,17 @@ def _face(study: Study, level: float) -> Face:
     sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
     method = say(", method {method}", method=study.recipe.method)
     job = job_face(study, (say("Noise of {source}", source=source_of(study)), BRAND), sheets)
+    # sensors, sampling rate, length and program in a line
+    records = [channel.record for channel in study.channels]
+    sensors = Counter(record.signal.a_sensor for record in records)
+    counted = [
+        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=sensor)
+        for sensor, n in sensors.items()
+    ]
+    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
+    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
+    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
+    digest = study.provenance.get("sha256", "")
     return replace(
         job,
         header=header_of(study.provenance, study.notes, method if fitted else ""),
@@ -96,26 +107,11 @@ def _face(study: Study, level: float) -> Face:
         close=[*meanings(study), *_shared(study), *_statuses(study)],
         how=list(_how(study)),
         device=study.recipe.labels,
-        facts=_facts(study),
+        facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,
     )
 
 
-def _facts(study: Study) -> list[str]:
-    """Sensors, sampling rate, length and program in a line."""
-    records = [channel.record for channel in study.channels]
-    sensors = Counter(record.signal.name for record in records)
-    counted = [
-        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=words.A_SENSOR[name])
-        for name, n in sensors.items()
-    ]
-    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
-    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
-    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
-    digest = study.provenance.get("sha256", "")
-    return [*found, f"sha256 {digest[:12]}…"] if digest else found
-
-
-def _sheet(channel: Channel, level: float, panel: "figures.Panel | None" = None) -> Sheet:
+def _sheet(channel: Channel, level: float, panel: "figures.CurvePanel | None" = None) -> Sheet:
     doubt = channel.noise is None or not channel.explained
     fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
     verdicts = (verdict(channel, level),) if channel.fit or channel.refusal else ()
@@ -133,7 +129,7 @@ def _told(note: str, channel: Channel) -> bool:
     )
 
 
-def _parts(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
+def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
     if channel.fit is None:
         facts = fitness(channel)
         yield from [Note(facts)] if facts else []
@@ -184,9 +180,9 @@ def _shared(study: Study) -> Iterator[Part]:
 
 def _statuses(study: Study) -> Iterator[Part]:
     met = {e.status for c in study.channels for e in c.fit or ()}
-    for status, meaning in words.STATUS.items():
-        if status in met:
-            yield Note(say("{status}: {meaning}", status=STATUS_WORDS[status], meaning=meaning), "quiet", where="text")
+    for status in STATUSES.values():
+        if status.name in met:
+            yield Note(say("{status}: {meaning}", status=status.name, meaning=status.meaning), "quiet", where="text")
 
 
 def _how(study: Study) -> Iterator[Part]:
@@ -198,7 +194,7 @@ def _how(study: Study) -> Iterator[Part]:
     yield from (Note(paragraph) for paragraph in EXPLAINED.get(recipe.method, ()))
     yield Note(_curve_explained(recipe))
     met = {e.status for fit in fits for e in fit}
-    rows = [[STATUS_WORDS[status], meaning] for status, meaning in words.STATUS.items() if status in met]
+    rows = [[status.name, status.meaning] for status in STATUSES.values() if status.name in met]
     yield Table((Column(say("status"), "status"), Column(say("meaning"), "text")), rows)
     yield definitions(fits)
 
@@ -240,9 +236,7 @@ def _coefficients(study: Study, level: float) -> Rows:
     return heads, rows
 
 
-def _channel_face(channel: Channel, level: float) -> Face:
-    return Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),))
-
-
 STUDY = View(_face, plot_curves, _rows, _coefficients)
-CHANNEL = View(_channel_face, plot_curves)
+CHANNEL = View(
+    lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)), plot_curves
+)

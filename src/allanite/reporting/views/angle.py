@@ -22,7 +22,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sh
 from . import Rows, View, view_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 
 ARCSEC = unit_of("arcsec").factor
@@ -113,7 +113,13 @@ def _about(result: Result, solution: Solution) -> tuple[str, ...]:
 
 def _verdict(result: Result, level: float, doubt: bool) -> str:
     rows = [(h, k) for h in parts_of(result) for k in h.orders]
-    found = join(", ", [_found(h, k, level) for h, k in rows if h.found(k)])
+    amplitudes = [
+        say("harmonic {order} of {angle}: {amplitude} arcsec", order=k, angle=h.name or say("the angle"),
+            amplitude=_amplitude(h, k, level)[0])
+        for h, k in rows
+        if h.found(k)
+    ]  # fmt: skip
+    found = join(", ", amplitudes)
     absent = [say("{order} of {angle}", order=k, angle=h.name or say("the angle")) for h, k in rows if not h.found(k)]
     if not found:
         said = [say("No harmonic was found.")]
@@ -123,15 +129,6 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
         said = [say("Found are {harmonics}.", harmonics=found)]
     said += [say("Not found: {harmonics}.", harmonics=join(", ", absent))] if absent and found else []
     return join(" ", [*said, say("Read the warnings before using the numbers.")] if doubt else said)
-
-
-def _found(h: Harmonics, order: int, level: float) -> str:
-    return say(
-        "harmonic {order} of {angle}: {amplitude} arcsec",
-        order=order,
-        angle=h.name or say("the angle"),
-        amplitude=_amplitude(h, order, level)[0],
-    )
 
 
 def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
@@ -226,7 +223,7 @@ def _result_rows(result: Result, level: float) -> Rows:
     return ["constant", "value", "standard_error", "low", "high"], rows
 
 
-def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Figure":
+def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Plot":
     draw = view_of(values[0].result).plot
     if draw is None:
         raise UsageError("a plan of one start has no figure; scan all starts of the interval")

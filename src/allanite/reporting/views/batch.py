@@ -22,7 +22,7 @@ from .fit import definitions, terms_table
 from .meaning import causes_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 EVERY = 1_000_000
 """Rows of a table that has all of them in a terminal, too."""
@@ -55,10 +55,16 @@ CAPTION = say("The Allan deviation of all units; those that exceed a limit are i
 
 def _face(batch: Batch, level: float) -> Face:
     fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
+    files: str = str(len(batch))
+    if batch.folder:
+        files = say("{files} in {folder}", files=files, folder=batch.folder)
+    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
+    if batch.specification is not None:
+        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
     return Face(
         say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
         say("noise coefficients of inertial sensors"),
-        header=_header(batch),
+        header=[*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
         parts=list(_parts(batch, level)),
         close=list(_details(batch, level)),
         how=(definitions(fits),),
@@ -66,16 +72,6 @@ def _face(batch: Batch, level: float) -> Face:
         provenance=batch.provenance,
         notes=batch.notes,
     )
-
-
-def _header(batch: Batch) -> list[tuple[str, str]]:
-    files: str = str(len(batch))
-    if batch.folder:
-        files = say("{files} in {folder}", files=files, folder=batch.folder)
-    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
-    if batch.specification is not None:
-        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
-    return [*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")]
 
 
 def _parts(batch: Batch, level: float) -> Iterator[Part]:
@@ -89,9 +85,16 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
         yield Note(RULE, "quiet", where="page")
     if any(channel.curve for unit in batch for channel in unit.channels):
         yield Drawing(lambda: _plot([batch], None, level), say("deviations of all units"), CAPTION)
-    for signal in _signals(batch):
+    signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
+    for signal in signals.values():
         yield _main(batch, signal, level)
-    yield _across(batch)
+    heads = (
+        Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
+        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("file"), "name"),
+        Column(say("others below")), Column("", "unit"),
+    )  # fmt: skip
+    rows = [_spread(batch, found) for found in batch.across]
+    yield Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
 
 
 def _summary(batch: Batch) -> Note:
@@ -107,14 +110,18 @@ def _summary(batch: Batch) -> Note:
     parts += [say("{files} not analyzed", files=len(batch.failed))] if batch.failed else []
     level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
     named = [
-        join(": ", (OUTCOME_WORDS[outcome], _named(batch, outcome))) for outcome in (FAIL, NOT_SHOWN) if counts[outcome]
+        join(
+            ": ",
+            (
+                OUTCOME_WORDS[outcome],
+                ", ".join(batch.label(unit) for unit in batch if unit.outcome == outcome and not unit.error),
+            ),
+        )
+        for outcome in (FAIL, NOT_SHOWN)
+        if counts[outcome]
     ]
     units = say_count(len(batch), "{count} unit", "{count} units")
     return Note(join(": ", (units, join(", ", parts))), level, points=named)
-
-
-def _named(batch: Batch, outcome: str) -> str:
-    return ", ".join(batch.label(unit) for unit in batch if unit.outcome == outcome and not unit.error)
 
 
 def _limits_table(batch: Batch) -> Iterator[Part]:
@@ -145,11 +152,6 @@ def _limit(judgement: Judgement) -> str:
     return say("{limit} (upper)", limit=limit.words()) if limit.judge == "upper" else limit.words()
 
 
-def _signals(batch: Batch) -> list[Signal]:
-    found = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
-    return list(found.values())
-
-
 def _main(batch: Batch, signal: Signal, level: float) -> Table:
     """A row for each channel of each unit: coefficients in the units of data sheets."""
     symbols = list(dict.fromkeys(e.symbol for _, c in _of(batch, signal) for e in c.fit or ()))
@@ -159,7 +161,7 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
     heads += [Column(say("result"), "name")] if batch.specification else []
     cells = [_row(batch, unit, channel, symbols, level) for unit, channel in _of(batch, signal)]
     marks = [MARKS.get(_outcome(unit, channel), "") for unit, channel in _of(batch, signal)]
-    title = say("units: {sensor}", sensor=words.SENSORS[signal.name])
+    title = say("units: {sensor}", sensor=signal.sensor)
     return Table(heads, cells, title, marks, MAIN, most=EVERY)
 
 
@@ -178,9 +180,9 @@ def _row(batch: Batch, unit: BatchUnit, channel: Channel, symbols: Sequence[str]
     cells = []
     for symbol in symbols:
         e = found.get(symbol)
-        valid = e is not None and e.status not in ("not valid", "not observable", "negative")
-        number = words.shown(e, e.sheet_unit, level) if e is not None and valid else None
-        most = words.limit(e, e.sheet_unit) if e is not None and valid else None
+        known = e is not None and e.row.usable
+        number = words.shown(e, e.sheet_unit, level) if e is not None and known else None
+        most = words.limit(e, e.sheet_unit) if e is not None and known else None
         cells.append(number.plain()[0] if number else f"< {most.plain()[0]}" if most else "-")
     last = [
         _minimum(channel, level),
@@ -200,16 +202,6 @@ def _minimum(channel: Channel, level: float) -> str:
     if not readings.inside:
         return f"< {digits(high, figures=2).plain()[0]}"
     return digits(readings.minimum.deviation * scale, low, high).plain()[0]
-
-
-def _across(batch: Batch) -> Table:
-    heads = (
-        Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
-        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("file"), "name"),
-        Column(say("others below")), Column("", "unit"),
-    )  # fmt: skip
-    rows = [_spread(batch, found) for found in batch.across]
-    return Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
 
 
 def _spread(batch: Batch, found: Across) -> list[str]:
@@ -257,16 +249,16 @@ def _details(batch: Batch, level: float) -> Iterator[Part]:
                 yield Table(table.columns, table.rows, name, table.marks, details=True, where="page")
 
 
-def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
     batch: Batch = values[0]
     curves = []
-    lines: dict[str, Sequence[figures.Line]] = {}
+    lines: dict[str, Sequence[figures.LimitLine]] = {}
     for unit in batch:
         for channel in (channel for channel in unit.channels if channel.curve is not None):
             (panel,) = figures.panels_of(channel)
             curves.append(figures.UnitCurve(batch.label(unit), _outcome(unit, channel) == FAIL, panel))
             limits = batch.specification.of(channel.record.name, channel.record.signal) if batch.specification else ()
-            lines[panel.name] = [figures.Line(limit.words(), limit.symbol, limit.maximum) for limit in limits]
+            lines[panel.name] = [figures.LimitLine(limit.words(), limit.symbol, limit.maximum) for limit in limits]
     return figures.plot_units(curves, lines)
 
 

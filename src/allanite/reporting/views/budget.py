@@ -78,13 +78,6 @@ def _percent(share: float | None) -> str:
     return "" if share is None else words.percent(share, 2)
 
 
-def _table(stages: Sequence[StageNoise]) -> Table:
-    """A row for each stage; columns that are empty everywhere are left out."""
-    rows = [_cells(s) for s in stages]
-    kept = [i for i in range(len(COLUMNS)) if any(row[i] for row in rows)]
-    return Table([COLUMNS[i] for i in kept], [[row[i] for i in kept] for row in rows])
-
-
 def _cells(s: StageNoise) -> list[str]:
     seen = ("", "") if s.codes is None else (str(s.codes.distinct), str(s.codes.missing))
     measured = _number(s.to(s.measured)) if s.measured is not None else f"< {_number(s.to(s.limit))}" if s.limit else ""
@@ -115,13 +108,13 @@ def _sheet(channel: BudgetChannel) -> Sheet:
         return channel_sheet(channel, (), (refused,), doubt=True)
     named = tuple(join(": ", (name or say("channel"), sentence(s, printed_unit))) for s in budget.stages)
     grade = budget.noise.validity
-    return channel_sheet(channel, _parts(budget), named, doubt=grade == UNEXPLAINED, fair=grade == APPROXIMATE)
-
-
-def _parts(budget: Budget) -> tuple[Part, ...]:
     sentences = (Note(sentence(s), where="text") for s in budget.stages)
     drawing = Drawing(lambda: figures.plot_budgets([budget]), say("noise of rounding by bits"), CAPTION)
-    return (*sentences, _table(budget.stages), drawing)
+    rows = [_cells(s) for s in budget.stages]
+    kept = [i for i in range(len(COLUMNS)) if any(row[i] for row in rows)]  # some are empty everywhere
+    table = Table([COLUMNS[i] for i in kept], [[row[i] for i in kept] for row in rows])
+    parts: tuple[Part, ...] = (*sentences, table, drawing)
+    return channel_sheet(channel, parts, named, doubt=grade == UNEXPLAINED, fair=grade == APPROXIMATE)
 
 
 def _found(*studies: BudgetStudy) -> list[Budget]:

@@ -31,7 +31,7 @@ from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 BRAND = say("compensation by regressors")
 KEY = say(
@@ -114,7 +114,23 @@ def verdict(channel: Compensated, shown: Callable[[str], str] = str) -> str:
         return say("{channel} gives no result: {reason}.", channel=name, reason=channel.refusal)
     if channel.gain is None:
         return _found(name, channel.regression, shown)
-    return _elsewhere(name, channel.gain, shown)
+    gain = channel.gain
+    share = shown(words.percent(abs(gain.explained), 3))
+    if gain.explained < 0:
+        said = say("The correction increases the variance of {channel} by {share}", channel=name, share=share)
+    else:
+        said = say("The correction reduces the variance of {channel} by {share}", channel=name, share=share)
+    if gain.low is None or gain.high is None:
+        return join("", (said, "."))
+    expected = _share(gain.expected, gain)
+    limits = shown(f"{expected} ({_share(gain.low, gain)} .. {_share(gain.high, gain)})")
+    if gain.met:
+        return say("{effect}; {limits} could be expected.", effect=said, limits=limits)
+    return say(
+        "{effect}; {limits} could be expected, and it does not: the dependence is another one here.",
+        effect=said,
+        limits=limits,
+    )
 
 
 def _found(name: str, regression: Regression, shown: Callable[[str], str] = str) -> str:
@@ -161,25 +177,6 @@ def _undecided(own: Sequence[Effect], share: float) -> str:
         "value.",
         regressors=_names(own),
         share=words.percent(share),
-    )
-
-
-def _elsewhere(name: str, gain: Gain, shown: Callable[[str], str]) -> str:
-    share = shown(words.percent(abs(gain.explained), 3))
-    if gain.explained < 0:
-        said = say("The correction increases the variance of {channel} by {share}", channel=name, share=share)
-    else:
-        said = say("The correction reduces the variance of {channel} by {share}", channel=name, share=share)
-    if gain.low is None or gain.high is None:
-        return join("", (said, "."))
-    expected = _share(gain.expected, gain)
-    limits = shown(f"{expected} ({_share(gain.low, gain)} .. {_share(gain.high, gain)})")
-    if gain.met:
-        return say("{effect}; {limits} could be expected.", effect=said, limits=limits)
-    return say(
-        "{effect}; {limits} could be expected, and it does not: the dependence is another one here.",
-        effect=said,
-        limits=limits,
     )
 
 
@@ -230,17 +227,7 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
         level=words.percent(level),
     )
     yield Drawing(lambda: _draw([channel], level), say("deviation and rate before and after"), caption)
-    yield _curves(channel, level)
-
-
-def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
-    yield from (Note(note, "alert") for note in regression.notes)
-    yield Note(_beside(regression), where="text")
-    yield coefficients(regression, level)
-
-
-def _curves(channel: Compensated, level: float) -> Table:
-    """The deviations before and after, with their limits."""
+    # the deviations before and after, with their limits
     rows = []
     for _, _, tau, _, *numbers, _, _, edf in _lines(channel, "", level):
         before, after = numbers[:3], numbers[3:]
@@ -258,14 +245,20 @@ def _curves(channel: Compensated, level: float) -> Table:
         unit=channel.record.signal.sheet[0],
         level=words.percent(level),
     )
-    return Table(heads, rows, title, details=True)
+    yield Table(heads, rows, title, details=True)
 
 
-def _draw(channels: Sequence[Compensated], level: float) -> "Figure":
+def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
+    yield from (Note(note, "alert") for note in regression.notes)
+    yield Note(_beside(regression), where="text")
+    yield coefficients(regression, level)
+
+
+def _draw(channels: Sequence[Compensated], level: float) -> "Plot":
     return figures.plot_compensated([c for c in channels if c.regression is not None], level)
 
 
-def _plot(values: Sequence[CompensationStudy], fit: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[CompensationStudy], fit: Fit | None, level: float) -> "Plot":
     applied = [c for study in values for c in study.applied if c.regression is not None]
     return _draw(applied or [c for study in values for c in study.channels], level)
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from allanite.core.curve import Curve
-from allanite.core.datasheet import Entry
+from allanite.core.datasheet import DataSheetRow
 from allanite.core.display_units import readable_unit
 from allanite.core.estimate import Estimate
 from allanite.core.units import convert
@@ -32,17 +32,18 @@ def data_sheet_table(channel: Channel, level: float, *, whole: bool = True) -> T
         Column(say("quantity"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
         Column(say("unit"), "unit"), Column(say("at"), "name", aside=True), Column(say("remark"), "text", aside=True),
     )  # fmt: skip
-    rows = [_row(entry) for entry in channel.data_sheet(level) if whole or not entry.coefficient]
+    rows = []
+    for entry in channel.data_sheet(level):
+        if whole or not entry.coefficient:
+            tau = "" if entry.tau is None else f"{entry.tau:.4g} s"
+            rows.append(
+                [entry.quantity, *_number(entry), entry.unit if entry.high or entry.value else "", tau, entry.remark]
+            )
     marks: list[Mark] = ["" if row[1] else "quiet" for row in rows]
     return Table(heads, rows, say("data sheet"), marks=marks, key=KEY)
 
 
-def _row(entry: Entry) -> list[str]:
-    tau = "" if entry.tau is None else f"{entry.tau:.4g} s"
-    return [entry.quantity, *_number(entry), entry.unit if entry.high or entry.value else "", tau, entry.remark]
-
-
-def _number(entry: Entry) -> tuple[str, str]:
+def _number(entry: DataSheetRow) -> tuple[str, str]:
     """Value and interval; of a term that was not found its limit."""
     if entry.value is None:
         return "", "" if entry.high is None else say("below {limit}", limit=digits(entry.high, figures=2).plain()[0])
@@ -60,15 +61,18 @@ def card_of(channel: Channel, level: float) -> Card | None:
     if grade == UNEXPLAINED:
         points = channel.noise.statement.points if channel.noise else ()
         return Card(badge, "alert", tuple(_capital(channel)), join("; ", (say("Coefficients not valid"), *points[:1])))
-    rows = [(_short(e), _with_share(e, level)) for e in channel.fit if e.valued]
+    rows = [
+        (
+            words.capital(say("{term} ({symbol})", term=words.title(e.symbol, e.signal), symbol=words.symbol(e))),
+            _with_share(e, level),
+        )
+        for e in channel.fit
+        if e.valued
+    ]
     absent = [e.symbol for e in channel.fit if e.status == "absent"]
     length = words.duration(channel.record.duration)
     note = say("Not identified in {length}: {symbols}", length=length, symbols=", ".join(absent)) if absent else ""
     return Card(badge, LEVELS.get(grade, ""), (*rows, *_capital(channel)), note)  # type: ignore[arg-type]
-
-
-def _short(e: Estimate) -> str:
-    return words.capital(say("{term} ({symbol})", term=words.title(e.symbol, e.signal), symbol=words.symbol(e)))
 
 
 def _with_share(e: Estimate, level: float) -> str:

@@ -34,7 +34,7 @@ SPECTRUM = say(
 )
 
 
-def overlay(panels: Sequence[figures.Panel], level: float) -> Iterator[Part]:
+def overlay(panels: Sequence[figures.CurvePanel], level: float) -> Iterator[Part]:
     """The curves of all channels in one figure."""
     if len(panels) < 2:
         return
@@ -44,7 +44,7 @@ def overlay(panels: Sequence[figures.Panel], level: float) -> Iterator[Part]:
     yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", say("all channels"))
 
 
-def details(channel: Channel, level: float, panel: "figures.Panel | None") -> Iterator[Part]:
+def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
     """Residuals, record and spectrum; on the page only."""
     assert channel.fit is not None  # noqa: S101 - the caller has looked
     checked = list(goodness_parts(channel.fit, channel.residuals))

@@ -1,24 +1,24 @@
 """How a model is shown without data: its coefficients, and the curves that are expected of it."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
-from allanite.core.model import Model, Term, model_of
+from allanite.core.model import model_of
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table
 from allanite.statistics import STATISTICS, Expectation, expectation
+from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
 from . import Rows, View
 from .fit import model_table
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from allanite.core.curve import Curve
+    from allanite.reporting.style import Plot
 
 BRAND = say("a noise model")
 CAPTION = say(
@@ -36,14 +36,11 @@ def _face(found: Expectation, _: float) -> Face:
 def _table(found: Expectation, curve: "Curve") -> Table:
     """The whole and each term, in the unit of data sheets."""
     unit = readable_unit(curve.unit)
-    heads = (Column("tau [s]"), Column(say("expected [{unit}]", unit=unit)), *_heads(found.model))
+    terms = (Column(t.symbol, aside=True) for t in found.model)
+    heads = (Column("tau [s]"), Column(say("expected [{unit}]", unit=unit)), *terms)
     factor = convert(1.0, curve.unit, unit)
     rows = [[f"{row[0]:.5g}", *(f"{v * factor:.4g}" for v in row[1:])] for row in _numbers(found, curve)]
     return Table(heads, rows, say("expected {statistic}", statistic=STATISTICS[curve.statistic].title), details=True)
-
-
-def _heads(model: Model) -> list[Column]:
-    return [Column(t.symbol, aside=True) for t in model]
 
 
 def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
@@ -57,26 +54,14 @@ def _rows(found: Expectation, _: float) -> Rows:
     return heads, [[c.statistic, *row, c.unit] for c in found.curves for row in _numbers(found, c)]
 
 
-def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
     panels = [
-        figures.Panel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
+        figures.CurvePanel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
         for found in values
         for curve in found.curves
     ]
     return figures.plot_panels(panels, level=level)
 
 
-def _of(model: Model | Term) -> Expectation:
-    return expectation(model)
-
-
-def _plot_models(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
-    return _plot([_of(model) for model in values], fit, level)
-
-
-def _model_face(model: Model | Term, level: float) -> Face:
-    return _face(_of(model_of(model)), level)
-
-
 EXPECTATION = View(_face, _plot, _rows)
-MODEL = View(_model_face, _plot_models, lambda model, level: _rows(_of(model), level))
+MODEL = EXPECTATION.through(lambda model: expectation(model_of(model)))

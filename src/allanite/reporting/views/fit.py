@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from allanite.core.estimate import STATUS_WORDS, Estimate
+from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.model import Model
 from allanite.core.residuals import Residuals, statement
@@ -20,10 +20,7 @@ from . import View
 from .jobs import statement_note
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-MARKS: dict[str, Any] = {"identified": "strong", "weak": "strong", "not valid": "struck"}
-"""Mark of a row by the status of its term."""
+    from allanite.reporting.style import Plot
 
 GOODNESS = say(
     "Power of the record over the power expected with every term free, selected or not, in cells of frequency, and the "
@@ -50,12 +47,12 @@ def terms_table(fit: Fit, level: float) -> Table:
             words.symbol(e),
             words.named(e, level),
             *_cells(e, e.sheet_unit, level),
-            STATUS_WORDS[e.status],
+            e.row.name,
             *_cells(e, e.unit, level),
         ]
         for e in fit
     ]
-    return Table(heads, rows, marks=[MARKS.get(e.status, "") for e in fit])
+    return Table(heads, rows, marks=[e.row.mark for e in fit])
 
 
 def _cells(estimate: Estimate, unit: str, level: float) -> list[str]:
@@ -138,7 +135,7 @@ def _face(fit: Fit, level: float) -> Face:
     return Face(fit.name or say("Noise"), say("noise coefficients"), (sheet,), how=(definitions([fit]),))
 
 
-def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
+def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     """The figure of what has curves."""
     return figures.plot_panels(figures.panels_of(list(values), fit), level=level)
 

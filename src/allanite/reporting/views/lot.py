@@ -1,6 +1,6 @@
 """How a lot is shown: its units, then distributions, trends and units that differ from the others."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
@@ -13,13 +13,10 @@ from allanite.reporting import figures
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
-from . import Rows, View
 from .batch import BATCH, EVERY, symbol_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from allanite.core.fit import Fit
+    pass
 
 CAPTION = say(
     "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
@@ -84,7 +81,7 @@ def _tested(lot: Lot) -> Iterator[Note]:
         yield Note(none, "fair")
 
 
-def _drawn(lot: Lot) -> "list[figures.Coefficient]":
+def _drawn(lot: Lot) -> "list[figures.LotRow]":
     """What is drawn: the coefficients with several values."""
     found = []
     for one in lot.distributions:
@@ -92,7 +89,7 @@ def _drawn(lot: Lot) -> "list[figures.Coefficient]":
         courses = dict(map(_course, own))
         symbol, values = symbol_of(one.symbol), one.values / one.factor
         if values.size > 1:
-            found.append(figures.Coefficient(one.channel, symbol, one.sheet_unit, values, courses))
+            found.append(figures.LotRow(one.channel, symbol, one.sheet_unit, values, courses))
     return found
 
 
@@ -132,19 +129,4 @@ def _number(value: float) -> str:
     return digits(value).plain()[0]
 
 
-def _plot(lots: Sequence[Lot], fit: "Fit | None", level: float) -> "Figure":
-    assert BATCH.plot  # noqa: S101 - it has one
-    return BATCH.plot([lots[0].batch], fit, level)
-
-
-def _rows(lot: Lot, level: float) -> Rows:
-    assert BATCH.rows  # noqa: S101 - it has them
-    return BATCH.rows(lot.batch, level)
-
-
-def _coefficients(lot: Lot, level: float) -> Rows:
-    assert BATCH.coefficients  # noqa: S101 - it has them
-    return BATCH.coefficients(lot.batch, level)
-
-
-LOT = View(_face, _plot, _rows, _coefficients)
+LOT = replace(BATCH.through(lambda lot: lot.batch), face=_face)

@@ -73,13 +73,9 @@ def _causes(found: Sequence[Meaning]) -> Iterator[Part]:
             Column(say("sources"), "text"), Column(say("what to try"), "text"), Column(say("reference"), "text"),
         )  # fmt: skip
         title = say("likely causes in a {device}", device=device.title)
-        yield Table(heads, rows, title, key=_cited(rows), where="page")
-
-
-def _cited(rows: Sequence[Sequence[str]]) -> str:
-    """The works that the rows name."""
-    named = " ".join(row[-1] for row in rows)
-    return join(" ", [join("", (key, ": ", text, ".")) for key, text in REFERENCES.items() if key in named])
+        named = " ".join(row[-1] for row in rows)
+        works = [join("", (key, ": ", text, ".")) for key, text in REFERENCES.items() if key in named]
+        yield Table(heads, rows, title, key=join(" ", works), where="page")
 
 
 def _face(found: Meaning, level: float) -> Face:

@@ -13,7 +13,7 @@ from . import Rows, jobs
 from .jobs import source_of
 
 
-class Form(NamedTuple):
+class ModelledForm(NamedTuple):
     """How one kind of result is shown: the name of a nameless one, title and brand of the page, parts, and a key."""
 
     name: str
@@ -24,7 +24,7 @@ class Form(NamedTuple):
     key: str
 
 
-def one_face(form: Form) -> Callable[[Any, float], Face]:
+def one_face(form: ModelledForm) -> Callable[[Any, float], Face]:
     """The face of a single result."""
 
     def face(result: Any, _: float) -> Face:
@@ -36,7 +36,7 @@ def one_face(form: Form) -> Callable[[Any, float], Face]:
     return face
 
 
-def job_face(form: Form) -> Callable[[ModelJob, float], Face]:
+def job_face(form: ModelledForm) -> Callable[[ModelJob, float], Face]:
     """The face of the results of all channels."""
 
     def face(job: ModelJob, _: float) -> Face:
@@ -48,23 +48,22 @@ def job_face(form: Form) -> Callable[[ModelJob, float], Face]:
         limits = [
             Note(say("limit exceeded: {limit}", limit=sentence), "alert", where="page") for sentence in job.exceeded
         ]
-        found = jobs.job_face(job, names, [_sheet(channel, form) for channel in job], limits)
+        sheets = []
+        for channel in job:
+            about = [] if channel.record is None else [words.about(channel.record), *channel.record.history]
+            about += [] if channel.result is None else [form.about(channel.result)]
+            sheets.append(Sheet(channel.name or form.name, about, tuple(_parts(channel, form))))
+        found = jobs.job_face(job, names, sheets, limits)
         return replace(found, header=header, close=_legend(form), how=(Note(form.key),))
 
     return face
 
 
-def _legend(form: Form) -> list[Part]:
+def _legend(form: ModelledForm) -> list[Part]:
     return [Note(form.key, "quiet", where="text")]
 
 
-def _sheet(channel: Modelled, form: Form) -> Sheet:
-    about = [] if channel.record is None else [words.about(channel.record), *channel.record.history]
-    about += [] if channel.result is None else [form.about(channel.result)]
-    return Sheet(channel.name or form.name, about, tuple(_parts(channel, form)))
-
-
-def _parts(channel: Modelled, form: Form) -> Iterator[Part]:
+def _parts(channel: Modelled, form: ModelledForm) -> Iterator[Part]:
     yield from jobs.warnings(channel)
     yield from (Note(note) for note in (channel.fit.advice if channel.fit else ()))
     if channel.missing:

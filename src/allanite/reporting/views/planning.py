@@ -17,10 +17,10 @@ from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, T
 from allanite.study.modelled import Modelled, RecordingPlans
 
 from . import Rows, View
-from .modelled import Form, job_face, job_rows, one_face
+from .modelled import ModelledForm, job_face, job_rows, one_face
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 PLANNED = say(
     "Least relative standard errors (1 sigma, Cramer-Rao bound) of the coefficients by length of the record. A term "
@@ -84,14 +84,14 @@ def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
     yield Drawing(lambda: _plot_plans([plan], None, 0.95), label, DRAWN)
 
 
-def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Figure":
-    return figures.plot_plans([pair for value in values for pair in _named(value)])
-
-
-def _named(value: RecordingPlan | RecordingPlans) -> list[tuple[str, RecordingPlan]]:
-    if isinstance(value, RecordingPlan):
-        return [("", value)]
-    return [(c.name, c.result) for c in value if isinstance(c.result, RecordingPlan)]
+def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Plot":
+    plans: list[tuple[str, RecordingPlan]] = []
+    for value in values:
+        if isinstance(value, RecordingPlan):
+            plans.append(("", value))
+        else:
+            plans += [(c.name, c.result) for c in value if isinstance(c.result, RecordingPlan)]
+    return figures.plot_plans(plans)
 
 
 def _check_about(check: SelfCheck) -> str:
@@ -166,8 +166,8 @@ def _bound_rows(bound: Bound, _: float) -> Rows:
     return ["parameter", "relative_error"], [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))]
 
 
-_PLAN = Form(say("plan"), say("Plan for"), say("how long to record"), _plan_about, _plan_parts, PLANNED)
-_CHECK = Form(
+_PLAN = ModelledForm(say("plan"), say("Plan for"), say("how long to record"), _plan_about, _plan_parts, PLANNED)
+_CHECK = ModelledForm(
     say("check"),
     say("Check of the identification:"),
     say("simulated records, identified"),

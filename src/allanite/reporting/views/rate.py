@@ -32,26 +32,24 @@ from .rate_experiment import (
 )
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 NO_ERROR = say("no standard errors: give a noise model (--noise)")
 
 
 def _face(study: RateStudy, level: float) -> Face:
-    sheets = [_sheet(channel, study.settings, level) for channel in study.channels]
+    sheets = []
+    for channel in study.channels:
+        given = study.settings.noise
+        name, found = channel.record.name, channel.experiment
+        said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
+        if found is not None and found.ranking is not None:
+            said = told(found.ranking)
+        verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
+        doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
+        sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
     title = say("Rate of {source}", source=source_of(study))
     return replace(job_face(study, (title, BRAND), sheets), how=[_methods()])
-
-
-def _sheet(channel: RateChannel, settings: RateSettings, level: float) -> Sheet:
-    given = settings.noise
-    name, found = channel.record.name, channel.experiment
-    said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-    if found is not None and found.ranking is not None:
-        said = told(found.ranking)
-    verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
-    doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
-    return channel_sheet(channel, _parts(channel, settings, level), verdicts, doubt=doubt)
 
 
 def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterator[Part]:
@@ -129,7 +127,7 @@ def _methods() -> Table:
     return Table(heads, rows, say("the methods"))
 
 
-def _draw(channels: Iterable[RateChannel]) -> "Figure":
+def _draw(channels: Iterable[RateChannel]) -> "Plot":
     shown = [(c.experiment, c.by_duration) for c in channels if c.experiment is not None]
     if not shown:
         raise UsageError("there is nothing to draw: no channel was measured")

@@ -50,29 +50,24 @@ def sentences(found: Experiment) -> Iterator[Note]:
         yield Note(join("; ", (count, against)))
     if found.drift:
         yield Note(found.drift)
-    yield from _wander(found)
+    # why neighbouring intervals scatter more than each is measured
+    if found.ranking is not None and found.start.size != 1:
+        wandering = [t.symbol for t in found.ranking.model if t.row.slope >= 0]
+        if wandering:
+            unit = found.signal.sheet[0]
+            both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
+            yield Note(
+                say(
+                    "predicted is the error of each interval's own mean rate; {terms} moves that from interval to "
+                    "interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan deviation)",
+                    terms=", ".join(wandering),
+                    deviation=both,
+                    unit=unit,
+                )
+            )
     yield from map(Note, found.notes)
     for method, why in found.left_out.items():
         yield Note(say("{method} is left out: {reason}", method=method, reason=why))
-
-
-def _wander(found: Experiment) -> Iterator[Note]:
-    """Why neighbouring intervals scatter more than each is measured."""
-    if found.ranking is None or found.start.size == 1:
-        return
-    wandering = [t.symbol for t in found.ranking.model if t.row.slope >= 0]
-    if wandering:
-        unit = found.signal.sheet[0]
-        both = math.sqrt(float(expected(found.ranking.model, "adev", found.duration)[0])) / unit_of(unit).factor
-        yield Note(
-            say(
-                "predicted is the error of each interval's own mean rate; {terms} moves that from interval to "
-                "interval, so that neighbouring averages differ by {deviation:.3g} {unit} (their Allan deviation)",
-                terms=", ".join(wandering),
-                deviation=both,
-                unit=unit,
-            )
-        )
 
 
 def told(ranking: Ranking) -> str:

@@ -1,7 +1,6 @@
 """How values read off a curve are shown."""
 
-from allanite.core.readings import Quantity, Readings
-from allanite.core.units import convert
+from allanite.core.readings import Readings
 from allanite.phrases.phrase import say
 from allanite.reporting import words
 from allanite.reporting.digits import digits
@@ -23,16 +22,11 @@ def readings_table(readings: Readings, level: float) -> Table:
         Column(say("read off the curve"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
         Column(say("unit"), "unit"), Column("", "name"),
     )  # fmt: skip
-    rows = [[q.title, *_cells(q, readings), q.remark] for q in readings.quantities(level)]
+    rows = []
+    for title, _, value, low, high, unit, *_, remark in readings.rows(level)[1]:
+        slope = (f"{value:.3f}", f"{low:.3f} .. {high:.3f}")  # which has no unit
+        rows.append([title, *(digits(value, low, high).plain() if unit else slope), unit, remark])
     return Table(heads, rows, key=KEY)
-
-
-def _cells(q: Quantity, readings: Readings) -> list[str]:
-    if q.power is None:
-        return [f"{q.value:.3f}", f"{q.low:.3f} .. {q.high:.3f}", ""]
-    unit = readings.shown_unit(q.power)
-    factor = convert(1.0, readings.signal.si[q.power], unit)
-    return [*digits(*(v * factor for v in (q.value, q.low, q.high))).plain(), unit]
 
 
 def _face(readings: Readings, level: float) -> Face:

@@ -15,10 +15,10 @@ from allanite.statespace.build import MEASUREMENTS
 from allanite.study.modelled import Modelled, StateSpaces
 
 from . import View
-from .modelled import Form, job_face, job_rows, one_face
+from .modelled import ModelledForm, job_face, job_rows, one_face
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 EQUATIONS = say("matrices in SI units: x' = Phi x + w, sample = H x + v")
 KEY = say(
@@ -26,10 +26,6 @@ KEY = say(
     "states at the start. The table shows the diagonals."
 )
 DRAWN = say("Allan deviation of the state space, of the model, and as measured; below, the state space over the model.")
-
-
-def _about(space: StateSpace) -> str:
-    return f"{space.rate:.8g} Hz; {space.model}"
 
 
 def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
@@ -69,7 +65,7 @@ def _matrix(label: str, matrix: np.ndarray) -> Iterator[str]:
         yield f"{opening}{cells}]" + ("]" if i == len(rows) - 1 else ",")
 
 
-def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
     """A state space, perhaps with measured curves after it; or those of all channels, each with its own curve."""
     spaces: list[tuple[str, StateSpace, list[Curve]]] = []
     for value in values:
@@ -84,7 +80,14 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Figure":
     return figures.plot_state_spaces(spaces, level=level)
 
 
-_FORM = Form(say("model"), say("State space of"), say("state space of an inertial sensor's noise"), _about, _parts, KEY)
+_FORM = ModelledForm(
+    say("model"),
+    say("State space of"),
+    say("state space of an inertial sensor's noise"),
+    lambda space: f"{space.rate:.8g} Hz; {space.model}",
+    _parts,
+    KEY,
+)
 
 SPACE = View(one_face(_FORM), _plot, lambda space, _: space.rows())
 SPACES = View(job_face(_FORM), _plot, job_rows)

@@ -13,7 +13,7 @@ from .jobs import channel_sheet, job_face, source_of
 from .values import BRAND, FORMS, numbers_table, rows_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 
 def _face(survey: Survey, level: float) -> Face:
@@ -27,7 +27,7 @@ def _face(survey: Survey, level: float) -> Face:
     return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])
 
 
-def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> "Figure":
+def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> "Plot":
     shown = [value for survey in values for value in survey.values]
     fits = {name: found for survey in values for name, found in survey.fits.items()}
     return FORMS[type(shown[0])].plot(shown, fits, level)

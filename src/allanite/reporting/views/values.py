@@ -20,7 +20,7 @@ from allanite.statistics import STATISTICS
 from . import Rows, View
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from allanite.reporting.style import Plot
 
 BRAND = say("statistics of an inertial sensor")
 
@@ -28,14 +28,14 @@ MOST_COLUMNS = 8
 """Averaging times of a surface that are printed."""
 
 
-class Form(NamedTuple):
+class NumbersForm(NamedTuple):
     """What is written of a value: title, headings, cells of its rows, and the rows of a CSV file."""
 
     title: Callable[[Any], str]
     table: Callable[[Any, float], tuple[list[str], list[list[str]]]]
     headings: tuple[str, ...]
     rows: Callable[[Any, float], Iterator[list[Any]]]
-    plot: "Callable[[Sequence[Any], dict[str, Fit], float], Figure]"
+    plot: "Callable[[Sequence[Any], dict[str, Fit], float], Plot]"
 
 
 def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
@@ -104,10 +104,6 @@ def _number(value: float) -> str:
     return digits(value).plain()[0] if np.isfinite(value) else ""
 
 
-def _curve_title(curve: Curve) -> str:
-    return say("{statistic} in {unit}", statistic=STATISTICS[curve.statistic].title, unit=curve.unit)
-
-
 def _spectrum_title(spectrum: Spectrum) -> str:
     named = {"unit": spectrum.density_unit, "method": spectrum.method}
     if spectrum.sides == "one":
@@ -145,28 +141,28 @@ def _surface_lines(surface: Surface, _: float) -> Iterator[list[Any]]:
         yield [surface.name, surface.statistic, time, m, tau, "" if np.isnan(value) else value, surface.unit, count]
 
 
-def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Figure":
-    panels = [figures.Panel(curve.name, curve, fits.get(curve.name)) for curve in curves]
+def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Plot":
+    panels = [figures.CurvePanel(curve.name, curve, fits.get(curve.name)) for curve in curves]
     draw = figures.plot_panels if len(panels) == 1 else figures.plot_overlay
     return draw(panels, level=level)
 
 
-FORMS: dict[type, Form] = {
-    Curve: Form(
-        _curve_title,
+FORMS: dict[type, NumbersForm] = {
+    Curve: NumbersForm(
+        lambda curve: say("{statistic} in {unit}", statistic=STATISTICS[curve.statistic].title, unit=curve.unit),
         _curve_table,
         ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count", "alpha"),
         _curve_lines,
         _plot_curves,
     ),
-    Spectrum: Form(
+    Spectrum: NumbersForm(
         _spectrum_title,
         _spectrum_table,
         ("channel", "frequency_hz", "density", "low", "high", "unit", "sides", "amplitude", "amplitude_unit", "dof"),
         _spectrum_lines,
         lambda spectra, fits, level: figures.plot_spectra(spectra, fits, level=level),
     ),
-    Surface: Form(
+    Surface: NumbersForm(
         _surface_title,
         _surface_table,
         ("channel", "statistic", "time_s", "m", "tau_s", "deviation", "unit", "count"),
@@ -186,7 +182,7 @@ def _one_face(value: Any, level: float) -> Face:
     return Face(title, BRAND, (sheet,))
 
 
-def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Figure":
+def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     kinds = {type(value) for value in values}
     if len(kinds) > 1:
         raise UsageError(

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 
 from allanite.core.arrays import mean_and_deviation
-from allanite.core.estimate import Estimate
 from allanite.core.header import Header
 from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, graded
@@ -41,11 +40,17 @@ def verdict(channel: Channel, level: float) -> str:
         return say("{channel} gives no result: {reason}.", channel=name, reason=reason)
     if not channel.explained:
         return say("{channel}: not explained. Its coefficients are not valid.", channel=name)
-    found = [_found(e, level) for e in channel.fit if e.value is not None and e.status != "not valid"]
-    sensor = words.A_SENSOR[channel.record.signal.name]
+    found = []
+    for e in channel.fit:
+        if e.value is not None and e.status != "not valid":
+            said = join(" ", (words.named(e, level), words.number(e, level)))
+            found.append(say("{term} (weak)", term=said) if e.status == "weak" else said)
+    sensor = channel.record.signal.a_sensor
     first = say("{channel} is {sensor} of which no noise term was identified.", channel=name, sensor=sensor)
     if found:
-        first = say("{channel} is {sensor} with {terms}.", channel=name, sensor=sensor, terms=_join(found))
+        *others, last = found
+        terms = say("{terms} and {last}", terms=join(", ", others), last=last) if others else last
+        first = say("{channel} is {sensor} with {terms}.", channel=name, sensor=sensor, terms=terms)
     return join(" ", (first, *_missing(channel), *_reservation(channel)))
 
 
@@ -71,12 +76,3 @@ def _reservation(channel: Channel) -> Iterator[Phrase]:
     noise = channel.noise
     if noise is not None and noise.validity == APPROXIMATE:
         yield say("{sentence}.", sentence=words.capital(graded(noise.validity, noise.fit.scope)))
-
-
-def _found(estimate: Estimate, level: float) -> Phrase:
-    said = join(" ", (words.named(estimate, level), words.number(estimate, level)))
-    return say("{term} (weak)", term=said) if estimate.status == "weak" else said
-
-
-def _join(parts: list[Phrase]) -> Phrase:
-    return say("{terms} and {last}", terms=join(", ", parts[:-1]), last=parts[-1]) if len(parts) > 1 else parts[0]

@@ -1,9 +1,8 @@
 """How gyro-verticals are shown: time constant, predicted error by source, roll and pitch, filters in scenarios."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from allanite.applications.attitude.filters import FILTERS
 from allanite.applications.attitude.loop import Loop
 from allanite.applications.attitude.optimum import Optimum
 from allanite.applications.attitude.prediction import Prediction, texts
-from allanite.applications.attitude.result import Angle, VerticalChannel, VerticalStudy
+from allanite.applications.attitude.result import Angle, VerticalStudy
 from allanite.applications.attitude.trials import ScenarioErrors, VerticalDesign
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
@@ -42,13 +41,6 @@ COMPARED = say(
 
 
 def _optimum_parts(found: Optimum, name: str = "") -> Iterator[Part]:
-    yield from _sentences(found)
-    yield _sources(found)
-    yield _detuning(found)
-    yield Drawing(lambda: figures.plot_optima([(name, found)]), say("filter and errors"), DRAWN)
-
-
-def _sentences(found: Optimum) -> Iterator[Note]:
     first, second = found.first, found.second
     yield Note(
         say("time constant {tau:.4g} s: RMS error {error:.3g} arcsec, with a filter of first order",
@@ -72,6 +64,15 @@ def _sentences(found: Optimum) -> Iterator[Note]:
     if first.floor:
         yield Note(say("floor: {floor:.3g} arcsec from flicker and bias of the accelerometer, which no time constant "
                        "removes", floor=first.floor / ARCSEC))  # fmt: skip
+    yield _sources(found)
+    heads = (Column(say("factor")), Column(say("time constant [s]")), Column(say("RMS error [arcsec]")),
+             Column(say("over the least")))  # fmt: skip
+    rows = [
+        [f"{k:g}", f"{k * found.time_constant:.4g}", f"{rms / ARCSEC:.4g}", f"{rms / found.first.rms:.3f}"]
+        for k, rms in found.detuning
+    ]
+    yield Table(heads, rows, say("detuning"), key=DETUNED)
+    yield Drawing(lambda: figures.plot_optima([(name, found)]), say("filter and errors"), DRAWN)
 
 
 def _sources(found: Optimum) -> Table:
@@ -81,33 +82,15 @@ def _sources(found: Optimum) -> Table:
     heads += [Column(say("second order [arcsec]"))] if second is not None else []
     others = second.sources if second is not None else found.first.sources
     rows = []
-    for s, other in zip(found.first.sources, _aligned(found.first.sources, others), strict=True):
+    known = {(o.sensor, o.text): o.rms for o in others}
+    for s in found.first.sources:
         share = words.percent(s.rms**2 / found.first.rms**2, 2)
-        row = [_named(s.sensor), s.text, f"{s.rms / ARCSEC:.3g}", share]
-        rows.append([*row, f"{other / ARCSEC:.3g}"] if second is not None else row)
+        row = [say("gyro") if s.sensor == "gyro" else say("accelerometer"), s.text, f"{s.rms / ARCSEC:.3g}", share]
+        rows.append([*row, f"{known.get((s.sensor, s.text), 0.0) / ARCSEC:.3g}"] if second is not None else row)
     last = [say("all"), "", f"{found.first.rms / ARCSEC:.4g}", "100 %"]
     rows.append([*last, f"{second.rms / ARCSEC:.4g}"] if second is not None else last)
     marks: list[Mark] = ["strong" if i == len(rows) - 1 else "" for i in range(len(rows))]
     return Table(heads, rows, say("error by source"), marks=marks, key=KEY)
-
-
-def _aligned(sources: Sequence[Any], others: Sequence[Any]) -> list[float]:
-    known = {(o.sensor, o.text): o.rms for o in others}
-    return [known.get((s.sensor, s.text), 0.0) for s in sources]
-
-
-def _named(sensor: str) -> str:
-    return say("gyro") if sensor == "gyro" else say("accelerometer")
-
-
-def _detuning(found: Optimum) -> Table:
-    heads = (Column(say("factor")), Column(say("time constant [s]")), Column(say("RMS error [arcsec]")),
-             Column(say("over the least")))  # fmt: skip
-    rows = [
-        [f"{k:g}", f"{k * found.time_constant:.4g}", f"{rms / ARCSEC:.4g}", f"{rms / found.first.rms:.3f}"]
-        for k, rms in found.detuning
-    ]
-    return Table(heads, rows, say("detuning"), key=DETUNED)
 
 
 def _matrices(loop: Loop, rate: float) -> Code:
@@ -134,17 +117,6 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
     same = len(set(found.winners)) == 1
     head = say("one filter is the best in all scenarios") if same else say("no filter is the best in all scenarios")
     yield Note(head, "strong", points=best)
-    yield from _norm_gate(found)
-    heads = [Column(say("filter"), "name"), *(Column(join(" ", (s, "[deg]"))) for s in found.scenarios)]
-    cells = [
-        [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
-        for name, rms, worst in zip(found.filters, found.rms, found.worst, strict=True)
-    ]
-    yield Table(heads, cells, say("filters in the scenarios"), key=COMPARED)
-    yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), COMPARED)
-
-
-def _norm_gate(found: ScenarioErrors) -> Iterator[Note]:
     named = dict(zip(found.filters, found.rms, strict=True))
     plain, gated = named.get("first order, 100 s"), named.get("100 s, norm gate 0.02 g")
     if plain is not None and gated is not None:
@@ -153,6 +125,13 @@ def _norm_gate(found: ScenarioErrors) -> Iterator[Note]:
                 "{gated:.4g} deg with the gate, {plain:.4g} deg without", gated=math.degrees(gated[1]),
                 plain=math.degrees(plain[1]))
         )  # fmt: skip
+    heads = [Column(say("filter"), "name"), *(Column(join(" ", (s, "[deg]"))) for s in found.scenarios)]
+    cells = [
+        [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
+        for name, rms, worst in zip(found.filters, found.rms, found.worst, strict=True)
+    ]
+    yield Table(heads, cells, say("filters in the scenarios"), key=COMPARED)
+    yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), COMPARED)
 
 
 def _design_face(found: VerticalDesign, _: float) -> Face:
@@ -184,8 +163,31 @@ def _filters() -> Table:
 
 
 def _study_face(study: VerticalStudy, _: float) -> Face:
-    sheets = [_angle_sheet(study, angle) for angle in study.angles]
-    sheets += [_channel_sheet(channel) for channel in study]
+    sheets = []
+    for angle in study.angles:
+        about = (say("{first} and {last}", first=angle.gyro, last=angle.accelerometer),)
+        parts: list[Part] = [Note(
+            say("mean {mean:.4f} deg, standard deviation {deviation:.3g} arcsec", mean=math.degrees(angle.mean),
+                deviation=angle.deviation / ARCSEC)
+        )]  # fmt: skip
+        p = angle.prediction
+        if p is not None:
+            parts.append(Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
+                                  error=p.to("arcsec"), limit=2 * p.to("deg")), "strong"))  # fmt: skip
+            parts += _doubt(angle, p)
+        elif angle.optimum is None and not angle.doubts:
+            parts.append(Note(say("no prediction: the noise of its sensors is not known"), "alert"))
+        else:
+            parts.append(Note(say("no prediction: the filter is not linear")))
+        parts += [Note(doubt, "alert") for doubt in angle.doubts]
+        if angle.optimum is not None:
+            parts.append(Note(say("the best filters for this angle alone:")))
+            parts += _optimum_parts(angle.optimum, angle.name)
+        sheets.append(Sheet(angle.name, about, tuple(parts)))
+    for channel in study:
+        parts = [] if channel.model is None else [Note(say("noise: {model}", model=texts(channel.model)))]
+        parts += [Note(text) for text in channel.left_out]
+        sheets.append(channel_sheet(channel, parts))
     face = job_face(study, (say("Roll and pitch of {source}", source=source_of(study)), BRAND), sheets, _remarks(study))
     drawing = Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES)
     return replace(face, parts=[*face.parts, drawing], close=[_matrices(study.loop, study.rate)], how=[_filters()])
@@ -205,28 +207,6 @@ def _remarks(study: VerticalStudy) -> Iterator[Part]:
         yield Note(say("the accelerometers were ignored in {count} samples", count=study.held - study.falling))
 
 
-def _angle_sheet(study: VerticalStudy, angle: Angle) -> Sheet:
-    about = (say("{first} and {last}", first=angle.gyro, last=angle.accelerometer),)
-    parts: list[Part] = [Note(
-        say("mean {mean:.4f} deg, standard deviation {deviation:.3g} arcsec", mean=math.degrees(angle.mean),
-            deviation=angle.deviation / ARCSEC)
-    )]  # fmt: skip
-    p = angle.prediction
-    if p is not None:
-        parts.append(Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
-                              error=p.to("arcsec"), limit=2 * p.to("deg")), "strong"))  # fmt: skip
-        parts += _doubt(angle, p)
-    elif angle.optimum is None and not angle.doubts:
-        parts.append(Note(say("no prediction: the noise of its sensors is not known"), "alert"))
-    else:
-        parts.append(Note(say("no prediction: the filter is not linear")))
-    parts += [Note(doubt, "alert") for doubt in angle.doubts]
-    if angle.optimum is not None:
-        parts.append(Note(say("the best filters for this angle alone:")))
-        parts += _optimum_parts(angle.optimum, angle.name)
-    return Sheet(angle.name, about, tuple(parts))
-
-
 def _doubt(angle: Angle, p: Prediction) -> list[Part]:
     """A measured scatter that the prediction does not explain."""
     if not isinstance(angle.record, Record) or angle.deviation < BEYOND * p.rms:
@@ -239,12 +219,6 @@ def _doubt(angle: Angle, p: Prediction) -> list[Part]:
 
 BEYOND = 1.5
 """Ratio of measured and predicted scatter from which it is mentioned."""
-
-
-def _channel_sheet(channel: VerticalChannel) -> Sheet:
-    parts = [] if channel.model is None else [Note(say("noise: {model}", model=texts(channel.model)))]
-    parts += [Note(text) for text in channel.left_out]
-    return channel_sheet(channel, parts)
 
 
 def _study_rows(study: VerticalStudy, _: float) -> Rows:
@@ -260,19 +234,13 @@ def _scenario_rows(found: ScenarioErrors) -> Rows:
     return heads, [[name, *row] for name, row in zip(found.filters, pairs.tolist(), strict=True)]
 
 
-def _design_rows(found: VerticalDesign, _: float) -> Rows:
-    return found.optimum.rows() if found.scenarios is None else _scenario_rows(found.scenarios)
-
-
 STUDY = View(_study_face, lambda values, fit, level: figures.plot_angles(values[0].angles), _study_rows)
 DESIGN = View(
-    _design_face, lambda values, fit, level: figures.plot_optima([("", v.optimum) for v in values]), _design_rows
+    _design_face,
+    lambda values, fit, level: figures.plot_optima([("", v.optimum) for v in values]),
+    lambda found, _: found.optimum.rows() if found.scenarios is None else _scenario_rows(found.scenarios),
 )
-OPTIMUM = View(
-    lambda found, level: _design_face(VerticalDesign(found), level),
-    lambda values, fit, level: figures.plot_optima([("", v) for v in values]),
-    lambda found, level: found.rows(),
-)
+OPTIMUM = DESIGN.through(VerticalDesign)
 SCENARIOS = View(
     lambda found, level: Face(say("Filters in scenarios"), BRAND, (Sheet("", (), tuple(_scenario_parts(found))),)),
     lambda values, fit, level: figures.plot_scenarios(values[0]),
