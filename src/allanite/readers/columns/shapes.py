@@ -15,11 +15,16 @@ _CHECKSUM = re.compile(rb"\*[0-9A-Fa-f]{2}(?=\r?\n|$)")
 def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     """The text with one line per sample, and a note on what was transposed or joined."""
     if data.lstrip().startswith(b"$"):
-        data = _CHECKSUM.sub(b"", data)
+        data = without_checksums(data)
     turned = _turned(data)
     if turned is not None:
         return turned
     return _joined(data) or (data, ())
+
+
+def without_checksums(data: bytes) -> bytes:
+    """The lines without the checksums of sentences at their ends."""
+    return _CHECKSUM.sub(b"", data)
 
 
 def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:

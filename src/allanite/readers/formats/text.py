@@ -1,20 +1,28 @@
 """Text and CSV: columns of numbers with any delimiter, with or without a header."""
 
+import math
 import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns import dates, encoding, layout, parse, sensors, shapes
+from allanite.readers.columns import dates, encoding, layout, lines, parse, sensors, shapes
 from allanite.readers.columns.column import Column, headed
+from allanite.readers.columns.parts import Parts
 from allanite.readers.columns.table import KEY, Table, described, restored, with_units
 from allanite.readers.options import Options
 
 TITLE = "text or CSV: columns of numbers, with or without a header"
+
+DENSITY = 0.5
+"""Samples in a byte, at most: a digit and a delimiter."""
 
 _COMMENT = re.compile(rb'# (\{"%s": .*\})\r?\n' % KEY.encode())
 
@@ -41,6 +49,55 @@ def read(path: str, options: Options) -> Recording:
     data, notes = _opened(path)
     comment = _COMMENT.match(data)
     return restored(arranged(columns_of(data, notes), options), comment[1] if comment else "").recording(options)
+
+
+def parts(path: str, options: Options) -> Parts | None:
+    """The rows of a text file, a block of lines at a time; see `streamed`."""
+    return streamed(lines.chunks_of(path), options)
+
+
+def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
+    """The rows of a text whose bytes are read like this; None if its lines are not the rows of one sensor.
+
+    It is read once to count the rows, to see its encoding and the order of its dates.
+    """
+    text = lines.Lines(chunks, *encoding.encoding_of(chunks))
+    first, whole = next(text.blocks(), (b"", True))
+    if shapes.straightened(first)[1]:
+        return None
+    found, comment = _layout(first), _COMMENT.match(first)
+    forms = parse.forms_of(first, found, last=whole)
+    rows, passed = 0, tuple[str, ...]()
+    for block, part, last in text.rows(found):
+        body, passed = parse.clean_rows(block, part, last=last)
+        rows += parse.count(body)
+        parse.see_order(body, part, forms)
+    values = parse.columns(first, found, last=whole)[0]
+    columns, tags, said = of_parsed(values, found.names, found.units)
+    if sensors.turns(columns, tags) is not None:
+        return None
+    notes = (*encoding.noted(text.codec, text.name), *found.notes, *passed, *said)
+    head = restored(arranged(Parsed(columns, tags, notes, found.nominal), options), comment[1] if comment else "")
+
+    def blocks(wanted: Sequence[int], at_once: int) -> Iterator[list[NDArray[Any]]]:
+        seen, before = replace(forms), dict[int, NDArray[Any]]()
+
+        def past_midnight(time: NDArray[Any], position: int) -> NDArray[Any]:
+            before[position] = dates.continued(_stamps(time), before.get(position, np.empty(0)))
+            return before[position]
+
+        for block, part, last in text.rows(found):
+            values = _dated(parse.columns(block, part, seen, last=last)[0], list(part.names))[0]
+            made = list[NDArray[Any]]()
+            for column in (head.columns[i] for i in wanted):
+                entry: Any = values[column.position - 1]
+                if entry.dtype.kind in "mM":
+                    entry = _stamps(entry) if entry.dtype.kind == "M" else past_midnight(entry, column.position)
+                made.append(entry.astype(np.float64, copy=False) if column.values.dtype.kind == "f" else entry)
+            count = max(1, math.ceil(len(made[0]) / at_once))
+            yield from map(list, zip(*(np.array_split(each, count) for each in made), strict=True))
+
+    return Parts(head, rows, blocks, options)
 
 
 def arranged(found: Parsed, options: Options) -> Table:
@@ -74,29 +131,27 @@ def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
 
 def columns_of(data: bytes, notes: tuple[str, ...] = ()) -> Parsed:
     """The columns of a text in UTF-8, after these notes."""
-    found = layout.find(data)
-    if found.width > shapes.WIDEST:
-        raise DataError(
-            f"line {found.line} contains {found.width} numbers; expected one row per sample, each on its own line"
-        )
+    found = _layout(data)
     values, passed = parse.columns(data, found)
     columns, tags, said = of_parsed(values, found.names, found.units)
     return Parsed(columns, tags, (*notes, *found.notes, *passed, *said), found.nominal)
 
 
+def _layout(data: bytes) -> layout.Layout:
+    found = layout.find(data)
+    if found.width > shapes.WIDEST:
+        raise DataError(
+            f"line {found.line} contains {found.width} numbers; expected one row per sample, each on its own line"
+        )
+    return found
+
+
 def _opened(path: str) -> tuple[bytes, tuple[str, ...]]:
     """The text of a file in UTF-8, one line per sample, and the assumptions."""
     data, assumed = encoding.in_utf8(Path(path).read_bytes())
-    data, turned = shapes.straightened(_plain(data))
+    data = lines.plain(data).removesuffix(b"\x1a")
+    data, turned = shapes.straightened(data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n"))
     return data, (*assumed, *turned)
-
-
-def _plain(data: bytes) -> bytes:
-    """The text without a byte order mark, with line ends that contain a newline."""
-    data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
-    if b"\x00" in data:
-        raise DataError(f"there is a zero byte at byte {data.index(0)} of the text: the file is damaged or binary")
-    return data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n")
 
 
 def of_parsed(
@@ -149,13 +204,16 @@ def _column(values: Any, place: int, name: str, unit: str) -> Column:
     if values.dtype == "datetime64[D]":
         return headed(np.empty(0), place + 1, name, text=str(values[0]))
     if values.dtype.kind in "mM":
-        stamps = dates.past_midnight(values) if values.dtype.kind == "m" else values.astype(np.int64)
-        missing = np.isnat(values)
-        if missing.any():
-            stamps = np.where(missing, np.nan, stamps)
         usual = "time of day" if values.dtype.kind == "m" else "date and time"
-        return Column(stamps, place + 1, name or usual, "ns", header=name)
+        return Column(_stamps(values), place + 1, name or usual, "ns", header=name)
     return headed(values, place + 1, name, unit=unit)
+
+
+def _stamps(values: parse.Values) -> parse.Values:
+    """Nanoseconds of dates or times of day; NaN where there is none."""
+    stamps = dates.past_midnight(values) if values.dtype.kind == "m" else values.astype(np.int64)
+    missing = np.isnat(values)
+    return np.where(missing, np.nan, stamps) if missing.any() else stamps
 
 
 def _word(name: str) -> str:
