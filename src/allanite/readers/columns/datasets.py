@@ -18,8 +18,8 @@ from allanite.readers.options import Options
 
 from . import headers
 from .arrays import RATE_NAMES, column, split, turned, turned_note
-from .column import Column, some
-from .table import Table, restored
+from .column import FileColumn, some
+from .table import FileTable, restored
 
 WIDEST = 1000
 """Maximum number of columns of a dataset; anything wider is an image or a matrix, not a recording."""
@@ -118,7 +118,7 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
 
 def arranged(
     found: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = ""
-) -> tuple[Table, Options, Family]:
+) -> tuple[FileTable, Options, Family]:
     """The table of the datasets that belong together, the options for it, and these datasets; see `recording`."""
     series = [dataset for dataset in found if dataset.is_series]
     if not series:
@@ -134,17 +134,17 @@ def arranged(
         *([say("left out, of different length, clock or shape: {names}", names=some(left))] if left else []),
     ]
     stem = posixpath.commonpath([dataset.parent.strip("/") or "." for dataset in family])
-    columns = list[Column]()
+    columns = list[FileColumn]()
     for dataset in family:
         array = dataset.load()
         notes += [turned_note(dataset.path, array)] if turned(array) else []
         pieces = enumerate(split(dataset.path, array, dataset.names), places[dataset.path])
         columns += [_column(piece, position, dataset.unit, stem) for position, piece in pieces]
     rate, source = next(((d.rate, d.source) for d in family if d.rate), (None, ""))
-    return restored(Table(tuple(columns), rate, source, tuple(notes)), text), options, family
+    return restored(FileTable(tuple(columns), rate, source, tuple(notes)), text), options, family
 
 
-def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str) -> Column:
+def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str) -> FileColumn:
     header, values = piece
     short = header.removeprefix(f"{stem}/")
     made = column(short, values, position, unit=unit)

@@ -39,7 +39,7 @@ def plain(data: bytes, before: int = 0) -> bytes:
 
 
 @dataclass(frozen=True)
-class Lines:
+class TextLines:
     """The lines of a file in UTF-8; `codec` and `name` are the encoding of the file, empty if it is UTF-8."""
 
     chunks: Chunks

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from allanite.phrases.phrase import Phrase, say
 from allanite.readers.options import Options
 
-from .column import Column
+from .column import FileColumn
 
 _SECONDS = re.compile(r"(?:tv_)?(s|secs?|seconds?)$")
 _PARTS = re.compile(r"(?:tv_)?(n|u|nano|micro)(?:s|secs?|seconds?)$")
 _PER_SECOND = {"n": 10**9, "u": 10**6, "nano": 10**9, "micro": 10**6}
 
 
-def joined(columns: tuple[Column, ...], options: Options) -> tuple[tuple[Column, ...], tuple[Phrase, ...]]:
+def joined(columns: tuple[FileColumn, ...], options: Options) -> tuple[tuple[FileColumn, ...], tuple[Phrase, ...]]:
     """The columns with each pair of seconds and fractions as one clock, and notes; those named by the user stay apart.
 
     Both are whole numbers, such as ``header.stamp.sec`` and ``header.stamp.nanosec`` of ROS, and are added as such:
@@ -51,13 +51,13 @@ def joined(columns: tuple[Column, ...], options: Options) -> tuple[tuple[Column,
     return columns, tuple(notes)
 
 
-def _fraction(column: Column) -> list[tuple[str, int]]:
+def _fraction(column: FileColumn) -> list[tuple[str, int]]:
     """The name of a clock and the parts of a second, if a column holds such parts by its name."""
     clock, unit = _ending(column, _PARTS)
     return [(clock, _PER_SECOND[unit])] if unit and not column.text else []
 
 
-def _ending(column: Column, units: re.Pattern[str]) -> tuple[str, str]:
+def _ending(column: FileColumn, units: re.Pattern[str]) -> tuple[str, str]:
     """A name without the unit at its end and the signs between, and the unit; both are empty if there is none."""
     name = column.name.strip().lower()
     found = units.search(name)

@@ -12,7 +12,7 @@ from allanite.readers.options import Options
 
 from . import headers
 from .column import some
-from .table import Table
+from .table import FileTable
 
 MOST = 30
 """Maximum number of streams that a message lists."""
@@ -31,7 +31,7 @@ class Stream:
     name: str
     count: int
     columns: tuple[str, ...]
-    table: Callable[[], Table]
+    table: Callable[[], FileTable]
     rate: float | None = None
     fits: int = 1
     type: str = ""
@@ -79,7 +79,9 @@ def recording(streams: Sequence[Stream], options: Options, notes: Sequence[str] 
     return table.recording(narrowed)
 
 
-def arranged(streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()) -> tuple[Stream, Table, Options]:
+def arranged(
+    streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()
+) -> tuple[Stream, FileTable, Options]:
     """The stream that is wanted, its table, and the options for that; see `recording`."""
     if not streams:
         raise DataError(say("the file contains no rows of numbers; check that the recording was saved"))

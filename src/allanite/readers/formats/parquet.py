@@ -11,10 +11,10 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
-from allanite.readers.columns.column import Column, headed
+from allanite.readers.columns.column import FileColumn, headed
 from allanite.readers.columns.datasets import WIDEST
 from allanite.readers.columns.parts import HEAD, Parts
-from allanite.readers.columns.table import KEY, Table, described, restored, with_units
+from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 
@@ -76,7 +76,7 @@ def _chunked(array: Any) -> Any:
     return pa.chunked_array([array])
 
 
-def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> Table:
+def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> FileTable:
     """The columns of a file; `load` reads that of a field which so many of the same name precede."""
     import pyarrow as pa
 
@@ -87,14 +87,14 @@ def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> Table:
     demand_size(_unpacked(file.metadata), path, "the table")
     names = schema.names
     rate, text, index = _metadata(schema.metadata or {})
-    columns, left = list[Column](), list[str]()
+    columns, left = list[FileColumn](), list[str]()
     for place, field in enumerate(schema, 1):
         if pa.types.is_nested(field.type):
             left.append(field.name)
         else:
             columns.append(_column(file, field, place, (names[: place - 1].count(field.name), load)))
     notes = (say("left out, lists or structures: {names}", names=", ".join(left)),) if left else ()
-    table = Table(tuple(c for c in columns if c.name not in index), rate, say("the metadata of the file"), notes)
+    table = FileTable(tuple(c for c in columns if c.name not in index), rate, say("the metadata of the file"), notes)
     return restored(table, text)
 
 
@@ -141,7 +141,7 @@ def _index(said: dict[bytes, bytes]) -> set[str]:
     return {name for name in names if isinstance(name, str) and name.startswith("__index_level_")}
 
 
-def _column(file: Any, field: Any, place: int, how: tuple[int, Callable[[Any, int], Any]]) -> Column:
+def _column(file: Any, field: Any, place: int, how: tuple[int, Callable[[Any, int], Any]]) -> FileColumn:
     """A column, by how many of the same name precede it, and what loads it."""
     before, load = how
     said = field.metadata or {}

@@ -17,7 +17,7 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.readers.columns import parse, streams
 from allanite.readers.columns.layout import Layout, is_number
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import worded
 
@@ -136,13 +136,13 @@ def _stream(name: str, kind: _Kind) -> streams.Stream:
     names = names if len(names) == width else ("",) * width
     count = sum(fields is not None for fields in kind.fields)
 
-    def load() -> Table:
+    def load() -> FileTable:
         return _table(name, names, kind)
 
     return streams.Stream(name, count, names, load, fits=streams.inertial(names))
 
 
-def _table(name: str, names: tuple[str, ...], kind: _Kind) -> Table:
+def _table(name: str, names: tuple[str, ...], kind: _Kind) -> FileTable:
     """The fields as columns, after the time stamps if the logger wrote any before the sentences."""
     width = len(names)
     pairs = [
@@ -164,4 +164,4 @@ def _table(name: str, names: tuple[str, ...], kind: _Kind) -> Table:
     values, _ = parse.columns(("\n".join(rows) + "\n").encode(), layout)
     columns, _, said = text.of_parsed(values, heads, layout.units)
     made = (replace(c, kind="increment") if c.name.startswith("delta_") else c for c in columns)
-    return Table(tuple(made), notes=(*notes, *said))
+    return FileTable(tuple(made), notes=(*notes, *said))

@@ -14,9 +14,9 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns import dates, encoding, layout, lines, parse, sensors, shapes
-from allanite.readers.columns.column import Column, headed
+from allanite.readers.columns.column import FileColumn, headed
 from allanite.readers.columns.parts import Parts
-from allanite.readers.columns.table import KEY, Table, described, restored, with_units
+from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options
 
 TITLE = "text or CSV: columns of numbers, with or without a header"
@@ -38,7 +38,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 class Parsed(NamedTuple):
     """The columns of a text, those of few words by position, the assumptions, and the rate that its lines state."""
 
-    columns: list[Column]
+    columns: list[FileColumn]
     tags: dict[int, parse.Tags]
     notes: tuple[str, ...]
     nominal: tuple[float | None, str] = (None, "")
@@ -61,7 +61,7 @@ def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
 
     It is read once to count the rows, to see its encoding and the order of its dates.
     """
-    text = lines.Lines(chunks, *encoding.encoding_of(chunks))
+    text = lines.TextLines(chunks, *encoding.encoding_of(chunks))
     first, whole = next(text.blocks(), (b"", True))
     if shapes.straightened(first)[1]:
         return None
@@ -100,7 +100,7 @@ def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
     return Parts(head, rows, blocks, options)
 
 
-def arranged(found: Parsed, options: Options) -> Table:
+def arranged(found: Parsed, options: Options) -> FileTable:
     """The table of columns, those of several sensors separated."""
     columns, by = found.columns, sensors.turns(found.columns, found.tags)
     if by is None:
@@ -108,7 +108,7 @@ def arranged(found: Parsed, options: Options) -> Table:
     else:
         groups, told = sensors.apart(columns, by)
         columns = sensors.wanted(groups, options.channels)
-    return Table(tuple(columns), notes=(*found.notes, *told), nominal=found.nominal)
+    return FileTable(tuple(columns), notes=(*found.notes, *told), nominal=found.nominal)
 
 
 def write(recording: Recording, path: str) -> None:
@@ -123,7 +123,7 @@ def write(recording: Recording, path: str) -> None:
         csv.write_csv(table, file, csv.WriteOptions(include_header=False, quoting_style="none"))
 
 
-def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
+def sheet_of(path: str) -> tuple[list[FileColumn], tuple[str, ...]]:
     """The columns of a text file, of any kind, and the assumptions; errors are those of `read`."""
     found = columns_of(*_opened(path))
     return found.columns, found.notes
@@ -156,10 +156,10 @@ def _opened(path: str) -> tuple[bytes, tuple[str, ...]]:
 
 def of_parsed(
     values: list[parse.Parsed], headers: tuple[str, ...], units: tuple[str, ...]
-) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
+) -> tuple[list[FileColumn], dict[int, parse.Tags], tuple[str, ...]]:
     """The columns, those of few words by position, and notes about joined dates and times."""
     values, names, notes = _dated(values, list(headers))
-    columns: list[Column] = []
+    columns: list[FileColumn] = []
     tags = {}
     for place, entry in enumerate(values):
         if entry is None:
@@ -198,14 +198,14 @@ def _is(values: parse.Parsed, dtype: str) -> TypeGuard[parse.Values]:
     return isinstance(values, np.ndarray) and values.dtype == dtype
 
 
-def _column(values: Any, place: int, name: str, unit: str) -> Column:
+def _column(values: Any, place: int, name: str, unit: str) -> FileColumn:
     if isinstance(values, (str, parse.Tags)):
         return headed(np.empty(0), place + 1, name, text=values if isinstance(values, str) else values.words[0])
     if values.dtype == "datetime64[D]":
         return headed(np.empty(0), place + 1, name, text=str(values[0]))
     if values.dtype.kind in "mM":
         usual = "time of day" if values.dtype.kind == "m" else "date and time"
-        return Column(_stamps(values), place + 1, name or usual, "ns", header=name)
+        return FileColumn(_stamps(values), place + 1, name or usual, "ns", header=name)
     return headed(values, place + 1, name, unit=unit)
 
 

@@ -14,7 +14,7 @@ from typing import IO, Any, NamedTuple
 
 from allanite.core.errors import DataError, UsageError
 
-from .guard import demand_size, most, within, worded
+from .guard import UnpackedPath, demand_size, most, worded
 from .source import HEAD, SEPARATOR, demand_directory, head_of
 
 DEPTH = 3
@@ -100,12 +100,13 @@ def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = Fal
             packing = packing_of(path, judge, only_by_suffix)
             if packing is None:
                 break
-            stack.enter_context(within(path))
+            limit = most(path)
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="allanite-", ignore_cleanup_errors=True))
             if packing is ZIP:
-                path, member = _member(path, member, judge, folder), ""
+                inner, member = _member(path, member, judge, folder), ""
             else:
-                path = _lone(path, packing, folder)
+                inner = _lone(path, packing, folder)
+            path = UnpackedPath(inner, limit)
         if member:
             raise UsageError(f"{SEPARATOR}{member} names a member of a .zip file, but this is not one")
         yield path
