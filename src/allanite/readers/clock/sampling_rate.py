@@ -82,17 +82,15 @@ def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArr
 def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
     """The time stamps, or the beat where there are none, or their unit is unknown."""
     given, column = rate if rate is not None else sources.rate, sources.stamps
-    unstamped = column is None or bool(given and column.text)
-    if unstamped and given is None:
+    if column is None and given is None:
         given = sources.stated
     first = sources.notes
     if rate is None and given is not None:
         source = sources.source if sources.rate else sources.stated_source
         first = (*first, say("rate {rate} Hz from {source}", rate=_shown(given), source=source))
     against = _against(sources, rate)
-    if column is None or unstamped:
-        unused = () if column is None else (say("{column} holds text and was not used", column=column.label),)
-        return replace(_unstamped(sources, given, (*first, *unused)), contradictions=against)
+    if column is None or (given and column.text):
+        return replace(_unstamped(sources, given, first), contradictions=against)
     column.demand_numbers()
     stamps, wrapped = unwrapped(column.values)
     again = (
@@ -100,9 +98,7 @@ def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
         if wrapped
         else ()
     )
-    unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given or sources.stated)
-    if not unit and not np.any(stamps != stamps[0]):
-        unit = "s"  # time stamps that are all equal are so in any unit
+    unit, guessed = _unit(sources, stamps, given or sources.stated)
     if not unit:
         known = Beat(given or 0.0, notes=first, contradictions=against)
         return known if given else Beat(questions=(_ask_unit(column),))
@@ -185,6 +181,8 @@ def _contradiction(rate: float, other: float, source: str, told: Sequence[str] =
 def _unstamped(sources: ClockSources, given: float | None, notes: tuple[str, ...]) -> Beat:
     """The beat without time stamps: missing samples from a counter, if the rate is given."""
     column = sources.counter
+    if sources.stamps is not None:
+        notes = (*notes, say("{column} holds text and was not used", column=sources.stamps.label))
     if given:
         return Beat(given, notes=notes, grid=counted_grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
     if sources.stated_source:
@@ -244,14 +242,16 @@ def _shown(rate: float) -> str:
     return repr(float(f"{rate:.7g}"))
 
 
-def _guess(stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
-    """The unit of time stamps whose header has none, and the text for the note."""
+def _unit(sources: ClockSources, stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
+    """The unit of time stamps, and the text for the note if it was guessed; empty if it is unknown."""
+    if sources.unit:
+        return sources.unit, ""
     if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
         return "s", say("time stamps assumed to be in seconds")
     low, high = (given / 3, 3 * given) if given else PLAUSIBLE
     fits = [unit for unit, rate in _readings(stamps) if low <= rate <= high]
-    if len(fits) != 1:
-        return "", ""
+    if len(fits) != 1:  # time stamps that are all equal are so in any unit
+        return "" if np.any(stamps != stamps[0]) else "s", ""
     if given:
         return fits[0], say("integer time stamps assumed to be in {unit}, consistent with the rate", unit=fits[0])
     return fits[0], say("integer time stamps assumed to be in {unit}, the only plausible unit", unit=fits[0])

@@ -1,8 +1,9 @@
 """Which columns are inertial signals, and what their samples are: unit, kind and scale."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
+from operator import attrgetter
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -69,18 +70,13 @@ def choose(
     columns: tuple[FileColumn, ...], options: Options, chosen: tuple[FileColumn, ...] | None, time: FileColumn | None
 ) -> Choice:
     """The signals among the columns: those chosen, or all that can be signals."""
-    pool = [column for column in columns if column is not time] if chosen is None else list(chosen)
     for column in chosen or ():
         column.demand_numbers()
-    asked_of = stated.of_columns(columns, options)
-    if chosen is None:
-        found = _otherwise([_candidate(column, asked_of(column), pool) for column in pool], options)
-    else:
-        found = [_resolved(column, asked_of(column).options, applies=True) for column in pool]
+    found = _judged(columns, options, chosen, time)
     signals = tuple(item for item in found if isinstance(item, SignalColumn))
     left = [item for item in found if isinstance(item, Left)]
     notes = (*_grouped((s.source, s.column) for s in signals if s.source), *_of_kind(signals, options))
-    findings = tuple(stated.against_headers((signal.column, signal.unit) for signal in signals))
+    findings = tuple(stated.against_headers(map(attrgetter("column", "unit"), signals)))
     reasons = _grouped((say("{reason}:", reason=item.why), item.column) for item in left)
     if (signals and chosen is None) or not left:
         return Choice(
@@ -117,6 +113,25 @@ def drivers(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     return tuple(islice(found, MOST_DRIVERS))
 
 
+def _judged(
+    columns: tuple[FileColumn, ...], options: Options, chosen: tuple[FileColumn, ...] | None, time: FileColumn | None
+) -> list[SignalColumn | Left]:
+    """What each column is of those chosen, or of all but the clock."""
+    asked_of = stated.of_columns(columns, options)
+    if chosen is not None:
+        return [_resolved(column, asked_of(column).options, applies=True) for column in chosen]
+    pool = [column for column in columns if column is not time]
+    found = [_candidate(column, asked_of(column), pool) for column in pool]
+    if any(isinstance(item, SignalColumn) for item in found):
+        return found
+    # where there is no signal, the columns with a unit of those that the user would also take
+    signals = [(item.column, headers.signal_of(item.column.unit)) for item in found if not item.column.text]
+    wanted = [column for column, signal in signals if signal is not None and signal.name in options.otherwise]
+    certain = {column.position for column in wanted if not headers.is_other(column.name)}
+    taken = certain or {column.position for column in wanted}
+    return [_resolved(i.column, options, applies=True) if i.column.position in taken else i for i in found]
+
+
 SENSORS = {"gyro": say("gyro"), "accelerometer": say("accelerometer")}
 
 
@@ -127,17 +142,6 @@ def _candidate(column: FileColumn, asked: Stated, pool: list[FileColumn]) -> Sig
     refused = _no_value if options.kind == "value" else _no_signal
     why = "" if said else refused(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, applies=asked.named or _applies(column, options))
-
-
-def _otherwise(found: list[SignalColumn | Left], options: Options) -> list[SignalColumn | Left]:
-    """The same, or where there is no signal, the columns with a unit of those that the user would also take."""
-    if any(isinstance(item, SignalColumn) for item in found):
-        return found
-    signals = [(item.column, headers.signal_of(item.column.unit)) for item in found if not item.column.text]
-    wanted = [column for column, signal in signals if signal is not None and signal.name in options.otherwise]
-    certain = {column.position for column in wanted if not headers.is_other(column.name)}
-    taken = certain or {column.position for column in wanted}
-    return [_resolved(i.column, options, applies=True) if i.column.position in taken else i for i in found]
 
 
 def _no_signal(column: FileColumn, options: Options) -> str:
@@ -214,22 +218,21 @@ def _applies(column: FileColumn, options: Options) -> bool:
 
 def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalColumn | Left:
     said = _said(column) if column.kind or options.kind == "value" or headers.signal_of(column.unit) else ""
-    unit = (options.unit if applies else None) or said
+    own = options if applies else replace(options, unit=None, units=(), kind=None, scale=None)
+    unit = own.unit or said
     if not unit:
         return Left(column, say("the unit is unknown"), _ask_unit())
-    kept = unit == column.unit
-    kind = (options.kind if applies else None) or (column.kind if kept else "")
+    known, scale = (column.kind, column.scale) if unit == column.unit else ("", None)
+    kind = own.kind or known
     fits = kinds_of(unit)
     if not fits:
         return Left(column, _strange(unit), _ask_unit())
     meanings = offered(unit, integers=column.values.dtype.kind == "i")
-    if kind and kind not in fits:
-        reason = say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind)
+    if (kind or "rate") not in fits:
+        unclear = say("{unit!r} does not determine what a sample is", unit=unit)
+        reason = say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind) if kind else unclear
         return Left(column, reason, say("pass what a sample is: {meanings}", meanings=meanings))
-    if not kind and "rate" not in fits:
-        reason = say("{unit!r} does not determine what a sample is", unit=unit)
-        return Left(column, reason, say("pass what a sample is: {meanings}", meanings=meanings))
-    scale = options.worth if applies and options.scale is not None else column.scale if kept else None
+    scale = scale if own.worth is None else own.worth
     return SignalColumn(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
 
 
@@ -241,19 +244,14 @@ def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> s
     if unit != column.unit:
         return say("unit {unit} as requested, overriding the header of", unit=unit)
     if column.kind:
-        return _stored(column, unit)
+        plain = say("kind {kind} from the file for", kind=KIND_WORDS[column.kind])
+        said = {"kind": KIND_WORDS[column.kind], "scale": column.scale, "unit": unit}
+        return plain if column.scale is None else say("kind {kind} of {scale:g} {unit} from the file for", **said)
     if known is not None:
         return say("unit {unit} by the definition of {family} for", unit=unit, family=known.family)
     if applies:
         return say("unit {unit} from the header of", unit=unit)
     return say("unit {unit}, which does not match {wanted}, from the header of", unit=unit, wanted=options.unit)
-
-
-def _stored(column: FileColumn, unit: str) -> str:
-    kind = KIND_WORDS[column.kind]
-    if column.scale is None:
-        return say("kind {kind} from the file for", kind=kind)
-    return say("kind {kind} of {scale:g} {unit} from the file for", kind=kind, scale=column.scale, unit=unit)
 
 
 def _of_kind(signals: tuple[SignalColumn, ...], options: Options) -> list[str]:

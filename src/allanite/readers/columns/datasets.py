@@ -4,7 +4,7 @@ import math
 import posixpath
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import accumulate, chain, islice
 from typing import Any
 
 import numpy as np
@@ -123,9 +123,11 @@ def arranged(
     series = [dataset for dataset in found if dataset.is_series]
     if not series:
         none = say("the file contains no array of samples, with one row per sample")
-        seen = [say("it contains {names}", names=some([str(one) for one in found]))] if found else []
+        seen = [say("it contains {names}", names=some(list(map(str, found))))] if found else []
         raise DataError(join("; ", (none, *seen)))
-    places = _places(series)
+    # the position of the first column of each, counted from 1 over all of them
+    firsts = accumulate((len(dataset.headers) for dataset in series), initial=1)
+    places = {dataset.path: place for dataset, place in zip(series, firsts, strict=False)}
     family = series if text else _chosen(_families(series), options, places)
     options, family = _narrowed(options, family)
     left = [str(dataset) for dataset in found if dataset not in family]
@@ -151,15 +153,6 @@ def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str
     return made if short == header else replace(made, header=header)
 
 
-def _places(series: Sequence[Dataset]) -> dict[str, int]:
-    """The position of the first column of each dataset, counted from 1 over all of them."""
-    places, place = dict[str, int](), 1
-    for dataset in series:
-        places[dataset.path] = place
-        place += len(dataset.headers)
-    return places
-
-
 def _families(series: Sequence[Dataset]) -> list[Family]:
     """Datasets of one length; if several groups have a clock of that length, or a rate, each group separately."""
     families: dict[tuple[int, str, float | None], Family] = {}
@@ -176,7 +169,7 @@ def _chosen(families: list[Family], options: Options, places: Mapping[str, int])
     """The family with a member named by the user, otherwise the only one that looks like a sensor's."""
     named = [family for family in families if _answers(family, options.channels or (), places)]
     if named:
-        return [dataset for family in named for dataset in family]
+        return list(chain.from_iterable(named))
     timed = [family for family in families if options.time and _answers(family, (options.time,), places)]
     families = timed or families
     likely = [family for family in families if any(dataset.is_sensor for dataset in family)] or families

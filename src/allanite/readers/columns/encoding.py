@@ -49,11 +49,9 @@ class _Encoding:
 def _is_latin(text: str) -> bool:
     """Signs, and accented letters within words of plain letters or as words like à; of the superset of Windows."""
     text = re.sub(r"(?<!\S)[àèéóíÀÈÉÓ](?!\S)", "", text)
-    return not _NO_WORD.search(text) and all(_accented(letter) for letter in text if ord(letter) > 127)
-
-
-def _accented(letter: str) -> bool:
-    return letter in _SIGNS or (letter >= "À" and letter not in "×÷")
+    return not _NO_WORD.search(text) and all(
+        (letter in _SIGNS or (letter >= "À" and letter not in "×÷")) for letter in text if ord(letter) > 127
+    )
 
 
 def _is_russian(text: str) -> bool:

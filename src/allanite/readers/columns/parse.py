@@ -12,7 +12,7 @@ from allanite.phrases.phrase import say
 
 from . import dates
 from .arrays import of_arrow
-from .layout import MARKS, MISSING, Layout, cells, decoded, is_number
+from .layout import MISSING, Layout, cells, decoded, is_number, marks_of
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
@@ -105,7 +105,7 @@ def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes
 
 def _clean(data: bytes, layout: Layout) -> bytes | memoryview:
     """The rows without comments, and with single blanks between cells; line numbers are preserved."""
-    marks = MARKS[:3] if layout.delimiter == ";" else MARKS
+    marks = marks_of(layout.delimiter)
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     # most files have no comments among the numbers: a search is much cheaper than the substitution
     if any(_holds(data, mark.encode(), layout.offset) for mark in marks):

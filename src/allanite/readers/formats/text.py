@@ -117,7 +117,7 @@ def write(recording: Recording, path: str) -> None:
     from pyarrow import csv
 
     table = pa.table([pa.array(r.values) for r in recording], names=[str(i) for i in range(len(recording))])
-    headers = with_units([_word(r.name) for r in recording], recording)
+    headers = with_units([(re.sub(r"[^\w.+-]+", "_", r.name) or "column") for r in recording], recording)
     with Path(path).open("wb") as file:
         file.write(f"# {described(recording, headers)}\n{','.join(headers)}\n".encode())
         csv.write_csv(table, file, csv.WriteOptions(include_header=False, quoting_style="none"))
@@ -214,8 +214,3 @@ def _stamps(values: parse.Values) -> parse.Values:
     stamps = dates.past_midnight(values) if values.dtype.kind == "m" else values.astype(np.int64)
     missing = np.isnat(values)
     return np.where(missing, np.nan, stamps) if missing.any() else stamps
-
-
-def _word(name: str) -> str:
-    """A name that CSV readers do not split."""
-    return re.sub(r"[^\w.+-]+", "_", name) or "column"

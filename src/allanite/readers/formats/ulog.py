@@ -113,20 +113,18 @@ def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) ->
     signals = _TOPICS.get(topic, ())
     stamps = [field for field in _STAMPS if field in fields]
     units = {f"{signal.stem}{end}": signal.unit for signal in signals for end in signal.ends}
-    beside = [signal.over for signal in signals if signal.over]
+    beside = [signal.over for signal in signals if signal.over in fields]
     kept = [field for field in fields if field in units or field == "temperature" or not signals]
-    rows = fetch([*stamps, *(field for field in kept if field not in stamps), *(f for f in beside if f in fields)])
+    used = [*stamps, *(field for field in kept if field not in stamps)]
+    rows = fetch([*used, *beside])
     units |= dict.fromkeys(stamps, "us") | {"temperature": "degC"}
-    columns = {
-        field: column(field, rows[field], fields.index(field) + 1, unit=units.get(field, ""))
-        for field in (*stamps, *(field for field in kept if field not in stamps))
-    }
+    columns = {field: column(field, rows[field], fields.index(field) + 1, unit=units.get(field, "")) for field in used}
     notes = list[Phrase]()
     for signal in signals:
         if signal.over in fields:
             integrated, said = _integrated(signal, columns, rows)
             columns, notes = columns | integrated, notes + said
-    left = [field for field in fields if field not in columns and field not in beside]
+    left = [field for field in fields if field not in (*columns, *beside)]
     notes += [say("left out, not used of the table: {fields}", fields=some(left))] if left else []
     return FileTable(tuple(columns.values()), notes=tuple(notes))
 
