@@ -5,8 +5,8 @@ import pytest
 from tests import examples
 
 from allanite.core.errors import AllaniteError
-from allanite.readers.columns.column import Column
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.column import FileColumn
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
 SIZE = 20_000
@@ -30,8 +30,8 @@ def read(clock, stamps, values, **options):
     resolution = CLOCKS[clock][1]
     # microseconds are whole; so are milliseconds, and tenths of them as such
     scaled = stamps * round(resolution / 1e-6)
-    columns = (Column(scaled, 1, "time", "us"), Column(values, 2, "gx", "deg/s"))
-    return Table(columns).recording(Options(**options))
+    columns = (FileColumn(scaled, 1, "time", "us"), FileColumn(values, 2, "gx", "deg/s"))
+    return FileTable(columns).recording(Options(**options))
 
 
 def lost(stamps, values, rng):

@@ -64,14 +64,14 @@ RELAXED = relaxation(1.0)
 TONES = """
 import numpy as np
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 TITLE = "tones of a recorder"
 def sniff(head, suffix):
     return head.startswith(b"TONES ")
 def read(path, options):
     with open(path, encoding="ascii") as file:
         rate, values = float(file.readline().split()[1]), np.array([float(line) for line in file])
-    return Table((column("gz [deg/s]", values, 1),), rate=rate, rate_source="its first line").recording(options)
+    return FileTable((column("gz [deg/s]", values, 1),), rate=rate, rate_source="its first line").recording(options)
 """
 
 PILOT = """

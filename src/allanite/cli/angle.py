@@ -15,7 +15,7 @@ from .types import NAMES
 
 if TYPE_CHECKING:
     from allanite.applications.angle import Gimbals
-    from allanite.readers.columns.sheet import Sheet
+    from allanite.readers.columns.sheet import FileSheet
 
 
 @click.group()
@@ -117,7 +117,7 @@ def estimate(file: str, **choices: Any) -> None:
     deliver_study(found, out, choices, data, {"time [s]": gimbals.time, **angles})
 
 
-def _gimbals(data: "Sheet", choices: dict[str, Any]) -> "Gimbals":
+def _gimbals(data: "FileSheet", choices: dict[str, Any]) -> "Gimbals":
     from allanite.applications.angle import Gimbals
     from allanite.readers.columns.column import lookup
 

@@ -11,7 +11,7 @@ from .options import Decorator
 from .types import NAMES, Separated
 
 if TYPE_CHECKING:
-    from allanite.readers.columns.sheet import Sheet
+    from allanite.readers.columns.sheet import FileSheet
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 
@@ -35,7 +35,12 @@ ANGLES = click.option(
 
 
 def deliver_study(
-    result: Any, out: Outputs, choices: dict[str, Any], data: "Sheet | None" = None, /, *corrected: Mapping[str, Any]
+    result: Any,
+    out: Outputs,
+    choices: dict[str, Any],
+    data: "FileSheet | None" = None,
+    /,
+    *corrected: Mapping[str, Any],
 ) -> None:
     """Deliver a result together with the options that produced it, and the corrected angles."""
     from allanite.applications.angle.calibrating import AngleStudy

@@ -1,7 +1,7 @@
 """Readers: one module per format, and the table that lists them.
 
 A format is a module with ``TITLE``, ``sniff(head, suffix) -> bool`` and ``read(path, options) -> Recording``, and a
-line of `formats.READERS`. Most readers fill a `table.Table`, which identifies channels, units and rate; containers of
+line of `formats.READERS`. Most readers fill a `FileTable`, which identifies channels, units and rate; containers of
 several arrays use `datasets` to decide which of them belong together. A format that is written has
 ``write(recording, path)`` and a line of `formats.WRITERS`. Other packages register readers with the entry point group
 ``allanite.readers``.
@@ -17,11 +17,11 @@ from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join
 
 if TYPE_CHECKING:
-    from .options import Frame
+    from .options import FrameLike
 
 
 def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
-    path: "str | os.PathLike[str] | Frame",
+    path: "str | os.PathLike[str] | FrameLike",
     *,
     rate: float | None = None,
     unit: str | Mapping[str, str] | None = None,

@@ -23,7 +23,7 @@ KINDS_OF_SENSORS = {
 """Words for all gyros or all accelerometers of a file."""
 
 
-class Frame(Protocol):
+class FrameLike(Protocol):
     """A table in memory: ``frame[name].to_numpy()`` is the column of each of the names in `columns`."""
 
     @property

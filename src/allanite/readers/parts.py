@@ -165,8 +165,8 @@ def _refused(name: str, need: int, limit: int, what: str) -> str:
     more = f"{ceil(need / 10**6)}MB"
     return say(
         "{file}: the record may take {need} of memory, of which {limit} may be used, and {what} not read in parts "
-        "(analyze, deviation and spectrum of .npy, raw binary, Parquet, HDF5 and ROS bags are); write the file as one "
-        "of these, or allow more with {option}",
+        "(analyze, deviation and spectrum of text, .npy, raw binary, Parquet, HDF5 and ROS bags are); write the file "
+        "as one of these, or allow more with {option}",
         file=name, need=size_in_words(need), limit=size_in_words(limit), what=what,
         option=spelled(f"--memory {more}", f"memory={more!r}"),
     )  # fmt: skip
@@ -189,22 +189,26 @@ def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> Parts
     """The reader in parts of a file, if it has one; `how` are the options and the memory that may be used."""
     options, limit = how
     try:
-        parts = None if member else _parts(file, options)
+        parts = _parts(file, member, options, limit)
         return None if parts is None else _reader(os.fspath(path), file, parts, limit)
     except AllaniteError as error:
         raise type(error)(join(": ", (os.fspath(path), str(error)))) from None
 
 
-def _parts(file: str, options: Options) -> Parts | None:
-    """The parts of a file; None if it is packed, or of a format that is not read in parts."""
+def _parts(file: str, member: str, options: Options, limit: int) -> Parts | None:
+    """The parts of a file; None if it fits by its size, or its format is not read in parts, as most in a packing."""
     from .formats.registry import readable, reader_for, reader_of_type
-    from .sandbox.packing import packing_of
-    from .sandbox.source import head_of
+    from .sandbox.packing import PackedFile, packing_of
+    from .sandbox.source import head_of, size_of
 
-    if packing_of(file, readable, options.dtype is not None) is not None:
-        return None
+    if member or packing_of(file, readable, options.dtype is not None) is not None:
+        packed = PackedFile(file, member, readable)
+        streamed = getattr(reader_for(packed.head, packed.suffix), "streamed", None)
+        return None if streamed is None or options.dtype is not None else streamed(packed.chunks, options)
     suffix = os.path.splitext(file)[1].lower()
     reader = reader_of_type(options.dtype) if options.dtype is not None else reader_for(head_of(file), suffix)
+    if hasattr(reader, "DENSITY") and needed(ceil(size_of(file) * reader.DENSITY)) <= limit:
+        return None
     parts: Parts | None = reader.parts(file, options) if hasattr(reader, "parts") else None
     return parts
 

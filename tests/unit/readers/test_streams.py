@@ -8,7 +8,7 @@ from allanite.phrases.phrase import Phrase
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.streams import Stream
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
 RNG = np.random.default_rng(4)
@@ -18,7 +18,7 @@ def stream(name, count=300, **about):
     values = RNG.normal(size=count)
 
     def table():
-        return Table((column("gx", values, 1, unit="deg/s"),), 100.0)
+        return FileTable((column("gx", values, 1, unit="deg/s"),), 100.0)
 
     return Stream(name, count, ("gx",), table, **about)
 

@@ -15,10 +15,10 @@ from allanite.core.errors import UsageError
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import percent
 from allanite.readers.columns import headers
-from allanite.readers.columns.column import Column, lookup
+from allanite.readers.columns.column import FileColumn, lookup
 
 from .findings import lost_samples
-from .grid import Grid, Places
+from .grid import Places, SampleGrid
 from .stamps import EVEN, MOST_LOST, TICKS
 
 _NAME = re.compile(
@@ -28,15 +28,15 @@ _WRAPS = (8, 16, 32, 31)
 
 
 @dataclass(frozen=True, eq=False)
-class Sources:
+class ClockSources:
     """Sources of the sampling rate: time stamps and their unit, a counter of samples, a rate stated in the file.
 
     `stated` is a nominal rate from lines of text, which applies only where there are no time stamps.
     """
 
-    stamps: Column | None = None
+    stamps: FileColumn | None = None
     unit: str = ""
-    counter: Column | None = None
+    counter: FileColumn | None = None
     rate: float | None = None
     source: str = ""
     stated: float | None = None
@@ -44,15 +44,15 @@ class Sources:
     notes: tuple[str, ...] = ()
 
 
-def find(columns: tuple[Column, ...], option: str | None, chosen: tuple[Column, ...] | None) -> Sources:
+def find(columns: tuple[FileColumn, ...], option: str | None, chosen: tuple[FileColumn, ...] | None) -> ClockSources:
     """The column of time stamps and its unit, and the counter of samples; neither if the user wants none."""
     free = [column for column in columns if chosen is None or column not in chosen]
     if option is None:
         column, note = _by_name(free)
         unit = _said(column) if column else ""
-        return Sources(column, unit, counter_of(free, column), notes=(note,) if note else ())
+        return ClockSources(column, unit, counter_of(free, column), notes=(note,) if note else ())
     if option.strip().lower() == "none":
-        return Sources()
+        return ClockSources()
     name, unit = option, ""
     if not any(option.strip() in (column.name, column.header) for column in columns):
         name, _, rest = option.partition("[")
@@ -62,10 +62,10 @@ def find(columns: tuple[Column, ...], option: str | None, chosen: tuple[Column, 
         raise UsageError(f"{column.label} is selected both as time and as a channel")
     if unit and not headers.is_time(unit):
         raise UsageError(f"{unit!r} is not a unit of time; for example time='{name.strip()}[us]' with s, ms, us or ns")
-    return Sources(column, unit or _said(column), counter_of(free, column))
+    return ClockSources(column, unit or _said(column), counter_of(free, column))
 
 
-def _by_name(columns: list[Column]) -> tuple[Column | None, str]:
+def _by_name(columns: list[FileColumn]) -> tuple[FileColumn | None, str]:
     """The clock among the columns: the steadiest of those with a name or unit of time, and the text for the note."""
     # a capital T is a temperature unless it increases in every row
     open_ = (
@@ -87,7 +87,7 @@ def _by_name(columns: list[Column]) -> tuple[Column | None, str]:
     )
 
 
-def _rank(column: Column) -> int:
+def _rank(column: FileColumn) -> int:
     """How certainly a column is a clock: a unit of time makes it one with any name, another unit excludes it."""
     rank = headers.clock_rank(column.name)
     if _said(column):
@@ -95,7 +95,7 @@ def _rank(column: Column) -> int:
     return 2 if column.unit else rank
 
 
-def _said(column: Column) -> str:
+def _said(column: FileColumn) -> str:
     """The unit of time in the header; empty if there is none."""
     return column.unit if headers.is_time(column.unit) else headers.clock_unit(column.name) if not column.unit else ""
 
@@ -122,13 +122,13 @@ def steadiness(stamps: NDArray[Any]) -> Steadiness:
     return Steadiness(int(scatter > EVEN), scatter, say("scatters by {share} of a step", share=percent(scatter)))
 
 
-def counter_of(columns: list[Column], clock: Column | None) -> Column | None:
+def counter_of(columns: list[FileColumn], clock: FileColumn | None) -> FileColumn | None:
     """The column that counts samples, by its name, if its counts have gaps."""
     named = (column for column in columns if column is not clock and _NAME.search(column.name.strip().lower()))
     return next((column for column in named if places(column) is not None), None)
 
 
-def counting(columns: Iterable[Column]) -> Column | None:
+def counting(columns: Iterable[FileColumn]) -> FileColumn | None:
     """The first column of whole numbers that is named like a counter, whether or not its counts have gaps."""
     named = (column for column in columns if _NAME.search(column.name.strip().lower()))
     return next((column for column in named if column.values.dtype.kind == "i" and len(column.values)), None)
@@ -157,7 +157,7 @@ def unwrapped(values: NDArray[Any]) -> tuple[NDArray[Any], int]:
     return values, 0
 
 
-def places(column: Column) -> Places | None:
+def places(column: FileColumn) -> Places | None:
     """The positions of the rows according to a counter; None if it does not count samples, or none is missing."""
     values = column.values
     if values.dtype.kind == "f" and len(values) and np.all(values == np.floor(values)) and np.abs(values).max() < 2**53:
@@ -171,12 +171,12 @@ def places(column: Column) -> Places | None:
     return counted if counted[-1] + 1 - counted.size <= MOST_LOST * counted[-1] else None
 
 
-def counted_grid(column: Column | None, interval: float) -> Grid | None:
+def counted_grid(column: FileColumn | None, interval: float) -> SampleGrid | None:
     """The grid according to a counter; None if the counter shows no gaps."""
     where = None if column is None else places(column)
     if column is None or where is None:
         return None
-    return Grid(
+    return SampleGrid(
         interval,
         None,
         where,

@@ -27,7 +27,7 @@ AHEAD = (16, 1024, 1024, 1024)
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class SampleGrid:
     """An even grid of sampling times.
 
     `interval` is the time in s between the first and the last time stamp over the number of intervals, missing ones
@@ -37,7 +37,7 @@ class Grid:
 
     Examples
     --------
-    >>> grid = Grid(0.01, places=np.array([0, 1, 3]))
+    >>> grid = SampleGrid(0.01, places=np.array([0, 1, 3]))
     >>> grid.lost, grid.put(np.array([5.0, 6.0, 7.0]))
     (1, array([ 5.,  6., nan,  7.]))
     """
@@ -72,7 +72,7 @@ class Grid:
         return whole
 
 
-ONE_AFTER_THE_OTHER = Grid()
+ONE_AFTER_THE_OTHER = SampleGrid()
 """The default grid, if nothing else is known."""
 
 

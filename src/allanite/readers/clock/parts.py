@@ -14,7 +14,7 @@ from allanite.readers.columns.table import Sense, repeated
 
 from .clocks import unwrapped
 from .findings import DRIFT, PARTS, Holes, finding
-from .grid import Grid, Places
+from .grid import Places, SampleGrid
 from .sampling_rate import Beat, Stamped, settled, stamped
 from .stamps import fit, seconds_since
 
@@ -69,11 +69,11 @@ class Clock:
         if isinstance(self.head, Beat):
             return self.head
         if self._trouble:
-            return settled(self.head, Grid(trouble=self._trouble), 0)
+            return settled(self.head, SampleGrid(trouble=self._trouble), 0)
         interval = self.elapsed / self.place
         lost = (self._lost(interval),) if self._holes.count else ()
         found = tuple(self._words(*one) for one in self._found.values())
-        return settled(self.head, Grid(interval, findings=(*found, *lost, *self._drift())), self._holes.lost)
+        return settled(self.head, SampleGrid(interval, findings=(*found, *lost, *self._drift())), self._holes.lost)
 
     @property
     def history(self) -> tuple[str, ...]:
@@ -96,7 +96,7 @@ class Clock:
         self.place += int(places[-1])
         self._marks.append((self.place, self.elapsed))
 
-    def _grid(self, head: Stamped, columns: list[NDArray[Any]]) -> Grid | None:
+    def _grid(self, head: Stamped, columns: list[NDArray[Any]]) -> SampleGrid | None:
         """The grid of a part that begins with the last row before; None where the stamps give none and a rate does."""
         if self._trouble:
             return None
@@ -119,13 +119,13 @@ class Clock:
         self.interval = self.interval or grid.interval
         return grid
 
-    def _short(self, elapsed: NDArray[np.float64]) -> Grid | None:
+    def _short(self, elapsed: NDArray[np.float64]) -> SampleGrid | None:
         """The grid of a few rows, whose interval is known."""
         steps = np.diff(elapsed)
         if len(elapsed) >= ENOUGH or not self.interval or not np.all(steps > 0):
             return None
-        return Grid(self.interval, None, np.concatenate(([0], np.cumsum(np.maximum(1, np.rint(steps / self.interval)))))
-                    .astype(np.int64))  # fmt: skip
+        places = np.concatenate(([0], np.cumsum(np.maximum(1, np.rint(steps / self.interval)))))
+        return SampleGrid(self.interval, None, places.astype(np.int64))
 
     def _at(self, one: Finding) -> Finding:
         if self.parts == 1:
@@ -158,7 +158,7 @@ class Clock:
         return (finding("clock drift", what),)
 
 
-def _pieces(grid: Grid, places: Places, columns: Sequence[NDArray[Any]], known: int) -> Iterator[Piece]:
+def _pieces(grid: SampleGrid, places: Places, columns: Sequence[NDArray[Any]], known: int) -> Iterator[Piece]:
     """The samples between long gaps, without the first `known` row, with NaN for what is missing in short ones."""
     kept = columns if grid.rows is None else [values[grid.rows] for values in columns]
     if not grid.lost:

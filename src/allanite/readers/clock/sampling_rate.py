@@ -13,10 +13,10 @@ from allanite.core.finding import Finding
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import percent, spelled
-from allanite.readers.columns.column import Column
+from allanite.readers.columns.column import FileColumn
 
-from .clocks import Sources, counted_grid, places, unwrapped
-from .grid import ONE_AFTER_THE_OTHER, Grid
+from .clocks import ClockSources, counted_grid, places, unwrapped
+from .grid import ONE_AFTER_THE_OTHER, SampleGrid
 from .stamps import fit, seconds_since
 
 PLAUSIBLE = (0.5, 20e3)
@@ -40,7 +40,7 @@ class Beat:
     start: float | None = None
     notes: tuple[str, ...] = ()
     questions: tuple[str, ...] = ()
-    grid: Grid = ONE_AFTER_THE_OTHER
+    grid: SampleGrid = ONE_AFTER_THE_OTHER
     contradictions: tuple[Finding, ...] = ()
 
     @property
@@ -52,10 +52,10 @@ class Beat:
 class Stamped(NamedTuple):
     """Time stamps before their grid is known: their unit, the given rate, and the notes about them so far."""
 
-    column: Column
+    column: FileColumn
     stamps: NDArray[Any]
     unit: str
-    sources: Sources
+    sources: ClockSources
     rate: float | None
     given: float | None
     first: tuple[str, ...]
@@ -64,7 +64,7 @@ class Stamped(NamedTuple):
     against: tuple[Finding, ...]
 
 
-def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
+def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
     """The sampling rate, and the grid of the rows: from the user's `rate`, otherwise from `sources`.
 
     `repeated` marks rows with the same samples as the row before, shape (n - 1,).
@@ -79,20 +79,18 @@ def beat(sources: Sources, rate: float | None, repeated: Callable[[], NDArray[np
     return settled(seen, grid, grid.lost)
 
 
-def stamped(sources: Sources, rate: float | None) -> Stamped | Beat:
+def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
     """The time stamps, or the beat where there are none, or their unit is unknown."""
     given, column = rate if rate is not None else sources.rate, sources.stamps
-    unstamped = column is None or bool(given and column.text)
-    if unstamped and given is None:
+    if column is None and given is None:
         given = sources.stated
     first = sources.notes
     if rate is None and given is not None:
         source = sources.source if sources.rate else sources.stated_source
         first = (*first, say("rate {rate} Hz from {source}", rate=_shown(given), source=source))
     against = _against(sources, rate)
-    if column is None or unstamped:
-        unused = () if column is None else (say("{column} holds text and was not used", column=column.label),)
-        return replace(_unstamped(sources, given, (*first, *unused)), contradictions=against)
+    if column is None or (given and column.text):
+        return replace(_unstamped(sources, given, first), contradictions=against)
     column.demand_numbers()
     stamps, wrapped = unwrapped(column.values)
     again = (
@@ -100,16 +98,14 @@ def stamped(sources: Sources, rate: float | None) -> Stamped | Beat:
         if wrapped
         else ()
     )
-    unit, guessed = (sources.unit, "") if sources.unit else _guess(stamps, given or sources.stated)
-    if not unit and not np.any(stamps != stamps[0]):
-        unit = "s"  # time stamps that are all equal are so in any unit
+    unit, guessed = _unit(sources, stamps, given or sources.stated)
     if not unit:
         known = Beat(given or 0.0, notes=first, contradictions=against)
         return known if given else Beat(questions=(_ask_unit(column),))
     return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against)
 
 
-def settled(seen: Stamped, grid: Grid, lost: int) -> Beat:
+def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
     """The beat of time stamps by their grid, on which so many samples are missing."""
     given, label = seen.given, seen.column.label
     if grid.trouble and not given:
@@ -149,7 +145,7 @@ def settled(seen: Stamped, grid: Grid, lost: int) -> Beat:
                 (*seen.against, *differing))  # fmt: skip
 
 
-def _against(sources: Sources, rate: float | None) -> tuple[Finding, ...]:
+def _against(sources: ClockSources, rate: float | None) -> tuple[Finding, ...]:
     """Warnings that the given rate contradicts those that the file states."""
     stated = ((sources.rate, sources.source), (sources.stated, sources.stated_source))
     return tuple(
@@ -182,9 +178,11 @@ def _contradiction(rate: float, other: float, source: str, told: Sequence[str] =
     )
 
 
-def _unstamped(sources: Sources, given: float | None, notes: tuple[str, ...]) -> Beat:
+def _unstamped(sources: ClockSources, given: float | None, notes: tuple[str, ...]) -> Beat:
     """The beat without time stamps: missing samples from a counter, if the rate is given."""
     column = sources.counter
+    if sources.stamps is not None:
+        notes = (*notes, say("{column} holds text and was not used", column=sources.stamps.label))
     if given:
         return Beat(given, notes=notes, grid=counted_grid(column, 1 / given) or ONE_AFTER_THE_OTHER)
     if sources.stated_source:
@@ -200,7 +198,7 @@ def _unstamped(sources: Sources, given: float | None, notes: tuple[str, ...]) ->
     return Beat(questions=(asked,))
 
 
-def _counted(column: Column | None, elapsed: FloatArray) -> Grid | None:
+def _counted(column: FileColumn | None, elapsed: FloatArray) -> SampleGrid | None:
     """The grid according to a counter with gaps, if the time stamps increase at all."""
     where = None if column is None else places(column)
     if column is None or where is None or not elapsed[-1] > 0 or not np.isfinite(elapsed[-1]):
@@ -244,14 +242,16 @@ def _shown(rate: float) -> str:
     return repr(float(f"{rate:.7g}"))
 
 
-def _guess(stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
-    """The unit of time stamps whose header has none, and the text for the note."""
+def _unit(sources: ClockSources, stamps: NDArray[Any], given: float | None) -> tuple[str, str]:
+    """The unit of time stamps, and the text for the note if it was guessed; empty if it is unknown."""
+    if sources.unit:
+        return sources.unit, ""
     if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
         return "s", say("time stamps assumed to be in seconds")
     low, high = (given / 3, 3 * given) if given else PLAUSIBLE
     fits = [unit for unit, rate in _readings(stamps) if low <= rate <= high]
-    if len(fits) != 1:
-        return "", ""
+    if len(fits) != 1:  # time stamps that are all equal are so in any unit
+        return "" if np.any(stamps != stamps[0]) else "s", ""
     if given:
         return fits[0], say("integer time stamps assumed to be in {unit}, consistent with the rate", unit=fits[0])
     return fits[0], say("integer time stamps assumed to be in {unit}, the only plausible unit", unit=fits[0])
@@ -262,7 +262,7 @@ def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
     return [(unit, (len(stamps) - 1) / (span * unit_of(unit).factor)) for unit in ("s", "ms", "us", "ns") if span > 0]
 
 
-def _ask_unit(column: Column) -> str:
+def _ask_unit(column: FileColumn) -> str:
     readings = [say("{rate:.6g} Hz as {unit}", rate=rate, unit=unit) for unit, rate in _readings(column.values)]
     how = spelled(f"--time '{column.name}[ms]', or --rate 100", f"time='{column.name}[ms]', or rate=100")
     if not readings:

@@ -13,7 +13,7 @@ from allanite.core.units import unit_of
 from allanite.phrases.phrase import say, say_count
 
 from .findings import Stamps, bursty, drift, duplicates, duration, finding, lost_samples, unsteady
-from .grid import Grid, Places, pace
+from .grid import Places, SampleGrid, pace
 
 EVEN = 0.5
 """Deviation from an even grid, in intervals, below which no gaps are looked for."""
@@ -40,7 +40,7 @@ def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
         return np.asarray((stamps - stamps[0]) * unit_of(unit).factor, dtype=np.float64)
 
 
-def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_]]) -> Grid:
+def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_]]) -> SampleGrid:
     """The grid of time stamps in seconds since the first, shape (n,); `label` is their column in messages.
 
     `repeated` marks rows with the same samples as the row before, shape (n - 1,) or (1,); called only if time stamps
@@ -49,7 +49,7 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
     bad = ~np.isfinite(elapsed)
     if bad.any():
         where = say("the first in row {row} of the data", row=int(np.argmax(bad)) + 1)
-        return Grid(
+        return SampleGrid(
             trouble=say(
                 "{column} has no time stamp in {count} of {size} rows, {where}",
                 column=label,
@@ -60,18 +60,20 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
         )
     longest = float(np.abs(elapsed).max())
     if longest > LONGEST:
-        return Grid(trouble=say("time stamps of {column} differ by up to {span:.3g} s", column=label, span=longest))
+        return SampleGrid(
+            trouble=say("time stamps of {column} differ by up to {span:.3g} s", column=label, span=longest)
+        )
     stamps = Stamps(elapsed, label)
     if not stamps.steps.any():
         what = say("all time stamps of {column} are equal", column=label)
-        return Grid(findings=(finding("constant time stamps", what),), trouble=what)
+        return SampleGrid(findings=(finding("constant time stamps", what),), trouble=what)
     equal = stamps.steps == 0
     if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
         return _once(stamps, np.flatnonzero(np.concatenate(([True], ~equal))))
     return _reversed(stamps) if stamps.steps.min() < 0 else _forward(stamps)
 
 
-def _once(stamps: Stamps, rows: Places) -> Grid:
+def _once(stamps: Stamps, rows: Places) -> SampleGrid:
     """The grid of time stamps with some rows written twice."""
     grid = fit(stamps.elapsed[rows], stamps.label, lambda: np.zeros(1, dtype=bool))
     count, first = stamps.elapsed.size - rows.size, int(np.argmin(np.append(rows, -1) == np.arange(rows.size + 1)))
@@ -85,7 +87,7 @@ def _once(stamps: Stamps, rows: Places) -> Grid:
     return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
 
 
-def _reversed(stamps: Stamps) -> Grid:
+def _reversed(stamps: Stamps) -> SampleGrid:
     """Rows out of order, jitter beyond the interval, or a clock that was set."""
     back = stamps.steps < 0
     first = int(np.argmax(back))
@@ -103,12 +105,12 @@ def _reversed(stamps: Stamps) -> Grid:
         found = finding("reversed time stamps", what, consequence=said, remedy=say("check the logger"))
         return replace(grid, rows=order, findings=(found, *grid.findings))
     if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
-        return Grid(stamps.mean, findings=(finding("reversed time stamps", what),))
+        return SampleGrid(stamps.mean, findings=(finding("reversed time stamps", what),))
     why = say("{what}: a clock that was set, two recordings in one file, or rows out of order", what=what)
-    return Grid(findings=(finding("reversed time stamps", why),), trouble=why)
+    return SampleGrid(findings=(finding("reversed time stamps", why),), trouble=why)
 
 
-def _in_order(stamps: Stamps) -> Grid | None:
+def _in_order(stamps: Stamps) -> SampleGrid | None:
     """The grid of sorted time stamps, if it shows that this order is right."""
     if stamps.steps.min() < 0.3 * float(np.median(stamps.steps)):
         return None
@@ -117,12 +119,12 @@ def _in_order(stamps: Stamps) -> Grid | None:
     return None if grid.trouble or doubtful else grid
 
 
-def _forward(stamps: Stamps) -> Grid:
+def _forward(stamps: Stamps) -> SampleGrid:
     """The grid of time stamps that never decrease."""
     if float((stamps.steps == 0).mean()) >= TICKS:
         return _in_ticks(stamps)
     again, mean = duplicates(stamps), stamps.mean
-    even = Grid(mean, findings=(*again, *unsteady(stamps, stamps.departure, mean)))
+    even = SampleGrid(mean, findings=(*again, *unsteady(stamps, stamps.departure, mean)))
     if np.abs(stamps.departure).max() <= EVEN and stamps.steps.max() < (1 + EVEN) * mean:
         return even
     rows = np.arange(stamps.elapsed.size)
@@ -136,17 +138,17 @@ def _forward(stamps: Stamps) -> Grid:
     return _with_losses(stamps, found.interval, places, (*again, *scatter, *wander))
 
 
-def _in_bursts(stamps: Stamps, found: tuple[Finding, ...]) -> Grid:
+def _in_bursts(stamps: Stamps, found: tuple[Finding, ...]) -> SampleGrid:
     """The mean rate of bursty time stamps, and the samples missing in pauses that bursts do not explain."""
     long = PAUSE * float(np.quantile(stamps.steps, 0.99))
     if stamps.steps.max() <= long:
-        return Grid(stamps.mean, findings=(*found, bursty(stamps, stamps.mean)))
+        return SampleGrid(stamps.mean, findings=(*found, bursty(stamps, stamps.mean)))
     rows = np.arange(stamps.elapsed.size)
     kept = pace(stamps.elapsed, rows, long / stamps.mean)
     return _with_losses(stamps, kept.interval, rows + kept.shift, (*found, bursty(stamps, kept.interval)))
 
 
-def _in_ticks(stamps: Stamps) -> Grid:
+def _in_ticks(stamps: Stamps) -> SampleGrid:
     """The grid of time stamps with many equal ones: the rows at which they change are counted."""
     elapsed, label = stamps.elapsed, stamps.label
     changes = np.flatnonzero(stamps.steps > 0) + 1
@@ -157,7 +159,7 @@ def _in_ticks(stamps: Stamps) -> Grid:
             count=changes.size,
             size=elapsed.size,
         )
-        return Grid(
+        return SampleGrid(
             findings=(finding("coarse time stamps", what),), trouble=say("{what}: too coarse for the rate", what=what)
         )
     found = pace(elapsed[changes], changes, 1 + EVEN)
@@ -179,7 +181,7 @@ def _in_ticks(stamps: Stamps) -> Grid:
         )
     if found.bursts or float((np.abs(found.left) > 1 + EVEN).mean()) > 0.05:
         span = float(elapsed[changes[-1]] - elapsed[changes[0]])
-        return Grid(span / int(changes[-1] - changes[0]), findings=(coarse,))
+        return SampleGrid(span / int(changes[-1] - changes[0]), findings=(coarse,))
     ahead = np.zeros(elapsed.size, dtype=np.int64)
     ahead[changes] = np.diff(found.shift, prepend=0)
     places = np.arange(elapsed.size) + np.cumsum(ahead)
@@ -187,7 +189,7 @@ def _in_ticks(stamps: Stamps) -> Grid:
     return _with_losses(stamps, found.interval, places, (coarse, *wander))
 
 
-def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[Finding, ...]) -> Grid:
+def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[Finding, ...]) -> SampleGrid:
     """The grid with its gaps, unless they are implausible."""
     gaps = np.diff(places)
     if gaps.min() < 1:
@@ -196,7 +198,7 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
             row=int(np.argmin(gaps)) + 2,
             column=stamps.label,
         )
-        return Grid(findings=(*found, finding("duplicate time stamps", what)), trouble=what)
+        return SampleGrid(findings=(*found, finding("duplicate time stamps", what)), trouble=what)
     lost, row = int(places[-1]) + 1 - places.size, int(np.argmax(gaps))
     if lost > MOST_LOST * places[-1]:
         what = say(
@@ -210,10 +212,10 @@ def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[F
         closed = finding(
             "missing samples", what, consequence=say("the rows are assumed to be evenly spaced, the jump is ignored")
         )
-        return Grid(findings=(*found, closed), trouble=what)
+        return SampleGrid(findings=(*found, closed), trouble=what)
     holes = (
         (lost_samples(places, interval, say("according to the time stamps of {column}", column=stamps.label)),)
         if lost
         else ()
     )
-    return Grid(interval, None, places if lost else None, (*holes, *found))
+    return SampleGrid(interval, None, places if lost else None, (*holes, *found))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import say
 
-from .column import Column, headed
+from .column import FileColumn, headed
 
 RATE_NAMES = (
     "rate", "fs", "sample_rate", "samplerate", "sampling_rate", "rate_hz", "fs_hz", "sampling_frequency", "freq",
@@ -66,7 +66,7 @@ def turned_note(name: str, array: NDArray[Any]) -> str:
     return say("the {rows} rows of {size} values are used as channels", rows=rows, size=count)
 
 
-def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") -> Column:
+def column(header: str, values: NDArray[Any], position: int, *, unit: str = "") -> FileColumn:
     """A column of any array type; time stamps of NumPy become nanoseconds, text and booleans a text."""
     if values.dtype.kind in "Mm":
         stamps = values.astype(f"{values.dtype.kind}8[ns]").astype(np.int64)

@@ -1,8 +1,9 @@
 """Which columns are inertial signals, and what their samples are: unit, kind and scale."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
+from operator import attrgetter
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -16,7 +17,7 @@ from allanite.phrases.wording import spelled
 from allanite.readers.options import Options
 
 from . import conventions, headers, stated
-from .column import Column, lookup, some
+from .column import FileColumn, lookup, some
 from .stated import Stated
 
 T = TypeVar("T")
@@ -25,10 +26,10 @@ MOST_DRIVERS = 8
 """Number of columns beside the signals that are kept."""
 
 
-class Signal(NamedTuple):
+class SignalColumn(NamedTuple):
     """A column with the meaning of its samples, and the origin of that knowledge as text."""
 
-    column: Column
+    column: FileColumn
     unit: str
     kind: str
     scale: float | None
@@ -38,7 +39,7 @@ class Signal(NamedTuple):
 class Left(NamedTuple):
     """A column that cannot be used: the reason, and what to pass to use it (empty: it is not a signal)."""
 
-    column: Column
+    column: FileColumn
     why: str
     ask: str = ""
 
@@ -47,14 +48,14 @@ class Left(NamedTuple):
 class Choice:
     """The signals of a file, the assumptions about them, the columns omitted, open questions, and warnings."""
 
-    signals: tuple[Signal, ...]
+    signals: tuple[SignalColumn, ...]
     notes: tuple[str, ...]
     left: tuple[str, ...]
     questions: tuple[str, ...]
     findings: tuple[Finding, ...] = ()
 
 
-def named(columns: tuple[Column, ...], keys: tuple[str, ...] | None) -> tuple[Column, ...] | None:
+def named(columns: tuple[FileColumn, ...], keys: tuple[str, ...] | None) -> tuple[FileColumn, ...] | None:
     """The columns chosen by the user, in that order; None if the choice is automatic."""
     if keys is None:
         return None
@@ -66,21 +67,16 @@ def named(columns: tuple[Column, ...], keys: tuple[str, ...] | None) -> tuple[Co
 
 
 def choose(
-    columns: tuple[Column, ...], options: Options, chosen: tuple[Column, ...] | None, time: Column | None
+    columns: tuple[FileColumn, ...], options: Options, chosen: tuple[FileColumn, ...] | None, time: FileColumn | None
 ) -> Choice:
     """The signals among the columns: those chosen, or all that can be signals."""
-    pool = [column for column in columns if column is not time] if chosen is None else list(chosen)
     for column in chosen or ():
         column.demand_numbers()
-    asked_of = stated.of_columns(columns, options)
-    if chosen is None:
-        found = _otherwise([_candidate(column, asked_of(column), pool) for column in pool], options)
-    else:
-        found = [_resolved(column, asked_of(column).options, applies=True) for column in pool]
-    signals = tuple(item for item in found if isinstance(item, Signal))
+    found = _judged(columns, options, chosen, time)
+    signals = tuple(item for item in found if isinstance(item, SignalColumn))
     left = [item for item in found if isinstance(item, Left)]
     notes = (*_grouped((s.source, s.column) for s in signals if s.source), *_of_kind(signals, options))
-    findings = tuple(stated.against_headers((signal.column, signal.unit) for signal in signals))
+    findings = tuple(stated.against_headers(map(attrgetter("column", "unit"), signals)))
     reasons = _grouped((say("{reason}:", reason=item.why), item.column) for item in left)
     if (signals and chosen is None) or not left:
         return Choice(
@@ -99,28 +95,47 @@ def choose(
 NO_UNIT = say("no signal unit in the header, used as plain numbers:")
 
 
-def beside(columns: tuple[Column, ...]) -> tuple[tuple[Signal, ...], tuple[str, ...]]:
+def beside(columns: tuple[FileColumn, ...]) -> tuple[tuple[SignalColumn, ...], tuple[str, ...]]:
     """Columns for a regression, each with the unit of its header, and a note on those without."""
     signals, plain = [], []
     for column in columns:
         column.demand_numbers()
         fits = headers.known(column.unit) is not None and bool(signal_of_kind(column.unit, "value"))
         kind = "rate" if not fits or signal_of_kind(column.unit, "rate") else "value"
-        signals.append(Signal(column, column.unit if fits else "1", column.kind or kind, column.scale))
+        signals.append(SignalColumn(column, column.unit if fits else "1", column.kind or kind, column.scale))
         plain += [] if fits else [column]
     return tuple(signals), tuple(_grouped((NO_UNIT, c) for c in plain))
 
 
-def drivers(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+def drivers(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     """Columns that may influence a sensor, by name or unit: temperatures, supplies; at most `MOST_DRIVERS`."""
     found = (c for c in columns if not c.text and c.kind in ("", "rate") and headers.is_driver(c.name, c.unit))
     return tuple(islice(found, MOST_DRIVERS))
 
 
+def _judged(
+    columns: tuple[FileColumn, ...], options: Options, chosen: tuple[FileColumn, ...] | None, time: FileColumn | None
+) -> list[SignalColumn | Left]:
+    """What each column is of those chosen, or of all but the clock."""
+    asked_of = stated.of_columns(columns, options)
+    if chosen is not None:
+        return [_resolved(column, asked_of(column).options, applies=True) for column in chosen]
+    pool = [column for column in columns if column is not time]
+    found = [_candidate(column, asked_of(column), pool) for column in pool]
+    if any(isinstance(item, SignalColumn) for item in found):
+        return found
+    # where there is no signal, the columns with a unit of those that the user would also take
+    signals = [(item.column, headers.signal_of(item.column.unit)) for item in found if not item.column.text]
+    wanted = [column for column, signal in signals if signal is not None and signal.name in options.otherwise]
+    certain = {column.position for column in wanted if not headers.is_other(column.name)}
+    taken = certain or {column.position for column in wanted}
+    return [_resolved(i.column, options, applies=True) if i.column.position in taken else i for i in found]
+
+
 SENSORS = {"gyro": say("gyro"), "accelerometer": say("accelerometer")}
 
 
-def _candidate(column: Column, asked: Stated, pool: list[Column]) -> Signal | Left:
+def _candidate(column: FileColumn, asked: Stated, pool: list[FileColumn]) -> SignalColumn | Left:
     # if the file or the user states the meaning of a column, its name does not matter
     options = asked.options
     said = bool(column.kind) or asked.named or _asked_for(column, options)
@@ -129,18 +144,7 @@ def _candidate(column: Column, asked: Stated, pool: list[Column]) -> Signal | Le
     return Left(column, why) if why else _resolved(column, options, applies=asked.named or _applies(column, options))
 
 
-def _otherwise(found: list[Signal | Left], options: Options) -> list[Signal | Left]:
-    """The same, or where there is no signal, the columns with a unit of those that the user would also take."""
-    if any(isinstance(item, Signal) for item in found):
-        return found
-    signals = [(item.column, headers.signal_of(item.column.unit)) for item in found if not item.column.text]
-    wanted = [column for column, signal in signals if signal is not None and signal.name in options.otherwise]
-    certain = {column.position for column in wanted if not headers.is_other(column.name)}
-    taken = certain or {column.position for column in wanted}
-    return [_resolved(i.column, options, applies=True) if i.column.position in taken else i for i in found]
-
-
-def _no_signal(column: Column, options: Options) -> str:
+def _no_signal(column: FileColumn, options: Options) -> str:
     """Why a column is not an inertial signal, by its header; empty if it may be one."""
     if column.text:
         return say("text instead of numbers")
@@ -156,7 +160,7 @@ def _no_signal(column: Column, options: Options) -> str:
     return ""
 
 
-def _no_value(column: Column, options: Options) -> str:
+def _no_value(column: FileColumn, options: Options) -> str:
     """Why a column is not taken as a quantity of its own, by its header; empty if it is."""
     if column.text:
         return say("text instead of numbers")
@@ -175,14 +179,14 @@ def _strange(unit: str) -> str:
     return say("{unit!r} is not a unit of a quantity that can be analyzed", unit=unit)
 
 
-def _asked_for(column: Column, options: Options) -> bool:
+def _asked_for(column: FileColumn, options: Options) -> bool:
     """Whether the header's unit is that of a signal requested by the user's unit: a current, by unit="A"."""
     signal = headers.signal_of(column.unit)
     wanted = signal is not None and not signal.inertial and signal is headers.signal_of(options.unit or "")
     return wanted and not column.text
 
 
-def _rises(column: Column, options: Options, pool: list[Column]) -> str:
+def _rises(column: FileColumn, options: Options, pool: list[FileColumn]) -> str:
     """Whether an unmarked column increases in every row; an integrated angle may, but not as the first of several."""
     may_climb = options.kind in ("angle", "value") and column.position > 1
     values = column.values
@@ -197,12 +201,12 @@ def _rises(column: Column, options: Options, pool: list[Column]) -> str:
     return say("increases in every row like a clock or a counter ({options})", options=here)
 
 
-def _said(column: Column) -> str:
+def _said(column: FileColumn) -> str:
     """The unit in the header; an unknown one next to the name of a sensor counts as none."""
     return "" if headers.known(column.unit) is None and headers.sensor_by_name(column.name) else column.unit
 
 
-def _applies(column: Column, options: Options) -> bool:
+def _applies(column: FileColumn, options: Options) -> bool:
     """Whether the user's unit, kind and scale apply to this column: not if its header names the other sensor."""
     if options.unit is None or not _said(column):
         return True
@@ -212,28 +216,27 @@ def _applies(column: Column, options: Options) -> bool:
     ]
 
 
-def _resolved(column: Column, options: Options, *, applies: bool) -> Signal | Left:
+def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalColumn | Left:
     said = _said(column) if column.kind or options.kind == "value" or headers.signal_of(column.unit) else ""
-    unit = (options.unit if applies else None) or said
+    own = options if applies else replace(options, unit=None, units=(), kind=None, scale=None)
+    unit = own.unit or said
     if not unit:
         return Left(column, say("the unit is unknown"), _ask_unit())
-    kept = unit == column.unit
-    kind = (options.kind if applies else None) or (column.kind if kept else "")
+    known, scale = (column.kind, column.scale) if unit == column.unit else ("", None)
+    kind = own.kind or known
     fits = kinds_of(unit)
     if not fits:
         return Left(column, _strange(unit), _ask_unit())
     meanings = offered(unit, integers=column.values.dtype.kind == "i")
-    if kind and kind not in fits:
-        reason = say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind)
+    if (kind or "rate") not in fits:
+        unclear = say("{unit!r} does not determine what a sample is", unit=unit)
+        reason = say("{unit!r} does not match kind {kind!r}", unit=unit, kind=kind) if kind else unclear
         return Left(column, reason, say("pass what a sample is: {meanings}", meanings=meanings))
-    if not kind and "rate" not in fits:
-        reason = say("{unit!r} does not determine what a sample is", unit=unit)
-        return Left(column, reason, say("pass what a sample is: {meanings}", meanings=meanings))
-    scale = options.worth if applies and options.scale is not None else column.scale if kept else None
-    return Signal(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
+    scale = scale if own.worth is None else own.worth
+    return SignalColumn(column, unit, kind or fits[0], scale, _source(column, options, unit, applies))
 
 
-def _source(column: Column, options: Options, unit: str, applies: bool) -> str:
+def _source(column: FileColumn, options: Options, unit: str, applies: bool) -> str:
     """Origin of the unit; empty if the user gave it and the header agrees, or a warning says that it does not."""
     if not column.unit or (options.unit == unit == column.unit) or stated.contradicts(column, unit):
         return ""
@@ -241,7 +244,9 @@ def _source(column: Column, options: Options, unit: str, applies: bool) -> str:
     if unit != column.unit:
         return say("unit {unit} as requested, overriding the header of", unit=unit)
     if column.kind:
-        return _stored(column, unit)
+        plain = say("kind {kind} from the file for", kind=KIND_WORDS[column.kind])
+        said = {"kind": KIND_WORDS[column.kind], "scale": column.scale, "unit": unit}
+        return plain if column.scale is None else say("kind {kind} of {scale:g} {unit} from the file for", **said)
     if known is not None:
         return say("unit {unit} by the definition of {family} for", unit=unit, family=known.family)
     if applies:
@@ -249,14 +254,7 @@ def _source(column: Column, options: Options, unit: str, applies: bool) -> str:
     return say("unit {unit}, which does not match {wanted}, from the header of", unit=unit, wanted=options.unit)
 
 
-def _stored(column: Column, unit: str) -> str:
-    kind = KIND_WORDS[column.kind]
-    if column.scale is None:
-        return say("kind {kind} from the file for", kind=kind)
-    return say("kind {kind} of {scale:g} {unit} from the file for", kind=kind, scale=column.scale, unit=unit)
-
-
-def _of_kind(signals: tuple[Signal, ...], options: Options) -> list[str]:
+def _of_kind(signals: tuple[SignalColumn, ...], options: Options) -> list[str]:
     if options.kind is not None:
         return []
     kinds = sorted({(signal.kind, signal.unit) for signal in signals if signal.kind != signal.column.kind})
@@ -266,7 +264,7 @@ def _of_kind(signals: tuple[Signal, ...], options: Options) -> list[str]:
     ]
 
 
-def _together(items: Iterable[tuple[T, Column]]) -> list[tuple[T, str]]:
+def _together(items: Iterable[tuple[T, FileColumn]]) -> list[tuple[T, str]]:
     """Each statement, with the names of all columns that it applies to."""
     groups: dict[T, list[str]] = {}
     for said, column in items:
@@ -274,7 +272,7 @@ def _together(items: Iterable[tuple[T, Column]]) -> list[tuple[T, str]]:
     return [(said, some(names, 12)) for said, names in groups.items()]
 
 
-def _grouped(items: Iterable[tuple[str, Column]]) -> list[str]:
+def _grouped(items: Iterable[tuple[str, FileColumn]]) -> list[str]:
     """One sentence for each text, with all its columns."""
     return [join(" ", (text, names)) for text, names in _together(items)]
 

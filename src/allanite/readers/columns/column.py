@@ -13,7 +13,7 @@ from . import headers
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class FileColumn:
     """One column of a file.
 
     `values`, shape (n,), are float64 or int64, empty for text; `position` is the position in the file, counted from 1.
@@ -49,7 +49,7 @@ class Column:
             )
 
 
-def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", text: str = "") -> Column:
+def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", text: str = "") -> FileColumn:
     """A column with the name, and unless given the unit, from its header.
 
     Examples
@@ -63,10 +63,10 @@ def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", 
     if unit:
         unit = unit.strip("[](){} ")
         name, said, header = header.strip(), unit.strip(), f"{header.strip()} [{unit}]".strip()
-    return Column(values, position, name or f"column {position}", said, header=header.strip(), text=text)
+    return FileColumn(values, position, name or f"column {position}", said, header=header.strip(), text=text)
 
 
-def unique(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+def unique(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     """The columns with unique names: the second ``gx`` becomes ``gx 2``."""
     taken: set[str] = set()
     result = []
@@ -79,7 +79,7 @@ def unique(columns: tuple[Column, ...]) -> tuple[Column, ...]:
     return tuple(result)
 
 
-def lookup(columns: tuple[Column, ...], key: str) -> Column:
+def lookup(columns: tuple[FileColumn, ...], key: str) -> FileColumn:
     """The column called `key`: by name or header, ignoring case, or by its position counted from 1."""
     wanted = key.strip()
     exact = [column for column in columns if wanted in (column.name, column.header)]

@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 from typing import NamedTuple
 
-from .column import Column
+from .column import FileColumn
 
 
 class Convention(NamedTuple):
@@ -33,25 +33,25 @@ _SHORT = {
 """Names of sensor_msgs without dots, which other files may have too: they count only if both sensors have them."""
 
 
-def convention_of(column: Column) -> Convention | None:
+def convention_of(column: FileColumn) -> Convention | None:
     """The convention that gave a column its unit; None if its header did."""
     every = (*CONVENTIONS, *_SHORT.values())
     return next((one for one in every if _names(one, column) and column.unit == one.unit), None)
 
 
-def applied(columns: tuple[Column, ...]) -> tuple[Column, ...]:
+def applied(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     """The columns with the units that their names define, where their headers have none."""
     short = all(any(_names(one, column) for column in columns) for one in _SHORT.values())
     known = (*CONVENTIONS, *(_SHORT.values() if short else ()))
     return tuple(_known(column, known) for column in columns)
 
 
-def _known(column: Column, known: tuple[Convention, ...]) -> Column:
+def _known(column: FileColumn, known: tuple[Convention, ...]) -> FileColumn:
     found = next((one for one in known if _names(one, column)), None)
     # gyro_rad[0] looks like an angle in rad
     fits = found is not None and not column.kind and not column.text and column.unit in ("", "rad")
     return replace(column, unit=found.unit) if found is not None and fits else column
 
 
-def _names(convention: Convention, column: Column) -> bool:
+def _names(convention: Convention, column: FileColumn) -> bool:
     return bool(convention.names.fullmatch(column.header.strip().lower()))

@@ -4,7 +4,7 @@ import math
 import posixpath
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import accumulate, chain, islice
 from typing import Any
 
 import numpy as np
@@ -18,8 +18,8 @@ from allanite.readers.options import Options
 
 from . import headers
 from .arrays import RATE_NAMES, column, split, turned, turned_note
-from .column import Column, some
-from .table import Table, restored
+from .column import FileColumn, some
+from .table import FileTable, restored
 
 WIDEST = 1000
 """Maximum number of columns of a dataset; anything wider is an image or a matrix, not a recording."""
@@ -118,14 +118,16 @@ def recording(found: Sequence[Dataset], options: Options, notes: Sequence[str] =
 
 def arranged(
     found: Sequence[Dataset], options: Options, notes: Sequence[str] = (), text: str = ""
-) -> tuple[Table, Options, Family]:
+) -> tuple[FileTable, Options, Family]:
     """The table of the datasets that belong together, the options for it, and these datasets; see `recording`."""
     series = [dataset for dataset in found if dataset.is_series]
     if not series:
         none = say("the file contains no array of samples, with one row per sample")
-        seen = [say("it contains {names}", names=some([str(one) for one in found]))] if found else []
+        seen = [say("it contains {names}", names=some(list(map(str, found))))] if found else []
         raise DataError(join("; ", (none, *seen)))
-    places = _places(series)
+    # the position of the first column of each, counted from 1 over all of them
+    firsts = accumulate((len(dataset.headers) for dataset in series), initial=1)
+    places = {dataset.path: place for dataset, place in zip(series, firsts, strict=False)}
     family = series if text else _chosen(_families(series), options, places)
     options, family = _narrowed(options, family)
     left = [str(dataset) for dataset in found if dataset not in family]
@@ -134,30 +136,21 @@ def arranged(
         *([say("left out, of different length, clock or shape: {names}", names=some(left))] if left else []),
     ]
     stem = posixpath.commonpath([dataset.parent.strip("/") or "." for dataset in family])
-    columns = list[Column]()
+    columns = list[FileColumn]()
     for dataset in family:
         array = dataset.load()
         notes += [turned_note(dataset.path, array)] if turned(array) else []
         pieces = enumerate(split(dataset.path, array, dataset.names), places[dataset.path])
         columns += [_column(piece, position, dataset.unit, stem) for position, piece in pieces]
     rate, source = next(((d.rate, d.source) for d in family if d.rate), (None, ""))
-    return restored(Table(tuple(columns), rate, source, tuple(notes)), text), options, family
+    return restored(FileTable(tuple(columns), rate, source, tuple(notes)), text), options, family
 
 
-def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str) -> Column:
+def _column(piece: tuple[str, NDArray[Any]], position: int, unit: str, stem: str) -> FileColumn:
     header, values = piece
     short = header.removeprefix(f"{stem}/")
     made = column(short, values, position, unit=unit)
     return made if short == header else replace(made, header=header)
-
-
-def _places(series: Sequence[Dataset]) -> dict[str, int]:
-    """The position of the first column of each dataset, counted from 1 over all of them."""
-    places, place = dict[str, int](), 1
-    for dataset in series:
-        places[dataset.path] = place
-        place += len(dataset.headers)
-    return places
 
 
 def _families(series: Sequence[Dataset]) -> list[Family]:
@@ -176,7 +169,7 @@ def _chosen(families: list[Family], options: Options, places: Mapping[str, int])
     """The family with a member named by the user, otherwise the only one that looks like a sensor's."""
     named = [family for family in families if _answers(family, options.channels or (), places)]
     if named:
-        return [dataset for family in named for dataset in family]
+        return list(chain.from_iterable(named))
     timed = [family for family in families if options.time and _answers(family, (options.time,), places)]
     families = timed or families
     likely = [family for family in families if any(dataset.is_sensor for dataset in family)] or families

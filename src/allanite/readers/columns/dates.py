@@ -39,10 +39,11 @@ def pattern_of(word: str) -> str:
     return next((p for p in PATTERNS if re.fullmatch(p, word)), "") if len(word) <= LONGEST else ""
 
 
-def parsed(words: Any, pattern: str, label: str) -> Values:
-    """A column of words that match one pattern; NaT where a cell is empty.
+def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool | None = None) -> Values:
+    """A column of words that match one pattern, from row `first` of the data on; NaT where a cell is empty.
 
-    ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day.
+    ``datetime64[ns]`` for dates with time, ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day. Whether
+    the month and the day are in the other order than in the pattern is seen in the words, unless it is given.
     """
     import pyarrow as pa
     import pyarrow.compute as pc
@@ -55,7 +56,7 @@ def parsed(words: Any, pattern: str, label: str) -> Values:
         raise DataError(
             say(
                 "row {row} of the data, {column}: {text!r} is not a date or time of the same format as the others",
-                row=row + 1,
+                row=first + row + 1,
                 column=label,
                 text=text[row].as_py()[:40],
             )
@@ -70,7 +71,7 @@ def parsed(words: Any, pattern: str, label: str) -> Values:
         return np.asarray(pc.fill_null(pc.if_else(pc.equal(field, ""), "0", field), "0").cast(pa.int64()))
 
     empty = np.asarray(pc.is_null(found))
-    days = _days(part("y"), part("m"), part("d"), label) if "<y>" in pattern else None
+    days = _days(part("y"), part("m"), part("d"), label, american) if "<y>" in pattern else None
     if "<H>" not in pattern:
         assert days is not None  # noqa: S101 - a pattern has a date, a time, or both
         return np.where(empty, np.datetime64("NaT", "D"), days)
@@ -81,8 +82,17 @@ def parsed(words: Any, pattern: str, label: str) -> Values:
     return np.where(empty, np.datetime64("NaT", "ns"), days.astype("datetime64[ns]") + time)
 
 
-def _days(year: Values, month: Values, day: Values, label: str) -> Values:
-    if month.max(initial=1) > 12:  # American order
+def is_american(words: Any, pattern: str) -> bool:
+    """Whether words show that the month and the day are in the other order than in their pattern."""
+    import pyarrow as pa
+    import pyarrow.compute as pc
+
+    found = pc.extract_regex(pc.utf8_trim_whitespace(words), rf"^(?:{pattern})$")
+    return int(pc.max(pc.struct_field(found, "m").cast(pa.int64())).as_py() or 0) > 12
+
+
+def _days(year: Values, month: Values, day: Values, label: str, american: bool | None) -> Values:
+    if month.max(initial=1) > 12 if american is None else american:
         month, day = day, month
     if month.max(initial=1) > 12 or day.max(initial=1) > 31:
         raise DataError(
@@ -106,6 +116,20 @@ def _hours(hours: Values, half: Any) -> Values:
     letter = pc.fill_null(pc.utf8_lower(half), "")
     after, before = (np.asarray(pc.equal(letter, which)) for which in "pa")
     return np.asarray(np.where(after | before, hours % 12 + 12 * after, hours))
+
+
+def continued(stamps: Values, last: Values) -> Values:
+    """Nanoseconds since the first midnight that continue others, as if `past_midnight` had seen all of them at once.
+
+    Examples
+    --------
+    >>> continued(np.array([1, 2]) * 3600 * 10**9, np.array([95]) * 3600 * 10**9) // (3600 * 10**9)
+    array([97, 98])
+    """
+    if not last.size or np.isnan(last[-1]):
+        return stamps
+    days, time = divmod(int(last[-1]), DAY)
+    return stamps + DAY * (days + int(stamps[0] - time < -DAY // 2))
 
 
 def past_midnight(time: Values) -> Values:

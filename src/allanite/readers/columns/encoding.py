@@ -2,7 +2,7 @@
 
 import re
 from codecs import getincrementaldecoder
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from allanite.core.errors import DataError
@@ -16,6 +16,9 @@ _JUDGED = 1 << 16
 
 _BLOCK = 1 << 20
 """Bytes that are tested at once."""
+
+LONGEST = 1 << 26
+"""Bytes of a line beyond which a file is no table."""
 
 _SIGNS = frozenset("°µ²³·±×№«»–—‘’“”„…•™\u00a0")
 """Signs that any text may hold beside its letters."""
@@ -46,11 +49,9 @@ class _Encoding:
 def _is_latin(text: str) -> bool:
     """Signs, and accented letters within words of plain letters or as words like à; of the superset of Windows."""
     text = re.sub(r"(?<!\S)[àèéóíÀÈÉÓ](?!\S)", "", text)
-    return not _NO_WORD.search(text) and all(_accented(letter) for letter in text if ord(letter) > 127)
-
-
-def _accented(letter: str) -> bool:
-    return letter in _SIGNS or (letter >= "À" and letter not in "×÷")
+    return not _NO_WORD.search(text) and all(
+        (letter in _SIGNS or (letter >= "À" and letter not in "×÷")) for letter in text if ord(letter) > 127
+    )
 
 
 def _is_russian(text: str) -> bool:
@@ -89,42 +90,75 @@ def in_utf8(data: bytes) -> tuple[bytes, tuple[Phrase, ...]]:
     DataError
         The text is in none of the encodings, or may be in several.
     """
-    if data.startswith(UTF16):
-        return _decoded(data, "utf-16", "UTF-16").encode(), ()
-    if data.isascii() or _is_utf8(data):
-        return data, ()
-    found = _encoding(_lettered(data))
-    note = say("the text is not UTF-8, and is read as {name}", name=found.name)
-    return _decoded(data, found.codec, found.name).encode(), (note,)
+    # the whole text may be several times as large in memory: it is tested in blocks
+    codec, name = encoding_of(lambda: (data[at : at + _BLOCK] for at in range(0, len(data), _BLOCK)))
+    return b"".join(decoded([data], codec, name)) if codec else data, noted(codec, name)
 
 
-def _is_utf8(data: bytes) -> bool:
-    decoder, view = getincrementaldecoder("utf-8")(), memoryview(data)
+def noted(codec: str, name: str) -> tuple[Phrase, ...]:
+    """The note on an encoding that was assumed."""
+    return (say("the text is not UTF-8, and is read as {name}", name=name),) if codec not in ("", "utf-16") else ()
+
+
+def encoding_of(chunks: Callable[[], Iterable[bytes]]) -> tuple[str, str]:
+    """The encoding of a text, which `chunks` reads from the beginning: that of Python and its name; empty for UTF-8."""
+    if next(iter(chunks()), b"").startswith(UTF16):
+        return "utf-16", "UTF-16"
+    decoder, fresh = getincrementaldecoder("utf-8")(), True
     try:
-        for start in range(0, len(data), _BLOCK):  # the whole text may be several times as large in memory
-            decoder.decode(view[start : start + _BLOCK], final=start + _BLOCK >= len(data))
+        for chunk in chunks():
+            if not (fresh and chunk.isascii()):
+                decoder.decode(chunk)
+                fresh = not decoder.getstate()[0]
+        decoder.decode(b"", final=True)
     except UnicodeDecodeError:
-        return False
-    return True
+        found = _encoding(_lettered(whole_lines(chunks())))
+        return found.codec, found.name
+    return "", ""
 
 
-def _decoded(data: bytes, codec: str, name: str) -> str:
+def decoded(chunks: Iterable[bytes], codec: str, name: str) -> Iterator[bytes]:
+    """A text in UTF-8 instead of this encoding."""
+    decoder, line = getincrementaldecoder(codec)(), 1
     try:
-        return data.decode(codec)
+        for chunk in chunks:
+            text = decoder.decode(chunk).encode()
+            line += text.count(b"\n")
+            yield text
+        decoder.decode(b"", final=True)
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
+        line += error.object.count(b"\n", 0, error.start)
         raise DataError(f"the file begins like {name} text but is damaged in line {line}: {error}") from None
 
 
-def _lettered(data: bytes) -> bytes:
-    """The first lines that are not ASCII."""
-    found, size, start = list[bytes](), 0, 0
-    while size < _JUDGED and (place := re.compile(rb"[\x80-\xff]").search(data, start)):
-        first = max(data.rfind(b"\n", 0, place.start()), data.rfind(b"\r", 0, place.start())) + 1
-        end = data.find(b"\n", place.start())
-        start = len(data) if end < 0 else end + 1
-        found.append(data[first:start][:_JUDGED])
-        size += len(found[-1])
+def whole_lines(chunks: Iterable[bytes]) -> Iterator[bytes]:
+    """A text in blocks that end with a line; the last may not."""
+    rest = list[bytes]()
+    for chunk in chunks:
+        at = chunk.rfind(b"\n") + 1
+        if at:
+            yield b"".join((*rest, chunk[:at]))
+            rest = []
+        rest.append(chunk[at:])
+        if sum(map(len, rest)) > LONGEST:
+            raise DataError(f"a line of the text is longer than {LONGEST} bytes; expected one row per sample")
+    if any(rest):
+        yield b"".join(rest)
+
+
+def _lettered(blocks: Iterable[bytes]) -> bytes:
+    """The first lines that are not ASCII, of blocks of whole lines."""
+    found, size = list[bytes](), 0
+    for data in blocks:
+        start = 0
+        while size < _JUDGED and (place := re.compile(rb"[\x80-\xff]").search(data, start)):
+            first = max(data.rfind(b"\n", 0, place.start()), data.rfind(b"\r", 0, place.start())) + 1
+            end = data.find(b"\n", place.start())
+            start = len(data) if end < 0 else end + 1
+            found.append(data[first:start][:_JUDGED])
+            size += len(found[-1])
+        if size >= _JUDGED:
+            break
     return b"\n".join(dict.fromkeys(found))
 
 

@@ -111,24 +111,14 @@ def find(data: bytes) -> Layout:
                 size=HEAD,
             )
         )
-    plain = [text for _, _, text in lines if text and not text.startswith(MARKS)]
-    delimiter, decimal = style(
-        [*plain[:1], *plain[-200:]]
-        if plain
-        else [text for _, _, text in lines if text and not text.startswith(MARKS[:3])]
-    )
-    marks = MARKS[:3] if delimiter == ";" else MARKS
-    rated = [(n, text) for n, _, text in lines if _worded(text) and preamble.statement(n, text, decimal)]
+    delimiter, decimal = _style_of([text for _, _, text in lines if text])
+    marks = marks_of(delimiter)
+    # a line with a word is not one of numbers
+    worded = ((n, text) for n, _, text in lines if any(map(str.isalpha, _LETTER.findall(text))))
+    rated = [line for line in worded if preamble.statement(*line, decimal)]
     lines = [line for line in lines if line[0] not in dict(rated)]
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
     rows = [Row(n, at, cells(text, delimiter)) for n, at, text in lines if text and not text.startswith(marks)]
-    if not any(has_number(row, decimal) for row in rows):
-        seen = (
-            say("its first line is {text!r}", text=rows[0].cells[0][:40])
-            if rows
-            else say("it contains only comments or blank lines")
-        )
-        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=seen))
     first, text = _first_row(rows, decimal)
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
     if _numbered(rows[first], rows[first + 1 :]):
@@ -150,9 +140,15 @@ def find(data: bytes) -> Layout:
     )  # fmt: skip
 
 
-def _worded(text: str) -> bool:
-    """Whether a line has a word, and is not one of numbers."""
-    return any(sign.isalpha() for sign in _LETTER.findall(text))
+def _style_of(texts: list[str]) -> tuple[str, str]:
+    """Delimiter and decimal sign of all but comments, among which lines of cells between semicolons may be."""
+    plain = [text for text in texts if not text.startswith(MARKS)]
+    return style([*plain[:1], *plain[-200:]] or [text for text in texts if not text.startswith(MARKS[:3])])
+
+
+def marks_of(delimiter: str) -> tuple[str, ...]:
+    """The prefixes of comment lines beside a delimiter."""
+    return MARKS[:3] if delimiter == ";" else MARKS
 
 
 def numbered_lines(data: bytes) -> list[tuple[int, int, str]]:
@@ -183,29 +179,34 @@ def style(lines: list[str]) -> tuple[str, str]:
 
 def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
     """Index of the first row of numbers, and the positions of the columns of words."""
-    numeric = [row for row in rows if has_number(row, decimal)]
-    tail = numeric[len(numeric) // 2 :][:200]
-    width = Counter(len(row.cells) for row in tail).most_common(1)[0][0]
-    tail = [row for row in tail if len(row.cells) == width]
-    text = frozenset(i for i in range(width) if _is_text([row.cells[i] for row in tail], decimal))
+    numbers = [has_number(row, decimal) for row in rows]
+    numeric = [row for row, has in zip(rows, numbers, strict=True) if has]
+    if not numeric:
+        seen = say("it contains only comments or blank lines")
+        seen = say("its first line is {text!r}", text=rows[0].cells[0][:40]) if rows else seen
+        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=seen))
+    width, text = _columns(numeric[len(numeric) // 2 :][:200], decimal)
 
     def fits(row: Row) -> bool:
-        checked = [cell for i, cell in enumerate(row.cells) if i not in text and cell.lower() not in MISSING]
-        return (
-            len(row.cells) == width and has_number(row, decimal) and all(is_number(cell, decimal) for cell in checked)
-        )
+        checked = (cell for i, cell in enumerate(row.cells) if i not in text and cell.lower() not in MISSING)
+        return all(is_number(cell, decimal) for cell in checked)
 
-    wide = next(i for i, row in enumerate(rows) if len(row.cells) == width and has_number(row, decimal))
-    first = next((i for i, row in enumerate(rows) if fits(row)), wide)
+    wide = [has and len(row.cells) == width for row, has in zip(rows, numbers, strict=True)]
+    first = next((i for i, row in enumerate(rows) if wide[i] and fits(row)), wide.index(True))
     # a row with numbers directly above, without a header between, is damaged, not a preamble: refused by name later
-    while first and len(rows[first - 1].cells) == width and has_number(rows[first - 1], decimal):
+    while first and wide[first - 1]:
         first -= 1
     return first, text
 
 
-def _is_text(column: list[str], decimal: str) -> bool:
-    filled = [cell for cell in column if cell.lower() not in MISSING]
-    return bool(filled) and not any(is_number(cell, decimal) for cell in filled)
+def _columns(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
+    """The number of columns of most rows, and the positions of those that have words and no numbers."""
+    width = Counter(len(row.cells) for row in rows).most_common(1)[0][0]
+    cells_of = zip(*(row.cells for row in rows if len(row.cells) == width), strict=True)
+    filled = [[cell for cell in column if cell.lower() not in MISSING] for column in cells_of]
+    return width, frozenset(
+        i for i, column in enumerate(filled) if column and not any(is_number(cell, decimal) for cell in column)
+    )
 
 
 def _numbered(row: Row, following: list[Row]) -> bool:

@@ -1,6 +1,7 @@
 """Parses the rows of numbers of a text file to columns with pyarrow; locates what is not a number."""
 
 import re
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
@@ -11,7 +12,7 @@ from allanite.phrases.phrase import say
 
 from . import dates
 from .arrays import of_arrow
-from .layout import MARKS, MISSING, Layout, cells, decoded, is_number
+from .layout import MISSING, Layout, cells, decoded, is_number, marks_of
 
 _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "1.#QNAN", "-1.#IND"]
 
@@ -31,25 +32,80 @@ class Tags(NamedTuple):
 Parsed = Values | Tags | str | None
 
 
-def columns(data: bytes, layout: Layout) -> tuple[list[Parsed], tuple[str, ...]]:
+@dataclass
+class Forms:
+    """What the first rows show of the columns of words, by position, so that later rows are read alike.
+
+    `types` are those of pyarrow, `patterns` those of dates (empty for other words), `american` the dates whose month
+    and day are in the other order. `rows` is the number of rows so far.
+    """
+
+    types: dict[int, Any] = field(default_factory=dict)
+    patterns: dict[int, str] = field(default_factory=dict)
+    american: set[int] = field(default_factory=set)
+    rows: int = 0
+
+
+def columns(
+    data: bytes, layout: Layout, forms: Forms | None = None, *, last: bool = True
+) -> tuple[list[Parsed], tuple[str, ...]]:
     """The columns of the rows from ``layout.offset`` on, and notes on what was skipped.
+
+    With `forms` of the rows above, the text is a part of one, perhaps the `last`.
 
     A column is float64 or int64 of shape (n,), NaN where a cell is empty; ``datetime64[ns]`` for dates with time,
     ``datetime64[D]`` for dates, ``timedelta64[ns]`` for times of day; `Tags` for a few words, the first entry for many;
     None if it is empty. Anything else is refused, with its line.
     """
-    body = _clean(data, layout)
-    body, notes = _whole_rows(body, layout)
-    table = _parsed(body, layout)
-    result = [_values(table.column(i), layout, i) for i in range(layout.width)]
+    body, notes = clean_rows(data, layout, last=last)
+    table = _table(body, layout, forms)
+    result = [_values(table.column(i), layout, i, forms) for i in range(layout.width)]
     if any(values is NotImplemented for values in result):
         _blame(body, layout, say("a column of numbers contains something else"))
+    if forms:
+        forms.rows += table.num_rows
     return result, notes
+
+
+def forms_of(data: bytes, layout: Layout, *, last: bool) -> Forms:
+    """What rows show of the columns of words; see `Forms`."""
+    import pyarrow as pa
+
+    forms = Forms()
+    table: Any = _table(clean_rows(data, layout, last=last)[0], layout, None) if layout.text else None
+    for place in layout.text:
+        kind = table.column(place).type
+        if pa.types.is_timestamp(kind):
+            forms.types[place] = kind
+        else:
+            forms.types[place] = pa.string()
+            forms.patterns[place] = dates.pattern_of(_first_word(table.column(place).cast(pa.string())))
+    return forms
+
+
+def see_order(body: bytes | memoryview, layout: Layout, forms: Forms) -> None:
+    """Look whether the dates of clean rows show that their month and day are in the other order."""
+    dated = {i: form for i, form in forms.patterns.items() if "<m>" in form and i not in forms.american}
+    table: Any = _table(body, layout, forms) if dated else None
+    forms.american |= {i for i, form in dated.items() if dates.is_american(table.column(i), form)}
+
+
+def count(body: bytes | memoryview) -> int:
+    """The number of rows of a text without comments."""
+    text = bytes(body)
+    empty = len(re.findall(rb"^\r?\n", text, re.MULTILINE)) if b"\n\n" in text or b"\n\r\n" in text else 0
+    return text.count(b"\n") + (text[-1:] not in (b"", b"\n")) - max(empty, text.startswith((b"\n", b"\r\n")))
+
+
+def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes | memoryview, tuple[str, ...]]:
+    """The rows as they are parsed, and notes on what was left out at the end of the `last`."""
+    body = _clean(data, layout)
+    return _whole_rows(body, layout) if last else (body, ())
 
 
 def _clean(data: bytes, layout: Layout) -> bytes | memoryview:
     """The rows without comments, and with single blanks between cells; line numbers are preserved."""
-    marks = MARKS[:3] if layout.delimiter == ";" else MARKS
+    marks = marks_of(layout.delimiter)
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     # most files have no comments among the numbers: a search is much cheaper than the substitution
     if any(_holds(data, mark.encode(), layout.offset) for mark in marks):
@@ -93,13 +149,14 @@ def _whole_rows(body: bytes | memoryview, layout: Layout) -> tuple[bytes | memor
     return body[:end], (note,)
 
 
-def _parsed(body: bytes | memoryview, layout: Layout) -> Any:
+def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None) -> Any:
     import pyarrow as pa
     from pyarrow import csv
 
     read = csv.ReadOptions(column_names=[str(i) for i in range(layout.width)])
     parse = csv.ParseOptions(delimiter=layout.delimiter)
-    convert = csv.ConvertOptions(null_values=_NULLS, decimal_point=layout.decimal)
+    types = {str(place): kind for place, kind in forms.types.items()} if forms else {}
+    convert = csv.ConvertOptions(null_values=_NULLS, decimal_point=layout.decimal, column_types=types)
     try:
         return csv.read_csv(
             pa.BufferReader(pa.py_buffer(body)), read_options=read, parse_options=parse, convert_options=convert
@@ -108,37 +165,45 @@ def _parsed(body: bytes | memoryview, layout: Layout) -> Any:
         _blame(body, layout, str(error))
 
 
-def _values(column: Any, layout: Layout, place: int) -> Any:
+def _values(column: Any, layout: Layout, place: int, forms: Forms | None) -> Any:
     """One column as numbers or as its first word; NotImplemented if words occur among its numbers."""
     import pyarrow as pa
 
     kind = column.type
     if pa.types.is_null(kind):
-        return np.full(len(column), np.nan) if layout.names[place] else None
+        return np.full(len(column), np.nan) if layout.names[place] or forms else None
     if pa.types.is_integer(kind) or pa.types.is_floating(kind):
         return of_arrow(column)
-    if pa.types.is_timestamp(kind):
+    if pa.types.is_timestamp(kind) and (forms is None or place in forms.types):
         try:
             return of_arrow(column.cast(pa.timestamp("ns")))
         except pa.ArrowInvalid:
             pass  # a year outside the range of 64-bit nanoseconds: words
     if place in layout.text:
-        try:
-            words = column.cast(pa.string())
-        except pa.ArrowInvalid:
-            return "text"  # of an unknown encoding
-        name = layout.names[place]
-        return words_of(
-            words, say("column {name!r}", name=name) if name else say("column {position}", position=place + 1)
-        )
+        return _words(column, layout, place, forms)
     return _mended(column, layout)
+
+
+def _words(column: Any, layout: Layout, place: int, forms: Forms | None) -> Parsed:
+    import pyarrow as pa
+
+    try:
+        words = column.cast(pa.string())
+    except pa.ArrowInvalid:
+        return "text"  # of an unknown encoding
+    name = layout.names[place]
+    label = say("column {name!r}", name=name) if name else say("column {position}", position=place + 1)
+    if forms is None:
+        return words_of(words, label)
+    pattern = forms.patterns.get(place)
+    return dates.parsed(words, pattern, label, forms.rows, place in forms.american) if pattern else "text"
 
 
 def words_of(column: Any, label: str) -> Parsed:
     """A column of words of pyarrow: dates and times, a few repeated words as codes, otherwise the first word."""
     import pyarrow.compute as pc
 
-    first = str(next((entry for entry in column[:100].to_pylist() if entry), "text"))
+    first = _first_word(column)
     pattern = dates.pattern_of(first)
     if pattern:
         return dates.parsed(column, pattern, label)
@@ -148,6 +213,10 @@ def words_of(column: Any, label: str) -> Parsed:
     codes = column.combine_chunks().dictionary_encode()
     words = tuple(str(word) for word in codes.dictionary.to_pylist())
     return Tags(words, np.asarray(codes.indices.fill_null(-1))) if len(words) <= FEW else first
+
+
+def _first_word(column: Any) -> str:
+    return str(next((entry for entry in column[:100].to_pylist() if entry), "text"))
 
 
 def _mended(column: Any, layout: Layout) -> Any:

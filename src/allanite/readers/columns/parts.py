@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from allanite.readers.options import Options
 
-from .table import Table
+from .table import FileTable
 
 HEAD = 1 << 18
 """Rows by which columns, units and the clock are recognized."""
@@ -25,7 +25,7 @@ class Parts:
     the beginning, and `options` are those of the head, which a container may have narrowed.
     """
 
-    head: Table
+    head: FileTable
     rows: int
     blocks: Blocks
     options: Options

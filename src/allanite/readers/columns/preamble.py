@@ -28,7 +28,7 @@ _HERTZ = {"hz": 1.0, "гц": 1.0, "赫兹": 1.0, "赫": 1.0, "khz": 1e3, "кгц
 _FASTEST = 1e7
 
 
-class Statement(NamedTuple):
+class StatedRate(NamedTuple):
     """A rate in Hz, and the line that states it."""
 
     rate: float
@@ -36,7 +36,7 @@ class Statement(NamedTuple):
     text: str
 
 
-def statement(line: int, text: str, decimal: str = ".") -> Statement | None:
+def statement(line: int, text: str, decimal: str = ".") -> StatedRate | None:
     """The sampling rate that a line states; None if it states none.
 
     Examples
@@ -54,7 +54,7 @@ def statement(line: int, text: str, decimal: str = ".") -> Statement | None:
         value = number * _HERTZ.get(unit.lower(), 0.0 if unit else 1.0)
     else:  # a number without unit may be seconds or milliseconds
         value = 1 / (number * unit_of(unit).factor) if headers.is_time(unit) and number else 0.0
-    return Statement(value, line, text.lstrip("#%/; ").strip()[:60]) if 0 < value <= _FASTEST else None
+    return StatedRate(value, line, text.lstrip("#%/; ").strip()[:60]) if 0 < value <= _FASTEST else None
 
 
 def nominal(lines: Iterable[tuple[int, str]], decimal: str) -> tuple[float | None, Phrase]:

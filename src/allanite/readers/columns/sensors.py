@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from allanite.phrases.phrase import join, say
 
 from . import headers
-from .column import Column
+from .column import FileColumn
 from .parse import Tags
 
 MOST = 8
@@ -28,7 +28,7 @@ class Turns(NamedTuple):
     codes: NDArray[Any]
 
 
-def turns(columns: list[Column], tags: dict[int, Tags]) -> Turns | None:
+def turns(columns: list[FileColumn], tags: dict[int, Tags]) -> Turns | None:
     """The column that distinguishes the rows of several sensors; None if all rows belong to one.
 
     A column of a few words is one if they change often; a column of numbers
@@ -53,7 +53,7 @@ def turns(columns: list[Column], tags: dict[int, Tags]) -> Turns | None:
     return None
 
 
-def apart(columns: list[Column], by: Turns) -> tuple[list[list[Column]], tuple[str, ...]]:
+def apart(columns: list[FileColumn], by: Turns) -> tuple[list[list[FileColumn]], tuple[str, ...]]:
     """The columns of each sensor, named after it, and a note."""
     groups, position = [], len(columns)
     for code, name in enumerate(by.ids):
@@ -87,7 +87,7 @@ def apart(columns: list[Column], by: Turns) -> tuple[list[list[Column]], tuple[s
     )
 
 
-def between(columns: list[Column]) -> tuple[list[Column], tuple[str, ...]]:
+def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...]]:
     """Columns without header, named after the ids that precede them: ``3, ax, ay, az, 4, gx, gy, gz``.
 
     An id is an integer that never changes; there are at least two, all different, each followed by the same number of
@@ -123,12 +123,12 @@ def between(columns: list[Column]) -> tuple[list[Column], tuple[str, ...]]:
     )
 
 
-def _constant(column: Column) -> bool:
+def _constant(column: FileColumn) -> bool:
     values = column.values
     return not column.text and values.dtype.kind == "i" and len(values) > 1 and bool(np.all(values == values[0]))
 
 
-def wanted(groups: list[list[Column]], keys: tuple[str, ...] | None) -> list[Column]:
+def wanted(groups: list[list[FileColumn]], keys: tuple[str, ...] | None) -> list[FileColumn]:
     """The columns of the sensors selected by the user; of all sensors if they have the same number of rows.
 
     By default, if the sensors have different numbers of rows, those with inertial

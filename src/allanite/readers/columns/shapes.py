@@ -15,11 +15,16 @@ _CHECKSUM = re.compile(rb"\*[0-9A-Fa-f]{2}(?=\r?\n|$)")
 def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     """The text with one line per sample, and a note on what was transposed or joined."""
     if data.lstrip().startswith(b"$"):
-        data = _CHECKSUM.sub(b"", data)
+        data = without_checksums(data)
     turned = _turned(data)
     if turned is not None:
         return turned
     return _joined(data) or (data, ())
+
+
+def without_checksums(data: bytes) -> bytes:
+    """The lines without the checksums of sentences at their ends."""
+    return _CHECKSUM.sub(b"", data)
 
 
 def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
@@ -27,7 +32,7 @@ def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     head = data[:HEAD]
     if head.count(b"\n") * WIDEST > len(head):
         return None
-    lines = [line.strip() for line in decoded(data).splitlines() if line.strip()]
+    lines = [line for line in _lines(data) if line]
     plain = [line for line in lines if not line.startswith(MARKS[:3])]
     if not plain:
         return None
@@ -47,8 +52,7 @@ def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
 
 def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     """Lines that alternate between more and fewer numbers become one line per sample; None if they do not."""
-    head = [line.strip() for line in decoded(data[:HEAD]).splitlines()[:400]]
-    plain = [line for line in head if line and not line.startswith(MARKS)]
+    plain = _uncommented(_lines(data[:HEAD])[:400])
     delimiter, decimal = style(plain[-200:])
     numeric = [
         len(row) for row in (cells(line, delimiter) for line in plain) if any(is_number(cell, decimal) for cell in row)
@@ -56,8 +60,8 @@ def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     period = _period(numeric[:-1] if len(data) > HEAD else numeric)
     if not period:
         return None
-    lines = [line.strip() for line in decoded(data).splitlines()]
-    kept = [line for line in lines if line and not line.startswith(MARKS)]
+    lines = _lines(data)
+    kept = _uncommented(lines)
     first = len(plain) - len(numeric)
     above = [f"# {line}" for line in lines[: lines.index(kept[first])] if line and line not in kept[:first]]
     mark = delimiter if delimiter != " " else "  "
@@ -69,6 +73,14 @@ def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
         sizes=", ".join(map(str, numeric[:period])),
     )
     return "\n".join([*above, *names, *rows, ""]).encode(), (note,)
+
+
+def _lines(data: bytes) -> list[str]:
+    return [line.strip() for line in decoded(data).splitlines()]
+
+
+def _uncommented(lines: list[str]) -> list[str]:
+    return [line for line in lines if line and not line.startswith(MARKS)]
 
 
 def _period(widths: list[int]) -> int:

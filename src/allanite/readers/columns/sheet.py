@@ -11,23 +11,23 @@ from allanite.phrases.wording import spelled
 from allanite.readers.formats.text import sheet_of
 from allanite.readers.sandbox.source import checked, digest_of
 
-from .column import Column, lookup, unique
+from .column import FileColumn, lookup, unique
 
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class FileSheet:
     """The columns of a file, its path, its sha256, and the assumptions.
 
     Examples
     --------
-    >>> sheet = Sheet((Column(np.array([0.0, 180.0]), 1, "h", "deg"),))
+    >>> sheet = FileSheet((FileColumn(np.array([0.0, 180.0]), 1, "h", "deg"),))
     >>> sheet.values("h", "rad").round(3).tolist()
     [0.0, 3.142]
     """
 
-    columns: tuple[Column, ...]
+    columns: tuple[FileColumn, ...]
     source: str = ""
     digest: str = ""
     notes: tuple[str, ...] = ()
@@ -53,7 +53,7 @@ class Sheet:
         return np.asarray(column.values, dtype=np.float64) * (size.factor / wanted.factor)
 
 
-def sheet(path: str) -> Sheet:
+def sheet(path: str) -> FileSheet:
     """Read the columns of a text or CSV file; `DataError` if it does not exist or contains no rows of numbers."""
     name, _ = checked(path)
     try:
@@ -65,4 +65,4 @@ def sheet(path: str) -> Sheet:
         ) from None
     except OSError as error:
         raise DataError(f"{name}: the file cannot be read ({error.strerror or error})") from None
-    return Sheet(unique(tuple(columns)), name, digest_of(name), notes)
+    return FileSheet(unique(tuple(columns)), name, digest_of(name), notes)

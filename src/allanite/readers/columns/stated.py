@@ -13,7 +13,7 @@ from allanite.phrases.wording import spelled
 from allanite.readers.options import KINDS_OF_SENSORS, Options
 
 from . import headers
-from .column import Column, lookup, some
+from .column import FileColumn, lookup, some
 
 
 class Stated(NamedTuple):
@@ -23,13 +23,13 @@ class Stated(NamedTuple):
     named: bool = False
 
 
-def of_columns(columns: tuple[Column, ...], options: Options) -> Callable[[Column], Stated]:
+def of_columns(columns: tuple[FileColumn, ...], options: Options) -> Callable[[FileColumn], Stated]:
     """The options of each column: with one unit for all, or with its own."""
     if not options.units:
         return lambda column: Stated(options)
     plain = replace(options, unit=None, units=())
-    of_sensors: dict[Column, str] = {}
-    of_names: dict[Column, str] = {}
+    of_sensors: dict[FileColumn, str] = {}
+    of_names: dict[FileColumn, str] = {}
     for name, unit in options.units:
         if name in KINDS_OF_SENSORS.values():
             of_sensors |= dict.fromkeys(_columns_of(columns, name, unit), unit)
@@ -44,7 +44,7 @@ def of_columns(columns: tuple[Column, ...], options: Options) -> Callable[[Colum
     return lambda column: own.get(column, Stated(plain))
 
 
-def _columns_of(columns: tuple[Column, ...], sensor: str, unit: str) -> list[Column]:
+def _columns_of(columns: tuple[FileColumn, ...], sensor: str, unit: str) -> list[FileColumn]:
     """The columns of a type of sensor; refused if there are none."""
     types = {column: _sensor(column) for column in columns}
     found = [column for column, theirs in types.items() if theirs == sensor]
@@ -59,7 +59,7 @@ def _columns_of(columns: tuple[Column, ...], sensor: str, unit: str) -> list[Col
     )
 
 
-def _sensor(column: Column) -> str:
+def _sensor(column: FileColumn) -> str:
     """The type of sensor of a column, by its unit, otherwise by its name; empty if neither says one."""
     if column.text or headers.is_other(column.name, column.unit) or headers.is_time(column.unit):
         return ""
@@ -67,7 +67,7 @@ def _sensor(column: Column) -> str:
     return signal.name if signal else headers.sensor_by_name(column.name)
 
 
-def contradicts(column: Column, unit: str) -> bool:
+def contradicts(column: FileColumn, unit: str) -> bool:
     """Whether the header of a column states a unit of another size or quantity."""
     theirs = headers.known(column.unit)
     if theirs is None:
@@ -76,7 +76,7 @@ def contradicts(column: Column, unit: str) -> bool:
     return theirs.dimension != mine.dimension or not math.isclose(theirs.factor, mine.factor, rel_tol=1e-9)
 
 
-def against_headers(used: Iterable[tuple[Column, str]]) -> Iterator[Finding]:
+def against_headers(used: Iterable[tuple[FileColumn, str]]) -> Iterator[Finding]:
     """A warning for each pair of a unit that is used and another in headers."""
     pairs: dict[tuple[str, str], list[str]] = {}
     for column, unit in used:

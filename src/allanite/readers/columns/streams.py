@@ -12,7 +12,7 @@ from allanite.readers.options import Options
 
 from . import headers
 from .column import some
-from .table import Table
+from .table import FileTable
 
 MOST = 30
 """Maximum number of streams that a message lists."""
@@ -31,7 +31,7 @@ class Stream:
     name: str
     count: int
     columns: tuple[str, ...]
-    table: Callable[[], Table]
+    table: Callable[[], FileTable]
     rate: float | None = None
     fits: int = 1
     type: str = ""
@@ -79,7 +79,9 @@ def recording(streams: Sequence[Stream], options: Options, notes: Sequence[str] 
     return table.recording(narrowed)
 
 
-def arranged(streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()) -> tuple[Stream, Table, Options]:
+def arranged(
+    streams: Sequence[Stream], options: Options, notes: Sequence[str] = ()
+) -> tuple[Stream, FileTable, Options]:
     """The stream that is wanted, its table, and the options for that; see `recording`."""
     if not streams:
         raise DataError(say("the file contains no rows of numbers; check that the recording was saved"))
@@ -97,25 +99,20 @@ def arranged(streams: Sequence[Stream], options: Options, notes: Sequence[str] =
 def _only(streams: Sequence[Stream]) -> Stream:
     """The only likely stream that can be analyzed: inertial signals, and if there are such, enough rows."""
     fitting = [stream for stream in streams if stream.fits]
-    if not fitting:
-        raise _none(streams)
+    if not fitting:  # the longest of those that cannot be decoded may have signals
+        first = max(streams, key=lambda stream: (bool(stream.why), stream.count))
+        none = say(
+            "no table of the file has inertial signals by its name or units; it contains {names}; select one with "
+            "{option}",
+            names=_listed(streams), option=_option(first.name),
+        )  # fmt: skip
+        raise UsageError(join("; ", (_undecoded(first), none) if first.why else (none,)))
     long = [stream for stream in fitting if stream.count >= SHORTEST] or fitting
     best = max(stream.fits for stream in long)
     likely = [stream for stream in long if stream.fits == best]
     if len(likely) > 1:
         raise _ambiguous(likely)
     return likely[0]
-
-
-def _none(streams: Sequence[Stream]) -> UsageError:
-    """That no stream has inertial signals, and why the longest of those that cannot be decoded may have none."""
-    first = max(streams, key=lambda stream: (bool(stream.why), stream.count))
-    none = say(
-        "no table of the file has inertial signals by its name or units; it contains {names}; select one with {option}",
-        names=_listed(streams),
-        option=_option(first.name),
-    )
-    return UsageError(join("; ", (_undecoded(first), none) if first.why else (none,)))
 
 
 def _undecoded(stream: Stream) -> Phrase:
@@ -129,13 +126,21 @@ def _named(streams: Sequence[Stream], keys: Sequence[str]) -> tuple[Stream, tupl
     for key, those in zip(keys, found, strict=True):
         if key.strip().startswith("/") and not those:
             raise _unknown(streams, key.strip())
-    told = [stream for those in found for stream in those]
-    if not told:
+    if not any(found):
         return _by_column(streams, plain), tuple(plain)
+    named = _single(found)
+    start = named.key + "/"
+    columns = [key[len(start) :] if key.lower().startswith(start) else key for key in plain]
+    whole = any(those and not key.lower().startswith(start) for key, those in zip(plain, found, strict=True))
+    return named, None if whole else tuple(columns)
+
+
+def _single(found: list[list[Stream]]) -> Stream:
+    """The stream that keys name; refused if they name several."""
     for those in found:
         if len(those) > 1:
             raise _ambiguous(those)
-    named = list(dict.fromkeys(told))
+    named = list(dict.fromkeys(stream for those in found for stream in those))
     if len(named) > 1:
         raise UsageError(
             say(
@@ -145,24 +150,18 @@ def _named(streams: Sequence[Stream], keys: Sequence[str]) -> tuple[Stream, tupl
                 names=_listed(named),
             )
         )
-    start = named[0].key + "/"
-    columns = [key[len(start) :] if key.lower().startswith(start) else key for key in plain]
-    whole = any(those and not key.lower().startswith(start) for key, those in zip(plain, found, strict=True))
-    return named[0], None if whole else tuple(columns)
+    return named[0]
 
 
 def _of_name(streams: Sequence[Stream], key: str) -> list[Stream]:
     """The streams that a key names: itself, one of its columns, or all instances of a name."""
     lower = key.lower()
-    names = [(stream.key, stream) for stream in streams]
-    exact = [stream for stream in streams if stream.name.strip("/") == key]
-    alike = [stream for name, stream in names if name == lower]
-    inner = [stream for name, stream in names if lower.startswith(name + "/")]
+    inner = [stream for stream in streams if lower.startswith(stream.key + "/")]
     return (
-        exact
-        or alike
+        [stream for stream in streams if stream.name.strip("/") == key]
+        or [stream for stream in streams if stream.key == lower]
         or sorted(inner, key=lambda one: (len(one.key), key.startswith(one.name.strip("/"))))[-1:]
-        or [stream for name, stream in names if name.startswith(lower + "/")]
+        or [stream for stream in streams if stream.key.startswith(lower + "/")]
     )
 
 

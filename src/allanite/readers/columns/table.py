@@ -23,7 +23,7 @@ from allanite.readers.options import Options
 
 from . import channels, conventions, lattice, pairs, resolver
 from .arrays import RATE_NAMES
-from .column import Column, unique
+from .column import FileColumn, unique
 
 KEY = "allanite"
 """The name under which a format stores it."""
@@ -37,7 +37,7 @@ SOURCE = say("the description in the file")
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class FileTable:
     """The columns of a file in its order, what the file states about them, and the assumptions so far.
 
     `rate` in Hz and `start`, the time of the first sample in s, are None if the file does not state them;
@@ -45,7 +45,7 @@ class Table:
     with its place.
     """
 
-    columns: tuple[Column, ...]
+    columns: tuple[FileColumn, ...]
     rate: float | None = None
     rate_source: str = ""
     notes: tuple[str, ...] = field(default=())
@@ -96,7 +96,7 @@ class Table:
         choice = channels.choose(open_to_choice, options, chosen, sources.stamps)
         return Sense(columns, sources, choice, along, ((*self.notes, *joined), said))
 
-    def _unmarked(self, options: Options) -> "Table":
+    def _unmarked(self, options: Options) -> "FileTable":
         """The table whose selected columns have no unit and kind: sine and cosine in any unit have the same angle."""
         wanted = channels.named(self.columns, options.channels) or ()
         columns = (replace(c, unit="", kind="", scale=None) if c in wanted else c for c in self.columns)
@@ -107,14 +107,14 @@ class Table:
 class Sense:
     """The meaning of the columns of a table: clock, signals, and columns to read in addition; `said` by its steps."""
 
-    columns: tuple[Column, ...]
-    sources: clocks.Sources
+    columns: tuple[FileColumn, ...]
+    sources: clocks.ClockSources
     choice: channels.Choice
-    along: tuple[channels.Signal, ...]
+    along: tuple[channels.SignalColumn, ...]
     said: tuple[tuple[str, ...], tuple[str, ...]]
 
     @property
-    def signals(self) -> tuple[channels.Signal, ...]:
+    def signals(self) -> tuple[channels.SignalColumn, ...]:
         """The signals, then the columns to read in addition."""
         return (*self.choice.signals, *self.along)
 
@@ -141,13 +141,13 @@ def repeated(columns: Sequence[NDArray[Any]]) -> NDArray[np.bool_]:
     return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
 
 
-def _sampled(signal: channels.Signal) -> bool:
+def _sampled(signal: channels.SignalColumn) -> bool:
     """Whether samples are rates of an inertial sensor: those that are dropped are not in the others."""
     what = signal_of_kind(signal.unit, signal.kind)
     return signal.kind == "rate" and what is not None and what.inertial
 
 
-def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> Record:
+def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | None) -> Record:
     values, name = signal.column.values, signal.column.name
     start, history = stated if beat.start is None else beat.start, signal.column.history
     # a float this large becomes another integer without an error
@@ -166,7 +166,7 @@ def _record(signal: channels.Signal, beat: clock.Beat, stated: float | None) -> 
     return Record(put, beat.rate, signal.unit, kind, signal.scale, name=name, start=start, history=history)
 
 
-def _demand_rows(columns: list[Column]) -> None:
+def _demand_rows(columns: list[FileColumn]) -> None:
     lengths = {column.label: len(column.values) for column in columns}
     if len(set(lengths.values())) > 1:
         which = join(
@@ -222,7 +222,7 @@ def with_units(names: Sequence[str], recording: Recording) -> list[str]:
     return [f"{name.strip()} [{record.unit}]".strip() for name, record in zip(names, recording, strict=True)]
 
 
-def restored(table: Table, text: str | bytes) -> Table:
+def restored(table: FileTable, text: str | bytes) -> FileTable:
     """The columns with their stored description; a description that does not fit them is ignored, with a note."""
     if not text:
         return table
@@ -236,14 +236,14 @@ def restored(table: Table, text: str | bytes) -> Table:
         return replace(table, notes=(*table.notes, note))
 
 
-def _restored(table: Table, said: dict[str, Any]) -> Table:
+def _restored(table: FileTable, said: dict[str, Any]) -> FileTable:
     pairs = zip(_ordered(table.columns, said["channels"]), said["channels"], strict=True)
     columns = tuple(_told(column, channel) for column, channel in pairs)
     start = None if said["start"] is None else float(said["start"])
     return replace(table, columns=columns, rate=_positive(said["rate"]), rate_source=SOURCE, start=start)
 
 
-def _ordered(columns: Sequence[Column], channels: Sequence[dict[str, Any]]) -> Sequence[Column]:
+def _ordered(columns: Sequence[FileColumn], channels: Sequence[dict[str, Any]]) -> Sequence[FileColumn]:
     """The columns in the order in which they were written: other programs may sort them, or list them by name."""
     written: list[Any] = [channel.get("header") for channel in channels]
     found = [column.header for column in columns]
@@ -254,7 +254,7 @@ def _ordered(columns: Sequence[Column], channels: Sequence[dict[str, Any]]) -> S
     return [columns[found.index(header)] for header in written]
 
 
-def _told(column: Column, said: dict[str, Any]) -> Column:
+def _told(column: FileColumn, said: dict[str, Any]) -> FileColumn:
     kind, unit, scale = str(said["kind"]), str(said["unit"]), said["scale"]
     if signal_of_kind(unit, kind) is None or column.text:
         raise ValueError(unit)

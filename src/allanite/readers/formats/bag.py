@@ -19,9 +19,9 @@ from allanite.phrases.phrase import Phrase, say
 from allanite.phrases.wording import spelled
 from allanite.readers.columns import headers, streams
 from allanite.readers.columns.arrays import numbers
-from allanite.readers.columns.column import Column, some
+from allanite.readers.columns.column import FileColumn, some
 from allanite.readers.columns.parts import HEAD, Parts
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
@@ -172,7 +172,7 @@ def _ordered(values: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     return values
 
 
-def _table(topic: _Topic, values: dict[str, NDArray[Any]]) -> Table:
+def _table(topic: _Topic, values: dict[str, NDArray[Any]]) -> FileTable:
     """The numbers of messages."""
     first, *others = topic.units
     columns = []
@@ -181,8 +181,8 @@ def _table(topic: _Topic, values: dict[str, NDArray[Any]]) -> Table:
         unit = topic.units[name]
         kind = "rate" if headers.inertial(unit) else ""
         called, samples = topic.called.get(name, name), numbers(values.pop(name), name)
-        columns.append(Column(samples, i, called, unit, kind, header=name))
-    return Table(tuple(columns), notes=tuple(_notes(topic)))
+        columns.append(FileColumn(samples, i, called, unit, kind, header=name))
+    return FileTable(tuple(columns), notes=tuple(_notes(topic)))
 
 
 def _notes(topic: _Topic) -> Iterator[Phrase]:

@@ -15,8 +15,8 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.column import Column, some
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import worded
 from allanite.readers.sandbox.source import head_of
@@ -79,7 +79,7 @@ def _rate(rows: Rows) -> float | None:
     return streams.mean_rate(rows.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
 
 
-def _table(kind: Kind, rows: Rows, said: Units, lost: int = 0) -> Table:
+def _table(kind: Kind, rows: Rows, said: Units, lost: int = 0) -> FileTable:
     """The numbers of messages; of those with inertial sensors only these, time stamps and temperature."""
     names = tuple(rows.dtype.names or ())
     known = _inertial(names)
@@ -97,7 +97,7 @@ def _table(kind: Kind, rows: Rows, said: Units, lost: int = 0) -> Table:
         unit, factor = said.get(name, (_UNITS.get(name, ""), 1.0))
         values = rows[name] if factor == 1 else rows[name].astype(np.float64) * factor
         made.append(column(name, values, names.index(name) + 1, unit=unit))
-    return Table(tuple(made), notes=tuple(notes))
+    return FileTable(tuple(made), notes=tuple(notes))
 
 
 def _batches(log: Log) -> Iterator[streams.Stream]:
@@ -127,7 +127,7 @@ def _batches(log: Log) -> Iterator[streams.Stream]:
             )
 
 
-def _unrolled(about: Rows, parts: Rows, unit: str) -> Table:
+def _unrolled(about: Rows, parts: Rows, unit: str) -> FileTable:
     """The samples of batches, of which `parts` are pieces and `about` their headers."""
     order = np.lexsort((parts["seqno"], about["SampleUS"]))
     about, parts = about[order], parts[order]
@@ -139,7 +139,7 @@ def _unrolled(about: Rows, parts: Rows, unit: str) -> Table:
         np.int64
     )
     scale = 1 / about["mul"].astype(np.float64)[:, np.newaxis]
-    made = [Column((parts[axis] * scale)[used], i, axis, unit, header=axis) for i, axis in enumerate("xyz", 2)]
+    made = [FileColumn((parts[axis] * scale)[used], i, axis, unit, header=axis) for i, axis in enumerate("xyz", 2)]
     number = np.unique(about["SampleUS"]).size
     note = say("{number} batches of up to {most} samples", number=number, most=int(about["smp_cnt"].max(initial=0)))
-    return Table((Column(stamps[used], 1, "SampleUS", "ns", header="SampleUS"), *made), notes=(note,))
+    return FileTable((FileColumn(stamps[used], 1, "SampleUS", "ns", header="SampleUS"), *made), notes=(note,))

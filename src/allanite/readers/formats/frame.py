@@ -9,12 +9,12 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.readers.columns import parse
 from allanite.readers.columns.arrays import is_number, numbers, of_arrow
-from allanite.readers.options import Frame, Options
+from allanite.readers.options import FrameLike, Options
 
 from . import text
 
 
-def read(frame: Frame, options: Options) -> Recording:
+def read(frame: FrameLike, options: Options) -> Recording:
     """The channels of a table; the names of its columns are read like the headers of a CSV file.
 
     The index of a pandas table is a column too if it has a name or holds times. A missing value is NaN.

@@ -14,8 +14,8 @@ from allanite.core.errors import UsageError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
-from allanite.readers.columns.column import Column
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.column import FileColumn
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
 TITLE = "KF-GINS binary (give the dtype kfgins)"
@@ -49,13 +49,15 @@ def read(path: str, options: Options) -> Recording:
     _demand_asked(options)
     count, rest = divmod(os.path.getsize(path), _WIDTH)
     rows = np.fromfile(path, "<f8", 7 * count).reshape(count, 7)
-    columns = [Column(np.ascontiguousarray(rows[:, 0]), 1, "time", "s", header="time")]
+    columns = [FileColumn(np.ascontiguousarray(rows[:, 0]), 1, "time", "s", header="time")]
     for place, (name, unit) in enumerate(_CHANNELS, 1):
-        columns.append(Column(np.ascontiguousarray(rows[:, place]), place + 1, name, unit, "increment", header=name))
+        columns.append(
+            FileColumn(np.ascontiguousarray(rows[:, place]), place + 1, name, unit, "increment", header=name)
+        )
     notes = [say("rows of seven doubles are read as KF-GINS binary: time in s, increments in rad and m/s")]
     if rest:
         notes.append(say("the last {bytes} bytes are no whole row and are left out", bytes=rest))
-    return Table(tuple(columns), notes=tuple(notes)).recording(options)
+    return FileTable(tuple(columns), notes=tuple(notes)).recording(options)
 
 
 def _demand_asked(options: Options) -> None:

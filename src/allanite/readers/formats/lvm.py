@@ -16,9 +16,9 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say
 from allanite.readers.columns import parse
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.column import Column
+from allanite.readers.columns.column import FileColumn
 from allanite.readers.columns.layout import Layout, decoded
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import worded
 
@@ -66,7 +66,7 @@ def read(path: str, options: Options) -> Recording:
     return table.recording(options)
 
 
-def _table(lines: list[str]) -> Table:
+def _table(lines: list[str]) -> FileTable:
     ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
     if len(ends) < 2:
         raise DataError(say("the end of a header, {end}, is missing: the file is incomplete", end=_END))
@@ -85,7 +85,7 @@ def _table(lines: list[str]) -> Table:
     return _joined(kept, style, notes)
 
 
-def _joined(segments: list[_Segment], style: _Style, notes: tuple[Phrase, ...]) -> Table:
+def _joined(segments: list[_Segment], style: _Style, notes: tuple[Phrase, ...]) -> FileTable:
     """The channels of segments, one after the other; their times are those of the headers and rows."""
     values = [_values(segment, style) for segment in segments]
     about, names = segments[0].about, segments[0].names
@@ -97,9 +97,9 @@ def _joined(segments: list[_Segment], style: _Style, notes: tuple[Phrase, ...]) 
     ]
     if len(segments) == 1 and style.times == "no":
         source = str(say("Delta_X in the header"))
-        return Table(tuple(columns), 1 / step if step > 0 else None, source, notes, style.number(about, "X0"))
+        return FileTable(tuple(columns), 1 / step if step > 0 else None, source, notes, style.number(about, "X0"))
     clock = np.concatenate([part[0] for part in values])
-    return Table((Column(clock, 1, "X_Value", "ns", header="X_Value"), *columns), notes=notes)
+    return FileTable((FileColumn(clock, 1, "X_Value", "ns", header="X_Value"), *columns), notes=notes)
 
 
 def _entries(lines: list[str], mark: str) -> Header:

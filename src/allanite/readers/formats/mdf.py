@@ -11,7 +11,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import some
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
@@ -74,7 +74,7 @@ class _Group:
         fits = streams.inertial(names, (str(item["unit"]) for item in self.items))
         return streams.Stream(name, self.length, names, self.table, rate, fits)
 
-    def table(self) -> Table:
+    def table(self) -> FileTable:
         """Time stamps and samples."""
         demand_size(8 * self.length * (1 + len(self.items)), self.process.path, "the group")
         kind, shape = np.dtype(np.float64), (self.length,)
@@ -85,4 +85,4 @@ class _Group:
         for place, item in enumerate(self.items, 2):
             values = self.process.load(str(item["path"]), shape, kind)
             columns.append(column(str(item["name"]), values, place, unit=str(item["unit"])))
-        return Table(tuple(columns))
+        return FileTable(tuple(columns))

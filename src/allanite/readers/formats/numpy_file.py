@@ -12,10 +12,10 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
-from allanite.readers.columns.column import Column
+from allanite.readers.columns.column import FileColumn
 from allanite.readers.columns.parts import HEAD, Parts
 from allanite.readers.columns.rows import Rows
-from allanite.readers.columns.table import KEY, Table, described, keys, restored
+from allanite.readers.columns.table import KEY, FileTable, described, keys, restored
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.source import demand_directory
@@ -61,10 +61,10 @@ def parts(path: str, options: Options) -> Parts | None:
     return Parts(head, len(upright), source.blocks, options)
 
 
-def _table(arrays: list[tuple[str, NDArray[Any]]], notes: list[str]) -> Table:
+def _table(arrays: list[tuple[str, NDArray[Any]]], notes: list[str]) -> FileTable:
     text = next((str(a) for name, a in arrays if name == KEY and a.ndim == 0 and a.dtype.kind == "U"), "")
     arrays = [(name, array) for name, array in arrays if name != KEY]
-    columns = list[Column]()
+    columns = list[FileColumn]()
     rate = next(
         (float(a) for name, a in arrays if name.lower() in RATE_NAMES and a.ndim == 0 and a.dtype.kind in "iuf"), None
     )
@@ -73,7 +73,7 @@ def _table(arrays: list[tuple[str, NDArray[Any]]], notes: list[str]) -> Table:
             columns.append(column(header, values, len(columns) + 1))
     if not columns:
         raise DataError("the file contains no array of samples")
-    return restored(Table(tuple(columns), rate, say("the number stored beside the arrays"), tuple(notes)), text)
+    return restored(FileTable(tuple(columns), rate, say("the number stored beside the arrays"), tuple(notes)), text)
 
 
 def write(recording: Recording, path: str) -> None:

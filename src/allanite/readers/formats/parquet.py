@@ -11,10 +11,10 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
-from allanite.readers.columns.column import Column, headed
+from allanite.readers.columns.column import FileColumn, headed
 from allanite.readers.columns.datasets import WIDEST
 from allanite.readers.columns.parts import HEAD, Parts
-from allanite.readers.columns.table import KEY, Table, described, restored, with_units
+from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 
@@ -43,6 +43,7 @@ def read(path: str, options: Options) -> Recording:
 
 def parts(path: str, options: Options) -> Parts:
     """The rows of a Parquet table, which are decoded one batch after the other."""
+    import pyarrow as pa
     from pyarrow import parquet
 
     with worded(), parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file:
@@ -56,7 +57,7 @@ def parts(path: str, options: Options) -> Parts:
             for batch in file.iter_batches(at_once, columns=keys, use_threads=len(keys) > 1):
                 # columns come in the order of the file, and all that have a name
                 held = [i for i, name in enumerate(names) if name in keys]
-                yield [of_arrow(_chunked(batch.column(held.index(i)))) for i in fields]
+                yield [of_arrow(pa.chunked_array([batch.column(held.index(i))])) for i in fields]
 
     return Parts(table, rows, blocks, options)
 
@@ -70,13 +71,7 @@ def _first(file: Any, name: str) -> Any:
     return pa.Table.from_batches([] if first is None else [first], None if first is None else first.schema)
 
 
-def _chunked(array: Any) -> Any:
-    import pyarrow as pa
-
-    return pa.chunked_array([array])
-
-
-def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> Table:
+def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> FileTable:
     """The columns of a file; `load` reads that of a field which so many of the same name precede."""
     import pyarrow as pa
 
@@ -85,16 +80,15 @@ def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> Table:
         raise DataError(f"the table has {len(schema)} columns; expected one per channel")
     demand_size(rows * 8 * len(schema), path, "the table")
     demand_size(_unpacked(file.metadata), path, "the table")
-    names = schema.names
     rate, text, index = _metadata(schema.metadata or {})
-    columns, left = list[Column](), list[str]()
+    columns, left = list[FileColumn](), list[str]()
     for place, field in enumerate(schema, 1):
         if pa.types.is_nested(field.type):
             left.append(field.name)
         else:
-            columns.append(_column(file, field, place, (names[: place - 1].count(field.name), load)))
+            columns.append(_column(file, field, place, load))
     notes = (say("left out, lists or structures: {names}", names=", ".join(left)),) if left else ()
-    table = Table(tuple(c for c in columns if c.name not in index), rate, say("the metadata of the file"), notes)
+    table = FileTable(tuple(c for c in columns if c.name not in index), rate, say("the metadata of the file"), notes)
     return restored(table, text)
 
 
@@ -141,9 +135,9 @@ def _index(said: dict[bytes, bytes]) -> set[str]:
     return {name for name in names if isinstance(name, str) and name.startswith("__index_level_")}
 
 
-def _column(file: Any, field: Any, place: int, how: tuple[int, Callable[[Any, int], Any]]) -> Column:
-    """A column, by how many of the same name precede it, and what loads it."""
-    before, load = how
+def _column(file: Any, field: Any, place: int, load: Callable[[Any, int], Any]) -> FileColumn:
+    """The column of a field at a place, counted from 1, and what loads it."""
+    before = file.schema_arrow.names[: place - 1].count(field.name)
     said = field.metadata or {}
     unit = next((said[name].decode() for name in _UNIT_NAMES if name in said), "")
     if not is_number(field.type):

@@ -8,9 +8,9 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns import parse
-from allanite.readers.columns.column import Column
+from allanite.readers.columns.column import FileColumn
 from allanite.readers.columns.layout import Layout, is_number, numbered_lines
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
 TITLE = "PSINS text: three header rows, then integer increments of three gyros and three accelerometers"
@@ -48,12 +48,12 @@ def read(path: str, options: Options) -> Recording:
     names = tuple(name for name, _ in _CHANNELS)
     values, notes = parse.columns(data, Layout(" ", ".", names, ("",) * 6, frozenset(), rows[3][1], rows[3][0]))
     columns = [
-        Column(numbers, i, name, unit, "count", scale, header=name)
+        FileColumn(numbers, i, name, unit, "count", scale, header=name)
         for i, ((name, unit), numbers, scale) in enumerate(zip(_CHANNELS, values, scales, strict=True), 1)
         if isinstance(numbers, np.ndarray)
     ]
     where = say("the interval of {interval:g} ms in the second header row", interval=interval)
-    return Table(
+    return FileTable(
         tuple(columns),
         1000 / interval,
         where,

@@ -12,7 +12,7 @@ from allanite.phrases.wording import spelled
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.parts import HEAD, Parts
 from allanite.readers.columns.rows import Rows, columns_of
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 
 TITLE = "raw binary (give its dtype)"
@@ -42,8 +42,8 @@ def _layout(path: str, options: Options) -> tuple[np.dtype[Any], int, int]:
     return row, offset, _rows(os.path.getsize(path) - offset, row, offset)
 
 
-def _table(rows: NDArray[Any]) -> Table:
-    return Table(tuple(column("", values, i) for i, values in enumerate(columns_of(rows), 1)))
+def _table(rows: NDArray[Any]) -> FileTable:
+    return FileTable(tuple(column("", values, i) for i, values in enumerate(columns_of(rows), 1)))
 
 
 def _row(options: Options) -> np.dtype[Any]:

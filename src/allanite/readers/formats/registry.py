@@ -12,10 +12,10 @@ from typing import Any, Protocol
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Recording
-from allanite.readers.options import Frame, Options
+from allanite.readers.options import FrameLike, Options
 
 
-class Reader(Protocol):
+class FormatReader(Protocol):
     """A format that can be read: its name, a test of the first bytes and suffix, and its reader."""
 
     @property
@@ -129,18 +129,18 @@ def plugins() -> Iterator[Plugin]:
         yield Plugin(entry)
 
 
-def reader_named(name: str) -> Reader:
+def reader_named(name: str) -> FormatReader:
     """The reader of a format of the table."""
-    reader: Reader = _module(READERS[name])
+    reader: FormatReader = _module(READERS[name])
     return reader
 
 
-def reader_of_type(dtype: str) -> Reader:
+def reader_of_type(dtype: str) -> FormatReader:
     """The reader of raw binary of a type: that of the format of this name, otherwise of rows of numbers."""
     return reader_named(dtype if dtype in TYPES else "raw")
 
 
-def read_frame(frame: Frame, options: Options) -> Recording:
+def read_frame(frame: FrameLike, options: Options) -> Recording:
     """The channels of a table in memory."""
     recording: Recording = _module("frame").read(frame, options)
     return recording
@@ -150,14 +150,14 @@ def _module(name: str) -> Any:
     return import_module(f"{__package__}.{name}")
 
 
-def candidates() -> Iterator[Reader]:
+def candidates() -> Iterator[FormatReader]:
     """The readers in the order in which they are tried."""
     yield from (reader_named(name) for name in READERS if name != "text")
     yield from plugins()
     yield reader_named("text")
 
 
-def reader_for(head: bytes, suffix: str) -> Reader:
+def reader_for(head: bytes, suffix: str) -> FormatReader:
     """The first reader that recognizes the first bytes or the suffix of the file."""
     for reader in candidates():
         if reader.sniff(head, suffix):

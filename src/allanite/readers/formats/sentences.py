@@ -17,7 +17,7 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.readers.columns import parse, streams
 from allanite.readers.columns.layout import Layout, is_number
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import worded
 
@@ -136,32 +136,30 @@ def _stream(name: str, kind: _Kind) -> streams.Stream:
     names = names if len(names) == width else ("",) * width
     count = sum(fields is not None for fields in kind.fields)
 
-    def load() -> Table:
+    def load() -> FileTable:
         return _table(name, names, kind)
 
     return streams.Stream(name, count, names, load, fits=streams.inertial(names))
 
 
-def _table(name: str, names: tuple[str, ...], kind: _Kind) -> Table:
+def _table(name: str, names: tuple[str, ...], kind: _Kind) -> FileTable:
     """The fields as columns, after the time stamps if the logger wrote any before the sentences."""
     width = len(names)
-    pairs = [
-        (before, fields if fields is not None and fields.count(",") + 1 == width else None)
-        for before, fields in zip(kind.before, kind.fields, strict=True)
-    ]
-    stamped = all(before for before, fields in pairs if fields is not None)
-    if stamped:  # which show what is missing
-        pairs = [(before, fields) for before, fields in pairs if fields is not None]
+    right = [fields is not None and fields.count(",") + 1 == width for fields in kind.fields]
+    stamped = all(before for before, fine in zip(kind.before, right, strict=True) if fine)
     notes = list[Phrase]()
-    other = sum(fields is None for _, fields in pairs)
-    if other and not stamped:
-        notes.append(say("{number} damaged sentences of {name} are gaps of one sample each", number=other, name=name))
-    empty = "," * (width - 1)
-    rows = [f"{before.replace(',', ' ')},{fields or empty}" if stamped else fields or empty for before, fields in pairs]
-    heads = ("time", *names) if stamped else names
-    words = frozenset((0,)) if stamped and not is_number(pairs[0][0]) else frozenset[int]()
+    if stamped:  # which shows what is missing
+        stamps = [before for before, fine in zip(kind.before, right, strict=True) if fine]
+        fields = [fields for fields, fine in zip(kind.fields, right, strict=True) if fine]
+        rows = [f"{before.replace(',', ' ')},{each}" for before, each in zip(stamps, fields, strict=True)]
+        heads, words = ("time", *names), frozenset(() if is_number(stamps[0]) else (0,))
+    else:
+        rows = [fields or "" if fine else "," * (width - 1) for fields, fine in zip(kind.fields, right, strict=True)]
+        heads, words, other = names, frozenset[int](), right.count(False)
+        said = say("{number} damaged sentences of {name} are gaps of one sample each", number=other, name=name)
+        notes += [said] if other else []
     layout = Layout(",", ".", heads, ("",) * len(heads), words, 0, 1)
     values, _ = parse.columns(("\n".join(rows) + "\n").encode(), layout)
-    columns, _, said = text.of_parsed(values, heads, layout.units)
+    columns, _, joined = text.of_parsed(values, heads, layout.units)
     made = (replace(c, kind="increment") if c.name.startswith("delta_") else c for c in columns)
-    return Table(tuple(made), notes=(*notes, *said))
+    return FileTable(tuple(made), notes=(*notes, *joined))

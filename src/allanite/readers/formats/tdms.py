@@ -9,7 +9,7 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
@@ -58,7 +58,7 @@ class _Loader:
     def __init__(self, items: Sequence[Item], process: Process, length: int, step: float) -> None:
         self.items, self.process, self.length, self.step = items, process, length, step
 
-    def __call__(self) -> Table:
+    def __call__(self) -> FileTable:
         columns = []
         for place, item in enumerate(self.items, 1):
             dtype = np.dtype(str(item["fields"][0][1]))
@@ -67,7 +67,7 @@ class _Loader:
             columns.append(column(str(item["name"]), values, place, unit=str(item["unit"])))
         rate = 1 / self.step if self.step > 0 else None
         start = float(self.items[0]["start"]) if rate else None
-        return Table(tuple(columns), rate, str(say("the property wf_increment of the channels")), (), start)
+        return FileTable(tuple(columns), rate, str(say("the property wf_increment of the channels")), (), start)
 
 
 def _stream(name: str, length: int, step: float, load: _Loader) -> streams.Stream:

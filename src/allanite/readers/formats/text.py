@@ -1,20 +1,28 @@
 """Text and CSV: columns of numbers with any delimiter, with or without a header."""
 
+import math
 import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns import dates, encoding, layout, parse, sensors, shapes
-from allanite.readers.columns.column import Column, headed
-from allanite.readers.columns.table import KEY, Table, described, restored, with_units
+from allanite.readers.columns import dates, encoding, layout, lines, parse, sensors, shapes
+from allanite.readers.columns.column import FileColumn, headed
+from allanite.readers.columns.parts import Parts
+from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options
 
 TITLE = "text or CSV: columns of numbers, with or without a header"
+
+DENSITY = 0.5
+"""Samples in a byte, at most: a digit and a delimiter."""
 
 _COMMENT = re.compile(rb'# (\{"%s": .*\})\r?\n' % KEY.encode())
 
@@ -30,7 +38,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 class Parsed(NamedTuple):
     """The columns of a text, those of few words by position, the assumptions, and the rate that its lines state."""
 
-    columns: list[Column]
+    columns: list[FileColumn]
     tags: dict[int, parse.Tags]
     notes: tuple[str, ...]
     nominal: tuple[float | None, str] = (None, "")
@@ -43,7 +51,56 @@ def read(path: str, options: Options) -> Recording:
     return restored(arranged(columns_of(data, notes), options), comment[1] if comment else "").recording(options)
 
 
-def arranged(found: Parsed, options: Options) -> Table:
+def parts(path: str, options: Options) -> Parts | None:
+    """The rows of a text file, a block of lines at a time; see `streamed`."""
+    return streamed(lines.chunks_of(path), options)
+
+
+def streamed(chunks: lines.Chunks, options: Options) -> Parts | None:
+    """The rows of a text whose bytes are read like this; None if its lines are not the rows of one sensor.
+
+    It is read once to count the rows, to see its encoding and the order of its dates.
+    """
+    text = lines.TextLines(chunks, *encoding.encoding_of(chunks))
+    first, whole = next(text.blocks(), (b"", True))
+    if shapes.straightened(first)[1]:
+        return None
+    found, comment = _layout(first), _COMMENT.match(first)
+    forms = parse.forms_of(first, found, last=whole)
+    rows, passed = 0, tuple[str, ...]()
+    for block, part, last in text.rows(found):
+        body, passed = parse.clean_rows(block, part, last=last)
+        rows += parse.count(body)
+        parse.see_order(body, part, forms)
+    values = parse.columns(first, found, last=whole)[0]
+    columns, tags, said = of_parsed(values, found.names, found.units)
+    if sensors.turns(columns, tags) is not None:
+        return None
+    notes = (*encoding.noted(text.codec, text.name), *found.notes, *passed, *said)
+    head = restored(arranged(Parsed(columns, tags, notes, found.nominal), options), comment[1] if comment else "")
+
+    def blocks(wanted: Sequence[int], at_once: int) -> Iterator[list[NDArray[Any]]]:
+        seen, before = replace(forms), dict[int, NDArray[Any]]()
+
+        def past_midnight(time: NDArray[Any], position: int) -> NDArray[Any]:
+            before[position] = dates.continued(_stamps(time), before.get(position, np.empty(0)))
+            return before[position]
+
+        for block, part, last in text.rows(found):
+            values = _dated(parse.columns(block, part, seen, last=last)[0], list(part.names))[0]
+            made = list[NDArray[Any]]()
+            for column in (head.columns[i] for i in wanted):
+                entry: Any = values[column.position - 1]
+                if entry.dtype.kind in "mM":
+                    entry = _stamps(entry) if entry.dtype.kind == "M" else past_midnight(entry, column.position)
+                made.append(entry.astype(np.float64, copy=False) if column.values.dtype.kind == "f" else entry)
+            count = max(1, math.ceil(len(made[0]) / at_once))
+            yield from map(list, zip(*(np.array_split(each, count) for each in made), strict=True))
+
+    return Parts(head, rows, blocks, options)
+
+
+def arranged(found: Parsed, options: Options) -> FileTable:
     """The table of columns, those of several sensors separated."""
     columns, by = found.columns, sensors.turns(found.columns, found.tags)
     if by is None:
@@ -51,7 +108,7 @@ def arranged(found: Parsed, options: Options) -> Table:
     else:
         groups, told = sensors.apart(columns, by)
         columns = sensors.wanted(groups, options.channels)
-    return Table(tuple(columns), notes=(*found.notes, *told), nominal=found.nominal)
+    return FileTable(tuple(columns), notes=(*found.notes, *told), nominal=found.nominal)
 
 
 def write(recording: Recording, path: str) -> None:
@@ -60,13 +117,13 @@ def write(recording: Recording, path: str) -> None:
     from pyarrow import csv
 
     table = pa.table([pa.array(r.values) for r in recording], names=[str(i) for i in range(len(recording))])
-    headers = with_units([_word(r.name) for r in recording], recording)
+    headers = with_units([(re.sub(r"[^\w.+-]+", "_", r.name) or "column") for r in recording], recording)
     with Path(path).open("wb") as file:
         file.write(f"# {described(recording, headers)}\n{','.join(headers)}\n".encode())
         csv.write_csv(table, file, csv.WriteOptions(include_header=False, quoting_style="none"))
 
 
-def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
+def sheet_of(path: str) -> tuple[list[FileColumn], tuple[str, ...]]:
     """The columns of a text file, of any kind, and the assumptions; errors are those of `read`."""
     found = columns_of(*_opened(path))
     return found.columns, found.notes
@@ -74,37 +131,35 @@ def sheet_of(path: str) -> tuple[list[Column], tuple[str, ...]]:
 
 def columns_of(data: bytes, notes: tuple[str, ...] = ()) -> Parsed:
     """The columns of a text in UTF-8, after these notes."""
-    found = layout.find(data)
-    if found.width > shapes.WIDEST:
-        raise DataError(
-            f"line {found.line} contains {found.width} numbers; expected one row per sample, each on its own line"
-        )
+    found = _layout(data)
     values, passed = parse.columns(data, found)
     columns, tags, said = of_parsed(values, found.names, found.units)
     return Parsed(columns, tags, (*notes, *found.notes, *passed, *said), found.nominal)
 
 
+def _layout(data: bytes) -> layout.Layout:
+    found = layout.find(data)
+    if found.width > shapes.WIDEST:
+        raise DataError(
+            f"line {found.line} contains {found.width} numbers; expected one row per sample, each on its own line"
+        )
+    return found
+
+
 def _opened(path: str) -> tuple[bytes, tuple[str, ...]]:
     """The text of a file in UTF-8, one line per sample, and the assumptions."""
     data, assumed = encoding.in_utf8(Path(path).read_bytes())
-    data, turned = shapes.straightened(_plain(data))
+    data = lines.plain(data).removesuffix(b"\x1a")
+    data, turned = shapes.straightened(data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n"))
     return data, (*assumed, *turned)
-
-
-def _plain(data: bytes) -> bytes:
-    """The text without a byte order mark, with line ends that contain a newline."""
-    data = data.removeprefix(b"\xef\xbb\xbf").removesuffix(b"\x1a")
-    if b"\x00" in data:
-        raise DataError(f"there is a zero byte at byte {data.index(0)} of the text: the file is damaged or binary")
-    return data if b"\n" in data[: layout.HEAD] else data.replace(b"\r", b"\n")
 
 
 def of_parsed(
     values: list[parse.Parsed], headers: tuple[str, ...], units: tuple[str, ...]
-) -> tuple[list[Column], dict[int, parse.Tags], tuple[str, ...]]:
+) -> tuple[list[FileColumn], dict[int, parse.Tags], tuple[str, ...]]:
     """The columns, those of few words by position, and notes about joined dates and times."""
     values, names, notes = _dated(values, list(headers))
-    columns: list[Column] = []
+    columns: list[FileColumn] = []
     tags = {}
     for place, entry in enumerate(values):
         if entry is None:
@@ -143,21 +198,19 @@ def _is(values: parse.Parsed, dtype: str) -> TypeGuard[parse.Values]:
     return isinstance(values, np.ndarray) and values.dtype == dtype
 
 
-def _column(values: Any, place: int, name: str, unit: str) -> Column:
+def _column(values: Any, place: int, name: str, unit: str) -> FileColumn:
     if isinstance(values, (str, parse.Tags)):
         return headed(np.empty(0), place + 1, name, text=values if isinstance(values, str) else values.words[0])
     if values.dtype == "datetime64[D]":
         return headed(np.empty(0), place + 1, name, text=str(values[0]))
     if values.dtype.kind in "mM":
-        stamps = dates.past_midnight(values) if values.dtype.kind == "m" else values.astype(np.int64)
-        missing = np.isnat(values)
-        if missing.any():
-            stamps = np.where(missing, np.nan, stamps)
         usual = "time of day" if values.dtype.kind == "m" else "date and time"
-        return Column(stamps, place + 1, name or usual, "ns", header=name)
+        return FileColumn(_stamps(values), place + 1, name or usual, "ns", header=name)
     return headed(values, place + 1, name, unit=unit)
 
 
-def _word(name: str) -> str:
-    """A name that CSV readers do not split."""
-    return re.sub(r"[^\w.+-]+", "_", name) or "column"
+def _stamps(values: parse.Values) -> parse.Values:
+    """Nanoseconds of dates or times of day; NaN where there is none."""
+    stamps = dates.past_midnight(values) if values.dtype.kind == "m" else values.astype(np.int64)
+    missing = np.isnat(values)
+    return np.where(missing, np.nan, stamps) if missing.any() else stamps

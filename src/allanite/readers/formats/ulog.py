@@ -14,8 +14,8 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.column import Column, some
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
@@ -108,30 +108,30 @@ def _topic(item: Mapping[str, Any], process: Process) -> streams.Stream:
     return streams.Stream(name, count, tuple(kinds), lambda: build(topic, list(kinds), fetch), rate, fits)
 
 
-def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) -> Table:
+def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) -> FileTable:
     """The table of a topic with one sample in a message; of an unknown topic all its numbers."""
     signals = _TOPICS.get(topic, ())
     stamps = [field for field in _STAMPS if field in fields]
     units = {f"{signal.stem}{end}": signal.unit for signal in signals for end in signal.ends}
-    beside = [signal.over for signal in signals if signal.over]
+    beside = [signal.over for signal in signals if signal.over in fields]
     kept = [field for field in fields if field in units or field == "temperature" or not signals]
-    rows = fetch([*stamps, *(field for field in kept if field not in stamps), *(f for f in beside if f in fields)])
+    used = [*stamps, *(field for field in kept if field not in stamps)]
+    rows = fetch([*used, *beside])
     units |= dict.fromkeys(stamps, "us") | {"temperature": "degC"}
-    columns = {
-        field: column(field, rows[field], fields.index(field) + 1, unit=units.get(field, ""))
-        for field in (*stamps, *(field for field in kept if field not in stamps))
-    }
+    columns = {field: column(field, rows[field], fields.index(field) + 1, unit=units.get(field, "")) for field in used}
     notes = list[Phrase]()
     for signal in signals:
         if signal.over in fields:
             integrated, said = _integrated(signal, columns, rows)
             columns, notes = columns | integrated, notes + said
-    left = [field for field in fields if field not in columns and field not in beside]
+    left = [field for field in fields if field not in (*columns, *beside)]
     notes += [say("left out, not used of the table: {fields}", fields=some(left))] if left else []
-    return Table(tuple(columns.values()), notes=tuple(notes))
+    return FileTable(tuple(columns.values()), notes=tuple(notes))
 
 
-def _integrated(signal: _Signal, columns: Mapping[str, Column], rows: Rows) -> tuple[dict[str, Column], list[Phrase]]:
+def _integrated(
+    signal: _Signal, columns: Mapping[str, FileColumn], rows: Rows
+) -> tuple[dict[str, FileColumn], list[Phrase]]:
     """The columns of a signal that is integrated over a part of the time step, or all of it, and notes on that."""
     stamps = rows[next(field for field in _STAMPS if field in columns)].astype(np.int64)
     over = rows[signal.over].astype(np.float64)
@@ -163,7 +163,7 @@ def _integrated(signal: _Signal, columns: Mapping[str, Column], rows: Rows) -> t
     return mean, [*notes, say("{stem} is divided by {over}", stem=signal.stem, over=signal.over)]
 
 
-def _batched(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) -> Table:
+def _batched(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) -> FileTable:
     """The table of a topic with a batch of samples in a message, the last of them at its time stamp."""
     axes = [[field for field in fields if field.startswith(f"{axis}[")] for axis in _XYZ]
     stamp = next(field for field in _STAMPS if field in fields)
@@ -175,10 +175,10 @@ def _batched(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) 
     step = np.rint(np.nan_to_num(rows["dt"].astype(np.float64), nan=0, posinf=0, neginf=0) * 1e3).clip(0, 1e12)
     back = (count[:, np.newaxis] - 1 - np.arange(most)) * step[:, np.newaxis].astype(np.int64)
     stamps = (rows[stamp].astype(np.int64)[:, np.newaxis] * 1000 - back)[used]
-    columns = [Column(stamps, 1, stamp, "ns", header=stamp)]
+    columns = [FileColumn(stamps, 1, stamp, "ns", header=stamp)]
     for place, (axis, names) in enumerate(zip(_XYZ, axes, strict=True), 2):
         counts = np.column_stack([rows[name] for name in names[:most]]).astype(np.float64)
         values = (counts * rows["scale"].astype(np.float64)[:, np.newaxis])[used]
-        columns.append(Column(values, place, axis, _BATCHES[topic], header=axis))
+        columns.append(FileColumn(values, place, axis, _BATCHES[topic], header=axis))
     said = say("{number} messages with up to {most} samples each", number=len(rows), most=int(count.max(initial=0)))
-    return Table(tuple(columns), notes=(said,))
+    return FileTable(tuple(columns), notes=(said,))

@@ -10,7 +10,7 @@ from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns import layout, streams
-from allanite.readers.columns.table import Table
+from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.guard import demand_size, worded
 from allanite.readers.sandbox.process import Process
@@ -50,7 +50,7 @@ def _sheet(item: Mapping[str, Any], process: Process, options: Options) -> list[
 
     fits = streams.inertial(found.names, found.units)
 
-    def load() -> Table:
+    def load() -> FileTable:
         demand_size(size, process.path, f"sheet {name!r}")
         return text.arranged(text.columns_of(process.load(name, (size,), np.dtype(np.uint8)).tobytes()), options)
 

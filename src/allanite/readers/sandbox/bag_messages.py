@@ -94,9 +94,9 @@ class Definition:
         what, inner = about
         if what == Nodetype.BASE:
             return [Text()] if inner[0] == "string" else [self._numbers(inner[0], where, unit, taken=taken)]
-        if what == Nodetype.NAME and inner in STAMPS:
-            return [self._stamp(where, taken=taken)]
         if what == Nodetype.NAME:
+            if inner in STAMPS:
+                return [self._stamp(where, taken=taken)]
             return self._message(inner, where, unit, taken=taken)
         element, size = inner
         if what == Nodetype.SEQUENCE or size > LONGEST:

@@ -6,7 +6,6 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from contextvars import ContextVar
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.phrases.phrase import say
@@ -20,24 +19,22 @@ ROOM = 32 << 20
 """Bytes that any file may unpack to, whatever its size."""
 
 
-_outer: ContextVar[int | None] = ContextVar("outer", default=None)
+class UnpackedPath(str):
+    """The path of a file that was unpacked: its contents may not exceed the limit of the packing, or bombs multiply."""
+
+    limit: int
+
+    def __new__(cls, path: str, limit: int) -> "UnpackedPath":
+        """The path, and the limit in bytes."""
+        made = super().__new__(cls, path)
+        made.limit = limit
+        return made
 
 
 def most(path: str) -> int:
-    """Maximum size in bytes of the contents of a file; for a packed file, that of the file that contains it."""
+    """Maximum size in bytes of the contents of a file, and of what is unpacked from it."""
     here = RATIO * size_of(path) + ROOM
-    outer = _outer.get()
-    return here if outer is None else min(here, outer)
-
-
-@contextmanager
-def within(path: str) -> Iterator[None]:
-    """Whatever is unpacked inside may not exceed the limit of `path`: bombs do not multiply."""
-    token = _outer.set(most(path))
-    try:
-        yield
-    finally:
-        _outer.reset(token)
+    return min(here, path.limit) if isinstance(path, UnpackedPath) else here
 
 
 def demand_size(size: int, path: str, what: str) -> None:

@@ -14,8 +14,8 @@ from typing import IO, Any, NamedTuple
 
 from allanite.core.errors import DataError, UsageError
 
-from .guard import demand_size, most, within, worded
-from .source import SEPARATOR, demand_directory, head_of
+from .guard import UnpackedPath, demand_size, most, worded
+from .source import HEAD, SEPARATOR, demand_directory, head_of
 
 DEPTH = 3
 """Maximum number of nested layers."""
@@ -100,12 +100,13 @@ def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = Fal
             packing = packing_of(path, judge, only_by_suffix)
             if packing is None:
                 break
-            stack.enter_context(within(path))
+            limit = most(path)
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="allanite-", ignore_cleanup_errors=True))
             if packing is ZIP:
-                path, member = _member(path, member, judge, folder), ""
+                inner, member = _member(path, member, judge, folder), ""
             else:
-                path = _lone(path, packing, folder)
+                inner = _lone(path, packing, folder)
+            path = UnpackedPath(inner, limit)
         if member:
             raise UsageError(f"{SEPARATOR}{member} names a member of a .zip file, but this is not one")
         yield path
@@ -113,7 +114,71 @@ def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = Fal
 
 def packing_of(path: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
     """The packing of a file; an .npz is a .zip, but a format of its own."""
-    head, suffix = head_of(path), os.path.splitext(path)[1].lower()
+    return _packing(head_of(path), os.path.splitext(path)[1].lower(), judge, only_by_suffix)
+
+
+class PackedFile:
+    """A packed file whose content is read from the beginning, again and again, without a copy on the disk.
+
+    Arguments are those of `unpacked`; `suffix` is that of the content. An archive within another packing is refused.
+    """
+
+    def __init__(self, path: str, member: str, judge: Judge, *, only_by_suffix: bool = False) -> None:
+        self.path, self.suffix = path, os.path.splitext(path)[1].lower()
+        self._limit, self._layers = most(path), list[tuple[Packing, str]]()
+        while len(self._layers) < DEPTH:
+            packing = _packing(self.head, self.suffix, judge, only_by_suffix)
+            if packing is None:
+                break
+            if packing is ZIP:
+                if self._layers:
+                    raise UsageError("an archive within another packing is not read in parts")
+                member, name = "", _chosen(path, member, judge)
+            else:
+                stem, last = os.path.splitext(name if self._layers else path)
+                name = stem if last.lower() == packing.suffix else f"{stem}{last}"
+            self.suffix = os.path.splitext(name)[1].lower()
+            self._layers.append((packing, name))
+        if member:
+            raise UsageError(f"{SEPARATOR}{member} names a member of a .zip file, but this is not one")
+
+    @property
+    def head(self) -> bytes:
+        """The first bytes of the content."""
+        return next(self.chunks(HEAD), b"")[:HEAD]
+
+    def chunks(self, size: int = _BLOCK) -> Iterator[bytes]:
+        """The content, from the beginning."""
+        with ExitStack() as stack:
+            stream: Any = stack.enter_context(Path(self.path).open("rb"))
+            for packing, name in self._layers:
+                if packing is ZIP:
+                    archive = stack.enter_context(ZIP.open(stream))
+                    stream = stack.enter_context(_opened(archive, name))
+                else:
+                    stream = packing.open(stream)
+                stream = _Limited(stream, self._limit, f"the {packing.suffix} packing")
+            while block := stream.read(size):
+                yield block
+
+
+class _Limited:
+    """A packed stream, of which no more than `limit` bytes are read."""
+
+    def __init__(self, stream: Any, limit: int, what: str) -> None:
+        self._stream, self._limit, self._what, self._size = stream, limit, what, 0
+
+    def read(self, size: int) -> bytes:
+        """The next bytes."""
+        with worded(self._what):
+            block: bytes = self._stream.read(size)
+        self._size += len(block)
+        if self._size > self._limit:
+            raise DataError(_bomb(self._limit))
+        return block
+
+
+def _packing(head: bytes, suffix: str, judge: Judge, only_by_suffix: bool) -> Packing | None:
     for packing in (ZIP, *PACKINGS):
         if packing.magic.match(head) and (suffix == packing.suffix or not only_by_suffix):
             return None if packing is ZIP and suffix != ZIP.suffix and judge(head, suffix) else packing
@@ -129,6 +194,18 @@ def _lone(path: str, packing: Packing, folder: str) -> str:
 
 
 def _member(path: str, member: str, judge: Judge, folder: str) -> str:
+    name = _chosen(path, member, judge)
+    with (
+        worded("the archive"),
+        Path(path).open("rb") as file,
+        ZIP.open(file) as archive,
+        _opened(archive, name) as stream,
+    ):
+        return _copied(stream, folder, name, most(path))
+
+
+def _chosen(path: str, member: str, judge: Judge) -> str:
+    """The member of an archive that is wanted."""
     demand_directory(path)
     with worded("the archive"), Path(path).open("rb") as file, ZIP.open(file) as archive:
         names = [entry.filename for entry in archive.infolist() if not entry.is_dir()]
@@ -136,8 +213,7 @@ def _member(path: str, member: str, judge: Judge, folder: str) -> str:
             raise UsageError(f"the archive has no member {member!r}; it contains {_listed(names)}")
         name = member or _only(archive, names, judge)
         demand_size(archive.getinfo(name).file_size, path, f"member {name!r}")
-        with _opened(archive, name) as stream:
-            return _copied(stream, folder, name, most(path))
+        return name
 
 
 def _only(archive: zipfile.ZipFile, names: list[str], judge: Judge) -> str:
@@ -177,14 +253,18 @@ def _copied(stream: IO[bytes], folder: str, name: str, limit: int) -> str:
         while block := stream.read(_BLOCK):
             size += len(block)
             if size > limit:
-                raise DataError(
-                    f"the file unpacks to more than the limit of {limit / 1e6:.3g} MB: it is a decompression bomb "
-                    "or damaged; if it is neither, unpack it and read the contents"
-                )
+                raise DataError(_bomb(limit))
             file.write(block)
     if not size:
         raise DataError("the packed file is empty")
     return str(target)
+
+
+def _bomb(limit: int) -> str:
+    return (
+        f"the file unpacks to more than the limit of {limit / 1e6:.3g} MB: it is a decompression bomb "
+        "or damaged; if it is neither, unpack it and read the contents"
+    )
 
 
 def _listed(names: list[str]) -> str:

@@ -1,0 +1,224 @@
+"""Text read in parts: the samples, notes and refusals of the same text read as a whole."""
+
+import bz2
+import gzip
+import lzma
+import tracemalloc
+import zipfile
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.core.errors import AllaniteError, DataError
+from allanite.readers.columns import layout, lines
+from allanite.readers.formats import text
+from allanite.readers.options import Options
+from allanite.readers.parts import opened, whole_findings
+
+N = 9000
+"""Rows: more than the first part has, so that several follow."""
+
+STAMPS = np.datetime64("2024-03-11T23:59:30.125", "ns") + np.arange(N) * np.timedelta64(10_000_000, "ns")
+GX, GY = np.random.default_rng(3).normal(size=(2, N)).round(6)
+
+
+def rows(*columns, sep=","):
+    return "".join(sep.join(map(str, row)) + "\n" for row in zip(*columns, strict=True))
+
+
+def dated(stamps, form):
+    return [stamp.item().strftime(form) for stamp in stamps.astype("M8[us]")]
+
+
+def broken(content, row, line):
+    """The text with another line in the place of a row."""
+    return "\n".join(line if i == row else old for i, old in enumerate(content.split("\n")))
+
+
+TIME = [f"{i / 100:.2f}" for i in range(N)]
+PLAIN = "time [s],gx [deg/s],gy [deg/s]\n" + rows(TIME, GX, GY)
+DAYS = STAMPS[0] + np.arange(N) * np.timedelta64(100, "s")  # ten days: the thirteenth shows which number is the day
+UNIT = {"unit": "deg/s"}
+
+CASES = {
+    "a header": (PLAIN, {}),
+    "no header": (rows(TIME, GX, GY), UNIT | {"rate": 100.0}),
+    "semicolons and decimal commas": ("t [s];gx [deg/s]\n" + rows(TIME, GX, sep=";").replace(".", ","), {}),
+    "blanks": (rows(TIME, GX, GY, sep="   "), UNIT | {"rate": 100.0}),
+    "comments, and lines without cells": (PLAIN.replace("\n88.00,", "\n# here\n\n   \n88.00,"), {}),
+    "carriage returns and newlines": (PLAIN.replace("\n", "\r\n"), {}),
+    "carriage returns": (PLAIN.replace("\n", "\r"), {}),
+    "missing cells": ("time [s],gx [deg/s]\n" + rows(TIME, ["" if i % 97 == 5 else x for i, x in enumerate(GX)]), {}),
+    "a plus sign, late": (broken(PLAIN, 8500, "84.99,+1.5,  "), {}),
+    "whole numbers at first": ("t [s],gx [deg/s]\n" + rows(TIME, [*range(8000), *GX[8000:]]), {}),
+    "whole numbers": ("t [s],gx [deg/s]\n" + rows(TIME, (GX * 1000).astype(int)), {}),
+    "words": ("time [s],state,gx [deg/s]\n" + rows(TIME, ["idle"] * 8000 + ["run"] * 1000, GX), {}),
+    "dates": ("date,gx [deg/s]\n" + rows(dated(STAMPS, "%Y-%m-%d %H:%M:%S.%f"), GX), {}),
+    "dates with the day first": ("date,gx [deg/s]\n" + rows(dated(DAYS, "%d.%m.%Y %H:%M:%S"), GX), {}),
+    "dates with the month first, seen late": ("date,gx [deg/s]\n" + rows(dated(DAYS, "%m/%d/%Y %H:%M:%S"), GX), {}),
+    "date and time apart": (
+        "date,time,gx [deg/s]\n" + rows(dated(STAMPS, "%Y/%m/%d"), dated(STAMPS, "%H:%M:%S.%f"), GX), {},
+    ),
+    "times of day over midnight": (
+        "time,gx [deg/s]\n" + rows(dated(STAMPS - np.timedelta64(60, "s"), "%H:%M:%S.%f"), GX), {},
+    ),
+    "midnight every hundred rows": ("time,gx [deg/s]\n" + rows(dated(DAYS, "%H:%M:%S"), GX), {}),
+    "seconds and nanoseconds": (
+        "sec,nanosec,gx [deg/s]\n" + rows([10**9 + i // 100 for i in range(N)], [i % 100 * 10**7 for i in range(N)],
+                                          GX),
+        {},
+    ),
+    "a rate above the numbers": ("# Sample rate: 100 Hz\ngx [deg/s],gy [deg/s]\n" + rows(GX, GY), {}),
+    "a last line that is cut off": (PLAIN + "90.00,1", {}),
+    "a gap": (PLAIN.replace(rows(TIME[7000:7100], GX[7000:7100], GY[7000:7100]), ""), {}),
+    "latin letters": (PLAIN.replace("deg/s", "°/s").encode("latin-1"), {}),
+    "UTF-16": (PLAIN.encode("utf-16"), {}),
+    "a byte order mark": (PLAIN.encode("utf-8-sig") + b"\x1a", {}),
+    "sentences with checksums": (
+        "".join(f"$IMU,{t},{x},{y}*5A\r\n" for t, x, y in zip(TIME, GX, GY, strict=True)),
+        UNIT | {"channels": ["3", "4"], "rate": 100.0, "time": "none"},
+    ),
+    "a word among the numbers": (broken(PLAIN, 8123, "81.22,oops,1"), {}),
+    "a row that is too short": (broken(PLAIN, 8123, "81.22,1"), {}),
+    "a time of another form": (
+        broken("time,gx [deg/s]\n" + rows(dated(STAMPS, "%H:%M:%S.%f"), GX), 8123, "noon,1"), {},
+    ),
+    "a zero byte": (PLAIN[:200_000].encode() + b"\x00" + PLAIN[200_000:].encode(), {}),
+}  # fmt: skip
+
+
+REFUSED = ("a word among the numbers", "a row that is too short", "a time of another form", "a zero byte")
+
+
+def refusal(work):
+    with pytest.raises(AllaniteError) as error:
+        work()
+    return f"{error.type.__name__}: {error.value}".removeprefix("DataError: ")
+
+
+@pytest.fixture(autouse=True)
+def short_parts(monkeypatch):
+    monkeypatch.setattr(layout, "HEAD", 20_000)
+    monkeypatch.setattr(lines, "FIRST", 40_000)
+    monkeypatch.setattr(lines, "BLOCK", 20_000)
+
+
+def file_of(folder, content):
+    path = folder / "a.csv"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return path
+
+
+def joined(parts, wanted, at_once):
+    pieces = list(parts.blocks(wanted, at_once))
+    assert max(len(piece[0]) for piece in pieces) <= at_once
+    return [np.concatenate([piece[i] for piece in pieces]) for i in range(len(wanted))]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_columns_in_parts_are_those_of_the_whole(case, tmp_path):
+    content, choices = CASES[case]
+    path = str(file_of(tmp_path, content))
+    options = Options(**{k: tuple(v) if isinstance(v, list) else v for k, v in choices.items()})
+    if case in REFUSED:
+        said = refusal(lambda: text.sheet_of(path))
+        assert refusal(lambda: joined(text.parts(path, options), [0, 1], 1000)) == said
+        return
+    columns, notes = text.sheet_of(path)
+    parts = text.parts(path, options)
+    assert parts.head.notes == notes
+    wanted = [i for i, column in enumerate(columns) if not column.text]
+    assert len(parts.head.columns[0].values) < parts.rows == len(columns[wanted[0]].values)
+    for at_once in (1, 7, 1000):
+        for i, values in zip(wanted, joined(parts, wanted, at_once), strict=True):
+            assert values.dtype == columns[i].values.dtype
+            assert values.tobytes() == columns[i].values.tobytes()
+
+
+@pytest.mark.parametrize("case", [c for c in CASES if c not in ("midnight every hundred rows",)])
+def test_records_in_parts_are_those_of_the_whole(case, tmp_path):
+    content, choices = CASES[case]
+    path = file_of(tmp_path, content)
+
+    def gathered():
+        with opened(path, "1kB", choices) as reader:
+            pieces = list(reader.pieces(4096))
+            beat = reader.clock.beat()
+            filled = [
+                np.concatenate([np.r_[np.full(lost, np.nan), part[i]] if lost else part[i] for lost, part in pieces])
+                for i in range(len(reader.heads))
+            ]
+            return filled, beat, reader.sense.notes(beat), whole_findings(reader)
+
+    if case in REFUSED:
+        said = refusal(lambda: al.read(path, **choices))
+        assert refusal(gathered).removeprefix(f"{path}: ") == said.removeprefix(f"{path}: ")
+        return
+    whole = al.read(path, **choices)
+    found, beat, notes, findings = gathered()
+    for values, record in zip(found, whole, strict=True):
+        assert values.dtype == record.values.dtype
+        assert values.tobytes() == record.values.tobytes()
+    assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
+    assert beat.start == whole[0].start
+    assert notes == whole.notes
+    assert [f.what for f in findings] == [f.what for f in whole.findings]
+
+
+def packed(folder, suffix, content):
+    path = folder / f"a.csv{suffix}"
+    if suffix == ".zip":
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("readme.md", "not this")
+            archive.writestr("b.csv.gz", gzip.compress(content))
+    else:
+        path.write_bytes({".gz": gzip, ".bz2": bz2, ".xz": lzma}[suffix].compress(content))
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".gz", ".bz2", ".xz", ".zip"])
+def test_a_packed_text_is_read_in_parts(suffix, tmp_path):
+    path = packed(tmp_path, suffix, PLAIN.encode())
+    member = f"{path}::b.csv.gz" if suffix == ".zip" else path
+    for name in (path, member):
+        with opened(name, "1kB", {}) as reader:
+            assert reader.rows == N
+            pieces = [columns for _, columns in reader.pieces(1000)]
+        assert np.array_equal(np.concatenate([columns[0] for columns in pieces]), GX)
+
+
+def test_a_damaged_or_too_large_packing_is_refused_in_parts(tmp_path):
+    path = packed(tmp_path, ".gz", PLAIN.encode())
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(DataError, match=r"the \.gz packing is damaged or was cut off"):
+        opened(path, "1kB", {}).__enter__()
+    path.write_bytes(gzip.compress(b"0.0,1.0\n" * (5 << 20)))
+    with pytest.raises(DataError, match="unpacks to more than the limit of"):
+        opened(path, "1kB", UNIT | {"rate": 100.0}).__enter__()
+
+
+def test_lines_that_are_not_rows_are_not_read_in_parts(tmp_path):
+    options = Options(rate=100.0, unit="deg/s")
+    wide = "\n".join(",".join(map(str, row)) for row in (GX[:2000], GY[:2000])) + "\n"
+    alternating = "".join(f"{a} {b}\n{a}\n" for a, b in zip(GX, GY, strict=True))
+    sensors = rows(["GYRO", "ACC"] * (N // 2), TIME, GX)
+    for content in (wide, alternating, sensors):
+        assert text.parts(str(file_of(tmp_path, content)), options) is None
+
+
+def test_memory_is_that_of_a_few_parts(tmp_path, monkeypatch):
+    monkeypatch.setattr(lines, "BLOCK", 1 << 19)
+    path = tmp_path / "long.csv"
+    with path.open("w") as file:
+        file.write("gx [deg/s],gy [deg/s]\n")
+        for _ in range(120):
+            file.write(rows(GX, GY))
+    assert path.stat().st_size > 20e6
+    tracemalloc.start()
+    with opened(path, "1MB", {"rate": 100.0}) as reader:
+        assert sum(len(columns[0]) for _, columns in reader.pieces()) == reader.rows == 120 * N
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 12e6
