@@ -72,6 +72,9 @@ OPTIONS: dict[str, Decorator] = {
         help="Use the most stationary window of this length."),
     "outliers": click.option("--outliers", metavar="WORD",
         help="mark: exclude everywhere; keep: use everywhere.  [default: exclude from the fit only]"),
+    "motion": click.option("--motion", metavar="WORD",
+        help="mark: leave out the seconds in which the sensor moves; refuse: no analysis beyond 2 % of them.  "
+        "[default: refuse]"),
     "memory": click.option("--memory", metavar="SIZE",
         help="Memory that a record may take, e.g. 1GB; a larger one is read in parts.  [default: half of what is "
         "available]"),
@@ -210,7 +213,7 @@ OPTIONS: dict[str, Decorator] = {
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Options that describe the contents of a file."""
 
-SELECTING = ("average", "exclude", "from", "until", "quiet-window", "outliers", "memory")
+SELECTING = ("average", "exclude", "from", "until", "quiet-window", "outliers", "motion", "memory")
 """Options that select samples."""
 
 IDENTIFYING = ("terms", "method", "ranges", "band", "mask", "level", "strict")

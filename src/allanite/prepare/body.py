@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from allanite.core.finding import Finding, Quality
+from allanite.core.header import Header
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
@@ -11,7 +12,7 @@ from allanite.phrases.wording import spelled
 from .stillness import still_words
 
 
-def of_one_body(records: Sequence[Record], qualities: Sequence[Quality]) -> tuple[Quality, ...]:
+def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]) -> tuple[Quality, ...]:
     """The findings of each channel of a recording, together with those of the other channels of the same body.
 
     Motion in one inertial channel is reported for every other one, and if it refuses one channel, it refuses all. A
@@ -20,8 +21,8 @@ def of_one_body(records: Sequence[Record], qualities: Sequence[Quality]) -> tupl
 
     Parameters
     ----------
-    records : sequence of Record
-        The channels of one recording.
+    records : sequence of Record or Header
+        The channels of one recording; headers of those that are read in parts.
     qualities : sequence of Quality
         The findings of each channel alone.
     """
@@ -37,7 +38,7 @@ def _named(name: str, quality: Quality) -> Finding | None:
     return next((finding for finding in quality.findings if finding.name == name), None)
 
 
-def _moved(carried: list[int], records: Sequence[Record], qualities: Sequence[Quality]) -> list[Quality]:
+def _moved(carried: list[int], records: Sequence[Record | Header], qualities: Sequence[Quality]) -> list[Quality]:
     """The findings of the channels on the same body, with the motion of the others."""
     motions = {i: motion for i in carried if (motion := _named("moving", qualities[i]))}
     if not motions:
@@ -45,7 +46,8 @@ def _moved(carried: list[int], records: Sequence[Record], qualities: Sequence[Qu
     # the refused axis that moves first
     worst = min(motions, key=lambda i: (not motions[i].fatal, motions[i].place or (0.0, 0.0), i))
     same_size = len({(records[i].size, records[i].rate) for i in carried}) == 1
-    cure = still_words([records[i] for i in carried]) if same_size else motions[worst].remedy
+    samples = [each for i in carried if isinstance(each := records[i], Record)]
+    cure = still_words(samples) if same_size and len(samples) == len(carried) else motions[worst].remedy
     option = spelled("--channels", "channels=...")
     told = replace(
         motions[worst],
@@ -67,7 +69,9 @@ def _moved(carried: list[int], records: Sequence[Record], qualities: Sequence[Qu
     return result
 
 
-def _levels(at: int, carried: list[int], records: Sequence[Record], qualities: Sequence[Quality]) -> list[Finding]:
+def _levels(
+    at: int, carried: list[int], records: Sequence[Record | Header], qualities: Sequence[Quality]
+) -> list[Finding]:
     """Changing noise levels of other channels, if the level of this one is constant."""
     changes = [(records[i].name, change) for i in carried if (change := _named("level", qualities[i]))]
     if not changes or _named("level", qualities[at]) or qualities[at].refusal:

@@ -43,6 +43,8 @@ PARTS = 8
 UNEQUAL = 1.44
 """Ratio of powers, beyond chance, above which parts are called different."""
 
+NEITHER = say("one set of coefficients describes neither part")
+
 
 def moving(view: View) -> Finding | None:
     """Blocks of a second whose RMS about the median is more than 20 times that of the quietest tenth; see `busy`."""
@@ -82,6 +84,19 @@ def busy(view: View) -> BoolArray:
 def in_motion(loud: BoolArray) -> bool:
     """Whether enough blocks are moving to call the record moving."""
     return bool(loud.sum() >= max(2, 0.002 * loud.size))
+
+
+def moving_samples(record: Record) -> BoolArray:
+    """Intervals of a record that lie in moving blocks, shape (size,); none if too few are to call it moving."""
+    moved = np.zeros(record.size, dtype=np.bool_)
+    view = View(record)
+    if view.steps.size < SHORTEST or record.out_of_range:
+        return moved
+    loud = busy(view)
+    if in_motion(loud):
+        inside = np.flatnonzero(np.repeat(loud, view.span))
+        moved[inside if view.left is None else view.left[inside]] = True
+    return moved
 
 
 def still_words(records: Sequence[Record]) -> str:
@@ -165,7 +180,7 @@ def level(view: View) -> Finding | None:
             start=first,
             end=last,
         ),
-        say("one set of coefficients describes neither part"),
+        NEITHER,
         say("analyze the parts separately ({choice})", choice=windowing()),
         (first, last),
     )

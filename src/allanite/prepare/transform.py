@@ -1,16 +1,21 @@
 """Functions from a record to a record, each with an entry in the history."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from allanite.core.arrays import BoolArray
 from allanite.core.errors import UsageError, given
 from allanite.core.kinds import KINDS
 from allanite.core.record import Record, Recording
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import say, say_count
 from allanite.statistics.table import statistic_named
 
 from .outliers import marked, outliers
+from .pieces import means
+from .stillness import moving_samples
+from .view import stretches
 
 
 def mark_outliers(record: Record) -> Record:
@@ -29,6 +34,49 @@ def mark_outliers(record: Record) -> Record:
     ([500], ('1 outlier beyond 5 standard deviations, at 500 s, of 51.5: marked as missing',))
     """
     return marked(record, outliers(record))
+
+
+PASSES = 4
+"""How often motion is looked for, each time without what was found before."""
+
+
+def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:
+    """Replace by NaN, in all channels of a body, the blocks of a second in which one of them moves.
+
+    The blocks are those of the finding "moving"; the search is repeated without them, since motion widens the scale.
+
+    Examples
+    --------
+    >>> y = np.random.default_rng(1).standard_normal(64000)
+    >>> y[32000:32320] += 500.0
+    >>> left, = mark_motion([Record(y, rate=32.0, unit="deg/h")])
+    >>> int(np.isnan(left.values).sum()), left.history
+    (320, ('moved in 1 place, from 1000 s to 1010 s: left out',))
+    """
+    carried = [record.signal.inertial for record in records]
+    moved = np.zeros(max(record.size for record in records), dtype=np.bool_)
+    left = tuple(records)
+    for _ in range(PASSES):
+        found = [moving_samples(record) for record, inertial in zip(left, carried, strict=True) if inertial]
+        if not any(each.any() for each in found):
+            break
+        for each in found:
+            moved[: each.size] |= each
+        left = tuple(_still(r, moved) if inertial else r for r, inertial in zip(records, carried, strict=True))
+    return left
+
+
+def _still(record: Record, moved: BoolArray) -> Record:
+    """The record without the intervals in which it moved."""
+    values = np.array(record.values, dtype=np.float64)
+    at = moved[: record.size]
+    for first in range(KINDS[record.kind][1] + 1):  # an interval of an angle has two ends
+        values[first : first + at.size][at] = np.nan
+    runs = stretches(at)
+    first, last = (record.cut + place / record.rate for place in (runs[0, 0], runs[-1, 1]))
+    what = say("moved in {places}, from {first:.4g} s to {last:.4g} s: left out",
+               places=say_count(len(runs), "{count} place", "{count} places"), first=first, last=last)  # fmt: skip
+    return record.with_values(values, what, start=record.start)
 
 
 def detrend(record: Record, statistic: str) -> Record:
@@ -59,17 +107,16 @@ def block_means(record: Record, m: int) -> Record:
     """
     if not isinstance(m, (int, np.integer)) or not 1 <= m <= record.size // 2:
         raise UsageError(f"blocks must have between 1 and {record.size // 2} samples, not {given(m)}")
-    if record.kind == "angle":
-        kept = record.values[:: int(m)]
-    else:
-        count = record.size // m
-        blocks = record.values[: count * m].reshape(count, m)
-        kept = blocks.sum(axis=1) if record.integrated else blocks.mean(axis=1)
+    kept = means(record.values, record.kind, int(m))
     left = record.size - (len(kept) - KINDS[record.kind][1]) * m
-    what = say("blocks of {size} samples", size=m)
+    return replace(record, values=kept, rate=record.rate / m, history=(*record.history, blocks_words(int(m), left)))
+
+
+def blocks_words(m: int, left: int) -> str:
+    """History entry of means over `m` samples, of which so many are `left` at the end."""
     if left:
-        what = say("blocks of {size} samples, the last {left} samples omitted", size=m, left=left)
-    return replace(record, values=kept, rate=record.rate / m, history=(*record.history, what))
+        return say("blocks of {size} samples, the last {left} samples omitted", size=m, left=left)
+    return say("blocks of {size} samples", size=m)
 
 
 NEAR = 0.01
@@ -90,15 +137,20 @@ def averaged(recording: Recording, time: float) -> Recording:
     >>> averaged(recording, 1.0)[0].values.tolist()
     [2.0, 4.0]
     """
-    first = recording.records[0]
-    m = round(time * first.rate) if np.isfinite(time) else 0
-    if m < 1 or abs(m / first.rate - time) > NEAR * time:
-        raise UsageError(
-            f"means over {time:g} s are no whole number of samples at {first.rate:g} Hz; the nearest time is "
-            f"{max(m, 1) / first.rate:g} s"
-        )
+    m = samples_in(time, recording.records[0].rate)
     records, others = ([block_means(r, m) for r in part] for part in (recording.records, recording.others))
     return replace(recording, records=tuple(records), others=tuple(others))
+
+
+def samples_in(time: float, rate: float) -> int:
+    """How many samples a mean over `time` seconds is of; refused where it is no whole number, within 1 %."""
+    m = round(time * rate) if np.isfinite(time) else 0
+    if m < 1 or abs(m / rate - time) > NEAR * time:
+        raise UsageError(
+            f"means over {time:g} s are no whole number of samples at {rate:g} Hz; the nearest time is "
+            f"{max(m, 1) / rate:g} s"
+        )
+    return m
 
 
 def decimate(record: Record, factor: int) -> Record:

@@ -36,26 +36,35 @@ def trim(recording: Recording, start: float | None = None, until: float | None =
 
 def _cut(record: Record, start: float, until: float | None) -> Record:
     end = record.duration if until is None else until
-    if not 0 <= start < end:
-        raise UsageError(f"the window from {start:.10g} s to {end:.10g} s is empty or starts before the record")
-    if end > record.duration * (1 + 1e-9):
-        raise UsageError(f"the window ends at {end:.10g} s, but {record.name!r} is {record.duration:.6g} s long")
-    first, last = round(start * record.rate), round(end * record.rate)
-    if last - first < 2:
-        raise DataError(
-            say(
-                "the window from {start:.10g} s to {end:.10g} s contains {count} samples of {channel!r}",
-                start=start,
-                end=end,
-                count=last - first,
-                channel=record.name,
-            )
-        )
+    first, last = span(record.name, record.duration, record.rate, start, end)
     extra = len(record.values) - record.size
     origin = (record.start or 0.0) + first / record.rate
-    what = say("cut from {start:g} s to {end:g} s", start=record.cut + start, end=record.cut + end)
+    what = cut_words(record.cut + start, record.cut + end)
     part = record.with_values(record.values[first : last + extra], what, start=origin)
     return replace(part, cut=record.cut + first / record.rate)
+
+
+def span(name: str, duration: float, rate: float, start: float, end: float) -> tuple[int, int]:
+    """The first sample of a window in a record of this duration, and the one after the last.
+
+    Raises
+    ------
+    UsageError
+        The window is empty, or does not lie within the record.
+    DataError
+        It contains fewer than two samples.
+    """
+    if not 0 <= start < end:
+        raise UsageError(f"the window from {start:.10g} s to {end:.10g} s is empty or starts before the record")
+    if end > duration * (1 + 1e-9):
+        raise UsageError(f"the window ends at {end:.10g} s, but {name!r} is {duration:.6g} s long")
+    first, last = round(start * rate), round(end * rate)
+    if last - first < 2:
+        raise DataError(
+            say("the window from {start:.10g} s to {end:.10g} s contains {count} samples of {channel!r}",
+                start=start, end=end, count=last - first, channel=name)
+        )  # fmt: skip
+    return first, last
 
 
 def excluded(recording: Recording, pieces: Sequence[tuple[float, float]]) -> Recording:
@@ -83,17 +92,38 @@ def excluded(recording: Recording, pieces: Sequence[tuple[float, float]]) -> Rec
 def _without(record: Record, pieces: Sequence[tuple[float, float]]) -> Record:
     values = np.array(record.values, dtype=np.float64)
     points = len(values) - record.size
-    for start, end in pieces:
-        if end > record.duration * (1 + 1e-9):
-            raise UsageError(
-                f"the piece from {start:.10g} s to {end:.10g} s ends after {record.name!r}, which is "
-                f"{record.duration:.6g} s long"
-            )
-        first, last = round(start * record.rate), round(end * record.rate)
+    for first, last in excluded_samples(record.name, record.duration, record.rate, pieces):
         # an angle at the ends of a piece belongs to the intervals beside it
         values[first + points : last] = np.nan
-    spans = ", ".join(f"{start:g} s to {end:g} s" for start, end in pieces)
-    return record.with_values(values, say("excluded: {spans}", spans=spans), start=record.start)
+    return record.with_values(values, excluded_words(pieces), start=record.start)
+
+
+def excluded_samples(
+    name: str, duration: float, rate: float, pieces: Sequence[tuple[float, float]]
+) -> list[tuple[int, int]]:
+    """The first sample of each piece, and the one after the last, in a record of this duration.
+
+    Raises
+    ------
+    UsageError
+        A piece does not lie within the record.
+    """
+    for start, end in pieces:
+        if end > duration * (1 + 1e-9):
+            raise UsageError(
+                f"the piece from {start:.10g} s to {end:.10g} s ends after {name!r}, which is {duration:.6g} s long"
+            )
+    return [(round(start * rate), round(end * rate)) for start, end in pieces]
+
+
+def cut_words(start: float, end: float) -> str:
+    """History entry of a window, in seconds after the first sample of the recording."""
+    return say("cut from {start:g} s to {end:g} s", start=start, end=end)
+
+
+def excluded_words(pieces: Sequence[tuple[float, float]]) -> str:
+    """History entry of pieces that are left out."""
+    return say("excluded: {spans}", spans=", ".join(f"{start:g} s to {end:g} s" for start, end in pieces))
 
 
 def quiet_window(recording: Recording, length: float) -> Recording:

@@ -52,6 +52,11 @@ class PartsReader:
         """Number of rows of the file."""
         return self.parts.rows
 
+    @property
+    def share(self) -> float:
+        """Share of the file that has been read."""
+        return min(1.0, self.clock.rows / self.rows)
+
     def pieces(self, rows: int | None = None) -> Iterator[Piece]:
         """Missing samples before a piece, and the samples of each channel, until the end of the file."""
         signals = [self._place(signal.column.position) for signal in self.sense.signals]

@@ -6,6 +6,7 @@ sums over equal times. The expectations of all of them are exact for every term;
 octave three above on theirs, whose powers are therefore not quite independent (a twentieth, at most).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -35,8 +36,10 @@ FULL = 0.5
 """Share of its samples that a cell must have."""
 
 
-def fit_of(stream: "Accumulator", terms: str = "auto", *, band: Band = "auto") -> Fit:
-    """Identify the noise of a stream; `terms` and `band` are those of `identify`.
+def fit_of(
+    stream: "Accumulator", terms: str = "auto", *, band: Band = "auto", masks: Sequence[tuple[float, float]] = ()
+) -> Fit:
+    """Identify the noise of a stream; `terms`, `band` and `masks` are those of `identify`.
 
     Sinusoids are not looked for, and outliers not excluded: both need the samples.
 
@@ -52,7 +55,7 @@ def fit_of(stream: "Accumulator", terms: str = "auto", *, band: Band = "auto") -
     if stream.size < SHORTEST:
         raise DataError(say("{count} samples are {too_few}", count=stream.size, too_few=FEW))
     seen = spectrum_of(stream, detrend=deterministic(symbols))
-    return whittle_of(seen, (stream.like.name, stream.like.signal), symbols, band, rival=terms == "auto")
+    return whittle_of(seen, (stream.like.name, stream.like.signal), symbols, band, masks=masks, rival=terms == "auto")
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,23 +9,20 @@ from allanite.core.curve import Curve
 from allanite.core.datasheet import DataSheetRow, data_sheet
 from allanite.core.display_units import showing
 from allanite.core.errors import DataError, UsageError
-from allanite.core.finding import Quality
 from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
 from allanite.identification.checks.shared import shared
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
-from allanite.readers.parts import PartsReader
 from allanite.statistics import deviation
 from allanite.statistics.readings import readings
 
 from .channels import Inspected, Progress, Source, run
-from .gathering import STRIDES, Streams, chosen, demand_grid
 from .job import Job
+from .keeper import STRIDES, Keeper, demand_grid
 from .meanwhile import IDENTIFICATION, importing
-from .noise import ChannelResult, Noise, noise_of
-from .parts import Passed, in_parts, run_in_parts
+from .noise import ChannelResult, noise_of
 from .recipe import Recipe
 from .shares import how_many
 
@@ -178,25 +175,28 @@ def demand_shown(recipe: Recipe, channels: Iterable[Channel]) -> None:
 def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -> Study:
     """The study of a recording, as `analyze` returns it; not every unit of the recipe need fit it."""
 
-    def work(seen: Inspected) -> Channel:
-        return _channel(seen.record, seen.quality, recipe)
+    def keeping(head: Record, size: int) -> Keeper:
+        demand_grid(recipe.taus, None, head.rate)
+        return Keeper(head, (recipe.statistic,))
 
-    with importing(IDENTIFICATION, kernels=recipe.method == "whittle"), in_parts(source, recipe) as reader:
-        if reader is not None:
-            return _analyzed_in_parts(reader, recipe, progress)
-        return run(Study, source, recipe, work, Channel.refused, progress=progress)
+    with importing(IDENTIFICATION, kernels=recipe.method == "whittle"):
+        return run(Study, source, recipe, lambda seen: _channel(seen, recipe), Channel.refused, keeping=keeping,
+                   in_parts_too=(STRIDES,), progress=progress)  # fmt: skip
 
 
-def _channel(record: Record, quality: Quality, recipe: Recipe) -> Channel:
+def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     """The result of one channel."""
-    noise = noise_of(record, recipe)
-    curve = deviation(record, recipe.statistic, taus=recipe.taus, noise=noise.fit)
+    if seen.keeper is not None:
+        noise = seen.keeper.noise(recipe)
+        (curve,), read = seen.keeper.curves(noise.fit, recipe.taus), None
+    else:
+        noise = noise_of(seen.record, recipe)
+        curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit)
+        read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)
     if curve.law is not None:
         curve.interval(recipe.level)  # which every form of the result shows, and is remembered
     noise = replace(noise, fit=replace(noise.fit, curve=curve))
-    usual = curve.statistic == "oadev" and recipe.taus == "log"
-    read = readings(record, curve if usual else None)
-    return Channel(record, quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
+    return Channel(seen.first, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
 
 
 def refitted(channel: Channel, recipe: Recipe) -> Channel:
@@ -210,24 +210,7 @@ def refitted(channel: Channel, recipe: Recipe) -> Channel:
     if not isinstance(channel.record, Record):
         raise DataError(say("the samples of {channel!r} are not in memory: analyze the file once more",
                             channel=channel.record.name))  # fmt: skip
-    return _channel(channel.record, channel.quality, recipe)
-
-
-def _analyzed_in_parts(reader: PartsReader, recipe: Recipe, progress: Progress | None) -> Study:
-    """The study of a file that does not fit into memory."""
-    demand_grid(recipe.taus, None, reader.heads[0].rate)
-
-    def work(passed: Passed) -> Channel:
-        rate, streams = passed.header.rate, passed.gathered
-        fit = streams.fit(rate, recipe)
-        curve = chosen(streams.curves(rate, fit)[0], recipe.taus)
-        noise = Noise(replace(fit, curve=curve))
-        return Channel(passed.header, passed.quality, noise, curves=(curve,)).to(*(recipe.to or ()))
-
-    return run_in_parts(
-        Study, reader, recipe, lambda head: Streams(head, (recipe.statistic,), recipe.outliers), work,
-        lambda passed, why: Channel(passed.header, passed.quality, refusal=why), notes=(STRIDES,), progress=progress,
-    )  # fmt: skip
+    return _channel(Inspected(channel.record.name, (channel.record,), (channel.quality,)), recipe)
 
 
 def examine(source: Source, recipe: Recipe | None = None, *, progress: Progress | None = None) -> Study:
@@ -237,6 +220,6 @@ def examine(source: Source, recipe: Recipe | None = None, *, progress: Progress 
     """
     recipe = recipe or Recipe()
     return run(
-        Study, source, recipe, lambda seen: Channel(seen.record, seen.quality), Channel.refused,
-        doing="inspecting", demand=False, progress=progress,
+        Study, source, recipe, lambda seen: Channel(seen.first, seen.quality), Channel.refused,
+        keeping=lambda head, _: Keeper(head), doing="inspecting", demand=False, progress=progress,
     )  # fmt: skip

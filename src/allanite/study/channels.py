@@ -18,7 +18,7 @@ from allanite.core.threads import one_thread
 from allanite.phrases.phrase import join, say
 from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
-from allanite.prepare.transform import averaged, mark_outliers
+from allanite.prepare.transform import averaged, mark_motion, mark_outliers
 from allanite.prepare.window import excluded, quiet_window, trim
 from allanite.readers import read
 from allanite.readers.parts import demand_memory
@@ -27,6 +27,7 @@ from allanite.readers.sandbox.progress import told
 from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .meanwhile import imported
+from .parts import Keeping, in_parts, passed
 from .provenance import provenance_of
 from .recipe import READING, Recipe
 from .shares import how_many, shared
@@ -77,10 +78,10 @@ def open_recording(
     whole = excluded(whole, demand_pieces(recipe.exclude) if recipe.exclude else ())
     whole = trim(whole, recipe.start, recipe.until)
     part = whole if recipe.quiet_window is None else quiet_window(whole, recipe.quiet_window)
-    if recipe.outliers != "mark":
-        return part
     own = part.records[: len(part.records) - len(along)]
-    return replace(part, records=(*map(mark_outliers, own), *part.records[len(own) :]))
+    kept = mark_motion(own) if recipe.motion == "mark" else own
+    kept = tuple(map(mark_outliers, kept)) if recipe.outliers == "mark" else kept
+    return part if kept is own else replace(part, records=(*kept, *part.records[len(own) :]))
 
 
 def _reading(progress: Progress | None) -> Callable[[float], None] | None:
@@ -175,18 +176,22 @@ def _result(
         return refused(seen, str(error))
 
 
-def run(
+def run(  # noqa: PLR0913 - each has a default but those that make the job
     kind: Callable[..., Result],
     source: Source,
     recipe: Recipe,
     work: Callable[[Inspected], Any],
     refused: Callable[[Inspected, str], Any],
     *,
+    keeping: Keeping | None = None,
+    in_parts_too: tuple[str, ...] = (),
     doing: str = "analyzing",
     demand: bool = True,
     progress: Progress | None = None,
 ) -> Result:
     """Open a source and process each of its channels.
+
+    A file that does not fit into memory is read in parts, if the job can work with what is kept of them.
 
     Parameters
     ----------
@@ -196,6 +201,10 @@ def run(
         As for `open_recording`.
     work, refused, doing, progress
         As for `each_channel`.
+    keeping : callable, optional
+        Makes the keeper of a channel that is read in parts; None if the job needs all samples.
+    in_parts_too : tuple of str
+        Notes about a record that is read in parts.
     demand : bool
         Whether it is an error if no channel can be processed.
 
@@ -206,6 +215,15 @@ def run(
     UsageError
         An option is wrong, or a required one is missing.
     """
+    with in_parts(source, recipe, wanted=keeping is not None) as reader:
+        if reader is not None and keeping is not None:
+            seen, findings, notes, provenance = passed(reader, recipe, keeping, progress)
+            results = tuple(_result(one, work, refused, Quality(findings).refusal) for one in seen)
+            if demand:
+                demand_result([one.name for one in seen], results)
+            if progress is not None:
+                progress("done", 1.0)
+            return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
     recording = open_recording(source, recipe, progress=progress)
     channels = [(one.name, (one,)) for one in recording]
     results = each_channel(channels, work, refused, findings=recording.findings, doing=doing, progress=progress)

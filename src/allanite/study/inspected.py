@@ -3,25 +3,40 @@
 from dataclasses import dataclass
 
 from allanite.core.finding import Quality
+from allanite.core.header import Header
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
+
+from .keeper import Keeper
 
 
 @dataclass(frozen=True, eq=False)
 class Inspected:
     """One channel after its inspection, before it is processed.
 
-    `records` are processed together: one, or a record of each recording that is compared.
+    `headed` are processed together: one record, or one of each recording that is compared. Of a record that was read
+    in parts there is the header, and the keeper of its sums.
     """
 
     name: str
-    records: tuple[Record, ...]
+    headed: tuple[Record | Header, ...]
     qualities: tuple[Quality, ...]
+    keeper: Keeper | None = None
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """The records, which are in memory."""
+        return tuple(each for each in self.headed if isinstance(each, Record))
 
     @property
     def record(self) -> Record:
         """The first record."""
         return self.records[0]
+
+    @property
+    def first(self) -> Record | Header:
+        """The first record, or its header."""
+        return self.headed[0]
 
     @property
     def quality(self) -> Quality:
@@ -36,7 +51,7 @@ class Inspected:
     @property
     def numbered(self) -> list[tuple[str, Quality]]:
         """The findings about each record, and their prefix: the number of the record if there are several."""
-        many = len(self.records) > 1
+        many = len(self.headed) > 1
         return [
             (say("record {number}: ", number=i) if many else "", quality) for i, quality in enumerate(self.qualities, 1)
         ]

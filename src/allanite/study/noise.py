@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from allanite.core.encoding import plain, read_plain, write_plain
 from allanite.core.errors import DataError
@@ -25,8 +25,10 @@ from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.terms import TERMS, WHITE
 
-from .inspected import Inspected
 from .recipe import Recipe
+
+if TYPE_CHECKING:
+    from .inspected import Inspected
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -255,6 +257,6 @@ class ChannelResult(RecordResult):
         return None if self.noise is None else self.noise.fit
 
     @classmethod
-    def refused(cls, seen: Inspected, why: str) -> Self:
+    def refused(cls, seen: "Inspected", why: str) -> Self:
         """The result of a refused channel."""
-        return cls(seen.record, seen.quality, refusal=why)
+        return cls(seen.first, seen.quality, refusal=why)

@@ -1,56 +1,54 @@
-"""The loop over channels for a file that does not fit into memory: one pass, of which only sums are kept."""
+"""A file that does not fit into memory: one pass, of which only sums are kept."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.errors import DataError, UsageError
-from allanite.core.finding import Quality
+from allanite.core.arrays import IntArray
+from allanite.core.errors import UsageError
+from allanite.core.finding import Finding
 from allanite.core.header import Header
-from allanite.core.record import Record, Recording
+from allanite.core.kinds import KINDS
+from allanite.core.ranges import demand_pieces
+from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
+from allanite.prepare import pieces, window
+from allanite.prepare.body import of_one_body
+from allanite.prepare.inspector import BLOCK, FEWEST, Inspector
+from allanite.prepare.transform import blocks_words, mark_motion, samples_in
 from allanite.readers.ahead import Later, ahead
 from allanite.readers.memory import size_in_words
 from allanite.readers.parts import PartsReader, opened, whole_findings
 from allanite.readers.sandbox.source import digest_of
 
-from .channels import Progress, Source, demand_result
-from .gathering import WHOLE, Gathering
-from .inspection import BLOCK, Inspection
+from .inspected import Inspected
+from .keeper import WHOLE, Keeper
 from .provenance import provenance_of
-from .recipe import READING, SELECTING, Recipe
+from .recipe import READING, Recipe
 
-Result = TypeVar("Result")
+NEED_ALL = ("quiet_window", "ranges")
+"""Choices that need all samples at once."""
 
-TAKEN = ("start", "until", "outliers", "memory")
-"""Keys that select samples and are done here too; the others need the whole record."""
-
-
-@dataclass(frozen=True, eq=False)
-class Passed:
-    """A channel of which the last part was read: its header, quality, and what was gathered."""
-
-    header: Header
-    quality: Quality
-    gathered: Any
+Keeping = Callable[[Record, int], Keeper]
+"""What keeps the samples of a channel that begins like a record, of so many samples."""
 
 
 @contextmanager
-def in_parts(source: Source, recipe: Recipe) -> Iterator[PartsReader | None]:
-    """The reader in parts of a file that does not fit into memory; None for everything else.
+def in_parts(source: Any, recipe: Recipe, *, wanted: bool = True) -> Iterator[PartsReader | None]:
+    """The reader in parts of a file that does not fit into memory; None for everything else, or if none is `wanted`.
 
     Raises
     ------
     UsageError
         It does not fit, and its format or a choice of the recipe needs the whole record.
     """
-    if isinstance(source, (Record, Recording)):
+    if not wanted:
         yield None
         return
     with opened(source, recipe.memory, recipe.to_dict(READING)) as reader:
@@ -61,148 +59,192 @@ def in_parts(source: Source, recipe: Recipe) -> Iterator[PartsReader | None]:
 
 def _demand_choices(recipe: Recipe) -> None:
     """Refuse what needs the whole record."""
-    for name in (*(key for key in SELECTING if key not in TAKEN), "ranges"):
+    more = spelled("--memory", "memory=")
+    for name in NEED_ALL:
         if getattr(recipe, name) is not None:
-            option = f"--{name.replace('_', '-')}"
-            raise UsageError(
-                f"{WHOLE} no {spelled(option, name)}: omit it, or allow more memory with "
-                f"{spelled('--memory', 'memory=')}"
-            )
+            option = spelled(f"--{name.replace('_', '-')}", name)
+            raise UsageError(f"{WHOLE} no {option}: omit it, or allow more memory with {more}")
     if recipe.method != "whittle":
         raise UsageError(
             f"{WHOLE} no {spelled('--method', 'method')} {recipe.method!r}: only 'whittle', or allow more memory with "
-            f"{spelled('--memory', 'memory=')}"
+            f"{more}"
         )
 
 
-def run_in_parts(  # noqa: PLR0917 - as `run`
-    kind: Callable[..., Result],
-    reader: PartsReader,
-    recipe: Recipe,
-    gather: Callable[[Record], Gathering],
-    work: Callable[[Passed], Any],
-    refused: Callable[[Passed, str], Any],
-    *,
-    notes: tuple[str, ...] = (),
-    progress: Progress | None = None,
-) -> Result:
-    """Read a file once, and make the result of each channel from what was gathered; the counterpart of `run`.
+@dataclass(frozen=True)
+class Preparation:
+    """What a recipe does with the samples of a file before they are looked at, at the rate of its first samples."""
 
-    Parameters
-    ----------
-    kind, progress
-        As for `run`.
-    gather : Record -> Gathering
-        What takes the samples of a channel that begins like the record.
-    work, refused
-        As for `each_channel`.
-    notes : tuple of str
-        Assumptions of this job.
-    """
-    digest = Later(lambda: digest_of(reader.file))
-    channels = [_Channel(head, gather(head), reader.rows, recipe) for head in reader.heads]
-    tell = progress or (lambda what, fraction: None)
-    for share, samples in ahead(_looked(reader, channels)):
-        for channel, (lost, parts) in zip(channels, samples, strict=True):
-            channel.take(lost, parts)
-        tell(f"reading, {100 * share:.0f} %", 0.97 * share)
-    beat = reader.clock.beat()
-    findings = whole_findings(reader)
-    fatal = Quality(findings).refusal
-    passed = [_passed(channel, beat.rate, beat.start, reader.clock.history) for channel in channels]
-    made = [_made(one, fatal or one.quality.refusal, work, refused) for one in passed]
-    demand_result([head.name for head in reader.heads], made)
-    said = (*reader.sense.notes(beat), *_notes(reader, recipe), *notes)
-    provenance = provenance_of() | {"source": reader.name, "sha256": digest()}
-    tell("done", 1.0)
-    return kind(tuple(made), recipe, findings, said, provenance)
+    heads: tuple[Record, ...]
+    rows: int
+    recipe: Recipe
 
+    @cached_property
+    def m(self) -> int:
+        """Samples of which a mean is taken."""
+        time = self.recipe.average
+        return 1 if time is None else samples_in(time, self.heads[0].rate)
 
-def _made(passed: Passed, why: str, work: Callable[[Passed], Any], refused: Callable[[Passed, str], Any]) -> Any:
-    """The result of a channel, or why there is none."""
-    if why:
-        return refused(passed, why)
-    try:
-        return work(passed)
-    except DataError as error:
-        return refused(passed, str(error))
+    @property
+    def rate(self) -> float:
+        """Sampling rate of the means."""
+        return self.heads[0].rate / self.m
 
+    @property
+    def kinds(self) -> list[str]:
+        """What a sample of each channel is."""
+        return [head.kind for head in self.heads]
 
-class _Channel:
-    """One channel while it is read: its window, inspection, and what gathers it."""
+    @property
+    def points(self) -> int:
+        """Samples of a block that belong to the next one, too: 1 if steps of an angle are taken."""
+        return max(KINDS[kind][1] for kind in self.kinds)
 
-    def __init__(self, head: Record, gathering: Gathering, size: int, recipe: Recipe) -> None:
-        self.head, self.gathering = head, gathering
-        self.inspection = Inspection(head, size, recipe.outliers)
-        self.place = 0
-        begin, end = recipe.start or 0.0, recipe.until
-        self.begin = round(begin * head.rate)
-        self.end = None if end is None else round(end * head.rate)
-        if begin < 0 or (end is not None and end <= begin):
-            raise UsageError(f"the window from {begin:.10g} s to {end} s is empty or starts before the record")
-        self._last: NDArray[Any] | None = None
+    @cached_property
+    def span(self) -> tuple[int, int | None]:
+        """The first sample of the window, and the one after the last."""
+        start, until = self.recipe.start or 0.0, self.recipe.until
+        first, last = window.span("", np.inf, self.rate, start, start + 1e9 if until is None else until)
+        return first, None if until is None else last
 
-    def steps(self, lost: int, values: NDArray[Any]) -> tuple[int, FloatArray, IntArray]:
-        """Missing samples, the steps in the window, and its outliers."""
-        if self.head.kind == "angle":
-            gone = np.full(1, np.nan) if lost else None
-            before = gone if gone is not None else self._last
-            self._last = values[-1:].copy()
-            values = np.diff(values if before is None else np.concatenate((before, values)))
-        steps = np.ascontiguousarray(values, dtype=np.float64)
-        self.place += lost
-        low = min(max(self.begin - self.place, 0), steps.size)
-        high = steps.size if self.end is None else min(max(self.end - self.place, low), steps.size)
-        until = self.place if self.end is None else min(self.place, self.end)
-        inside = max(0, until - max(self.place - lost, self.begin))
-        place, self.place = self.place, self.place + steps.size
-        part = steps[low:high]
-        self.inspection.lost += inside
-        return inside, part, self.inspection.look(part, place + low) if part.size else np.empty(0, np.int64)
-
-    def take(self, lost: int, part: tuple[FloatArray, IntArray]) -> None:
-        """Gather samples."""
-        if lost:
-            self.gathering.skip(lost)
-        if part[0].size:
-            self.gathering.push(*part)
+    @property
+    def spans(self) -> tuple[tuple[float, float], ...]:
+        """Pieces that are left out, s."""
+        return demand_pieces(self.recipe.exclude) if self.recipe.exclude else ()
 
     @property
     def size(self) -> int:
-        """Number of samples of the window so far, missing ones included."""
-        return max(0, (self.place if self.end is None else min(self.end, self.place)) - self.begin)
+        """Number of samples of the window, as far as it is known before the file is read."""
+        first, end = self.span
+        size = self.rows // self.m
+        return max(1, (size if end is None else min(end, size)) - first)
 
-    @property
-    def kind(self) -> str:
-        """What a sample is: counts with gaps are increments."""
-        return "increment" if self.head.kind == "count" and self.inspection.lost else self.head.kind
+    def blocks(self, parts: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[pieces.Piece]:
+        """Blocks of the window, by their place in it."""
+        first, end = self.span
+        found = pieces.placed(parts)
+        if self.m > 1:
+            found = pieces.averaged(found, self.kinds, self.m, BLOCK)
+        if self.spans:
+            cuts = window.excluded_samples("", np.inf, self.rate, self.spans)
+            found = pieces.excluded(found, self.kinds, cuts)
+        if first or end is not None:
+            found = pieces.window(found, first, None if end is None else end + self.points)
+        return pieces.blocks(found, BLOCK, self.points)
+
+    def records(self, place: int, columns: Sequence[NDArray[Any]], size: int) -> tuple[Record, ...]:
+        """A block of so many samples as records."""
+        first, end = self.span
+        left = size if end is None else min(size, end - first - place)
+        each = []
+        for head, values in zip(self.heads, columns, strict=True):
+            kept = values[: left + KINDS[head.kind][1]]
+            kind = "increment" if head.kind == "count" and kept.dtype.kind == "f" else head.kind
+            each.append(replace(head, values=kept, rate=self.rate, kind=kind, start=None, history=(),
+                                cut=(first + place) / self.rate))  # fmt: skip
+        return mark_motion(each) if self.recipe.motion == "mark" else tuple(each)
+
+    def history(self, rate: float, size: int) -> tuple[str, ...]:
+        """What was done with a record of this rate and of so many samples; refused if a piece is beyond its end."""
+        name, recipe = self.heads[0].name, self.recipe
+        duration = size / rate
+        done = [blocks_words(self.m, self.rows % self.m)] if self.m > 1 else []
+        if self.spans:
+            window.excluded_samples(name, duration, rate, self.spans)
+            done.append(window.excluded_words(self.spans))
+        if recipe.start is not None or recipe.until is not None:
+            start, until = recipe.start or 0.0, duration if recipe.until is None else recipe.until
+            window.span(name, duration, rate, start, until)
+            done.append(window.cut_words(start, until))
+        return tuple(done)
+
+
+class _Channel:
+    """One channel while it is read."""
+
+    def __init__(self, head: Record, keeper: Keeper, size: int, choice: str | None) -> None:
+        self.head, self.keeper = head, keeper
+        self.inspector = Inspector(size, choice)
+        self.place, self.kind, self.moved = 0, head.kind, list[str]()
+
+    def look(self, block: Record, *, alone: bool) -> tuple[Record, IntArray]:
+        """The block without what is left out, and the places of its outliers."""
+        self.moved += block.history
+        kept, at = self.inspector.look(block, alone=alone)
+        self.kind = kept.kind if kept.kind != self.head.kind else self.kind
+        return kept, at
+
+    def inspected(self, rate: float, start: float | None, done: tuple[str, ...], ready: Preparation) -> Inspected:
+        """The channel when all was read, at the sampling rate of the whole."""
+        head, (first, _) = self.head, ready.span
+        self.keeper.at_rate(rate)
+        start = start if not first else (start or 0.0) + first / rate
+        history = (*done, *self.moved, *self.inspector.history, say("read in parts"))
+        header = Header(head.name, rate, self.place, head.unit, self.kind, head.scale, start, history, head.signal)
+        return Inspected(head.name, (header,), (self.inspector.quality(rate, self.place),), self.keeper)
+
+    def take(self, place: int, block: Record, at: IntArray) -> None:
+        """Keep a block."""
+        if place > self.place:
+            self.keeper.skip(place - self.place)
+        self.keeper.push(np.ascontiguousarray(block.steps, dtype=np.float64), at)
+        self.place = place + block.size
+
+
+def passed(
+    reader: PartsReader, recipe: Recipe, keeping: Keeping, progress: Callable[[str, float], None] | None
+) -> tuple[list[Inspected], tuple[Finding, ...], tuple[str, ...], dict[str, str]]:
+    """Read a file once: its channels with what was kept of each, findings, notes and provenance."""
+    digest = Later(lambda: digest_of(reader.file))
+    ready = Preparation(reader.heads, reader.rows, recipe)
+    heads = [replace(head, rate=ready.rate) for head in reader.heads]
+    channels = [_Channel(head, keeping(head, ready.size), ready.size, recipe.outliers) for head in heads]
+    for share, place, looked in ahead(_looked(reader, ready, channels)):
+        for channel, (block, at) in zip(channels, looked, strict=True):
+            channel.take(place, block, at)
+        if progress is not None:
+            progress(f"reading, {100 * share:.0f} %", 0.97 * share)
+    beat = reader.clock.beat()
+    rate, rows = beat.rate / ready.m, reader.clock.size
+    done = (*reader.clock.history, *ready.history(rate, rows // ready.m))
+    made = _on_body([channel.inspected(rate, beat.start, done, ready) for channel in channels], channels)
+    notes = (*reader.sense.notes(beat), *_notes(reader))
+    return made, whole_findings(reader), notes, provenance_of() | {"source": reader.name, "sha256": digest()}
 
 
 def _looked(
-    reader: PartsReader, channels: list[_Channel]
-) -> Iterator[tuple[float, list[tuple[int, tuple[FloatArray, IntArray]]]]]:
-    """The share that has been read, and the samples of each channel with their outliers."""
-    for lost, columns in ahead(reader.pieces()):
-        samples = [channel.steps(lost, values) for channel, values in zip(channels, columns, strict=True)]
-        yield min(1.0, reader.clock.rows / reader.rows), [(gone, (part, at)) for gone, part, at in samples]
+    reader: PartsReader, ready: Preparation, channels: Sequence[_Channel]
+) -> Iterator[tuple[float, int, list[tuple[Record, IntArray]]]]:
+    """The share that has been read, and a block of each channel with its place and outliers."""
+
+    def look(place: int, columns: list[NDArray[Any]], size: int, *, alone: bool) -> Any:
+        each = zip(channels, ready.records(place, columns, size), strict=True)
+        return reader.share, place, [channel.look(block, alone=alone) for channel, block in each]
+
+    held: tuple[int, list[NDArray[Any]], int] | None = None
+    many = False
+    for place, columns in ready.blocks(ahead(reader.pieces())):
+        length = len(columns[0])
+        if held is not None and length < FEWEST and place == held[0] + BLOCK:  # too short to be looked at alone
+            both = [np.concatenate((before[:BLOCK], values)) for before, values in zip(held[1], columns, strict=True)]
+            held = held[0], both, BLOCK + length
+            continue
+        if held is not None:
+            many = True
+            yield look(*held, alone=False)
+        held = place, columns, BLOCK
+    if held is not None:
+        yield look(*held, alone=not many)
 
 
-def _passed(channel: _Channel, rate: float, start: float | None, history: tuple[str, ...]) -> Passed:
-    """A channel with its header and quality, at the sampling rate of the whole."""
-    head, inspection = channel.head, channel.inspection
-    cut = () if channel.begin == 0 and channel.end is None else (_cut(channel, rate),)
-    start = None if start is None and not channel.begin else (start or 0.0) + channel.begin / rate
-    header = Header(head.name, rate, channel.size, head.unit, channel.kind, head.scale, start,
-                    (*history, *cut, *inspection.history, say("read in parts")), head.signal)  # fmt: skip
-    return Passed(header, inspection.quality(rate, channel.size), channel.gathering)
+def _on_body(seen: list[Inspected], channels: Sequence[_Channel]) -> list[Inspected]:
+    """The channels with the findings of the others, since they are mounted on one body."""
+    records = [channel.inspector.only or one.record for channel, one in zip(channels, seen, strict=True)]
+    told = of_one_body(records, [one.quality for one in seen])
+    return [replace(one, qualities=(quality,)) for one, quality in zip(seen, told, strict=True)]
 
 
-def _cut(channel: _Channel, rate: float) -> str:
-    start, end = channel.begin / rate, (channel.begin + channel.size) / rate
-    return say("cut from {start:g} s to {end:g} s", start=start, end=end)
-
-
-def _notes(reader: PartsReader, recipe: Recipe) -> tuple[str, ...]:
+def _notes(reader: PartsReader) -> tuple[str, ...]:
     """That the file was read in parts, and what was looked at."""
     return (
         say(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
 """Keys that describe the contents of the file."""
 
-SELECTING = ("average", "exclude", "start", "until", "quiet_window", "outliers", "memory")
+SELECTING = ("average", "exclude", "start", "until", "quiet_window", "outliers", "motion", "memory")
 """Keys that select samples, and whether all of them are in memory."""
 
 IDENTIFYING = ("terms", "method", "ranges", "band", "mask", "level")
@@ -34,7 +34,7 @@ SHOWING = ("device", "to", "about")
 """Keys of how a study is shown: likely causes in a device, units, and facts for the header."""
 
 _NUMBERS = ("rate", "scale", "average", "start", "until", "quiet_window", "level", "columns", "offset")
-_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "memory", "device")
+_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "motion", "memory", "device")
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,10 @@ class Recipe:
 
     The first group describes the contents of the file (None: taken from the file), the second selects the samples used,
     the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
-    they are excluded from the fit only. `unit` by sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the
-    text ``"gyro=deg/s,ax=g"``. `average`: means over so many seconds replace the samples, before anything else.
+    they are excluded from the fit only. `motion`: "mark" leaves out the seconds in which the sensor moves, in all
+    channels of its body; "refuse", the default, analyzes no record that moves for more than 2 % of the time. `unit` by
+    sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the text ``"gyro=deg/s,ax=g"``. `average`: means
+    over so many seconds replace the samples, before anything else.
     `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are missing.
     `memory`: what a record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory
     available. `ranges`: averaging times, s, of each term's line for method "piecewise". `mask`: pairs of
@@ -68,6 +70,7 @@ class Recipe:
     until: float | None = None
     quiet_window: float | None = None
     outliers: str | None = None
+    motion: str | None = None
     memory: str | None = None
     statistic: str = "oadev"
     taus: str | tuple[float, ...] = "log"
@@ -109,6 +112,8 @@ class Recipe:
         """Refuse pieces or a size of memory that cannot be read."""
         if self.exclude is not None:
             object.__setattr__(self, "exclude", demand_pieces(self.exclude))
+        if self.motion not in (None, "mark", "refuse"):
+            raise UsageError(f"motion must be 'mark' or 'refuse', not {self.motion!r}")
         if self.memory is not None:
             bytes_of(self.memory)
 

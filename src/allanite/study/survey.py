@@ -15,7 +15,6 @@ from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
-from allanite.readers.parts import PartsReader
 from allanite.statistics import deviation, statistic_named
 from allanite.statistics.confidence.bias import demand_bias
 from allanite.statistics.confidence.supposed import Supposing
@@ -25,12 +24,10 @@ from allanite.statistics.spectra.spectrum import method_named, of_raw, spectrum
 from allanite.statistics.spectra.welch import LONGEST
 
 from .channels import Inspected, Progress, Source, run
-from .gathering import STRIDES, WHOLE, Gathering, Spectra, Streams, demand_grid
-from .gathering import chosen as chosen_points
 from .hybrid_bias import joints
 from .job import Job
+from .keeper import STRIDES, WHOLE, Keeper, demand_grid
 from .noise import ChannelResult, Noise, noise_of
-from .parts import Passed, in_parts, run_in_parts
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 from .shares import how_many
 
@@ -107,8 +104,8 @@ class Deviations(Value):
             )
             yield curve if self.intervals else replace(curve, law=None, supposes=None)
 
-    def gather(self, head: Record, size: int, choice: str | None) -> Gathering:
-        """What takes the samples of a record that is read in parts, if the settings need no more than sums."""
+    def keeping(self, head: Record, size: int) -> Keeper:
+        """What keeps the samples of a record that is read in parts, if the settings need no more than sums."""
         for name, usual in (("bias", "plain"), ("edf", "exact"), ("power_law", False)):
             value = getattr(self, name)
             if value not in (usual, None):
@@ -117,12 +114,11 @@ class Deviations(Value):
                     f"{WHOLE} no {option} {value}: omit it, or allow more memory with {spelled('--memory', 'memory=')}"
                 )
         demand_grid(self.taus, self.m, head.rate)
-        return Streams(head, self.statistic, choice)
+        return Keeper(head, self.statistic)
 
-    def gathered(self, passed: Passed, fit: Fit | None) -> tuple[Result, ...]:
-        """One curve per statistic, from what was gathered."""
-        curves = passed.gathered.curves(passed.header.rate, fit if self.intervals else None)
-        return tuple(chosen_points(curve, self.taus, self.m) for curve in curves)
+    def kept(self, seen: Inspected, keeper: Keeper, fit: Fit | None) -> tuple[Result, ...]:
+        """One curve per statistic, from what was kept."""
+        return keeper.curves(fit if self.intervals else None, self.taus, self.m)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -171,21 +167,20 @@ class Densities(Value):
         found = spectrum(record, self._row(), sides=self.sides, bins=bins or None)
         yield found if self.deviation is None else deviation_of_spectrum(found, self.deviation)
 
-    def gather(self, head: Record, size: int, choice: str | None) -> Gathering:
-        """What takes the samples of a record that is read in parts, if the estimator needs no more than sums."""
+    def keeping(self, head: Record, size: int) -> Keeper:
+        """What keeps the samples of a record that is read in parts, if the estimator needs no more than sums."""
         row = self._row()
         if not hasattr(row, "in_parts"):
             raise UsageError(
                 f"{WHOLE} no estimator {self.estimator!r}: choose welch, or allow more memory with "
                 f"{spelled('--memory', 'memory=')}"
             )
-        return Spectra(head, row.in_parts(head, size), choice, fitted=self.fit)
+        return Keeper(head, ("oadev",) if self.fit else (), row.in_parts(head, size))
 
-    def gathered(self, passed: Passed, fit: Fit | None) -> tuple[Result, ...]:
-        """One spectrum, or its deviation, from what was gathered."""
-        raw = passed.gathered.raw(passed.header.rate)
+    def kept(self, seen: Inspected, keeper: Keeper, fit: Fit | None) -> tuple[Result, ...]:
+        """One spectrum, or its deviation, from what was kept."""
         bins = self.bins if self.deviation is None else None
-        found = of_raw(raw, passed.header, self._row().title, sides=self.sides, bins=bins or None)
+        found = of_raw(keeper.raw(), seen.first, self._row().title, sides=self.sides, bins=bins or None)
         return (found if self.deviation is None else deviation_of_spectrum(found, self.deviation),)
 
     @property
@@ -220,14 +215,14 @@ class Windows(Value):
         """One surface."""
         yield dynamic(record, self.statistic, taus=self.taus, m=self.m, window=self.window, step=self.step)
 
-    def gather(self, head: Record, size: int, choice: str | None) -> Gathering:
+    def keeping(self, head: Record, size: int) -> Keeper:
         """Refuse a record that is read in parts."""
         raise UsageError(
             f"{WHOLE} no sliding windows: allow more memory with {spelled('--memory', 'memory=')}, or use deviation"
         )
 
-    def gathered(self, passed: Passed, fit: Fit | None) -> tuple[Result, ...]:
-        """Nothing is gathered."""
+    def kept(self, seen: Inspected, keeper: Keeper, fit: Fit | None) -> tuple[Result, ...]:
+        """Nothing is kept."""
         return ()
 
     notes: ClassVar[tuple[str, ...]] = ()
@@ -303,51 +298,21 @@ def survey(
     recipe = recipe or Recipe()
 
     def work(seen: Inspected) -> Measured:
-        noise, alerts = _noise(seen.record, recipe) if settings.fitted else (None, ())
-        values = tuple(settings.measure(seen.record, None if noise is None else noise.fit))
+        noise, alerts = _noise(seen, recipe) if settings.fitted else (None, ())
+        fit = None if noise is None else noise.fit
+        keeper = seen.keeper
+        values = tuple(settings.measure(seen.record, fit) if keeper is None else settings.kept(seen, keeper, fit))
         shown = tuple(value.to(settings.to or readable_unit(value.unit)) for value in values)
-        jumps = () if noise is None else joints([v for v in values if isinstance(v, Curve)], noise.fit)
-        return Measured(seen.record, seen.quality, noise, values=shown, alerts=(*alerts, *jumps, *seen.alerts))
+        jumps = () if fit is None else joints([v for v in values if isinstance(v, Curve)], fit)
+        return Measured(seen.first, seen.quality, noise, values=shown, alerts=(*alerts, *jumps, *seen.alerts))
 
-    kind = partial(Survey, settings=settings)
-    with in_parts(source, recipe) as reader:
-        if reader is not None:
-            return _survey_in_parts(reader, settings, recipe, progress)
-    return run(kind, source, recipe, work, Measured.refused, doing="measuring", progress=progress)
+    return run(partial(Survey, settings=settings), source, recipe, work, Measured.refused, keeping=settings.keeping,
+               in_parts_too=settings.notes, doing="measuring", progress=progress)  # fmt: skip
 
 
-def _survey_in_parts(
-    reader: PartsReader, settings: Deviations | Densities | Windows, recipe: Recipe, progress: Progress | None
-) -> Survey:
-    """The survey of a file that does not fit into memory."""
-
-    def work(passed: Passed) -> Measured:
-        noise, alerts = _gathered_noise(passed, recipe) if settings.fitted else (None, ())
-        values = settings.gathered(passed, None if noise is None else noise.fit)
-        shown = tuple(value.to(settings.to or readable_unit(value.unit)) for value in values)
-        told = (*alerts, *map(str, passed.quality.warnings))
-        return Measured(passed.header, passed.quality, noise, values=shown, alerts=told)
-
-    def gather(head: Record) -> Gathering:
-        return settings.gather(head, reader.rows, recipe.outliers)
-
-    return run_in_parts(
-        partial(Survey, settings=settings), reader, recipe, gather, work,
-        lambda passed, why: Measured(passed.header, passed.quality, refusal=why), notes=settings.notes,
-        progress=progress,
-    )  # fmt: skip
-
-
-def _gathered_noise(passed: Passed, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
+def _noise(seen: Inspected, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
     try:
-        return Noise(passed.gathered.fit(passed.header.rate, recipe)), ()
-    except DataError as error:
-        return None, (say("noise not identified, so no model is shown: {reason}", reason=str(error)),)
-
-
-def _noise(record: Record, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
-    try:
-        noise = noise_of(record, recipe)
+        noise = noise_of(seen.record, recipe) if seen.keeper is None else seen.keeper.noise(recipe)
     except DataError as error:
         return None, (say("noise not identified, so no model is shown: {reason}", reason=str(error)),)
     return noise, noise.doubts

@@ -133,7 +133,7 @@ def test_a_window_is_cut(file):
     assert mine.values[2].variance == pytest.approx(whole.values[2].variance, rel=1e-9)
 
 
-def test_defects_are_found_wherever_they_are(tmp_path):
+def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
     rng = np.random.default_rng(7)
     values = rng.normal(size=(N, 3))
     values[170_000:170_400, 0] = values[170_000, 0]
@@ -144,8 +144,12 @@ def test_defects_are_found_wherever_they_are(tmp_path):
     assert "stuck" in study[0].quality.names
     assert "clipped" in study[1].quality.names
     assert "the signal never changes (always 1.25)" in study[2].refusal
-    assert "in 1 of 7 parts of the record, first: the output is stuck in 1 place, the first from 1700 s" in str(
-        next(f for f in study[0].quality.findings if f.name == "stuck")
+    stuck = "the output is stuck in 1 place, the first from 1700 s"
+    assert stuck in str(next(f for f in study[0].quality.findings if f.name == "stuck"))
+    monkeypatch.setattr("allanite.study.parts.BLOCK", 30_000)
+    blocks = al.analyze(tmp_path / "bad.npy", PARTS)[0].quality.findings
+    assert f"in 1 of 7 blocks of 30000 samples that were inspected, first: {stuck}" in str(
+        next(f for f in blocks if f.name == "stuck")
     )
     np.save(tmp_path / "worse.npy", values[:, 2:])
     with pytest.raises(DataError, match="never changes"):
@@ -155,7 +159,7 @@ def test_defects_are_found_wherever_they_are(tmp_path):
 @pytest.mark.parametrize(
     ("recipe", "words"),
     [
-        ({"average": 1.0}, "no average: omit it, or allow more memory with memory="),
+        ({"ranges": {"N": (0.1, 1.0)}, "method": "piecewise"}, "no ranges: omit it, or allow more memory with memory="),
         ({"quiet_window": 100.0}, "no quiet_window: omit it"),
         ({"method": "gls"}, "no method 'gls': only 'whittle'"),
         ({"statistic": "theo1"}, "no 'theo1': choose one of oadev, mdev, tdev, ohdev, haar"),

@@ -84,10 +84,11 @@ def whittle_of(
     symbols: Sequence[str],
     band: Band = "auto",
     *,
+    masks: Sequence[tuple[float, float]] = (),
     rival: bool = False,
 ) -> Fit:
     """Identify terms in a spectrum, of a channel of this name and signal; sinusoids are not looked for."""
-    found = looked(seen, _scattering(symbols), _frequencies(band)[1], rival=rival)
+    found = looked(seen, _scattering(symbols), _frequencies(band)[1], masks, rival=rival)
     return _concluded(found, channel, symbols, band, rival=rival)
 
 

@@ -54,6 +54,11 @@ class Clock:
         """Whether there are time stamps."""
         return isinstance(self.head, Stamped)
 
+    @property
+    def size(self) -> int:
+        """Number of samples so far, missing ones included."""
+        return self.place + 1 if self.stamped and not self._trouble else self.rows
+
     def pieces(self, columns: list[NDArray[Any]]) -> Iterator[Piece]:
         """The samples of a part on the grid; with time stamps, these are the first of the columns."""
         self.parts += 1

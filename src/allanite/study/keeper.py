@@ -1,8 +1,8 @@
-"""What is kept of a channel that is read in parts: the sums of curves, of the identification, and of a spectrum."""
+"""Keeper: the sums of curves, of the identification, and of a spectrum that are kept of a channel read in parts."""
 
+from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from allanite.core.curve import Curve, Law
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.plain import Portable
+from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
@@ -19,7 +20,10 @@ from allanite.statistics.spectra.welch import Periodograms
 from allanite.stream.accumulator import Accumulator, streamable
 from allanite.stream.curve import grid
 
+from .noise import Noise
 from .recipe import Recipe
+
+Taus = str | tuple[float, ...]
 
 WHOLE = "a record that is read in parts has"
 """How messages about what needs the whole record begin."""
@@ -35,20 +39,24 @@ STRIDES = say(
 """The note about the curves."""
 
 
-class Gathering(Protocol):
-    """Takes the steps of a channel, of which those `at` some places are outliers."""
+class Keeper:
+    """What is kept of the steps of a channel: sums of curves, of the identification, and of a spectrum.
 
-    def push(self, steps: FloatArray, at: IntArray) -> None:
-        """Add steps that follow the last ones."""
+    Parameters
+    ----------
+    head : Record
+        The first samples.
+    statistics : sequence of str
+        Those whose curves are wanted; the first one also serves the identification.
+    spectrum : Periodograms, optional
 
-    def skip(self, samples: int) -> None:
-        """Go on after missing samples."""
+    Raises
+    ------
+    UsageError
+        A statistic needs all samples at once.
+    """
 
-
-class Streams:
-    """Accumulators of some statistics, and of the identification, from which outliers may be excluded."""
-
-    def __init__(self, head: Record, statistics: tuple[str, ...], choice: str | None) -> None:
+    def __init__(self, head: Record, statistics: Sequence[str] = (), spectrum: Periodograms | None = None) -> None:
         for name in statistics:
             if name not in streamable():
                 raise UsageError(
@@ -56,76 +64,56 @@ class Streams:
                     f"{spelled('--memory', 'memory=')}"
                 )
         kind = "increment" if head.integrated else head.kind
-        self.choice = choice
-        self.every = [
+        self.head, self.spectrum = head, spectrum
+        self.streams = [
             Accumulator(head.rate, head.unit, kind, scale=head.scale, name=head.name, statistic=name)
             for name in dict.fromkeys(statistics)
         ]
         self.clean: Accumulator | None = None
 
+    @property
+    def _all(self) -> list[Accumulator]:
+        return [*self.streams, *([self.clean] if self.clean else [])]
+
     def push(self, steps: FloatArray, at: IntArray) -> None:
-        """Add steps that follow the last ones; those `at` some places are outliers."""
-        marked = steps
-        if at.size:
+        """Add steps that follow the last ones, of which those `at` some places are left out of the identification."""
+        if at.size and self.streams and self.clean is None:
+            self.clean = deepcopy(self.streams[0])
+        for stream in self.streams:
+            stream.push(steps)
+        if self.clean is not None:
             marked = steps.copy()
             marked[at] = np.nan
-            if self.choice is None and self.clean is None:
-                self.clean = deepcopy(self.every[0])
-        for stream in self.every:
-            stream.push(marked if self.choice == "mark" else steps)
-        if self.clean is not None:
             self.clean.push(marked)
+        if self.spectrum is not None:
+            self.spectrum.push(steps)
 
     def skip(self, samples: int) -> None:
         """Go on after missing samples."""
-        for stream in (*self.every, *([self.clean] if self.clean else [])):
+        for stream in self._all:
             stream.skip(samples)
+        if self.spectrum is not None:
+            self.spectrum.end()
 
-    def fit(self, rate: float, recipe: Recipe) -> Fit:
-        """The noise, without the outliers unless they are kept."""
-        return self._at(self.clean or self.every[0], rate).fit(recipe.terms, band=recipe.band)
+    def at_rate(self, rate: float) -> None:
+        """Take the sampling rate that is known at the end."""
+        self.head = replace(self.head, rate=rate)
+        for stream in self._all:
+            stream.like = replace(stream.like, rate=rate)
 
-    def curves(self, rate: float, noise: Fit | None) -> list[Curve]:
-        """The curve of each statistic."""
-        return [self._at(stream, rate).curve(noise) for stream in self.every]
+    def noise(self, recipe: Recipe) -> Noise:
+        """The noise, without the outliers that were left out."""
+        masks = demand_pieces(recipe.mask, "Hz") if recipe.mask else ()
+        return Noise((self.clean or self.streams[0]).fit(recipe.terms, band=recipe.band, masks=masks))
 
-    @staticmethod
-    def _at(stream: Accumulator, rate: float) -> Accumulator:
-        """The stream with the sampling rate that is known at the end."""
-        stream.like = replace(stream.like, rate=rate)
-        return stream
+    def curves(self, noise: Fit | None, taus: Taus, m: tuple[int, ...] | None = None) -> tuple[Curve, ...]:
+        """The curve of each statistic, with intervals under a noise."""
+        return tuple(chosen(stream.curve(noise), taus, m) for stream in self.streams)
 
-
-class Spectra:
-    """The periodograms of a channel, and an accumulator if the noise is to be identified."""
-
-    def __init__(self, head: Record, sums: Periodograms, choice: str | None, *, fitted: bool) -> None:
-        self.head, self.sums, self.choice = head, sums, choice
-        self.streams = Streams(head, ("oadev",), choice) if fitted else None
-
-    def push(self, steps: FloatArray, at: IntArray) -> None:
-        """Add steps that follow the last ones; those `at` some places are outliers."""
-        if self.streams is not None:
-            self.streams.push(steps, at)
-        if self.choice == "mark" and at.size:
-            steps = steps.copy()
-            steps[at] = np.nan
-        self.sums.push(steps)
-
-    def skip(self, samples: int) -> None:
-        """Go on after missing samples."""
-        self.sums.end()
-        if self.streams is not None:
-            self.streams.skip(samples)
-
-    def fit(self, rate: float, recipe: Recipe) -> Fit:
-        """The noise, without the outliers unless they are kept."""
-        assert self.streams is not None  # noqa: S101 - asked for only if it is fitted
-        return self.streams.fit(rate, recipe)
-
-    def raw(self, rate: float) -> Raw:
+    def raw(self) -> Raw:
         """The densities."""
-        return self.sums.raw(rate, replace(self.head, rate=rate).rate_factor)
+        assert self.spectrum is not None  # noqa: S101 - asked for only if it was wanted
+        return self.spectrum.raw(self.head.rate, self.head.rate_factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +129,7 @@ class Some(Portable):
         return edf[self.at], low[self.at], high[self.at]
 
 
-def chosen(curve: Curve, taus: str | tuple[float, ...], m: tuple[int, ...] | None = None) -> Curve:
+def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:
     """The points of a curve that are asked for.
 
     Raises
@@ -154,7 +142,7 @@ def chosen(curve: Curve, taus: str | tuple[float, ...], m: tuple[int, ...] | Non
     return replace(curve, **parts, law=None if curve.law is None else Some(curve.law, at))
 
 
-def demand_grid(taus: str | tuple[float, ...], m: tuple[int, ...] | None, rate: float) -> None:
+def demand_grid(taus: Taus, m: tuple[int, ...] | None, rate: float) -> None:
     """Refuse, before the file is read, averaging times that a record read in parts does not have."""
     if m is None and isinstance(taus, str):
         if taus not in ("log", "octave"):
@@ -172,7 +160,7 @@ def demand_grid(taus: str | tuple[float, ...], m: tuple[int, ...] | None, rate: 
             raise UsageError(_not_there(tau, known / rate, " s"))
 
 
-def _places(curve: Curve, taus: str | tuple[float, ...], m: tuple[int, ...] | None) -> IntArray:
+def _places(curve: Curve, taus: Taus, m: tuple[int, ...] | None) -> IntArray:
     if m is None and isinstance(taus, str):
         some = np.ones(curve.m.size, bool) if taus == "log" else (curve.m & (curve.m - 1)) == 0
         return np.flatnonzero(some)

@@ -1,0 +1,205 @@
+"""The quality of a channel that is read in blocks: that of the record if there is one block, else of its blocks."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from allanite.core.arrays import IntArray
+from allanite.core.finding import Finding, Quality
+from allanite.core.record import Record
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import percent, windowing
+
+from .outliers import Outliers, marked, outliers
+from .quality import inspect
+from .readings import clipped, outlying, stuck
+from .stillness import NEITHER, TOO_BUSY, UNEQUAL, busy, in_motion
+from .view import View
+
+BLOCK = 1 << 20
+"""Samples of a block."""
+
+RUN = 10
+"""Equal values below which none is stuck or clipped."""
+
+FEWEST = 64
+"""Samples in which anything is looked for."""
+
+OWN = {"short", "gaps", "outliers", "heavy tails", "stuck", "clipped", "too little left", "too short", "constant"}
+"""Findings of a block that are not those of the record, or are found in every block."""
+
+NONE = np.empty(0, np.int64)
+
+
+def all_checks(number: int) -> bool:
+    """Whether all checks are made of a block: the first eight, then four of every octave.
+
+    Examples
+    --------
+    >>> [number for number in range(40) if all_checks(number)]
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32]
+    """
+    return number < 8 or number % (1 << (number.bit_length() - 3)) == 0
+
+
+class Inspector:
+    """Looks at a channel block by block.
+
+    A record that is one block is inspected as it is in memory. In a longer one extremes, stuck values and outliers are
+    looked for in every block, everything else in some of them.
+
+    Parameters
+    ----------
+    size : int
+        Number of samples of the whole.
+    choice : {"mark", "keep"}, optional
+        What is done with outliers.
+    """
+
+    def __init__(self, size: int, choice: str | None) -> None:
+        self.size, self.choice = size, choice
+        self.only: Record | None = None
+        self.like: Record | None = None
+        self.seen: dict[str, tuple[Finding, int, bool]] = {}
+        self.blocks = self.filled = self.checked = self.lost = self.loud = self.seconds = 0
+        self.outliers = Outliers(NONE, 0.0)
+        self.place = (0.0, 0.0)
+        self.extent = (math.inf, -math.inf)
+        self.levels: list[tuple[float, float, int]] = []
+
+    def look(self, block: Record, *, alone: bool) -> tuple[Record, IntArray]:
+        """Look at a block, whose `cut` is its place: the block without outliers if these are marked, and their places.
+
+        `alone` says that it is the whole record. Outliers that are marked, or kept, have no places.
+        """
+        known = self.choice == "keep" or np.isfinite(block.values).sum() < FEWEST
+        found = Outliers(NONE, 0.0) if known else outliers(block, None if alone else self.size)
+        kept = marked(block, found) if self.choice == "mark" else block
+        self._count(block, found)
+        if alone:
+            self.only = kept
+        else:
+            self._look(kept)
+        return kept, NONE if self.choice else found.at
+
+    def quality(self, rate: float, size: int) -> Quality:
+        """All findings, at the sampling rate and length of the whole."""
+        if self.only is not None:
+            return inspect(replace(self.only, rate=rate))
+        fatal = self._constant() or self._moving()
+        if fatal is not None:
+            return Quality((fatal,))
+        each = (self._words(*one) for one in self.seen.values())
+        return Quality((*self._gaps(size), *self._outlying(), *each, *self._level()))
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """History entry of marking the outliers."""
+        if self.choice != "mark" or not self.outliers.at.size:
+            return ()
+        return (say("{outliers}: marked as missing", outliers=self.outliers.words(self._first())),)
+
+    def _first(self) -> Record:
+        """A record that begins at the first outlier."""
+        assert self.like is not None  # noqa: S101 - there was a block
+        return replace(self.like, cut=self.place[0])
+
+    def _count(self, block: Record, found: Outliers) -> None:
+        self.like = self.like or block
+        many, before = found.at.size, self.outliers
+        if many:
+            first, last = block.cut + found.at[[0, -1]] / block.rate
+            self.place = (self.place[0] if before.at.size else float(first), float(last + 1 / block.rate))
+        self.outliers = Outliers(
+            np.broadcast_to(np.int64(0), before.at.size + many), max(before.limit, found.limit),
+            max(before.largest, found.largest), before.heavy + found.heavy,
+        )  # fmt: skip
+
+    def _look(self, block: Record) -> None:
+        from allanite.kernels.passing import looked
+
+        number, self.blocks = self.blocks, self.blocks + 1
+        left, low, high, ends, run = looked(np.ascontiguousarray(block.steps, dtype=np.float64))
+        self.lost += block.size - left
+        if left < FEWEST:
+            return
+        self.filled += 1
+        self.extent = (min(self.extent[0], low), max(self.extent[1], high))
+        view = View(block)
+        # shorter runs, and fewer equal extremes, are never reported
+        self._keep(stuck(view) if run >= RUN else None, every=True)
+        self._keep(clipped(view) if ends >= RUN and low < high else None, every=True)
+        if all_checks(number) and low < high:
+            self._check(view)
+
+    def _check(self, view: View) -> None:
+        """All checks of a block, and what blocks are compared by."""
+        self.checked += 1
+        self.levels.append((view.record.cut, view.fast, view.steps.size))
+        loud = busy(view)
+        self.loud += int(loud.sum()) if in_motion(loud) else 0
+        self.seconds += loud.size
+        for one in inspect(view.record).findings:
+            if one.name not in OWN:
+                self._keep(replace(one, fatal=False), every=False)
+
+    def _keep(self, one: Finding | None, *, every: bool) -> None:
+        if one is not None:
+            first, count, _ = self.seen.get(one.name, (one, 0, every))
+            self.seen[one.name] = (first, count + 1, every)
+
+    def _words(self, one: Finding, count: int, every: bool) -> Finding:
+        """A finding, and in how many blocks it was made."""
+        many = self.filled if every else self.checked
+        where = say("in {count} of {many} blocks of {size} samples that were inspected, first", count=count, many=many,
+                    size=BLOCK)  # fmt: skip
+        return replace(one, what=join(": ", (where, one.what)), place=None)
+
+    def _constant(self) -> Finding | None:
+        low, high = self.extent
+        if not self.filled:
+            why = say("no block has {count} samples that are finite", count=FEWEST)
+            return Finding("not finite", why, remedy=say("check the column and the reader's options"), fatal=True)
+        if low < high:
+            return None
+        what = say("the signal never changes (always {value:.10g})", value=low)
+        remedy = say("check that the sensor is connected and this is its column")
+        return Finding("constant", what, remedy=remedy, fatal=True)
+
+    def _moving(self) -> Finding | None:
+        if self.loud <= TOO_BUSY * self.seconds:
+            return None
+        first = self.seen["moving"][0]
+        what = say("{motion}; so do {share} of the blocks of a second that were inspected", motion=first.what,
+                   share=percent(self.loud / self.seconds))  # fmt: skip
+        return replace(first, what=what, fatal=True)
+
+    def _gaps(self, size: int) -> list[Finding]:
+        if not self.lost:
+            return []
+        what = say("{lost} of {size} samples are missing ({share})", lost=self.lost, size=size,
+                   share=percent(self.lost / size))  # fmt: skip
+        return [Finding("gaps", what, say("gaps are not filled: windows with missing samples are omitted"))]
+
+    def _outlying(self) -> list[Finding]:
+        if self.like is None:
+            return []
+        heavy = outlying(self.like, replace(self.outliers, at=NONE), self.size)
+        found = None if self.choice == "mark" else outlying(self._first(), replace(self.outliers, heavy=0), self.size)
+        return [one for one in (heavy, found and replace(found, place=self.place)) if one]
+
+    def _level(self) -> list[Finding]:
+        """Fast noise whose level differs between blocks, if it does not within one."""
+        power = np.array([fast**2 for _, fast, _ in self.levels])
+        if "level" in self.seen or power.size < 2 or not power.all():
+            return []
+        error = np.sqrt([2 * 35 / 18 / size for *_, size in self.levels])
+        if not (power > UNEQUAL * (1 + 6 * error) * np.median(power)).any():
+            return []
+        at = int(power.argmax())
+        what = say(
+            "the noise level changes by a factor of {ratio:.3g} between blocks; it is highest from {start:.4g} s on",
+            ratio=math.sqrt(power.max() / power.min()), start=self.levels[at][0],
+        )  # fmt: skip
+        return [Finding("level", what, NEITHER, say("analyze the parts separately ({choice})", choice=windowing()))]
