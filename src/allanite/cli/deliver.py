@@ -23,9 +23,9 @@ from .streams import while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
-    from allanite.live.watching import Watch
     from allanite.study.recipe import Recipe
     from allanite.study.shares import Work
+    from allanite.study.watching import Watch
 
 Settings = TypeVar("Settings")
 Result = TypeVar("Result")

@@ -120,7 +120,7 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
     UsageError
         The file does not fit, and cannot be read in parts.
     """
-    from .sandbox.source import STDIN, checked, size_of
+    from .sandbox.source import STDIN, checked, named, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         yield None
@@ -137,7 +137,7 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
     elif found.need <= limit:
         found = None
     elif options.sincos:
-        raise UsageError(_refused(os.fspath(path), found.need, limit, say("pairs of sine and cosine are")))
+        raise UsageError(_refused(named(path, os.fspath(path)), found.need, limit, say("pairs of sine and cosine are")))
     yield found
 
 
@@ -152,7 +152,7 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
     UsageError
         It does not fit; the message says how much it may need.
     """
-    from .sandbox.source import STDIN, checked, size_of
+    from .sandbox.source import STDIN, checked, named, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         return
@@ -163,7 +163,8 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
     found = _found(path, file, member, (_options(choices), limit))
     need = need if found is None else found.need
     if need > limit:
-        raise UsageError(_refused(os.fspath(path), need, limit, say("this job is") if found else say("this format is")))
+        what = say("this job is") if found else say("this format is")
+        raise UsageError(_refused(named(path, os.fspath(path)), need, limit, what))
 
 
 def _refused(name: str, need: int, limit: int, what: str) -> str:
@@ -192,12 +193,14 @@ def _options(choices: Mapping[str, Any]) -> Options:
 
 def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> PartsReader | None:
     """The reader in parts of a file, if it has one; `how` are the options and the memory that may be used."""
+    from .sandbox.source import named
+
     options, limit = how
     try:
         parts = _parts(file, member, options, limit)
-        return None if parts is None else _reader(os.fspath(path), file, parts, limit)
+        return None if parts is None else _reader(named(path, os.fspath(path)), file, parts, limit)
     except AllaniteError as error:
-        raise type(error)(join(": ", (os.fspath(path), str(error)))) from None
+        raise type(error)(join(": ", (named(path, os.fspath(path)), str(error)))) from None
 
 
 def _parts(file: str, member: str, options: Options, limit: int) -> Parts | None:

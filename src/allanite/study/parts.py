@@ -18,9 +18,9 @@ from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
-from allanite.prepare import pieces, window
+from allanite.prepare import inspector, pieces, window
 from allanite.prepare.body import of_one_body
-from allanite.prepare.inspector import BLOCK, FEWEST, Inspector
+from allanite.prepare.inspector import FEWEST, Inspector
 from allanite.prepare.transform import blocks_words, mark_motion, samples_in
 from allanite.readers.ahead import Later, ahead
 from allanite.readers.memory import size_in_words
@@ -124,13 +124,13 @@ class Preparation:
         first, end = self.span
         found = pieces.placed(parts)
         if self.m > 1:
-            found = pieces.averaged(found, self.kinds, self.m, BLOCK)
+            found = pieces.averaged(found, self.kinds, self.m, inspector.BLOCK)
         if self.spans:
             cuts = window.excluded_samples("", np.inf, self.rate, self.spans)
             found = pieces.excluded(found, self.kinds, cuts)
         if first or end is not None:
             found = pieces.window(found, first, None if end is None else end + self.points)
-        return pieces.blocks(found, BLOCK, self.points)
+        return pieces.blocks(found, inspector.BLOCK, self.points)
 
     def records(self, place: int, columns: Sequence[NDArray[Any]], size: int) -> tuple[Record, ...]:
         """A block of so many samples as records."""
@@ -224,15 +224,15 @@ def _looked(
     held: tuple[int, list[NDArray[Any]], int] | None = None
     many = False
     for place, columns in ready.blocks(ahead(reader.pieces())):
-        length = len(columns[0])
-        if held is not None and length < FEWEST and place == held[0] + BLOCK:  # too short to be looked at alone
-            both = [np.concatenate((before[:BLOCK], values)) for before, values in zip(held[1], columns, strict=True)]
-            held = held[0], both, BLOCK + length
+        length, full = len(columns[0]), inspector.BLOCK
+        if held is not None and length < FEWEST and place == held[0] + full:  # too short to be looked at alone
+            both = [np.concatenate((a[:full], b)) for a, b in zip(held[1], columns, strict=True)]
+            held = held[0], both, full + length
             continue
         if held is not None:
             many = True
             yield look(*held, alone=False)
-        held = place, columns, BLOCK
+        held = place, columns, full
     if held is not None:
         yield look(*held, alone=not many)
 
@@ -256,7 +256,7 @@ def _notes(reader: PartsReader) -> tuple[str, ...]:
         say(
             "every sample was checked for gaps, outliers, stuck and clipped values; other properties were checked in "
             "blocks of {size} samples spread over the record",
-            size=BLOCK,
+            size=inspector.BLOCK,
         ),
         say(
             "not done, since it needs all samples at once: removal of sinusoids, tests of the residuals, correlations "

@@ -69,12 +69,9 @@ class Held:
         now = time.monotonic()
         if now - self.seen >= SEEN:
             self.seen = now
-            self.send("live", {"channels": [one for m in watch.monitors.values() for one in self._live(m)]})
-
-    def _live(self, monitor: Any) -> list[Answer]:
-        with suppress(DataError):
-            return [faces.drawn(faces.panel_of(monitor.stream.curve(), None), 0.95, self.lang)]
-        return []
+            curves = [channel.curve for channel in watch.latest or () if channel.curve is not None]
+            drawn = [faces.drawn(faces.panel_of(curve, None), 0.95, self.lang) for curve in curves]
+            self.send("live", {"channels": drawn})
 
     def named(self, problem: Answer) -> Answer:
         """A problem with the names of files instead of where they are kept."""

@@ -146,7 +146,7 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
     assert "the signal never changes (always 1.25)" in study[2].refusal
     stuck = "the output is stuck in 1 place, the first from 1700 s"
     assert stuck in str(next(f for f in study[0].quality.findings if f.name == "stuck"))
-    monkeypatch.setattr("allanite.study.parts.BLOCK", 30_000)
+    monkeypatch.setattr("allanite.prepare.inspector.BLOCK", 30_000)
     blocks = al.analyze(tmp_path / "bad.npy", PARTS)[0].quality.findings
     assert f"in 1 of 7 blocks of 30000 samples that were inspected, first: {stuck}" in str(
         next(f for f in blocks if f.name == "stuck")

@@ -69,12 +69,17 @@ def checked(path: Any) -> tuple[str, str]:
     return name, member
 
 
+def named(path: Any, name: str) -> str:
+    """What messages call a file of this name: of a spool that of its source."""
+    return str(getattr(path, "source_name", name))
+
+
 @contextmanager
 def landed(path: Any) -> Iterator[tuple[str, str, str]]:
     """The file, the member of an archive, and the name for messages; standard input is copied to a file first."""
     if path != STDIN:
         file, member = checked(path)
-        yield file, member, SEPARATOR.join((file, member)) if member else file
+        yield file, member, named(path, SEPARATOR.join((file, member)) if member else file)
         return
     with tempfile.NamedTemporaryFile(prefix="allanite-") as copy:
         try:

@@ -1,1 +1,0 @@
-"""Live streams: curve and coefficients of a sensor while it records."""

@@ -1,0 +1,261 @@
+"""Watching a live stream: its lines are kept in a file, of which a report is the analysis so far."""
+
+import math
+import time
+from collections.abc import Callable, Generator, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+
+from allanite.core.errors import DataError
+from allanite.core.finding import Finding
+from allanite.core.fit import Fit
+from allanite.core.record import Recording
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import percent
+from allanite.planning.plan import plan
+from allanite.prepare.quality import inspect
+from allanite.readers import read
+from allanite.readers.live import WAIT, Feed, opened
+from allanite.readers.spool import TAIL, Spool
+
+from .analysis import Channel, Study, analyze
+from .recipe import READING, Recipe
+
+AGAIN = 0.5
+"""Seconds between attempts to open a port that is gone."""
+
+RECENT = 64.0
+"""Seconds at the end that are looked at every second."""
+
+SHARE = 10.0
+"""The time without a report, or a look, is at least so many times that of the last one."""
+
+ENOUGH = 64
+"""Rows below which nothing is looked at."""
+
+AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
+"""Findings that are said as soon as they are made in the last minute."""
+
+
+@dataclass(frozen=True)
+class WatchSettings:
+    """How to watch: seconds between reports, until the end, and without data until the end; baud rate; accuracy wanted.
+
+    `duration` and `idle` are infinite by default: it is the user who ends. The lines that come are kept in the file
+    `record`, if it is given.
+    """
+
+    every: float = 10.0
+    duration: float = math.inf
+    idle: float = math.inf
+    baud: int = 115200
+    accuracy: float = 0.2
+    record: str | None = None
+
+
+@dataclass
+class Watch:
+    r"""A stream of channels that is watched.
+
+    `events` are sentences about what happens, when it happens: motion, a device that is gone or back, a report.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(1)
+    >>> with tempfile.NamedTemporaryFile("w", suffix=".txt") as file:
+    ...     _ = file.write("".join(f"{v:.6f}\n" for v in rng.normal(0.0, 2.0, 5000)))
+    ...     file.flush()
+    ...     watch = Watch(file.name, Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=0.1))
+    ...     for words in watch.events():
+    ...         pass
+    >>> watch.study()[0].fit["N"].status
+    'identified'
+    """
+
+    target: str
+    recipe: Recipe
+    settings: WatchSettings = WatchSettings()
+    stopped: Callable[[], bool] = lambda: False
+    latest: Study | None = None
+    findings: list[Finding] = field(default_factory=list)
+    spool: Spool | None = None
+    _said: dict[tuple[str, str], float] = field(default_factory=dict)
+    _rate: float = 0.0
+    _rows: int = -1
+
+    def __post_init__(self) -> None:
+        self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
+
+    def events(self) -> Iterator[str]:
+        """Read until the end, and say what happens.
+
+        Raises
+        ------
+        UsageError
+            A choice is impossible for what comes.
+        """
+        tap = opened(self.target, self.settings.baud)
+        feed = Feed(tap)
+        self.spool = Spool(self.target, self.settings.record, sent=tap.live)
+        yield say("watching {target!r}", target=self.target)
+        begun = last = time.monotonic()
+        every = {self._look: 1.0, self._report: self.settings.every}
+        due = {work: begun + usual for work, usual in every.items()}
+        try:
+            while not self.stopped():
+                try:
+                    data = feed.take(WAIT)
+                except OSError as error:
+                    yield self._gone(str(error))
+                    feed = yield from self._again(feed)
+                    continue
+                self.spool.add(data)
+                now = time.monotonic()
+                last = now if data else last
+                for work, usual in every.items():
+                    if now >= due[work] and self.spool.rows >= ENOUGH:
+                        yield from work()
+                        due[work] = now + max(usual, SHARE * (time.monotonic() - now))
+                if now - begun >= self.settings.duration or now - last >= self.settings.idle:
+                    break
+        finally:
+            rest = feed.close()
+        for data in rest:
+            self.spool.add(data)
+        self.spool.finish()
+
+    def report(self) -> str:
+        """Length, coefficients so far, and when more will be known."""
+        try:
+            study = self._study()
+        except DataError as error:
+            return str(error)
+        return "\n".join(_reported(channel, self.settings.accuracy) for channel in study)
+
+    def study(self) -> Study:
+        """What `analyze` gives of the lines that came.
+
+        Raises
+        ------
+        DataError
+            No channel has enough samples.
+        UsageError
+            A choice is impossible for what came.
+        """
+        study = self._study()
+        notes = (*study.notes, say("watched as a stream"))
+        return replace(study, findings=(*study.findings, *self.findings), notes=notes)
+
+    def close(self) -> None:
+        """Remove what was kept of the stream, unless the user has given its file."""
+        if self.spool is not None:
+            self.spool.close()
+
+    def _study(self) -> Study:
+        if self.spool is None or not self.spool.rows:
+            raise DataError(say("{target!r} sent no samples", target=self.target))
+        if self.latest is None or self._rows != self.spool.rows:
+            self._rows = self.spool.rows
+            self.latest = analyze(self.spool, self.recipe)
+        return self.latest
+
+    def _report(self) -> Iterator[str]:
+        yield self.report()
+        for channel in self.latest or ():
+            yield from self._new(channel.record.name, [f for f in channel.quality.findings if f.name not in AT_ONCE])
+            steps = [f for f in channel.residuals.findings if f.name == "step"] if channel.residuals else []
+            yield from self._new(channel.record.name, steps)
+
+    def _look(self) -> Iterator[str]:
+        """Look at the last minute as at a record of its own, and say what is new."""
+        with suppress(DataError):
+            recent = self._recent()
+            yield from self._new("", [f for f in recent.findings if f.name in AT_ONCE])
+            for record in recent:
+                yield from self._new(record.name, [f for f in inspect(record).findings if f.name in AT_ONCE])
+
+    def _recent(self) -> Recording:
+        assert self.spool is not None  # noqa: S101 - it is made before anything is looked at
+        text, before = self.spool.tail(round(RECENT * self._rate) or TAIL)
+        with self.spool.beside(text) as path:
+            recording = read(path, **self.recipe.to_dict(READING))
+        self._rate = recording[0].rate
+        placed = tuple(replace(record, cut=before / record.rate) for record in recording)
+        return replace(recording, records=placed)
+
+    def _new(self, channel: str, findings: list[Finding]) -> Iterator[str]:
+        """Sentences about findings that begin after those that were said."""
+        for one in findings:
+            begin, end = one.place or (0.0, 0.0)
+            if begin >= self._said.get((channel, one.name), -math.inf):
+                yield join(": ", (channel, str(one))) if channel else str(one)
+            elif end <= self._said[channel, one.name]:
+                continue
+            self._said[channel, one.name] = end or math.inf
+
+    def _gone(self, reason: str) -> str:
+        if self.spool is not None:
+            self.spool.torn()
+        what = say("{target!r} is gone ({reason}); waiting for it", target=self.target, reason=reason)
+        self.findings.append(Finding("unplugged", what))
+        return what
+
+    def _again(self, feed: Feed) -> Generator[str, None, Feed]:
+        """Wait until the source is back; the time without it is a gap."""
+        assert self.spool is not None  # noqa: S101 - it is made before
+        feed.close()
+        begun = time.monotonic()
+        while not self.stopped() and time.monotonic() - begun < self.settings.idle:
+            time.sleep(AGAIN)
+            try:
+                feed = Feed(opened(self.target, self.settings.baud))
+            except DataError:
+                continue
+            lost = round((time.monotonic() - begun) * self._rate)
+            with suppress(DataError):
+                if self._recent()[0].start is None:  # time stamps tell it themselves
+                    self.spool.skip(lost)
+            yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
+            break
+        return feed
+
+
+def _reported(channel: Channel, accuracy: float) -> str:
+    record, fit, curve = channel.record, channel.fit, channel.curve
+    known = say("{channel}: {duration:.4g} s", channel=record.name, duration=record.duration)
+    if fit is None or curve is None:
+        return join("; ", (known, channel.refusal))
+    lowest = int(curve.variance.argmin())
+    unit = record.signal.sheet[0]
+    shown = say("{title} {value:.3g} {unit} at {tau:.3g} s", title=curve.statistic,
+                value=curve.to(unit).deviation[lowest], unit=unit, tau=curve.tau[lowest])  # fmt: skip
+    claimed = (say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed)
+    return join("; ", (known, shown, *claimed, *_waits(fit, record.size, record.rate, accuracy)))
+
+
+def _waits(fit: Fit, size: int, rate: float, accuracy: float) -> list[str]:
+    """How much longer it takes until each coefficient is known to an accuracy, from the Cramer-Rao bound."""
+    found = plan(fit.model, rate, durations=(), accuracy=accuracy)
+    missing = [(name, float(needed) - size / rate) for name, needed in zip(found.names, found.needed, strict=True)]
+    return [
+        say("about {time} more until {symbol} is known to {share}", time=lasting(left), symbol=name,
+            share=percent(accuracy))
+        for name, left in missing
+        if 0 < left < math.inf
+    ]  # fmt: skip
+
+
+def lasting(seconds: float) -> str:
+    """A length of time with its unit, to two digits.
+
+    Examples
+    --------
+    >>> lasting(5.3), lasting(840.0), lasting(7200.0)
+    ('5.3 s', '14 min', '2 h')
+    """
+    for size, unit in ((3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * size:
+            return f"{float(f'{seconds / size:.2g}'):g} {unit}"
+    return f"{seconds:.2g} s"
