@@ -5,10 +5,13 @@ from typing import Any
 
 import click
 
+from allanite.core.choices import FLAG, Choice, choices_of
 from allanite.core.errors import UsageError
 from allanite.reporting.language import ENGLISH, LANGUAGES
+from allanite.study.recipe import IDENTIFYING as IDENTIFIES
+from allanite.study.recipe import READING, SELECTING, Recipe
 
-from .types import INTEGERS, NAMES, NUMBERS, Band, Duration, Pieces, Ranges, Scale, Taus, Threads, Units
+from .types import INTEGERS, NAMES, NUMBERS, Converted, Duration, Threads
 
 Decorator = Callable[[Any], Any]
 
@@ -45,55 +48,28 @@ OUTPUTS = ("report", "plot", "csv", "json")
 FLAGS = ("lang", "force", "quiet", "strict")
 """Options about writing and the exit code, which a recipe does not hold."""
 
+
+def option_of(choice: Choice) -> Decorator:
+    """The option of a choice."""
+    words = choice.help + (f"  [default: {choice.usual}]" if choice.usual else "")
+    if choice.kind is FLAG:
+        return click.option(*choice.options, choice.name, is_flag=True, default=choice.default, help=words)
+    form: dict[str, Any] = {"type": Converted(choice.kind)}
+    if choice.kind.many:
+        form = {"multiple": True, "callback": lambda _, __, values: values or None}
+    return click.option(*choice.options, choice.name, metavar=choice.metavar or None, help=words, **form)
+
+
 OPTIONS: dict[str, Decorator] = {
     "file": click.argument("file", type=click.Path()),
     "optional file": click.argument("file", required=False, type=click.Path()),
     "some files": click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE]..."),
     "files": click.argument("files", nargs=-1, required=True, type=click.Path(), metavar="FILE..."),
-    "rate": click.option("--rate", "--fs", "rate", type=float, metavar="HZ", help="Sampling rate; overrides the file."),
-    "unit": click.option("--unit", type=Units(), metavar="UNIT",
-        help="Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g."),
-    "kind": click.option("--kind", help="What a sample is: rate, increment, angle, count or value."),
-    "scale": click.option("--scale", type=Scale(), metavar="STEP",
-        help="Scale factor per count: 0.01 (in --unit) or 0.01deg/s."),
-    "channels": click.option("--channels", type=NAMES, metavar="A,B,...",
-        help="Columns by name or number.  [default: all recognized]"),
-    "time": click.option("--time", help="Column of the time stamps."),
-    "dtype": click.option("--dtype", metavar="TYPE",
-        help="The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins."),
-    "columns": click.option("--columns", type=int, metavar="N", help="Numbers per row of raw binary."),
-    "offset": click.option("--offset", type=int, metavar="BYTES", help="Bytes before the first row of raw binary."),
-    "sincos": click.option("--sincos", type=NAMES, metavar="S,C,...",
-        help="Columns of sine and cosine, in pairs: their angle is analyzed."),
-    "from": click.option("--from", "start", type=float, metavar="S",
-        help="Start of the window, s after the first sample."),
-    "until": click.option("--until", type=float, metavar="S", help="End of the window, s after the first sample."),
-    "quiet-window": click.option("--quiet-window", type=float, metavar="S",
-        help="Use the most stationary window of this length."),
-    "outliers": click.option("--outliers", metavar="WORD",
-        help="mark: exclude everywhere; keep: use everywhere.  [default: exclude from the fit only]"),
-    "memory": click.option("--memory", metavar="SIZE",
-        help="Memory that a record may take, e.g. 1GB; a larger one is read in parts.  [default: half of what is "
-        "available]"),
-    "terms": click.option("--terms", metavar="QNBKR", help="Noise terms to look for.  [default: auto]"),
-    "method": click.option("--method", metavar="NAME",
-        help="whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.  [default: whittle]"),
-    "band": click.option("--band", type=Band(), metavar="BAND",
-        help="Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.  [default: auto]"),
-    "mask": click.option("--mask", type=Pieces("Hz"), metavar="HZ..HZ,...",
-        help="Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20."),
-    "level": click.option("--level", type=float, help="Confidence level of intervals.  [default: 0.95]"),
+    "shown in": option_of(choices_of(Recipe)["to"]),
     "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
         help="Read options from a file; the command line overrides them."),
-    "statistic": click.option("--statistic", metavar="NAME", help="Statistic of the curve.  [default: oadev]"),
-    "taus": click.option("--taus", type=Taus(), metavar="GRID",
-        help="octave, decade, log, all, or seconds, e.g. 1,10,100."),
     "m": click.option("--m", type=INTEGERS, metavar="A,B,...", help="Averaging factors, instead of --taus."),
     "to": click.option("--to", metavar="UNIT", help="Unit of the result.  [default: deg/h, ug]"),
-    "shown in": click.option("--to", type=NAMES, metavar="UNIT,...",
-        help="Units of the coefficients: deg/s, ug/sqrt(Hz), ...  [default: those of data sheets]"),
-    "about": click.option("--about", multiple=True, metavar="KEY=VALUE", callback=lambda _, __, lines: lines or None,
-        help="For the header of the report: serial, operator, date, temperature, ..."),
     "model": click.option("--model", metavar="TERMS",
         help="Noise model, e.g. 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
     "sensor": click.option("--sensor", metavar="NAME",
@@ -116,8 +92,6 @@ OPTIONS: dict[str, Decorator] = {
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
     "coefficients": click.option("--coefficients", "--table", "coefficients", metavar="PATH", type=click.Path(),
         help="Write coefficients and values read off the curve as CSV; - is standard output."),
-    "device": click.option("--device", metavar="NAME",
-        help="Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer."),
     "intervals": click.option("--intervals/--no-intervals", default=True,
         help="Confidence intervals; without them no noise is identified."),
     "bias": click.option("--bias", metavar="WORD",
@@ -131,12 +105,6 @@ OPTIONS: dict[str, Decorator] = {
         help="Degrees of freedom of the intervals: exact, or published, for the power law found at each time."),
     "power law": click.option("--power-law", is_flag=True,
         help="Show the exponent of the power law that the noise follows at each averaging time."),
-    "average": click.option("--average", type=float, metavar="S",
-        help="First of all replace the samples by means over this time."),
-    "exclude": click.option("--exclude", type=Pieces(), metavar="S..S,...",
-        help="Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps."),
-    "ranges": click.option("--ranges", type=Ranges(), metavar="N=LO:HI,...",
-        help="Averaging times through which method piecewise draws the line of each term, s."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
         help="Check the coefficients against the limits in this file; exit code 4 if one is exceeded."),
     "strict": click.option("--strict", is_flag=True,
@@ -207,13 +175,10 @@ OPTIONS: dict[str, Decorator] = {
     "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
 }  # fmt: skip
 
-READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
-"""Options that describe the contents of a file."""
+RECIPE = {name: option_of(row) for name, row in choices_of(Recipe).items()}
+"""The options of a recipe, by its keys."""
 
-SELECTING = ("average", "exclude", "from", "until", "quiet-window", "outliers", "memory")
-"""Options that select samples."""
-
-IDENTIFYING = ("terms", "method", "ranges", "band", "mask", "level", "strict")
+IDENTIFYING = (*IDENTIFIES, "strict")
 """Options of every verb that identifies noise."""
 
 RESULTS = (*OUTPUTS, "lang", "force", "quiet")
@@ -224,11 +189,12 @@ RECORDING = (*READING, *SELECTING, "recipe", "threads")
 
 
 def options(*wanted: str | Decorator) -> Decorator:
-    """Give a command these options, in this order: names in `OPTIONS`, or options of its own."""
+    """Give a command these options, in this order: names in `OPTIONS` or of a recipe, or options of its own."""
 
     def give(command: Any) -> Any:
         for option in reversed(wanted):
-            command = (OPTIONS[option] if isinstance(option, str) else option)(command)
+            decorate = option if not isinstance(option, str) else OPTIONS.get(option) or RECIPE[option]
+            command = decorate(command)
         return command
 
     return give
