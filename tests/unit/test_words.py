@@ -110,7 +110,7 @@ def options_in(tree: ast.AST) -> list[str]:
     rendered = {
         id(part)
         for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "spelled"
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("spelled", "choice")
         for part in ast.walk(node)
     }
     strings = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))

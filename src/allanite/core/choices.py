@@ -1,8 +1,7 @@
 """Choices: what a user may set, each stated once as a field of a dataclass, from which option, key and help follow."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields
-from functools import cache
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, TypeVar
 
 from .errors import UsageError
@@ -58,7 +57,7 @@ class Choice:
 
     @property
     def usual(self) -> str:
-        """The default in words; empty if there is nothing to say."""
+        """What the help says of the default; empty if nothing."""
         if self.told is not None:
             return self.told
         return "" if self.default is None or isinstance(self.default, bool) else written(self.default)
@@ -104,7 +103,7 @@ def choice(  # noqa: PLR0913 - the columns of a row
     kind : Kind
         What its value is.
     metavar, help : str
-        The value in the help, and what is said of the choice.
+        The value in the help, and the text of the help.
     default : optional
         The default, whose text the help shows unless `told` has other words, or none.
     group : str
@@ -121,8 +120,7 @@ def choice(  # noqa: PLR0913 - the columns of a row
     return field(default=default, metadata={"choice": row})
 
 
-@cache
-def choices_of(kind: Any) -> dict[str, Choice]:
+def choices_of(kind: type[Any]) -> dict[str, Choice]:
     """The choices of a class by the name of their field.
 
     Examples
@@ -135,15 +133,10 @@ def choices_of(kind: Any) -> dict[str, Choice]:
     (('--window',), '60', 5.0, ['--window', '5'])
     """
     rows = ((f, f.metadata["choice"]) for f in fields(kind) if "choice" in f.metadata)
-    return {
-        f.name: Choice(
-            **{**vars(row), "name": f.name, "default": None if f.default is MISSING else f.default}
-        )
-        for f, row in rows
-    }  # fmt: skip
+    return {f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default) for f, row in rows}
 
 
-def named(kind: Any, *groups: str) -> tuple[str, ...]:
+def named(kind: type[Any], *groups: str) -> tuple[str, ...]:
     """Names of the choices of these groups."""
     return tuple(name for name, row in choices_of(kind).items() if row.group in groups)
 
