@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.study.settings import ComparisonChoices
+
 from .deliver import carry_out, outputs, recipe_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-from .types import NAMES
 
 if TYPE_CHECKING:
     from allanite.comparison.comparison import Comparison
@@ -17,16 +18,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @options(
-    "files",
-    *RECORDING,
-    click.option(
-        "--against", type=NAMES, metavar="A,B,...", help="Channels of the second file to compare with --channels."
-    ),
-    click.option("--part", type=float, metavar="S", help="Compare the first S seconds of a file with the rest."),
-    "statistic",
-    "taus",
-    *IDENTIFYING,
-    *RESULTS,
+    "files", *RECORDING, "against", "part", "statistic", "taus", *IDENTIFYING, *RESULTS, settings=(ComparisonChoices,)
 )
 def compare(files: tuple[str, ...], **choices: Any) -> None:
     """Compare the noise of recordings.

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.study.settings import DensityChoices, DeviationChoices, LengthChoices, NoiseChoices, WindowChoices
+
 from .deliver import carry_out, deliver, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 
@@ -13,25 +15,10 @@ if TYPE_CHECKING:
 
 @click.command()
 @options(
-    "optional file",
-    "model",
-    "sensor",
-    "duration",
-    "samples",
-    *RECORDING,
-    "several statistics",
-    "taus",
-    "m",
-    "to",
-    "intervals",
-    "bias",
-    "join",
-    "divisor",
-    "edf",
-    "power law",
-    *IDENTIFYING,
-    *RESULTS,
-)
+    "optional file", "model", "sensor", "duration", "samples", *RECORDING, "statistic", "taus", "m", "to", "intervals",
+    "bias", "join", "divisor", "edf", "power_law", *IDENTIFYING, *RESULTS,
+    settings=(NoiseChoices, LengthChoices, DeviationChoices),
+)  # fmt: skip
 def deviation(file: str | None, **choices: Any) -> None:
     """Compute Allan and related deviations.
 
@@ -56,30 +43,9 @@ def deviation(file: str | None, **choices: Any) -> None:
 
 @click.command()
 @options(
-    "file",
-    *RECORDING,
-    click.option(
-        "--estimator", metavar="NAME", default="welch", show_default=True, help="Estimator: welch or multitaper."
-    ),
-    click.option(
-        "--sides", metavar="NAME", default="one", show_default=True, help="One- or two-sided power spectral density."
-    ),
-    click.option("--bins", type=int, default=20, show_default=True, help="Values per decade; 0 keeps all frequencies."),
-    click.option(
-        "--segment", type=float, metavar="S", help="Length of Welch's segments.  [default: an eighth of the record]"
-    ),
-    "segment window",
-    click.option(
-        "--bandwidth", type=float, metavar="NW", help="Time-half-bandwidth product NW of the tapers.  [default: 4]"
-    ),
-    click.option("--tapers", type=int, metavar="K", help="Number of tapers.  [default: 2 NW - 3]"),
-    click.option("--weights", metavar="NAME", help="Weights of the tapers: eigen or equal.  [default: eigen]"),
-    click.option("--fit", is_flag=True, help="Identify the noise and draw its terms in the figure."),
-    click.option("--deviation", metavar="NAME", help="Integrate the density to this deviation: oadev, mdev, ohdev ..."),
-    "to",
-    *IDENTIFYING,
-    *RESULTS,
-)
+    "file", *RECORDING, "estimator", "sides", "bins", "segment", "window", "bandwidth", "tapers", "weights", "fit",
+    "deviation", "to", *IDENTIFYING, *RESULTS, settings=(DensityChoices,),
+)  # fmt: skip
 def spectrum(file: str, **choices: Any) -> None:
     """Compute the power spectral density.
 
@@ -92,16 +58,7 @@ def spectrum(file: str, **choices: Any) -> None:
 
 @click.command()
 @options(
-    "file",
-    *RECORDING,
-    "usual statistic",
-    "sliding window",
-    click.option("--step", type=float, metavar="S", help="Distance between windows.  [default: an eighth of a window]"),
-    "taus",
-    "m",
-    "to",
-    "level",
-    *RESULTS,
+    "file", *RECORDING, "statistic", "window", "step", "taus", "m", "to", "level", *RESULTS, settings=(WindowChoices,)
 )
 def dynamic(file: str, **choices: Any) -> None:
     """Compute a deviation in sliding windows.

@@ -11,7 +11,7 @@ from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES
 from allanite.study.recipe import READING, SELECTING, Recipe
 
-from .types import INTEGERS, NAMES, NUMBERS, Converted, Duration, Threads
+from .types import INTEGERS, NUMBERS, Converted, Duration, Threads
 
 Decorator = Callable[[Any], Any]
 
@@ -68,14 +68,6 @@ OPTIONS: dict[str, Decorator] = {
     "shown in": option_of(choices_of(Recipe)["to"]),
     "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
         help="Read options from a file; the command line overrides them."),
-    "m": click.option("--m", type=INTEGERS, metavar="A,B,...", help="Averaging factors, instead of --taus."),
-    "to": click.option("--to", metavar="UNIT", help="Unit of the result.  [default: deg/h, ug]"),
-    "model": click.option("--model", metavar="TERMS",
-        help="Noise model, e.g. 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'."),
-    "sensor": click.option("--sensor", metavar="NAME",
-        help="Or a typical gyro: mems, fog or rlg; or a ring laser that counts: gl1 or gl1-smooth."),
-    "duration": click.option("--duration", type=Duration(), metavar="TIME", help="Length: 3600, '10 min', 24h."),
-    "samples": click.option("--samples", type=int, metavar="N", help="Number of samples."),
     "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,
         help="Seed of the random number generator."),
     "accuracy": click.option("--accuracy", type=float, metavar="PERCENT",
@@ -92,19 +84,6 @@ OPTIONS: dict[str, Decorator] = {
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
     "coefficients": click.option("--coefficients", "--table", "coefficients", metavar="PATH", type=click.Path(),
         help="Write coefficients and values read off the curve as CSV; - is standard output."),
-    "intervals": click.option("--intervals/--no-intervals", default=True,
-        help="Confidence intervals; without them no noise is identified."),
-    "bias": click.option("--bias", metavar="WORD",
-        help="Correct the bias: exact or published (theo1, totdev, mtotdev, ...), model (theobr, theoh); plain: none.  "
-        "[default: model for theobr and theoh if the noise is identified, else plain]"),
-    "join": click.option("--join", type=float, default=0.2, show_default=True, metavar="SHARE",
-        help="Share of the record up to which theoh is the overlapping Allan deviation."),
-    "divisor": click.option("--divisor", type=int, default=30, show_default=True, metavar="N",
-        help="Divisor of the length for the number of bias ratios of theobr and theoh; 6 as in Stable32."),
-    "edf": click.option("--edf", metavar="WORD", default="exact", show_default=True,
-        help="Degrees of freedom of the intervals: exact, or published, for the power law found at each time."),
-    "power law": click.option("--power-law", is_flag=True,
-        help="Show the exponent of the power law that the noise follows at each averaging time."),
     "limits file": click.option("--limits", metavar="TOML", type=click.Path(),
         help="Check the coefficients against the limits in this file; exit code 4 if one is exceeded."),
     "strict": click.option("--strict", is_flag=True,
@@ -114,10 +93,6 @@ OPTIONS: dict[str, Decorator] = {
     "force": click.option("--force", is_flag=True, help="Overwrite existing files."),
     "quiet": click.option("--quiet", is_flag=True, help="Print errors only, and what is written to standard output."),
     # options of the same name whose meaning differs between verbs
-    "several statistics": click.option("--statistic", type=NAMES, metavar="A,B,...", default="oadev",
-        show_default=True, help="Statistics."),
-    "usual statistic": click.option("--statistic", metavar="NAME", default="oadev", show_default=True,
-        help="Statistic."),
     "simulated rate": click.option("--rate", "--fs", "rate", type=float, required=True, metavar="HZ",
         help="Sampling rate."),
     "simulated unit": click.option("--unit", help="Unit of the samples.  [default: deg/h, ug]"),
@@ -129,9 +104,6 @@ OPTIONS: dict[str, Decorator] = {
         help="Dither added before rounding and removed after: 'random' or '400 Hz 20' (steps)."),
     "dither lines": click.option("--dither", type=NUMBERS, metavar="HZ,...",
         help="Frequencies of the residual dither to remove."),
-    "segment window": click.option("--window", metavar="NAME", help="Window of the Welch estimator.  [default: hann]"),
-    "sliding window": click.option("--window", type=float, metavar="S",
-        help="Length of a window.  [default: a tenth of the record]"),
     "rate window": click.option("--window", metavar="NAME",
         help="Window of the hamming estimator.  [default: hamming]"),
     "planned durations": click.option("--durations", type=Duration(several=True), metavar="A,B,...",
@@ -149,8 +121,6 @@ OPTIONS: dict[str, Decorator] = {
     "angle unit": click.option("--unit", help="Unit of angles, overrides the header: deg, rad, arcsec ..."),
     "angle time": click.option("--time", default="time", show_default=True, metavar="COLUMN",
         help="Seconds after h = 0."),
-    "unexplained": click.option("--unexplained", is_flag=True,
-        help="Use the coefficients of channels that no model explains, too."),
     "models": click.option("--model", "models", multiple=True, metavar="TERMS",
         help="Noise of a sensor without a file, e.g. 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'; repeatable."),
     "origin": click.option("--from", "origin", metavar="TARGET",
@@ -188,13 +158,18 @@ RECORDING = (*READING, *SELECTING, "recipe", "threads")
 """Options of every verb that reads a recording."""
 
 
-def options(*wanted: str | Decorator) -> Decorator:
-    """Give a command these options, in this order: names in `OPTIONS` or of a recipe, or options of its own."""
+def options(*wanted: str | Decorator, settings: tuple[type[Any], ...] = ()) -> Decorator:
+    """Give a command these options, in this order.
+
+    They are names of choices in the `settings` of the command, names in `OPTIONS`, keys of a recipe, or options of its
+    own.
+    """
+    own = {name: option_of(row) for kind in settings for name, row in choices_of(kind).items()}
+    known = RECIPE | OPTIONS | own
 
     def give(command: Any) -> Any:
         for option in reversed(wanted):
-            decorate = option if not isinstance(option, str) else OPTIONS.get(option) or RECIPE[option]
-            command = decorate(command)
+            command = (known[option] if isinstance(option, str) else option)(command)
         return command
 
     return give
