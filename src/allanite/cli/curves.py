@@ -1,16 +1,14 @@
 """Any statistic, spectrum or dynamic curve of a file, as a table, CSV, JSON, figure or page."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from allanite.study.settings import DensityChoices, DeviationChoices, LengthChoices, NoiseChoices, WindowChoices
 
-from .deliver import carry_out, deliver, outputs, recipe_of, settings_of
+from .deliver import deliver, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-
-if TYPE_CHECKING:
-    from allanite.study.survey import Densities, Deviations, Windows
+from .tasks import perform
 
 
 @click.command()
@@ -28,17 +26,12 @@ def deviation(file: str | None, **choices: Any) -> None:
     from allanite.study.survey import Deviations
     from allanite.study.theory import TheorySettings, expected_curves
 
-    out = outputs(choices, [file, choices["recipe"]])
     theory = settings_of(TheorySettings, choices)
-    settings = settings_of(Deviations, choices)
-    recipe = recipe_of(choices)
-    if file is None or theory.asked:
-        found = expected_curves(file, theory, settings, recipe)
-        deliver(found, out)
+    if file is not None and not theory.asked:
+        perform("deviation", [file], choices)
         return
-    from allanite.study.survey import survey
-
-    carry_out(lambda tell: survey(file, settings, recipe, progress=tell), out)
+    out = outputs(choices, [file, choices["recipe"]])
+    deliver(expected_curves(file, theory, settings_of(Deviations, choices), recipe_of(choices)), out)
 
 
 @click.command()
@@ -51,9 +44,7 @@ def spectrum(file: str, **choices: Any) -> None:
 
     N of IEEE 952 is the square root of the two-sided power spectral density of white noise.
     """
-    from allanite.study.survey import Densities
-
-    _survey(file, Densities, choices)
+    perform("spectrum", [file], choices)
 
 
 @click.command()
@@ -65,14 +56,4 @@ def dynamic(file: str, **choices: Any) -> None:
 
     Shows how the noise of FILE changes with time.
     """
-    from allanite.study.survey import Windows
-
-    _survey(file, Windows, choices)
-
-
-def _survey(file: str, kind: "type[Deviations | Densities | Windows]", choices: dict[str, Any]) -> None:
-    out = outputs(choices, [file, choices["recipe"]])
-    from allanite.study.survey import survey
-
-    settings = settings_of(kind, choices)
-    carry_out(lambda tell: survey(file, settings, recipe_of(choices), progress=tell), out)
+    perform("dynamic", [file], choices)

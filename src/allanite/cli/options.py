@@ -51,13 +51,12 @@ FLAGS = ("lang", "force", "quiet", "strict")
 
 def option_of(choice: Choice) -> Decorator:
     """The option of a choice."""
-    words = choice.help + (f"  [default: {choice.usual}]" if choice.usual else "")
     if choice.kind is FLAG:
-        return click.option(*choice.options, choice.name, is_flag=True, default=choice.default, help=words)
+        return click.option(*choice.options, choice.name, is_flag=True, default=choice.default, help=choice.text)
     form: dict[str, Any] = {"type": Converted(choice.kind)}
     if choice.kind.many:
         form = {"multiple": True, "callback": lambda _, __, values: values or None}
-    return click.option(*choice.options, choice.name, metavar=choice.metavar or None, help=words, **form)
+    return click.option(*choice.options, choice.name, metavar=choice.metavar or None, help=choice.text, **form)
 
 
 OPTIONS: dict[str, Decorator] = {

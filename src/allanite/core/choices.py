@@ -26,6 +26,8 @@ class Kind:
         How it is entered on the page: "text", "number", "list", "band" or "flag".
     many : bool
         Whether the option is repeated, once for each part of the value.
+    write : callable, optional
+        The text from which `read` has the value, if `written` does not make it.
     """
 
     name: str
@@ -33,6 +35,7 @@ class Kind:
     demand: Callable[[str, Any], None] = lambda name, value: None
     control: str = "text"
     many: bool = False
+    write: "Callable[[Any], str] | None" = None
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,11 @@ class Choice:
             return self.told
         return "" if self.default is None or isinstance(self.default, bool) else written(self.default)
 
+    @property
+    def text(self) -> str:
+        """What the help says."""
+        return self.help + (f"  [default: {self.usual}]" if self.usual else "")
+
     def read(self, data: Any) -> Any:
         """The value from its text or plain data.
 
@@ -81,7 +89,7 @@ class Choice:
         if self.kind is FLAG:
             return self.options[0].split("/")[not value :][:1]
         parts = value if self.kind.many else (value,)
-        return [word for part in parts for word in (self.options[0], written(part))]
+        return [word for part in parts for word in (self.options[0], (self.kind.write or written)(part))]
 
 
 def choice(  # noqa: PLR0913 - the columns of a row
@@ -287,6 +295,7 @@ def _listed(value: Any) -> tuple[str, ...] | None:
 
 NUMBER = Kind("float", _number, _demand_number, control="number")
 INTEGER = Kind("integer", _integer, _demand_number, control="number")
+PERCENT = Kind("float", lambda value: _number(value) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
 WORD = Kind("text", str, demand_word)
 FLAG = Kind("boolean", bool, control="flag")
 NAMES = separated(str, "names", example="gx,gy")

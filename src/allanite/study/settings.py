@@ -1,5 +1,6 @@
 """Choices of jobs beside the recipe, without what the jobs need: the help of the command line reads these rows."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,6 +13,7 @@ from allanite.core.choices import (
     INTEGERS,
     NAMES,
     NUMBER,
+    PERCENT,
     WORD,
     choice,
 )
@@ -132,3 +134,18 @@ class ComparisonChoices:
     against: tuple[str, ...] | None = choice(
         NAMES, "A,B,...", "Channels of the second file to compare with --channels.")
     part: float | None = choice(NUMBER, "S", "Compare the first S seconds of a file with the rest.")
+
+
+@dataclass(frozen=True, repr=False)
+class WatchChoices:
+    """The choices of `WatchSettings`."""
+
+    every: float = choice(
+        DURATION, "TIME", "Time between reports.", default=10.0, told="10 s", flags=("--refresh",))
+    duration: float = choice(
+        DURATION, "TIME", "Stop after this time.", default=math.inf, told="never", flags=("--for",))
+    idle: float = choice(DURATION, "TIME", "Stop after this time without data.", default=math.inf, told="never")
+    baud: int = choice(INTEGER, "N", "Baud rate of a serial port.", default=115200)
+    accuracy: float = choice(
+        PERCENT, "PERCENT", "Relative standard error of a coefficient to reach.", default=0.2,
+        told="10; of a live stream 20")
