@@ -2,7 +2,7 @@
 
 import os
 import stat
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,18 @@ def _unit(unit: str | Mapping[str, str]) -> str:
     from allanite.readers.options import stated_unit
 
     return stated_unit(unit)
+
+
+def _stated(key: str) -> Callable[[Any], Any]:
+    """What is stated about a file is checked where it is read, and here already."""
+
+    def demand(value: Any) -> Any:
+        from allanite.readers.options import Options
+
+        Options(**{key: value})
+        return value
+
+    return demand
 
 
 def _outliers(word: str) -> str:
@@ -113,14 +125,17 @@ class Recipe:
 
     # fmt: off
     rate: float | None = choice(
-        NUMBER, "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"))
+        NUMBER, "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"),
+        demand=_stated("rate"))
     unit: str | Mapping[str, str] | None = choice(
         UNITS, "UNIT",
         "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
-        group="reading", demand=_unit)
-    kind: str | None = choice(WORD, "", "What a sample is: rate, increment, angle, count or value.", group="reading")
+        group="reading", demand=lambda unit: _stated("unit")(_unit(unit)))
+    kind: str | None = choice(
+        WORD, "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
     scale: float | str | None = choice(
-        WORTH, "STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", group="reading")
+        WORTH, "STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", group="reading",
+        demand=_stated("scale"))
     channels: tuple[str, ...] | None = choice(
         NAMES, "A,B,...", "Columns by name or number.", told="all recognized", group="reading")
     time: str | None = choice(WORD, "", "Column of the time stamps.", group="reading")
