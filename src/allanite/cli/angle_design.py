@@ -5,11 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.core.choices import choices_of
 from allanite.core.errors import UsageError
+from allanite.study.settings import LengthChoices
 
 from .angle_shared import ANGLES, ARCSEC, DEGREE, columns_of, deliver_study, prior_option, turn_option
 from .deliver import STDOUT, Outputs, outputs, put
-from .options import RESULTS, options
+from .options import RESULTS, option_of, options
 from .types import NUMBERS, Separated
 
 if TYPE_CHECKING:
@@ -19,7 +21,7 @@ SWAY = Separated(float, "amplitude in deg and period in s", 2, "1,60")
 
 EXPERIMENT = (
     "latitude",
-    "duration",
+    option_of(choices_of(LengthChoices)["duration"]),
     "reading interval",
     click.option(
         "--q-law",

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.study.settings import LengthChoices, NoiseChoices
+
 from .deliver import Extra, deliver, demand_recording, outputs, progress
 from .faults import FAULTS, quantizer_unit, turning_rate
 from .options import options
@@ -50,6 +52,7 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
     "lang",
     "force",
     "quiet",
+    settings=(NoiseChoices, LengthChoices),
 )
 def simulate(**choices: Any) -> None:
     """Simulate a recording of known noise.

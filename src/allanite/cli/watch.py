@@ -1,27 +1,26 @@
 """A live stream: what is known so far while it lasts, and the results when it ends."""
 
-import signal
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from typing import Any
 
 import click
 
 from allanite.core.files import demand_writable
+from allanite.study.recipe import IDENTIFYING, READING, SELECTING
 
 from .deliver import deliver, happened, outputs, recipe_of, settings_of
-from .options import IDENTIFYING, READING, RESULTS, SELECTING, options
+from .options import RESULTS, options
+from .signals import stopping
 from .types import Duration
 
 BINARY = ("dtype", "columns", "offset")
-"""Options of a file that has no lines."""
+"""Choices of a file that has no lines."""
 
 
 @click.command()
 @options(
     click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"),
-    *(name for name in READING if name not in BINARY), *SELECTING, "recipe", "statistic", "taus",
-    *(name for name in IDENTIFYING if name != "strict"),
+    *(name for name in READING if name not in BINARY), *SELECTING, "recipe", "statistic", "taus", *IDENTIFYING,
     click.option("--refresh", "every", type=Duration(), metavar="TIME", help="Time between reports.  [default: 10 s]"),
     click.option("--for", "duration", type=Duration(), metavar="TIME", help="Stop after this time.  [default: never]"),
     click.option("--idle", type=Duration(), metavar="TIME", help="Stop after this time without data.  "
@@ -46,7 +45,7 @@ def watch(target: str, **choices: Any) -> None:
     out = outputs(choices, [choices["recipe"], target, kept])
     if choices["accuracy"] is not None:
         choices["accuracy"] /= 100
-    with _stopping() as stopped:
+    with stopping() as stopped:
         watched = Watch(target, recipe_of(choices), settings_of(WatchSettings, choices), stopped)
         with closing(watched):
             for words in watched.events():
@@ -54,29 +53,3 @@ def watch(target: str, **choices: Any) -> None:
                     happened(words, watched)
             study = watched.study()
     deliver(study, out)
-
-
-class _Stopped:
-    """Whether a signal to end has come."""
-
-    def __init__(self) -> None:
-        self.came = False
-
-    def __call__(self) -> bool:
-        return self.came
-
-    def catch(self, *_: Any) -> None:
-        """Note the signal."""
-        self.came = True
-
-
-@contextmanager
-def _stopping() -> Iterator[_Stopped]:
-    """Signals that end the program are noted instead; the handlers are put back."""
-    stopped = _Stopped()
-    before = {which: signal.signal(which, stopped.catch) for which in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stopped
-    finally:
-        for which, handler in before.items():
-            signal.signal(which, handler)

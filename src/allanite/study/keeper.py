@@ -3,10 +3,12 @@
 from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.choices import needing_all
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
@@ -140,6 +142,16 @@ def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:
     at = _places(curve, taus, m)
     parts = {name: getattr(curve, name)[at] for name in ("m", "tau", "variance", "count", "factor")}
     return replace(curve, **parts, law=None if curve.law is None else Some(curve.law, at))
+
+
+def demand_sums(settings: Any) -> None:
+    """Refuse the choices of a recipe, or of a job, that need the whole record."""
+    more = spelled("--memory", "memory=")
+    for choice, value in needing_all(settings):
+        option, usual = spelled(choice.options[0], choice.name), [each for each in choice.parts or () if each]
+        if usual:
+            raise UsageError(f"{WHOLE} no {option} {value!r}: only {usual[0]!r}, or allow more memory with {more}")
+        raise UsageError(f"{WHOLE} no {option}: omit it, or allow more memory with {more}")
 
 
 def demand_grid(taus: Taus, m: tuple[int, ...] | None, rate: float) -> None:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import IntArray
-from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.header import Header
 from allanite.core.kinds import KINDS
@@ -28,12 +27,9 @@ from allanite.readers.parts import PartsReader, opened, whole_findings
 from allanite.readers.sandbox.source import digest_of
 
 from .inspected import Inspected
-from .keeper import WHOLE, Keeper
+from .keeper import Keeper, demand_sums
 from .provenance import provenance_of
 from .recipe import READING, Recipe
-
-NEED_ALL = ("quiet_window", "ranges")
-"""Choices that need all samples at once."""
 
 Keeping = Callable[[Record, int], Keeper]
 """What keeps the samples of a channel that begins like a record, of so many samples."""
@@ -53,22 +49,8 @@ def in_parts(source: Any, recipe: Recipe, *, wanted: bool = True) -> Iterator[Pa
         return
     with opened(source, recipe.memory, recipe.to_dict(READING)) as reader:
         if reader is not None:
-            _demand_choices(recipe)
+            demand_sums(recipe)
         yield reader
-
-
-def _demand_choices(recipe: Recipe) -> None:
-    """Refuse what needs the whole record."""
-    more = spelled("--memory", "memory=")
-    for name in NEED_ALL:
-        if getattr(recipe, name) is not None:
-            option = spelled(f"--{name.replace('_', '-')}", name)
-            raise UsageError(f"{WHOLE} no {option}: omit it, or allow more memory with {more}")
-    if recipe.method != "whittle":
-        raise UsageError(
-            f"{WHOLE} no {spelled('--method', 'method')} {recipe.method!r}: only 'whittle', or allow more memory with "
-            f"{more}"
-        )
 
 
 @dataclass(frozen=True)

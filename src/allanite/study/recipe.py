@@ -2,39 +2,120 @@
 
 import os
 import stat
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.display_units import showing
+from allanite.core.choices import (
+    BAND,
+    GRID,
+    INTEGER,
+    LINES,
+    NAMES,
+    NUMBER,
+    RANGES,
+    WORD,
+    WORTH,
+    Kind,
+    choice,
+    demand_choices,
+    demand_word,
+    named,
+    pieces,
+)
 from allanite.core.errors import UsageError
 from allanite.core.ranges import demand_pieces, demand_ranges
-from allanite.core.validity import Band, demand_band
-from allanite.interpretation.devices import device
-from allanite.prepare.outliers import demand_choice
-from allanite.readers.memory import bytes_of
-from allanite.readers.options import stated_unit
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
-"""Keys that describe the contents of the file."""
+# What checks a choice is imported where it is used: the help of the command line reads these rows, and loads no numpy.
 
-SELECTING = ("average", "exclude", "start", "until", "quiet_window", "outliers", "motion", "memory")
-"""Keys that select samples, and whether all of them are in memory."""
 
-IDENTIFYING = ("terms", "method", "ranges", "band", "mask", "level")
-"""Keys of the identification."""
+MOTION = ("mark", "refuse")
+"""What can be done where the sensor moves."""
 
-CURVE = ("statistic", "taus")
-"""Keys of the curve of a study."""
 
-SHOWING = ("device", "to", "about")
-"""Keys of how a study is shown: likely causes in a device, units, and facts for the header."""
+def _unit(unit: str | Mapping[str, str]) -> str:
+    from allanite.readers.options import stated_unit
 
-_NUMBERS = ("rate", "scale", "average", "start", "until", "quiet_window", "level", "columns", "offset")
-_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "motion", "memory", "device")
+    return stated_unit(unit)
+
+
+def _stated(key: str) -> Callable[[Any], Any]:
+    """What is stated about a file is checked where it is read, and here already."""
+
+    def demand(value: Any) -> Any:
+        from allanite.readers.options import Options
+
+        Options(**{key: value})
+        return value
+
+    return demand
+
+
+def _outliers(word: str) -> str:
+    from allanite.prepare.outliers import demand_choice
+
+    demand_choice(word)
+    return word
+
+
+def _motion(word: str) -> str:
+    if word not in MOTION:
+        raise UsageError(f"motion must be {' or '.join(map(repr, MOTION))}, not {word!r}")
+    return word
+
+
+def _memory(size: str) -> str:
+    from allanite.readers.memory import bytes_of
+
+    bytes_of(size)
+    return size
+
+
+def _level(level: float) -> float:
+    if not 0 < level < 1:
+        raise UsageError(f"a confidence level must be between 0 and 1, not {level!r}")
+    return level
+
+
+def _band(band: Any) -> Any:
+    from allanite.core.validity import demand_band
+
+    demand_band(band)
+    return band
+
+
+def _device(name: str) -> str:
+    from allanite.interpretation.devices import device
+
+    return device(name).name
+
+
+def _units_shown(units: tuple[str, ...]) -> tuple[str, ...]:
+    from allanite.core.display_units import showing
+
+    for unit in units:
+        if not showing(unit):
+            raise UsageError(f"no noise coefficient has the unit {unit!r}; give one of the signal, as deg/s or m/s^2, "
+                             "or of a coefficient, as deg/s/sqrt(Hz)")  # fmt: skip
+    return units
+
+
+def _facts(lines: tuple[str, ...]) -> tuple[str, ...]:
+    for line in lines:
+        if not line.partition("=")[2]:
+            raise UsageError(f"facts about a device are given as KEY=VALUE, e.g. serial=SN-12, not {line!r}")
+    return lines
+
+
+def _demand_units(name: str, value: Any) -> None:
+    if not isinstance(value, Mapping):
+        demand_word(name, value)
+
+
+UNITS = Kind("unit", _unit, _demand_units)
 
 
 @dataclass(frozen=True)
@@ -54,78 +135,79 @@ class Recipe:
     `DEVICES`, whose likely causes of each term are shown.
     """
 
-    rate: float | None = None
-    unit: str | Mapping[str, str] | None = None
-    kind: str | None = None
-    scale: float | str | None = None
-    channels: tuple[str, ...] | None = None
-    time: str | None = None
-    dtype: str | None = None
-    columns: int | None = None
-    offset: int | None = None
-    sincos: tuple[str, ...] | None = None
-    average: float | None = None
-    exclude: str | tuple[tuple[float, float], ...] | None = None
-    start: float | None = None
-    until: float | None = None
-    quiet_window: float | None = None
-    outliers: str | None = None
-    motion: str | None = None
-    memory: str | None = None
-    statistic: str = "oadev"
-    taus: str | tuple[float, ...] = "log"
-    terms: str = "auto"
-    method: str = "whittle"
-    ranges: Mapping[str, tuple[float, float]] | None = None
-    band: Band = "auto"
-    mask: str | tuple[tuple[float, float], ...] | None = None
-    level: float = 0.95
-    device: str | None = None
-    to: tuple[str, ...] | None = None
-    about: tuple[str, ...] | None = None
+    # fmt: off
+    rate: float | None = choice(
+        NUMBER, "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"),
+        demand=_stated("rate"))
+    unit: str | Mapping[str, str] | None = choice(
+        UNITS, "UNIT",
+        "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
+        group="reading", demand=lambda unit: _stated("unit")(_unit(unit)))
+    kind: str | None = choice(
+        WORD, "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
+    scale: float | str | None = choice(
+        WORTH, "STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", group="reading",
+        demand=_stated("scale"))
+    channels: tuple[str, ...] | None = choice(
+        NAMES, "A,B,...", "Columns by name or number.", told="all recognized", group="reading")
+    time: str | None = choice(WORD, "", "Column of the time stamps.", group="reading")
+    dtype: str | None = choice(
+        WORD, "TYPE", "The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins.",
+        group="reading")
+    columns: int | None = choice(INTEGER, "N", "Numbers per row of raw binary.", group="reading")
+    offset: int | None = choice(INTEGER, "BYTES", "Bytes before the first row of raw binary.", group="reading")
+    sincos: tuple[str, ...] | None = choice(
+        NAMES, "S,C,...", "Columns of sine and cosine, in pairs: their angle is analyzed.", group="reading")
+    average: float | None = choice(
+        NUMBER, "S", "First of all replace the samples by means over this time.", group="selecting")
+    exclude: str | tuple[tuple[float, float], ...] | None = choice(
+        pieces("s"), "S..S,...", "Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps.",
+        group="selecting", demand=demand_pieces)
+    start: float | None = choice(
+        NUMBER, "S", "Start of the window, s after the first sample.", group="selecting", flags=("--from",))
+    until: float | None = choice(NUMBER, "S", "End of the window, s after the first sample.", group="selecting")
+    quiet_window: float | None = choice(
+        NUMBER, "S", "Use the most stationary window of this length.", group="selecting", parts=())
+    outliers: str | None = choice(
+        WORD, "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only",
+        group="selecting", demand=_outliers)
+    motion: str | None = choice(
+        WORD, "WORD", "mark: leave out the seconds in which the sensor moves; refuse: no analysis beyond 2 % of them.",
+        told="refuse; of a live stream mark", group="selecting", demand=_motion)
+    memory: str | None = choice(
+        WORD, "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
+        told="half of what is available", group="selecting", demand=_memory)
+    statistic: str = choice(WORD, "NAME", "Statistic of the curve.", default="oadev", group="curve")
+    taus: str | tuple[float, ...] = choice(
+        GRID, "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", default="log", told="", group="curve")
+    terms: str = choice(WORD, "QNBKR", "Noise terms to look for.", default="auto", group="identifying")
+    method: str = choice(
+        WORD, "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",
+        group="identifying", parts=("whittle",))
+    ranges: Mapping[str, tuple[float, float]] | None = choice(
+        RANGES, "N=LO:HI,...", "Averaging times through which method piecewise draws the line of each term, s.",
+        group="identifying", parts=(), demand=demand_ranges)
+    band: str | tuple[float, float] = choice(
+        BAND, "BAND", "Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.",
+        default="auto", group="identifying", demand=_band)
+    mask: str | tuple[tuple[float, float], ...] | None = choice(
+        pieces("Hz"), "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.",
+        group="identifying", demand=lambda value: demand_pieces(value, "Hz"))
+    level: float = choice(
+        NUMBER, "", "Confidence level of intervals.", default=0.95, group="identifying", demand=_level)
+    device: str | None = choice(
+        WORD, "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.",
+        group="showing", demand=_device)
+    to: tuple[str, ...] | None = choice(
+        NAMES, "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets",
+        group="showing", demand=_units_shown)
+    about: tuple[str, ...] | None = choice(
+        LINES, "KEY=VALUE", "For the header of the report: serial, operator, date, temperature, ...", group="showing",
+        demand=_facts)
+    # fmt: on
 
     def __post_init__(self) -> None:
-        if isinstance(self.unit, Mapping):
-            object.__setattr__(self, "unit", stated_unit(self.unit))
-        for key in _NUMBERS:
-            value = getattr(self, key)
-            fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))
-            if value is not None and (isinstance(value, bool) or not fine):
-                raise UsageError(f"{key} must be a number, not {value!r}")
-        for key in _WORDS:
-            value = getattr(self, key)
-            if value is not None and not isinstance(value, str):
-                raise UsageError(f"{key} must be a word, not {value!r}")
-        if self.outliers is not None:
-            demand_choice(self.outliers)
-        self._demand_selecting()
-        if not 0 < self.level < 1:
-            raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
-        demand_band(self.band)
-        if self.mask is not None:
-            object.__setattr__(self, "mask", demand_pieces(self.mask, "Hz"))
-        if self.ranges is not None:
-            object.__setattr__(self, "ranges", demand_ranges(self.ranges))
-        self._demand_showing()
-
-    def _demand_selecting(self) -> None:
-        """Refuse pieces or a size of memory that cannot be read."""
-        if self.exclude is not None:
-            object.__setattr__(self, "exclude", demand_pieces(self.exclude))
-        if self.motion not in (None, "mark", "refuse"):
-            raise UsageError(f"motion must be 'mark' or 'refuse', not {self.motion!r}")
-        if self.memory is not None:
-            bytes_of(self.memory)
-
-    def _demand_showing(self) -> None:
-        """Refuse a device, a unit or a fact that cannot be shown."""
-        if self.device is not None:
-            device(self.device)
-        for unit in self.to or ():
-            _demand_shown(unit)
-        for line in self.about or ():
-            if not line.partition("=")[2]:
-                raise UsageError(f"facts about a device are given as KEY=VALUE, e.g. serial=SN-12, not {line!r}")
+        demand_choices(self)
 
     @property
     def labels(self) -> dict[str, str]:
@@ -133,9 +215,9 @@ class Recipe:
         lines = (line.partition("=") for line in self.about or ())
         return {key.strip(): value.strip() for key, _, value in lines}
 
-    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING, *SHOWING)) -> dict[str, Any]:
-        """Plain data of these keys; those not given are omitted."""
-        return {key: value for key, value in chosen(self).items() if key in keys}
+    def to_dict(self, keys: tuple[str, ...] | None = None) -> dict[str, Any]:
+        """Plain data of these keys, by default all; those not given are omitted."""
+        return {key: value for key, value in chosen(self).items() if keys is None or key in keys}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Recipe":
@@ -159,11 +241,8 @@ class Recipe:
         return cls.from_dict(load_toml(path))
 
 
-def _demand_shown(unit: str) -> None:
-    """Refuse a unit in which no coefficient can be shown."""
-    if not showing(unit):
-        raise UsageError(f"no noise coefficient has the unit {unit!r}; give one of the signal, as deg/s or m/s^2, or "
-                         "of a coefficient, as deg/s/sqrt(Hz)")  # fmt: skip
+READING, SELECTING, IDENTIFYING = (named(Recipe, group) for group in ("reading", "selecting", "identifying"))
+"""Keys that describe the contents of the file, that select samples, and of the identification."""
 
 
 def chosen(settings: "DataclassInstance") -> dict[str, Any]:

@@ -20,6 +20,7 @@ from allanite.readers.spool import TAIL, Spool
 
 from .analysis import Channel, Study, analyze
 from .recipe import READING, Recipe
+from .settings import WatchChoices
 
 AGAIN = 0.5
 """Seconds between attempts to open a port that is gone."""
@@ -38,19 +39,12 @@ AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 
 
 @dataclass(frozen=True)
-class WatchSettings:
+class WatchSettings(WatchChoices):
     """How to watch: seconds between reports, until the end, and without data until the end; baud rate; accuracy wanted.
 
     `duration` and `idle` are infinite by default: it is the user who ends. The lines that come are kept in the file
     `record`, if it is given.
     """
-
-    every: float = 10.0
-    duration: float = math.inf
-    idle: float = math.inf
-    baud: int = 115200
-    accuracy: float = 0.2
-    record: str | None = None
 
 
 @dataclass

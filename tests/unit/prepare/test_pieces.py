@@ -1,5 +1,6 @@
 """A record in pieces is prepared and inspected as a whole one, however it is cut."""
 
+from itertools import pairwise
 from unittest.mock import patch
 
 import numpy as np
@@ -39,7 +40,7 @@ cuts = st.lists(st.integers(1, SIZE - 1), max_size=12, unique=True).map(sorted)
 def cut_at(places, *columns):
     """Pieces of columns that end at these places."""
     ends = [0, *places, SIZE]
-    return [(a, [column[a:b] for column in columns]) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return [(a, [column[a:b] for column in columns]) for a, b in pairwise(ends)]
 
 
 def whole_of(found, size, points=0):
