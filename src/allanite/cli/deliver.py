@@ -24,8 +24,8 @@ from .streams import while_read
 if TYPE_CHECKING:
     from allanite.core.record import Recording
     from allanite.live.watching import Watch
+    from allanite.parallel.sharing import Work
     from allanite.study.recipe import Recipe
-    from allanite.study.shares import Work
 
 Settings = TypeVar("Settings")
 Result = TypeVar("Result")
@@ -154,8 +154,7 @@ def given(choices: dict[str, Any]) -> dict[str, Any]:
 
 def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra | None" = None) -> "Result":
     """Run a job that reports its progress, and deliver its result."""
-    from allanite.study.meanwhile import FIGURES, importing
-    from allanite.study.shares import processes
+    from allanite.parallel.processors import FIGURES, importing, processes
 
     drawn = {"report", "plot"} & out.paths.keys()
     with processes(out.threads), importing(FIGURES if drawn else ()):
@@ -215,7 +214,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
     if receiver is not None:
         receiver.take(value)
         return
-    from allanite.study.shares import Work, done
+    from allanite.parallel.sharing import Work, done
 
     extra = extra or Extra()
     forms = [name for name in out.paths if name not in extra.recordings]
@@ -242,7 +241,7 @@ def _work(value: Any, name: str, out: Outputs, extra: Extra) -> "Work[str | byte
     """The making of an output."""
     if name not in extra.data:
         return work_of(value, name, out.paths[name], out.lang)
-    from allanite.study.shares import Work
+    from allanite.parallel.sharing import Work
 
     return Work((), lambda _: extra.data[name](value))
 

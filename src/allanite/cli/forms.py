@@ -13,7 +13,7 @@ from allanite.reporting.language import speaking
 from .front import LINE
 
 if TYPE_CHECKING:
-    from allanite.study.shares import Work
+    from allanite.parallel.sharing import Work
 
 WIDTH = 120
 """Width of text where no terminal limits it."""
@@ -33,7 +33,7 @@ def text_of(value: Any, lang: str) -> str:
 
 def encoded(value: Any, name: str, path: str, lang: str) -> str | bytes:
     """A result in the form that option `name` writes."""
-    from allanite.study.shares import made
+    from allanite.parallel.sharing import made
 
     return made(work_of(value, name, path, lang))
 
@@ -41,8 +41,8 @@ def encoded(value: Any, name: str, path: str, lang: str) -> str | bytes:
 def work_of(value: Any, name: str, path: str, lang: str) -> "Work[str | bytes]":
     """The making of the same, of which processes can share a page and the results of channels."""
     from allanite import reporting
+    from allanite.parallel.sharing import Work
     from allanite.reporting.json import json_of
-    from allanite.study.shares import Work
 
     if name == "json":
         return json_of(value)

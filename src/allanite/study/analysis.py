@@ -14,6 +14,7 @@ from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
 from allanite.identification.checks.shared import shared
+from allanite.parallel.processors import IDENTIFICATION, how_many, importing
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.readers.parts import PartsReader
@@ -23,11 +24,9 @@ from allanite.statistics.readings import readings
 from .channels import Inspected, Progress, Source, run
 from .gathering import STRIDES, Streams, chosen, demand_grid
 from .job import Job
-from .meanwhile import IDENTIFICATION, importing
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts
 from .recipe import Recipe
-from .shares import how_many
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -13,9 +13,9 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.header import Header
 from allanite.core.record import Record, Recording
+from allanite.parallel.threads import ahead, later
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
-from allanite.readers.ahead import Later, ahead
 from allanite.readers.memory import size_in_words
 from allanite.readers.parts import PartsReader, opened, whole_findings
 from allanite.readers.sandbox.source import digest_of
@@ -99,7 +99,7 @@ def run_in_parts(  # noqa: PLR0917 - as `run`
     notes : tuple of str
         Assumptions of this job.
     """
-    digest = Later(lambda: digest_of(reader.file))
+    digest = later(lambda: digest_of(reader.file))
     channels = [_Channel(head, gather(head), reader.rows, recipe) for head in reader.heads]
     tell = progress or (lambda what, fraction: None)
     for share, samples in ahead(_looked(reader, channels)):
@@ -113,7 +113,7 @@ def run_in_parts(  # noqa: PLR0917 - as `run`
     made = [_made(one, fatal or one.quality.refusal, work, refused) for one in passed]
     demand_result([head.name for head in reader.heads], made)
     said = (*reader.sense.notes(beat), *_notes(reader, recipe), *notes)
-    provenance = provenance_of() | {"source": reader.name, "sha256": digest()}
+    provenance = provenance_of() | {"source": reader.name, "sha256": digest.result()}
     tell("done", 1.0)
     return kind(tuple(made), recipe, findings, said, provenance)
 

@@ -13,6 +13,7 @@ from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
+from allanite.parallel.processors import how_many
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.readers.parts import PartsReader
@@ -32,7 +33,6 @@ from .job import Job
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
-from .shares import how_many
 
 Result = Curve | Spectrum | Surface
 

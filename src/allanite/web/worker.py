@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import signal
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -20,12 +19,14 @@ from allanite.cli.deliver import received_by
 from allanite.cli.forms import encoded
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
+from allanite.parallel.process import ANSWER
 from allanite.phrases.wording import command_line
 from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import opened_by
 
 from . import faces, trace
 from .line import problem_of
+from .workers import PROBLEM
 
 KEPT = 2
 """Recordings that stay in memory."""
@@ -264,15 +265,11 @@ def ready() -> None:
 def main(connection: Connection) -> None:
     """Answer requests until the server has ended."""
     os.setsid() if hasattr(os, "setsid") else None
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends with the server; a stream has a handler of its own
     held = Held(connection)
     while True:
-        try:
-            task, arguments, told = connection.recv()
-        except (EOFError, OSError):
-            return
+        task, arguments, told = connection.recv()
         try:
             with command_line():
-                held.send("answer", TASKS[task](held, **arguments))
+                held.send(ANSWER, TASKS[task](held, **arguments))
         except Exception as error:  # the server hears of every defect, and this process goes on
-            held.send("problem", held.named(problem_of(error, *told)))
+            held.send(PROBLEM, held.named(problem_of(error, *told)))
