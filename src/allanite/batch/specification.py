@@ -148,6 +148,11 @@ class Specification(Value):
         return join(", ", [*parts, *(say("own limits of {channel}", channel=name) for name in self.channels)])
 
 
+def limits_of(given: "Specification | str | os.PathLike[str] | None") -> Specification | None:
+    """Limits, given or in a file."""
+    return given if given is None or isinstance(given, Specification) else Specification.load(given)
+
+
 def _demand_keys(table: dict[str, Any], known: tuple[str, ...], where: str) -> None:
     for key in table:
         if key not in known:

@@ -40,7 +40,7 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
     Exit codes: 5 if some files could not be analyzed, 3 if none could; each is named on stderr. With --strict 3 if a
     channel is not explained.
     """
-    from allanite.batch.records import run_batch
+    from allanite.batch.job import run_batch
 
     recipe = choices["recipe"]
     out = outputs(choices, [recipe])
