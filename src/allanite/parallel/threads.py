@@ -14,6 +14,9 @@ from typing import Any, TypeVar
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+DEPTH = 2
+"""Items that may wait."""
+
 _END: Any = object()
 
 
@@ -39,7 +42,7 @@ def later(function: Callable[[], Result]) -> Future[Result]:
 
 
 def ahead(source: Iterator[Item]) -> Iterator[Item]:
-    """The items of an iterator, which is asked for the next one while the last one is used.
+    """The items of an iterator, which is asked for the next ones while the last one is used.
 
     Examples
     --------
@@ -47,13 +50,25 @@ def ahead(source: Iterator[Item]) -> Iterator[Item]:
     [0, 1, 2, 3, 4]
     """
     context = copy_context()
-    following = later(lambda: context.run(next, source, _END))
+    waiting: deque[Future[Any]] = deque()
+
+    def take_next() -> None:
+        before = [*waiting][-1:]
+
+        def take() -> Any:
+            wait(before)
+            return context.run(next, source, _END)
+
+        waiting.append(later(take))
+
     try:
-        while (item := following.result()) is not _END:
-            following = later(lambda: context.run(next, source, _END))
+        for _ in range(DEPTH):
+            take_next()
+        while (item := waiting.popleft().result()) is not _END:
+            take_next()
             yield item
     except GeneratorExit:  # nobody uses the others
-        wait([following])
+        wait(waiting)
         if isinstance(source, Generator):
             source.close()
         raise
