@@ -27,7 +27,7 @@ from distributed import Client, LocalCluster
 import allanite as al
 from allanite.batch.cluster import Dask
 from allanite.batch.executor import Executor, Processes, Serial
-from allanite.batch.records import run_batch
+from allanite.batch.job import run_batch
 from allanite.batch.status import Resumed
 
 RECIPE = al.Recipe(rate=100.0, unit="deg/h")

@@ -23,9 +23,9 @@ from .applications.signals.budgeting import PathSettings as PathSettings
 from .applications.signals.budgeting import budget_file as budget_file
 from .batch.batch import Batch as Batch
 from .batch.job import analyze_files as analyze_files
+from .batch.job import run_batch as run_batch
 from .batch.lot import Lot as Lot
 from .batch.lot import read_lot as read_lot
-from .batch.records import run_batch as run_batch
 from .batch.specification import Specification as Specification
 from .comparison.comparing import compare as compare
 from .comparison.comparing import pool as pool

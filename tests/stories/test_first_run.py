@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from allanite.kernels.ahead import HERE, THERE
-from allanite.study.meanwhile import PREPARING
+from allanite.parallel.processors import PREPARING
 
 pytestmark = pytest.mark.slow("compiles the kernels in three processes")
 
@@ -23,7 +23,7 @@ import json, sys
 from numba.core.dispatcher import Dispatcher
 from allanite.kernels import ahead
 from allanite.study.analysis import analyze
-from allanite.study.shares import processes
+from allanite.parallel.processors import processes
 
 if "on demand" in sys.argv:
     ahead.load = lambda kernels: None

@@ -18,13 +18,13 @@ from allanite.applications.rate import RATE_ESTIMATORS
 from allanite.cli import VERBS, deliver, main
 from allanite.exporting.exports import EXPORTS
 from allanite.identification.front import METHODS
+from allanite.parallel.sharing import Work, made
 from allanite.phrases.phrase import Phrase
 from allanite.reporting import html, language, text
 from allanite.reporting.sheet import Code, Fold
 from allanite.reporting.sketch.limits import Unsketched
 from allanite.reporting.views import level_of, view_of
 from allanite.statistics import STATISTICS
-from allanite.study.shares import Work, made
 from allanite.terms import TERMS
 
 pytestmark = pytest.mark.slow("what every verb shows, in other letters: releases ask for translations")

@@ -14,7 +14,7 @@ from allanite.readers.sandbox.source import STDIN, STDIN_NAME
 from allanite.study.analysis import Channel, Study
 from allanite.study.noise import Noise
 
-from .judgement import FAIL, NOT_SHOWN, Judgement, worst_of
+from .judgement import FAIL, NOT_SHOWN, Judgement, judge_study, worst_of
 from .specification import Specification
 from .summary import Across, across
 
@@ -91,6 +91,10 @@ class Batch(Value):
     def __len__(self) -> int:
         return len(self.units)
 
+    def results(self) -> Iterator[tuple[str, Channel]]:
+        """File and channel of each result; of a lot, one study at a time is in memory."""
+        return ((unit.file, channel) for unit in self for channel in unit.channels)
+
     @property
     def failed(self) -> tuple[str, ...]:
         """Files that could not be analyzed."""
@@ -112,8 +116,7 @@ class Batch(Value):
     @cached_property
     def across(self) -> tuple[Across, ...]:
         """Mean, spread and worst of each coefficient over the units."""
-        found = ((unit.file, channel) for unit in self.units for channel in unit.channels)
-        return across(found, self.level)
+        return across(self.results(), self.level)
 
     @cached_property
     def folder(self) -> str:
@@ -134,15 +137,19 @@ class Batch(Value):
         return f"{len(self.units)} units, {len(self.failed)} failed, {len(self.exceeding)} exceed a limit"
 
 
+def unit_of(file: str, study: Study, limits: Specification | None) -> BatchUnit:
+    """The unit of a file that could be analyzed, held against the limits."""
+    return BatchUnit(file, study, () if limits is None else judge_study(study, limits), judged=limits is not None)
+
+
 def lightened(study: Study) -> Study:
     """A study that no longer holds the samples: headers in place of records, and no alternative models."""
-    return replace(study, channels=tuple(map(_light, study.channels)), common=study.shared)
-
-
-def _light(channel: Channel) -> Channel:
-    record = channel.record.header if isinstance(channel.record, Record) else channel.record
-    noise = channel.noise
-    if noise is not None:
-        left = None if noise.residuals is None else Stored(noise.residuals)
-        noise = Noise(replace(noise.fit, rivals=None), left)
-    return replace(channel, record=record, noise=noise)
+    channels = []
+    for channel in study.channels:
+        record = channel.record.header if isinstance(channel.record, Record) else channel.record
+        noise = channel.noise
+        if noise is not None:
+            residuals = None if noise.residuals is None else Stored(noise.residuals)
+            noise = Noise(replace(noise.fit, rivals=None), residuals)
+        channels.append(replace(channel, record=record, noise=noise))
+    return replace(study, channels=tuple(channels), common=study.shared)

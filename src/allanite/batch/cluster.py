@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
 
 from allanite.core.errors import UsageError
 
@@ -35,34 +34,26 @@ class Dask:
         UsageError
             dask is not installed, or the scheduler does not answer.
         """
-        distributed = _distributed()
-        with _client(distributed, self.address) as client:
+        try:
+            distributed = import_module("distributed")
+        except ImportError:
+            raise UsageError("a scheduler needs dask, which is not installed: pip install 'allanite[dask]'") from None
+        try:
+            client = distributed.Client(self.address, timeout=PATIENCE)
+        except (OSError, ValueError) as error:
+            raise UsageError(
+                f"the Dask scheduler {self.address!r} does not answer ({error}); start one with 'dask scheduler' and "
+                f"workers with 'dask worker {self.address}', or check the address"
+            ) from None
+        with client:
             given = {client.submit(task, item, pure=False): item for item in items}
             for future in distributed.as_completed(given):
                 item = given.pop(future)  # a result that nobody holds is forgotten by the workers, too
-                error = future.exception()
-                yield Done(item, future.result()) if error is None else Done(item, error=_words(error))
-
-
-def _distributed() -> Any:
-    try:
-        return import_module("distributed")
-    except ImportError:
-        raise UsageError("a scheduler needs dask, which is not installed: pip install 'allanite[dask]'") from None
-
-
-def _client(distributed: Any, address: str) -> Any:
-    try:
-        return distributed.Client(address, timeout=PATIENCE)
-    except (OSError, ValueError) as error:
-        raise UsageError(
-            f"the Dask scheduler {address!r} does not answer ({error}); start one with 'dask scheduler' and workers "
-            f"with 'dask worker {address}', or check the address"
-        ) from None
-
-
-def _words(error: BaseException) -> str:
-    """Why a task gave no result."""
-    if type(error).__name__ == "KilledWorker":
-        return "every worker that analyzed it was lost; is there enough memory for so many workers?"
-    return described(error)
+                problem = future.exception()
+                if problem is None:
+                    yield Done(item, future.result())
+                elif type(problem).__name__ == "KilledWorker":
+                    yield Done(item, error="every worker that analyzed it was lost; is there enough memory for so many "
+                               "workers?")  # fmt: skip
+                else:
+                    yield Done(item, error=described(problem))

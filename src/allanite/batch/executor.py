@@ -1,16 +1,17 @@
 """Executors: one function applied to many items, in this process or in several, each result as soon as it is known."""
 
 import multiprocessing
-import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from functools import partial
+from multiprocessing.connection import Connection
 from typing import Any, NamedTuple, Protocol
 
 from allanite.core.errors import UsageError
+from allanite.parallel.process import ANSWER, EndedError, Process
+from allanite.parallel.threads import later
 
 Plain = dict[str, Any]
 """Plain data: what JSON can hold."""
@@ -41,16 +42,15 @@ class Serial:
 
     def run(self, task: Task, items: Sequence[Plain]) -> Iterator[Done]:
         """Apply `task` to every item, in their order."""
-        for item in items:
-            yield Done(item, *attempt(task, item))
+        return (attempt(task, item) for item in items)
 
 
-def attempt(task: Task, item: Plain) -> tuple[Plain | None, str]:
-    """The result of a task, or the reason why there is none."""
+def attempt(task: Task, item: Plain) -> Done:
+    """What becomes of an item."""
     try:
-        return task(item), ""
+        return Done(item, task(item))
     except Exception as error:  # noqa: BLE001, RUF100 - becomes the error of this item, which is named
-        return None, described(error)
+        return Done(item, error=described(error))
 
 
 def described(error: BaseException) -> str:
@@ -58,14 +58,6 @@ def described(error: BaseException) -> str:
     if isinstance(error, MemoryError):
         return "not enough memory; use fewer workers, or read fewer channels"
     return f"internal error ({type(error).__name__}: {error})"
-
-
-class _Worker(NamedTuple):
-    """A process with the item it was given, and whether this is its first attempt."""
-
-    process: BaseProcess
-    item: Plain
-    first: bool
 
 
 @dataclass(frozen=True)
@@ -89,82 +81,41 @@ class Processes:
 
     def run(self, task: Task, items: Sequence[Plain]) -> Iterator[Done]:
         """Apply `task` to every item in the order in which they are finished; see `Executor`."""
-        waiting = deque((item, True) for item in items)
-        pool = _Pool(task)
-        try:
-            while waiting or pool.busy:
-                while waiting and len(pool.busy) < self.workers:
-                    pool.hand(*waiting.popleft())
-                for worker, found in pool.finished():
-                    if found is None and worker.first:
-                        waiting.append((worker.item, False))
-                    else:
-                        yield Done(worker.item, *(found or (None, _end_of(worker.process))))
-        finally:
-            pool.end()
-
-
-class _Pool:
-    """Processes without an item, and those with one by their connection."""
-
-    def __init__(self, task: Task) -> None:
-        self.task = task
-        self.idle: list[tuple[BaseProcess, Connection]] = []
-        self.busy: dict[Connection, _Worker] = {}
-
-    def hand(self, item: Plain, first: bool) -> None:
-        """Give an item to a process that has none, or to a new one."""
-        while True:
-            process, connection = self.idle.pop() if self.idle else self._start()
-            try:
-                connection.send(item)
-            except ConnectionError:  # it was killed while it had nothing to do
-                process.join()
-            else:
-                self.busy[connection] = _Worker(process, item, first)
-                return
-
-    def finished(self) -> Iterator[tuple[_Worker, tuple[Plain | None, str] | None]]:
-        """Wait for some processes; each with what it found, or None if it has ended."""
-        for connection in [one for one in wait(list(self.busy)) if isinstance(one, Connection)]:
-            worker = self.busy.pop(connection)
-            try:
-                found = connection.recv()
-            except (EOFError, ConnectionError):
-                worker.process.join()
-                yield worker, None
-            else:
-                self.idle.append((worker.process, connection))
-                yield worker, found
-
-    def end(self) -> None:
-        """Leave no process behind."""
-        for connection, worker in self.busy.items():
-            worker.process.terminate()
-            self.idle.append((worker.process, connection))
-        for process, connection in self.idle:
-            connection.close()  # a process without an item ends by itself
-            process.join()
-
-    def _start(self) -> tuple[BaseProcess, Connection]:
         context = multiprocessing.get_context("spawn")  # a fork would inherit the locks of threads
-        ours, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(theirs, self.task))
-        process.start()
-        theirs.close()  # so that its end is noticed
-        return process, ours
+        waiting = deque((item, True) for item in items)
+        idle: list[Process] = []
+        busy: dict[Future[Done], tuple[Process, Plain, bool]] = {}
+        try:
+            while waiting or busy:
+                while waiting and len(busy) < self.workers:
+                    item, first = waiting.popleft()
+                    idle = [process for process in idle if process.alive]
+                    process = idle.pop() if idle else Process(context, _serve, task)
+                    busy[later(partial(process.request, item))] = process, item, first
+                for future in wait(busy, return_when=FIRST_COMPLETED).done:
+                    process, item, first = busy.pop(future)
+                    try:
+                        done = future.result()
+                    except EndedError:
+                        if first:
+                            waiting.append((item, False))
+                        else:
+                            yield Done(item, error=_end_of(process))
+                    else:
+                        idle.append(process)
+                        yield done
+        finally:
+            for process in (*idle, *(process for process, _, _ in busy.values())):
+                process.end()
 
 
-def _end_of(process: BaseProcess) -> str:
+def _end_of(process: Process) -> str:
     """Why a process that was tried twice gave no result."""
-    code = process.exitcode or 0
-    how = f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+    how = f"was killed by signal {-process.code}" if process.code < 0 else f"ended with exit code {process.code}"
     return f"the process that analyzed it {how}, twice; is there enough memory for so many workers?"
 
 
 def _serve(connection: Connection, task: Task) -> None:
-    """The work of a process: items come and results go until the other end is closed, or its process has ended."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its processes when it is interrupted
-    with suppress(EOFError, ConnectionError):
-        while True:
-            connection.send(attempt(task, connection.recv()))
+    """The work of a process: items come and results go."""
+    while True:
+        connection.send((ANSWER, attempt(task, connection.recv())))

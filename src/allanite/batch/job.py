@@ -1,19 +1,25 @@
-"""The job: analyze every file, and go on where one cannot be read."""
+"""The job of many files: each is analyzed, or its error is kept, in memory or in a folder of results."""
 
 import os
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.threads import one_thread
 from allanite.core.version import __version__
 from allanite.phrases.phrase import Phrase
-from allanite.study.analysis import Study, analyzed, demand_shown
+from allanite.phrases.wording import command_line
+from allanite.study.analysis import analyzed, demand_shown
 from allanite.study.channels import Progress
 from allanite.study.recipe import Recipe
 
-from .batch import Batch, BatchUnit, lightened
-from .judgement import judge_study
+from .batch import Batch, BatchUnit, lightened, unit_of
+from .executor import Done, Executor, Plain, Serial
+from .manifest import manifest_of
 from .sources import PathLike, expand
-from .specification import Specification
+from .specification import Specification, limits_of
+from .status import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tables
+from .store import Store, identity
 
 
 def analyze_files(
@@ -71,22 +77,154 @@ def analyze_files(
     """
     recipe = recipe or Recipe()
     named = [files] if isinstance(files, (str, os.PathLike)) else list(files)
-    wanted = limits if limits is None or isinstance(limits, Specification) else Specification.load(limits)
-    path = limits if isinstance(limits, (str, os.PathLike)) else None
-    sources = expand(named, (*besides, None if path is None else os.fspath(path)))
+    specification = limits_of(limits)
+    path = os.fspath(limits) if isinstance(limits, (str, os.PathLike)) else None
+    sources = expand(named, (*besides, path))
     tell = progress or (lambda what, fraction: None)
-    units, errors = [], []
+
+    def step(i: int) -> Progress:
+        before = f"{i + 1} of {len(sources.files)}, {sources.files[i]}"
+        return lambda what, fraction: tell(f"{before}: {what}", (i + fraction) / len(sources.files))
+
+    units, errors = list[BatchUnit](), list[AllaniteError]()
     for i, file in enumerate(sources.files):
         try:
-            study = analyzed(file, recipe, progress=_part(tell, i, sources.files))
+            study = analyzed(file, recipe, progress=step(i))
         except AllaniteError as error:
             errors.append(error)
-            units.append(BatchUnit(file, error=reason_of(error, file), judged=wanted is not None))
+            units.append(BatchUnit(file, error=reason_of(error, file), judged=specification is not None))
         else:
-            units.append(_unit(file, study, wanted))
-    _demand_one(units, errors)
+            units.append(unit_of(file, lightened(study), specification))
+    if len(errors) == len(units):
+        kind = UsageError if all(isinstance(error, UsageError) for error in errors) else DataError
+        raise kind(_reasons(units))
     demand_shown(recipe, (channel for unit in units for channel in unit.channels))
-    return Batch(tuple(units), recipe.to_dict(), recipe.level, wanted, sources.notes, {"allanite": __version__})
+    return Batch(tuple(units), recipe.to_dict(), recipe.level, specification, sources.notes, {"allanite": __version__})
+
+
+def _reasons(units: Sequence[BatchUnit]) -> str:
+    """Why no file gave a result."""
+    if len(units) == 1:
+        return f"{units[0].file}: {units[0].error}"
+    files: dict[str, list[str]] = {}
+    for unit in units:
+        files.setdefault(unit.error, []).append(unit.file)
+    reasons = (f"\n  {', '.join(which)}: {why}" for why, which in files.items())
+    return f"none of the {len(units)} files could be analyzed:" + "".join(reasons)
+
+
+def run_batch(
+    source: PathLike,
+    results: PathLike,
+    recipe: Recipe | None = None,
+    *,
+    executor: Executor | None = None,
+    besides: Iterable[str | None] = (),
+    progress: Progress | None = None,
+) -> Resumed:
+    """Analyze many records, and store each result at once; a run that was interrupted is continued.
+
+    Parameters
+    ----------
+    source : path
+        A folder, a pattern, or a manifest; see `manifest_of`.
+    results : path
+        The folder of results, new or of an earlier run. What it holds for the same content, recipe and version is not
+        done again.
+    recipe : Recipe, optional
+        All choices, the same for each file.
+    executor : Executor, optional
+        `Serial` by default; `Processes` and `Dask` give the same numbers.
+    besides : iterable of path or None
+        Files of a folder that are not recordings.
+    progress : callable, optional
+        Called with the last file and the completed fraction.
+
+    Returns
+    -------
+    Resumed
+        A file that cannot be analyzed carries the reason; the others are analyzed all the same. The folder holds
+        ``files.parquet``, ``coefficients.parquet``, ``curves.parquet`` and ``findings.parquet``.
+
+    Raises
+    ------
+    DataError
+        No file is found.
+    UsageError
+        The manifest is wrong, the folder of results cannot be used or another run writes to it, or its disk is full:
+        what is stored is kept.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from allanite.core.record import Record
+    >>> from allanite.readers import write
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> write(Record(np.random.default_rng(0).normal(size=2000), 10.0, "deg/h"), f"{folder.name}/a.csv")
+    >>> [run_batch(folder.name, f"{folder.name}/results").analyzed for _ in range(2)]
+    [1, 0]
+    >>> folder.cleanup()
+    """
+    choices = (recipe or Recipe()).to_dict()
+    manifest = manifest_of(source, besides)
+    store = Store.opened(results, new=True)
+    tell = progress or (lambda what, fraction: None)
+    with store.alone():
+        files: dict[str, FileStatus] = {}
+        for entry in manifest.entries:
+            tell(f"looking at {entry.file}", 0.0)
+            status = FileStatus(entry.file, entry.facts)
+            try:
+                digest, key = identity(entry.file, choices)
+                status = replace(status, key=key, sha256=digest, status=DONE if store.has(key) else OPEN)
+            except AllaniteError as error:
+                status = replace(status, status=FAILED, error=reason_of(error, entry.file))
+            files[entry.file] = status
+        put_files(store, files.values(), choices)
+        before = sum(file.status == DONE for file in files.values())
+        analyzed_now = _complete(files, choices, store, executor or Serial(), tell)
+        ended = tuple(put_tables(store, files.values()))
+        put_files(store, ended, choices)
+    return Resumed(ended, analyzed_now, before, manifest.notes)
+
+
+def _complete(files: dict[str, FileStatus], choices: Plain, store: Store, executor: Executor, tell: Progress) -> int:
+    """Store the results that are missing, mark the files that they belong to, and count the results."""
+    same: dict[str, list[FileStatus]] = {}
+    for file in files.values():
+        same.setdefault(file.key, []).append(file)
+    missing: list[Plain] = [
+        {"file": os.path.abspath(first.file), "key": key, "sha256": first.sha256, "choices": choices}
+        for key, (first, *_) in same.items()
+        if first.status == OPEN
+    ]
+    wrong = []
+    for i, done in enumerate(executor.run(analyze_plainly, missing), 1):
+        result = done.result or {}
+        error: str = done.error or _unfit(done) or (result["error"] if result.get("usage") else "")
+        if not error:  # what another run may find otherwise is not stored
+            store.put(done.item["key"], result)
+        wrong += [error] if result.get("usage") else []
+        for file in same[done.item["key"]]:
+            files[file.file] = replace(file, status=FAILED if error else DONE, error=error)
+        tell(f"{i} of {len(missing)}, {done.item['file']}", i / len(missing))
+    if wrong and all(file.error in wrong for file in files.values()):
+        raise UsageError(f"none of the {len(files)} files could be analyzed: {wrong[0]}")
+    return len(missing)
+
+
+def analyze_plainly(item: Plain) -> Plain:
+    """The study of a file as plain data without its name, or the error: the task that executors are given."""
+    try:
+        with command_line(), one_thread():  # what is stored does not depend on who started it, nor on the process
+            study = analyzed(item["file"], Recipe.from_dict(item["choices"]))
+            unnamed = lightened(replace(study, provenance=study.provenance | {"source": ""}))
+            return {"study": unnamed.to_dict(), "rejected": ", ".join(study.rejected), "allanite": __version__}
+    except AllaniteError as error:
+        # a missing library, for example, may be there the next time
+        usage = isinstance(error, UsageError)
+        return {"error": reason_of(error, item["file"]), "usage": usage, "allanite": __version__}
 
 
 def reason_of(error: AllaniteError, file: str) -> str:
@@ -97,25 +235,11 @@ def reason_of(error: AllaniteError, file: str) -> str:
     return message.removeprefix(before) if message.startswith(before) else message
 
 
-def _unit(file: str, study: Study, wanted: Specification | None) -> BatchUnit:
-    judgements = () if wanted is None else judge_study(study, wanted)
-    return BatchUnit(file, lightened(study), judgements, judged=wanted is not None)
-
-
-def _part(tell: Progress, i: int, files: Sequence[str]) -> Progress:
-    """Progress of one file as part of the whole."""
-    return lambda what, fraction: tell(f"{i + 1} of {len(files)}, {files[i]}: {what}", (i + fraction) / len(files))
-
-
-def _demand_one(units: Sequence[BatchUnit], errors: Sequence[AllaniteError]) -> None:
-    """Raise what was found where no file gave a result."""
-    if len(errors) < len(units):
-        return
-    kind = UsageError if all(isinstance(error, UsageError) for error in errors) else DataError
-    if len(units) == 1:
-        raise kind(f"{units[0].file}: {units[0].error}")
-    files: dict[str, list[str]] = {}
-    for unit in units:
-        files.setdefault(unit.error, []).append(unit.file)
-    reasons = (f"\n  {', '.join(which)}: {why}" for why, which in files.items())
-    raise kind(f"none of the {len(units)} files could be analyzed:" + "".join(reasons))
+def _unfit(done: Done) -> str:
+    """Why a result is not that of this file and this version; empty if it is."""
+    result = done.result or {}
+    if result.get("allanite") != __version__:
+        return f"it was analyzed by version {result.get('allanite')}, not {__version__}; install the same everywhere"
+    digest = result.get("study", {}).get("provenance", {}).get("sha256") or done.item["sha256"]
+    changed = digest != done.item["sha256"]
+    return "the file changed while the batch was running; run the batch again" if changed else ""

@@ -1,7 +1,6 @@
 """Whether a unit keeps its limits."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -70,18 +69,17 @@ def judge_study(study: Study, specification: Specification) -> tuple[Judgement, 
     UsageError
         A limit of a channel is in the unit of another kind of sensor.
     """
-    found = [judged for channel in study for judged in _judge_channel(channel, study.recipe.level, specification)]
-    there = {channel.record.name for channel in study}
+    judgements = []
+    for channel in study:
+        name = channel.record.name
+        for limit in specification.of(name, channel.record.signal):
+            judgements.append(judge(name, limit, _seen(channel, limit.symbol, study.recipe.level)))
+    known = {channel.record.name for channel in study}
     for name, limits in specification.channels.items():
-        if name not in there:
+        if name not in known:
             reason = say("there is no channel {name!r}", name=name)
-            found += [Judgement(name, limit, NOT_SHOWN, None, reason) for limit in limits]
-    return tuple(found)
-
-
-def _judge_channel(channel: Channel, level: float, specification: Specification) -> Iterator[Judgement]:
-    for limit in specification.of(channel.record.name, channel.record.signal):
-        yield judge(channel.record.name, limit, _seen(channel, limit.symbol, level))
+            judgements += [Judgement(name, limit, NOT_SHOWN, None, reason) for limit in limits]
+    return tuple(judgements)
 
 
 def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
@@ -123,18 +121,17 @@ def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
 
 
 def _seen(channel: Channel, symbol: str, level: float) -> Seen:
+    """What is known of a coefficient of a channel, or of the minimum of its curve."""
     if channel.refusal:
         return Seen(reason=say("no result: {reason}", reason=channel.refusal))
-    return _minimum(channel, level) if symbol == MINIMUM else _coefficient(channel, symbol, level)
-
-
-def _minimum(channel: Channel, level: float) -> Seen:
-    found = channel.readings.minimum if channel.readings else None
-    if channel.readings is None or found is None:
+    if symbol != MINIMUM:
+        return _coefficient(channel, symbol, level)
+    minimum = channel.readings.minimum if channel.readings else None
+    if channel.readings is None or minimum is None:
         return Seen(reason=say("the curve has no minimum; it is determined for oadev at averaging times 'log' only"))
     if not channel.readings.inside:
-        return Seen(upper=found.interval(level)[1], reason=say("not reached in this record"))
-    return Seen(found.deviation, *found.interval(level))
+        return Seen(upper=minimum.interval(level)[1], reason=say("not reached in this record"))
+    return Seen(minimum.deviation, *minimum.interval(level))
 
 
 def _coefficient(channel: Channel, symbol: str, level: float) -> Seen:
@@ -142,17 +139,13 @@ def _coefficient(channel: Channel, symbol: str, level: float) -> Seen:
         return Seen(reason=say("nothing was fitted"))
     e = next((e for e in channel.fit if e.symbol == symbol), None)
     if e is None:
-        there = ", ".join(e.symbol for e in channel.fit)
-        return Seen(reason=say("{symbol!r} is not a term of this fit; its terms: {terms}", symbol=symbol, terms=there))
+        terms = ", ".join(e.symbol for e in channel.fit)
+        return Seen(reason=say("{symbol!r} is not a term of this fit; its terms: {terms}", symbol=symbol, terms=terms))
     if e.status == "absent" and e.upper is not None:
         return Seen(upper=e.upper)
     if e.value is None or not e.valued:
         return Seen(reason=join(": ", [e.row.name, *([e.reason] if e.reason else [])]))
     low, high = e.interval(level)
-    low, high = (low, high) if low >= 0 or not math.isfinite(low) else _sizes(low, high)
+    if low < 0 and math.isfinite(low):  # limits of the size of what has a sign
+        low, high = (0.0 if high > 0 else -high), max(-low, high)
     return Seen(abs(e.value), low, high)
-
-
-def _sizes(low: float, high: float) -> tuple[float, float]:
-    """Limits of the size of what has a sign."""
-    return (0.0 if high > 0 else -high), max(-low, high)

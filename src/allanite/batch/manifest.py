@@ -1,6 +1,7 @@
 """Which files a batch has, and what is known of each: a folder, a pattern, or a manifest that lists them."""
 
 import csv
+import math
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -64,25 +65,24 @@ def manifest_of(source: PathLike, besides: Iterable[str | None] = ()) -> Manifes
         lines = path.read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"{str(path)!r} cannot be read as a folder or a manifest ({error}); {FORM}") from None
-    rows = _csv(lines, path) if path.suffix.lower() == ".csv" else _text(lines)
+    listed = ((i, {"file": line.strip()}) for i, line in enumerate(lines, 1) if line.strip() and line[0] != "#")
+    rows = _csv(lines, path) if path.suffix.lower() == ".csv" else listed
     entries: dict[str, Entry] = {}
     for number, row in rows:
-        entry = _entry(row, path, f"{path}, line {number}")
-        if entry.file in entries:
-            raise UsageError(f"{path}, line {number}: {entry.file!r} is listed twice; keep one of the lines")
-        entries[entry.file] = entry
+        where = f"{path}, line {number}"
+        if not row["file"]:
+            raise UsageError(f"{where}: no file is given")
+        file = os.path.normpath(path.parent / row["file"])
+        facts = {name: _fact(name, cell, where) for name, cell in row.items() if name != "file"}
+        if file in entries:
+            raise UsageError(f"{where}: {file!r} is listed twice; keep one of the lines")
+        entries[file] = Entry(file, facts)
     if not entries:
         raise UsageError(f"the manifest {str(path)!r} lists no file; {FORM}")
     return Manifest(tuple(entries[file] for file in sorted(entries)))
 
 
-def _text(lines: list[str]) -> Iterator[tuple[int, dict[str, Any]]]:
-    for number, line in enumerate(lines, 1):
-        if line.strip() and not line.startswith("#"):
-            yield number, {"file": line.strip()}
-
-
-def _csv(lines: list[str], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
+def _csv(lines: list[str], path: Path) -> Iterator[tuple[int, dict[str, str]]]:
     reader = csv.reader(lines)
     heads = [head.strip() for head in next(reader, [])]
     if "file" not in heads:
@@ -100,29 +100,22 @@ def _csv(lines: list[str], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
         yield reader.line_num, {head: cell.strip() for head, cell in zip(heads, cells, strict=True)}
 
 
-def _entry(row: dict[str, Any], path: Path, where: str) -> Entry:
-    if not row["file"]:
-        raise UsageError(f"{where}: no file is given")
-    facts: dict[str, Any] = {name: cell or None for name, cell in row.items() if name != "file"}
-    for name, read in ((TEMPERATURE, _number), (DATE, _time)):
-        if facts.get(name) is not None:
-            facts[name] = read(facts[name], where)
-    return Entry(os.path.normpath(path.parent / row["file"]), facts)
-
-
-def _number(text: str, where: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = float("nan")
-    if not abs(number) < float("inf"):
-        raise UsageError(f"{where}: the temperature is a number, not {text!r}")
-    return number
-
-
-def _time(text: str, where: str) -> datetime:
-    try:
-        time = datetime.fromisoformat(text)
-    except ValueError:
-        raise UsageError(f"{where}: the date is written as 2024-05-31 or 2024-05-31T12:00, not {text!r}") from None
-    return time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
+def _fact(name: str, cell: str, where: str) -> str | float | datetime | None:
+    """What a cell says of a file: None if it is empty."""
+    if not cell:
+        return None
+    if name == TEMPERATURE:
+        try:
+            number = float(cell)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise UsageError(f"{where}: the temperature is a number, not {cell!r}")
+        return number
+    if name == DATE:
+        try:
+            time = datetime.fromisoformat(cell)
+        except ValueError:
+            raise UsageError(f"{where}: the date is written as 2024-05-31 or 2024-05-31T12:00, not {cell!r}") from None
+        return time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
+    return cell

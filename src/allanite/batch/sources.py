@@ -2,7 +2,7 @@
 
 import glob
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -66,11 +66,10 @@ def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sou
 
 
 def _files(name: str, left: set[str], notes: list[str]) -> Sequence[str]:
-    if name == STDIN:
-        return [name]
+    """The files that are meant by a name, but for those that are left out."""
     if os.path.isdir(name) and not is_recording(name):
         return _in_folder(name, left, notes)
-    if not _is_pattern(name):
+    if name == STDIN or not _is_pattern(name):
         return [name]
     files = [file for file in sorted(glob.glob(name, recursive=True)) if is_recording(file)]
     files = [file for file in files if os.path.realpath(file) not in left]
@@ -84,20 +83,15 @@ def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
         inside = sorted(str(path) for path in Path(folder).iterdir() if is_recording(path) and path.name[0] != ".")
     except OSError as error:
         raise DataError(f"the directory {folder!r} cannot be read ({error.strerror or error})") from None
-    files = list(_recordings(inside, left))
-    other = [os.path.basename(file) for file in inside if file not in files]
+    prose = {file for file in inside if PROSE.search(os.path.basename(file))}
+    files = [file for file in inside if file not in prose and os.path.realpath(file) not in left]
     if not files:
         raise DataError(f"the directory {folder!r} holds no recording; name its files, or a pattern such as '**/*.csv'")
+    other = [os.path.basename(file) for file in inside if file not in files]
     if other:
         shown = ", ".join(other[:5]) + (" ..." if len(other) > 5 else "")
         notes.append(say("left out of {folder}, by their names not recordings: {files}", folder=folder, files=shown))
     return files
-
-
-def _recordings(files: Iterable[str], left: set[str]) -> Iterator[str]:
-    for file in files:
-        if os.path.realpath(file) not in left and not PROSE.search(os.path.basename(file)):
-            yield file
 
 
 def _is_pattern(name: str) -> bool:

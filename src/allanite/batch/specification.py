@@ -148,6 +148,11 @@ class Specification(Value):
         return join(", ", [*parts, *(say("own limits of {channel}", channel=name) for name in self.channels)])
 
 
+def limits_of(given: "Specification | str | os.PathLike[str] | None") -> Specification | None:
+    """Limits, given or in a file."""
+    return given if given is None or isinstance(given, Specification) else Specification.load(given)
+
+
 def _demand_keys(table: dict[str, Any], known: tuple[str, ...], where: str) -> None:
     for key in table:
         if key not in known:
@@ -191,19 +196,9 @@ def _limit(symbol: str, entry: Any, judge: str, where: str) -> Limit:
             f"{entry['max']!r} came"
         )
     (number, unit) = quantities[0]
-    factor, signal = _unit(symbol, unit)
-    return Limit(symbol, number * factor, unit, signal, _judge(entry.get("judge", judge)))
-
-
-def _unit(symbol: str, unit: str) -> tuple[float, Signal]:
-    """Size in SI of the unit of a limit, and the kind of sensor that it belongs to."""
-    if symbol != MINIMUM:
-        factor, power = coefficient_factor(symbol, unit), TERMS[symbol].power
-        signal = signal_with(unit_of(unit).dimension, power, values=True)
-        assert signal is not None  # noqa: S101 - coefficient_factor has found it
-        return factor, signal
-    signal = signal_with(unit_of(unit).dimension, values=True)
-    if signal is None:
+    factor = unit_of(unit).factor if symbol == MINIMUM else coefficient_factor(symbol, unit)
+    signal = signal_with(unit_of(unit).dimension, 0 if symbol == MINIMUM else TERMS[symbol].power, values=True)
+    if signal is None:  # of a coefficient the factor was found
         usual = ", ".join(s.sheet[0] for s in SIGNALS if s.inertial)
         raise UsageError(f"{unit!r} is not a unit of a {MINIMUM} of the Allan deviation; usual ones are {usual}")
-    return unit_of(unit).factor, signal
+    return Limit(symbol, number * factor, unit, signal, _judge(entry.get("judge", judge)))

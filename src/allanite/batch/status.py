@@ -112,12 +112,7 @@ def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus
                 rows = [row for file, part in found if "study" in part for row in rows_of(file.file, part["study"])]
                 if rows:
                     writers[name].write_table(as_table(rows, writers[name].schema))
-            yield from map(_settled, group, parts)
-
-
-def _settled(file: FileStatus, part: Plain) -> FileStatus:
-    """A file with a stored result: failed if that is an error, otherwise with the channels that it rejects."""
-    if file.status != DONE:
-        return file
-    error = part.get("error", "")
-    return replace(file, status=FAILED if error else DONE, error=error, rejected=part.get("rejected", ""))
+            for file, part in zip(group, parts, strict=True):  # a stored result may be an error
+                error, rejected = part.get("error", ""), part.get("rejected", "")
+                settled = replace(file, status=FAILED if error else DONE, error=error, rejected=rejected)
+                yield settled if file.status == DONE else file

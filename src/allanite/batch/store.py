@@ -3,19 +3,19 @@
 import hashlib
 import json
 import os
+import sys
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import draft
+from allanite.core.files import DRAFTS, draft
 from allanite.core.version import __version__
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
 
 from .executor import Plain
-from .lock import alone
 from .phrases import dumps, loads
 
 PARTS = "parts"
@@ -23,6 +23,9 @@ PARTS = "parts"
 
 FILES = "files.parquet"
 """The table of files, which makes a folder one of results."""
+
+LOCK = ".lock"
+"""The file that a run locks; it stays, and is empty."""
 
 
 def identity(file: str, choices: Plain) -> tuple[str, str]:
@@ -145,9 +148,28 @@ class Store:
         with self.writer(name, table.schema) as writer:
             writer.write_table(table)
 
-    def alone(self) -> AbstractContextManager[None]:
-        """Be the only run that writes to this folder; see `lock.alone`."""
-        return alone(self.folder, PARTS)
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Be the only run that writes to this folder, from which drafts of a killed run are removed.
+
+        Raises
+        ------
+        UsageError
+            Another run writes to it, or the disk cannot be written to.
+        """
+        name = repr(str(self.folder))
+        try:
+            file = open(self.folder / LOCK, "ab")  # noqa: SIM115 - closed below, as long as it is locked
+        except OSError as error:
+            raise UsageError(f"{name} cannot be written to ({error.strerror}); give another folder") from None
+        with file:
+            if not _locked(file.fileno()):
+                raise UsageError(
+                    f"another run writes its results to {name}; wait until it has ended, or give another folder"
+                )
+            for left in (*self.folder.glob(DRAFTS), *(self.folder / PARTS).glob(DRAFTS)):
+                left.unlink()
+            yield
 
     def files(self) -> tuple[list[Plain], Mapping[bytes, bytes]]:
         """The rows of the table of files, and its metadata.
@@ -164,3 +186,19 @@ class Store:
         except (OSError, ArrowInvalid) as error:
             raise DataError(f"{str(self.folder / FILES)!r} cannot be read ({error}); run the batch again") from None
         return table.to_pylist(), table.schema.metadata or {}
+
+
+def _locked(file: int) -> bool:
+    """Whether the file could be locked: nobody else has; the system frees it however the run ends."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):  # what Windows says of a file that is locked
+        return False
+    return True

@@ -79,34 +79,38 @@ def power_of(symbol: str) -> float:
     return 0 if symbol == MINIMUM else TERMS[symbol].power
 
 
-class _One(NamedTuple):
-    """A coefficient of one unit: its value, or its upper limit."""
+class Known(NamedTuple):
+    """What is known of a coefficient of one unit: its value, or its upper limit."""
 
     file: str
     value: float | None
     upper: float | None
 
 
-def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Across, ...]:
-    """Every coefficient of every channel over units.
+def gathered(
+    channels: Iterable[tuple[str, Channel]], level: float, *, valued: bool = False
+) -> list[tuple[tuple[str, str, Signal], list[Known]]]:
+    """Channel, symbol and signal of every coefficient, with what is known of it over units.
 
     Parameters
     ----------
     channels : iterable of (file, Channel)
     level : float
         Of the interval whose upper end is the limit of a minimum that the record does not reach.
+    valued : bool
+        Only values.
     """
-    found: dict[tuple[str, str, str], list[_One]] = {}
-    signals: dict[str, Signal] = {}
+    results: dict[tuple[str, str, str], tuple[tuple[str, str, Signal], list[Known]]] = {}
     for file, channel in channels:
-        signal = channel.record.signal
-        signals[signal.name] = signal
-        for symbol, value, upper in known(channel, level):
-            found.setdefault((channel.record.name, signal.name, symbol), []).append(_One(file, value, upper))
-    return tuple(_across((channel, symbol, signals[signal]), ones) for (channel, signal, symbol), ones in found.items())
+        name, signal = channel.record.name, channel.record.signal
+        for symbol, value, upper in _known(channel, level):
+            if value is not None or not valued:
+                _, units = results.setdefault((name, signal.name, symbol), ((name, symbol, signal), []))
+                units.append(Known(file, value, upper))
+    return list(results.values())
 
 
-def known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, float | None]]:
+def _known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, float | None]]:
     """Symbol, value and upper limit of what is known of a channel; one of the two is None."""
     for e in channel.fit or ():
         if e.valued:
@@ -119,13 +123,17 @@ def known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, f
         yield (MINIMUM, size, None) if readings.inside else (MINIMUM, None, most)
 
 
-def _across(of: tuple[str, str, Signal], ones: list[_One]) -> Across:
-    values = np.array([one.value for one in ones if one.value is not None], dtype=np.float64)
-    named = [one.file for one in ones if one.value is not None]
-    limits = [one.upper for one in ones if one.value is None and one.upper is not None]
-    below = max(limits) if limits else None
+def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Across, ...]:
+    """Every coefficient of every channel over units; see `gathered`."""
+    return tuple(_across(of, units) for of, units in gathered(channels, level))
+
+
+def _across(of: tuple[str, str, Signal], units: list[Known]) -> Across:
+    values = np.array([unit.value for unit in units if unit.value is not None], dtype=np.float64)
+    files = [unit.file for unit in units if unit.value is not None]
+    below = max((unit.upper for unit in units if unit.value is None and unit.upper is not None), default=None)
     if not values.size:
-        return Across(*of, len(ones), 0, math.nan, math.nan, math.nan, "", below)
+        return Across(*of, len(units), 0, math.nan, math.nan, math.nan, "", below)
     spread = float(values.std(ddof=1)) if values.size > 1 else math.nan
     at = int(np.argmax(np.abs(values)))
-    return Across(*of, len(ones), values.size, float(values.mean()), spread, float(values[at]), named[at], below)
+    return Across(*of, len(units), values.size, float(values.mean()), spread, float(values[at]), files[at], below)

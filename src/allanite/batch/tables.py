@@ -40,17 +40,15 @@ def coefficients(file: str, study: Plain) -> Rows:
             same = {name: term[name] for name in COEFFICIENTS if name in term}
             yield of | same | shown | {"parameters": term["shape"]}
         readings = channel["readings"]
-        if readings and readings["minimum"]:
-            yield of | _minimum(readings)
-
-
-def _minimum(readings: Plain) -> dict[str, Any]:
-    """The minimum, of which only a limit is known where the record does not reach it."""
-    point, unit = readings["minimum"], readings["unit"]
-    common = {"symbol": MINIMUM, "unit": unit, "level": point["level"], "parameters": [], "method": "read off"}
-    if not readings["inside"]:
-        return common | {"status": "absent", "upper": point["high"], "reason": "not reached in this record"}
-    return common | {"status": "reading", "value": point["deviation"], "low": point["low"], "high": point["high"]}
+        if not readings or not readings["minimum"]:
+            continue
+        point = readings["minimum"]
+        of |= {"symbol": MINIMUM, "unit": readings["unit"], "level": point["level"], "parameters": []}
+        of["method"] = "read off"
+        if readings["inside"]:
+            yield of | {"status": "reading", "value": point["deviation"], "low": point["low"], "high": point["high"]}
+        else:  # only a limit is known
+            yield of | {"status": "absent", "upper": point["high"], "reason": "not reached in this record"}
 
 
 def curves(file: str, study: Plain) -> Rows:
@@ -69,10 +67,8 @@ def findings(file: str, study: Plain) -> Rows:
     yield from (_finding(file, "", finding) for finding in study["findings"])
     for channel in study["channels"]:
         name = channel["name"]
-        found = [*channel["quality"]["findings"]]
-        for part in ("fit", "residuals"):
-            found += (channel[part] or {}).get("findings", ())
-        yield from (_finding(file, name, finding) for finding in found)
+        for part in ("quality", "fit", "residuals"):
+            yield from (_finding(file, name, finding) for finding in (channel[part] or {}).get("findings", ()))
         if channel["refusal"]:
             yield {"file": file, "channel": name, "name": REFUSED, "what": channel["refusal"], "fatal": True}
 

@@ -14,7 +14,6 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
     from allanite.batch.executor import Executor
-    from allanite.batch.status import Resumed
 
 
 @click.command()
@@ -40,15 +39,28 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
     Exit codes: 5 if some files could not be analyzed, 3 if none could; each is named on stderr. With --strict 3 if a
     channel is not explained.
     """
-    from allanite.batch.records import run_batch
+    from allanite.batch.job import run_batch
 
     recipe = choices["recipe"]
     out = outputs(choices, [recipe])
     with progress(out) as tell:
-        found = run_batch(
+        run = run_batch(
             source, results, recipe_of(choices), executor=_executor(workers, scheduler), besides=[recipe], progress=tell
         )
-    _end(found, results, strict=out.strict, quiet=out.quiet)
+    if not out.quiet:
+        for note in run.notes:
+            click.echo(note)
+        click.echo(
+            f"{len(run.files)} files, {len(run.failed)} failed; {run.analyzed} analyzed now, {run.before} done "
+            f"before; tables in {results}"
+        )
+    for file in run.failed:
+        click.echo(f"{file.file}: {file.error}", err=True)
+    if run.failed:
+        raise click.exceptions.Exit(PARTLY if len(run.failed) < len(run.files) else DATA)
+    if out.strict and run.rejected:
+        click.echo(f"not explained, or without a result: {'; '.join(run.rejected)}", err=True)
+        raise click.exceptions.Exit(DATA)
 
 
 @click.command()
@@ -63,38 +75,18 @@ def lot(results: str, limits: str | None, **choices: Any) -> None:
     from allanite.batch.lot import read_lot
 
     out = outputs(choices, [limits])
-    found = carry_out(lambda tell: read_lot(results, limits), replace(out, strict=False))
-    end_of_units(found.batch, strict=out.strict)
+    stored = carry_out(lambda tell: read_lot(results, limits), replace(out, strict=False))
+    end_of_units(stored.batch, strict=out.strict)
 
 
 def _executor(workers: int | None, scheduler: str | None) -> "Executor":
     from allanite.batch.cluster import Dask
     from allanite.batch.executor import Processes, Serial
+    from allanite.parallel.processors import processors
 
     if scheduler is not None and workers is not None:
         raise UsageError("--workers is for this machine, --scheduler has workers of its own; give one of them")
     if scheduler is not None:
         return Dask(scheduler)
-    if workers is None:
-        import os
-
-        workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return Serial() if workers == 1 else Processes(workers)
-
-
-def _end(found: "Resumed", results: str, *, strict: bool, quiet: bool) -> None:
-    """Say what was done, name the files that failed, and end with the exit code."""
-    if not quiet:
-        for note in found.notes:
-            click.echo(note)
-        click.echo(
-            f"{len(found.files)} files, {len(found.failed)} failed; {found.analyzed} analyzed now, {found.before} done "
-            f"before; tables in {results}"
-        )
-    for file in found.failed:
-        click.echo(f"{file.file}: {file.error}", err=True)
-    if found.failed:
-        raise click.exceptions.Exit(PARTLY if len(found.failed) < len(found.files) else DATA)
-    if strict and found.rejected:
-        click.echo(f"not explained, or without a result: {'; '.join(found.rejected)}", err=True)
-        raise click.exceptions.Exit(DATA)
+    count = workers or processors()
+    return Serial() if count == 1 else Processes(count)

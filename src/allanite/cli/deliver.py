@@ -22,8 +22,8 @@ from .streams import while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
+    from allanite.parallel.sharing import Work
     from allanite.study.recipe import Recipe
-    from allanite.study.shares import Work
     from allanite.study.watching import Watch
 
 Settings = TypeVar("Settings")
@@ -127,8 +127,7 @@ def given(choices: dict[str, Any]) -> dict[str, Any]:
 
 def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra | None" = None) -> "Result":
     """Run a job that reports its progress, and deliver its result."""
-    from allanite.study.meanwhile import FIGURES, importing
-    from allanite.study.shares import processes
+    from allanite.parallel.processors import FIGURES, importing, processes
 
     drawn = {"report", "plot"} & out.paths.keys()
     with processes(out.threads), importing(FIGURES if drawn else ()):
@@ -180,7 +179,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
 
     The files are written even if nobody reads standard output to its end.
     """
-    from allanite.study.shares import Work, done
+    from allanite.parallel.sharing import Work, done
 
     extra = extra or Extra()
     forms = [name for name in out.paths if name not in extra.recordings]
@@ -209,7 +208,7 @@ def _work(value: Any, name: str, out: Outputs, extra: Extra) -> "Work[str | byte
         context = click.get_current_context(silent=True)
         command = "" if context is None else context.meta.get(LINE, "")
         return work_of(value, name, out.paths[name], out.lang, command)
-    from allanite.study.shares import Work
+    from allanite.parallel.sharing import Work
 
     return Work((), lambda _: extra.data[name](value))
 

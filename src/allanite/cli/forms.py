@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from allanite.reporting.language import speaking
 
 if TYPE_CHECKING:
-    from allanite.study.shares import Work
+    from allanite.parallel.sharing import Work
 
 WIDTH = 120
 """Width of text where no terminal limits it."""
@@ -29,7 +29,7 @@ def text_of(value: Any, lang: str) -> str:
 
 def encoded(value: Any, name: str, path: str, lang: str, command: str = "") -> str | bytes:
     """A result in the form that option `name` writes; a page says the command line that made it."""
-    from allanite.study.shares import made
+    from allanite.parallel.sharing import made
 
     return made(work_of(value, name, path, lang, command))
 
@@ -37,8 +37,8 @@ def encoded(value: Any, name: str, path: str, lang: str, command: str = "") -> s
 def work_of(value: Any, name: str, path: str, lang: str, command: str = "") -> "Work[str | bytes]":
     """The making of the same, of which processes can share a page and the results of channels."""
     from allanite import reporting
+    from allanite.parallel.sharing import Work
     from allanite.reporting.json import json_of
-    from allanite.study.shares import Work
 
     if name == "json":
         return json_of(value)

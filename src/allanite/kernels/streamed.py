@@ -79,7 +79,7 @@ def _paired(state, k, cells, where, first):  # type: ignore[no-untyped-def]
     """
     n, channels, (place, room) = cells.shape[1], cells.shape[0], where
     waiting, skip = state.has[k, 1], place % 2
-    made = 1 if skip and waiting else 0
+    made = skip * waiting
     if k + 1 < LEVELS:
         state.at[k + 1] = (place + skip) // 2 - made
     if n == 0:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from allanite.core.fit import Fit
-    from allanite.study.shares import Work
+    from allanite.parallel.sharing import Work
 
 PathLike = str | os.PathLike[str]
 
@@ -123,7 +123,7 @@ def document(value: Any, *, level: float | None = None, command: str = "", lang:
 
 def page(value: Any, *, level: float | None = None, command: str = "", lang: str = "en") -> str:
     """The page that `report` writes, as text; `command` is the command line that made it."""
-    from allanite.study.shares import made
+    from allanite.parallel.sharing import made
 
     return made(page_of(value, level=level, command=command, lang=lang))
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from allanite.parallel.sharing import Work
 from allanite.phrases.phrase import join, say, say_count
-from allanite.study.shares import Work
 from allanite.terms import TERMS
 
 from .language import speaking, spoken, tr

@@ -4,8 +4,8 @@ import json
 import math
 from typing import Any, Protocol
 
+from allanite.parallel.sharing import Work, made
 from allanite.study.job import Job
-from allanite.study.shares import Work, made
 
 
 class Plain(Protocol):

@@ -13,6 +13,7 @@ from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording
 from allanite.core.residuals import Residuals, Shared
 from allanite.identification.checks.shared import shared
+from allanite.parallel.processors import IDENTIFICATION, how_many, importing
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.statistics import deviation
@@ -21,10 +22,8 @@ from allanite.statistics.readings import readings
 from .channels import Inspected, Progress, Source, run
 from .job import Job
 from .keeper import STRIDES, Keeper, demand_grid
-from .meanwhile import IDENTIFICATION, importing
 from .noise import ChannelResult, noise_of
 from .recipe import Recipe
-from .shares import how_many
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -15,6 +15,8 @@ from allanite.core.finding import Finding, Quality
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, Recording
 from allanite.core.threads import one_thread
+from allanite.parallel.processors import how_many, imported
+from allanite.parallel.sharing import shared
 from allanite.phrases.phrase import join, say
 from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
@@ -26,11 +28,9 @@ from allanite.readers.sandbox.progress import told
 
 from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
-from .meanwhile import imported
 from .parts import Keeping, in_parts, passed
 from .provenance import provenance_of
 from .recipe import READING, Recipe
-from .shares import how_many, shared
 
 Source = Recording | Record | str | os.PathLike[str]
 Progress = Callable[[str, float], None]

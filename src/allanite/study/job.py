@@ -9,9 +9,9 @@ from allanite.core.encoding import read_plain, write_plain
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
+from allanite.parallel.sharing import Work, made
 
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
-from .shares import Work, made
 
 Result = TypeVar("Result")
 

@@ -15,13 +15,13 @@ from allanite.core.header import Header
 from allanite.core.kinds import KINDS
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
+from allanite.parallel.threads import ahead, later
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.prepare import inspector, pieces, window
 from allanite.prepare.body import of_one_body
 from allanite.prepare.inspector import FEWEST, Inspector
 from allanite.prepare.transform import blocks_words, mark_motion, samples_in
-from allanite.readers.ahead import Later, ahead
 from allanite.readers.memory import size_in_words
 from allanite.readers.parts import PartsReader, opened, whole_findings
 from allanite.readers.sandbox.source import digest_of
@@ -177,7 +177,7 @@ def passed(
     reader: PartsReader, recipe: Recipe, keeping: Keeping, progress: Callable[[str, float], None] | None
 ) -> tuple[list[Inspected], tuple[Finding, ...], tuple[str, ...], dict[str, str]]:
     """Read a file once: its channels with what was kept of each, findings, notes and provenance."""
-    digest = Later(lambda: digest_of(reader.file))
+    digest = later(lambda: digest_of(reader.file))
     ready = Preparation(reader.heads, reader.rows, recipe)
     heads = [replace(head, rate=ready.rate) for head in reader.heads]
     channels = [_Channel(head, keeping(head, ready.size), ready.size, recipe.outliers) for head in heads]
@@ -191,7 +191,7 @@ def passed(
     done = (*reader.clock.history, *ready.history(rate, rows // ready.m))
     made = _on_body([channel.inspected(rate, beat.start, done, ready) for channel in channels], channels)
     notes = (*reader.sense.notes(beat), *_notes(reader))
-    return made, whole_findings(reader), notes, provenance_of() | {"source": reader.name, "sha256": digest()}
+    return made, whole_findings(reader), notes, provenance_of() | {"source": reader.name, "sha256": digest.result()}
 
 
 def _looked(

@@ -13,6 +13,7 @@ from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
+from allanite.parallel.processors import how_many
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.statistics import deviation, statistic_named
@@ -30,7 +31,6 @@ from .keeper import STRIDES, WHOLE, Keeper, demand_grid, demand_sums
 from .noise import ChannelResult, Noise, noise_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 from .settings import DensityChoices, DeviationChoices, WindowChoices
-from .shares import how_many
 
 Result = Curve | Spectrum | Surface
 

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import signal
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -18,12 +17,14 @@ from allanite.cli.forms import encoded
 from allanite.cli.tasks import TASKS as JOBS
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
+from allanite.parallel.process import ANSWER
 from allanite.phrases.wording import command_line
 from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import opened_by
 
 from . import faces, trace
 from .requests import Request, problem_of
+from .workers import PROBLEM
 
 KEPT = 2
 """Recordings that stay in memory."""
@@ -124,8 +125,8 @@ def run(
     files: dict[str, tuple[str, str, str]],
 ) -> Answer:
     """Do a job; its result as JSON, and as it is shown. `files` are id, folder and name of each path."""
+    from allanite.parallel.processors import processes
     from allanite.reporting.json import to_json
-    from allanite.study.shares import processes
 
     held.files, held.lang = files, lang
     request = Request.of(verb, choices)
@@ -246,15 +247,11 @@ def ready() -> None:
 def main(connection: Connection) -> None:
     """Answer requests until the server has ended."""
     os.setsid() if hasattr(os, "setsid") else None
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends with the server; a stream has a handler of its own
     held = Held(connection)
     while True:
-        try:
-            task, arguments, told = connection.recv()
-        except (EOFError, OSError):
-            return
+        task, arguments, told = connection.recv()
         try:
             with command_line():
-                held.send("answer", TASKS[task](held, **arguments))
+                held.send(ANSWER, TASKS[task](held, **arguments))
         except Exception as error:  # the server hears of every defect, and this process goes on
-            held.send("problem", held.named(problem_of(error, *told)))
+            held.send(PROBLEM, held.named(problem_of(error, *told)))

@@ -1,22 +1,20 @@
-"""Processes that work for the server: started from one that is ready, asked one thing at a time, ended at will."""
+"""Processes that work for the server, started from one that is ready."""
 
 import multiprocessing
-import os
-import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from allanite.core.errors import DataError
+from allanite.parallel.process import EndedError, Process, Tell
 from allanite.phrases.wording import spelled
 
 MOST = 4
 """Processes at once."""
 
-Told = Callable[[str, dict[str, Any]], None]
+PROBLEM = "problem"
+"""Kind of the message that a request was refused."""
 
 
 class ProblemError(Exception):
@@ -27,29 +25,24 @@ class ProblemError(Exception):
         self.data = data
 
 
-class Worker:
+class Worker(Process):
     """A process with what it has read; `ask` waits until it is free."""
 
     def __init__(self) -> None:
         from . import worker
 
-        context = _context()
-        self.connection, theirs = context.Pipe()
-        self.process = context.Process(target=worker.main, args=(theirs,))
-        self.process.start()
-        theirs.close()
+        if sys.platform == "win32":
+            context: Any = multiprocessing.get_context("spawn")
+        else:  # started clean: the server has threads, which must not be forked
+            context = multiprocessing.get_context("forkserver")
+            context.set_forkserver_preload(["allanite.web.warm"])
+        super().__init__(context, worker.main)
         self.lock = threading.Lock()
         self.used = time.monotonic()
-        self.jobs: set[str] = set()
         self.cancelled = False
 
-    @property
-    def alive(self) -> bool:
-        """Whether it can be asked."""
-        return bool(self.process.is_alive())
-
     def ask(self, task: str, arguments: dict[str, Any], *, told: tuple[Any, ...] = (),
-            tell: Told = lambda kind, data: None) -> dict[str, Any]:  # fmt: skip
+            tell: Tell = lambda kind, data: None) -> dict[str, Any]:  # fmt: skip
         """The answer to a request; `told` is what its errors are about, `tell` takes reports on the way.
 
         Raises
@@ -59,47 +52,28 @@ class Worker:
         DataError
             The process has ended.
         """
+
+        def report(kind: str, data: dict[str, Any]) -> None:
+            if kind == PROBLEM:
+                raise ProblemError(data)
+            tell(kind, data)
+
         with self.lock:
             self.used = time.monotonic()
             try:
-                self.connection.send((task, arguments, told))
-                while True:
-                    kind, data = self.connection.recv()
-                    if kind == "answer":
-                        return dict(data)
-                    if kind == "problem":
-                        raise ProblemError(data)
-                    tell(kind, data)
-            except (EOFError, OSError):
-                self.process.join(1.0)
+                return dict(self.request((task, arguments, told), report))
+            except EndedError:
                 raise DataError(self._end()) from None
 
     def _end(self) -> str:
         if self.cancelled:
             return "cancelled"
-        code = self.process.exitcode
-        how = f"by signal {-code}" if code is not None and code < 0 else f"with code {code}"
+        how = f"by signal {-self.code}" if self.code < 0 else f"with code {self.code}"
         remedy = spelled("--channels, --from, --until, --memory", "channels, start, until, memory")
         return (
             f"the process of this job was ended {how}, perhaps because memory was short: choose fewer channels or a "
             f"part of the record ({remedy})"
         )
-
-    def interrupt(self) -> None:
-        """End a stream, whose results are then computed."""
-        if self.process.pid is not None:
-            with suppress(ProcessLookupError):
-                os.kill(self.process.pid, signal.SIGTERM)
-
-    def end(self) -> None:
-        """End the process and its forks."""
-        pid = self.process.pid
-        if pid is not None and self.alive and hasattr(os, "killpg"):
-            with suppress(ProcessLookupError, PermissionError):
-                if os.getpgid(pid) == pid:
-                    os.killpg(pid, signal.SIGKILL)
-        self.process.kill()
-        self.process.join(2.0)
 
 
 class Workers:
@@ -112,38 +86,23 @@ class Workers:
     def of(self, lane: str) -> Worker:
         """The worker of a lane, started if there is none."""
         with self.lock:
-            found = self.lanes.get(lane)
-            if found is not None and found.alive:
-                return found
-            self._retire()
-            self.lanes[lane] = Worker()
+            self.lanes = {name: worker for name, worker in self.lanes.items() if worker.alive}
+            if lane not in self.lanes:
+                idle = sorted((worker.used, name) for name, worker in self.lanes.items() if not worker.lock.locked())
+                if len(self.lanes) >= MOST and idle:  # the one that was idle longest
+                    self.lanes.pop(idle[0][1]).end()
+                self.lanes[lane] = Worker()
             return self.lanes[lane]
-
-    def _retire(self) -> None:
-        """End the worker that was idle longest, if there are many."""
-        self.lanes = {name: one for name, one in self.lanes.items() if one.alive}
-        idle = sorted((one.used, name) for name, one in self.lanes.items() if not one.lock.locked())
-        if len(self.lanes) >= MOST and idle:
-            self.lanes.pop(idle[0][1]).end()
 
     def end(self, lane: str) -> None:
         """End the worker of a lane, if there is one."""
         with self.lock:
-            found = self.lanes.pop(lane, None)
-        if found is not None:
-            found.cancelled = True
-            found.end()
+            worker = self.lanes.pop(lane, None)
+        if worker is not None:
+            worker.cancelled = True
+            worker.end()
 
     def end_all(self) -> None:
         """End all of them."""
         for lane in list(self.lanes):
             self.end(lane)
-
-
-def _context() -> Any:
-    """Processes that are started clean: the server has threads, which must not be forked."""
-    if sys.platform == "win32":
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["allanite.web.warm"])
-    return context

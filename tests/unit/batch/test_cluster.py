@@ -7,7 +7,7 @@ from tests.unit.batch.tasks import deadly, doubled
 
 import allanite as al
 from allanite.batch.cluster import Dask
-from allanite.batch.records import run_batch
+from allanite.batch.job import run_batch
 from allanite.cli import main
 
 LocalCluster = pytest.importorskip("distributed").LocalCluster

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.batch.records import run_batch
+from allanite.batch.job import run_batch
 from allanite.batch.store import Store
 
 duckdb = pytest.importorskip("duckdb")

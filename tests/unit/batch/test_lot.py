@@ -11,9 +11,9 @@ from tests import translated
 
 import allanite as al
 from allanite.batch.batch import Batch, BatchUnit
+from allanite.batch.job import run_batch
 from allanite.batch.lot import read_lot
 from allanite.batch.phrases import dumps, loads
-from allanite.batch.records import run_batch
 from allanite.batch.scatter import Trend, outliers, slope_of
 from allanite.batch.summary import Across
 from allanite.cli import main

@@ -12,10 +12,10 @@ from click.testing import CliRunner
 from pyarrow import parquet
 
 import allanite as al
-from allanite.batch import records, store
+from allanite.batch import job, store
 from allanite.batch.executor import Processes, Serial
+from allanite.batch.job import run_batch
 from allanite.batch.manifest import manifest_of
-from allanite.batch.records import run_batch
 from allanite.cli import main
 from allanite.core import files
 
@@ -49,7 +49,7 @@ def rows(results, name):
 
 def counted(monkeypatch, *, until=10**9):
     """The files that are analyzed from here on; the run is interrupted after some of them."""
-    seen, real = [], records.analyze_plainly
+    seen, real = [], job.analyze_plainly
 
     def task(item):
         if len(seen) == until:
@@ -57,7 +57,7 @@ def counted(monkeypatch, *, until=10**9):
         seen.append(Path(item["file"]).name)
         return real(item)
 
-    monkeypatch.setattr(records, "analyze_plainly", task)
+    monkeypatch.setattr(job, "analyze_plainly", task)
     return seen
 
 
@@ -136,12 +136,12 @@ def test_a_failure_that_another_run_may_not_have_is_not_kept(units, tmp_path, mo
     entry = tmp_path / "list.txt"
     entry.write_text(f"{units / 'u0.csv'}\n")
     with monkeypatch.context() as patch:
-        patch.setattr(records, "analyze_plainly", lambda item: {"error": "needs h5py", "usage": True,
+        patch.setattr(job, "analyze_plainly", lambda item: {"error": "needs h5py", "usage": True,
                                                                "allanite": al.__version__})  # fmt: skip
         with pytest.raises(al.UsageError, match="needs h5py"):
             run_batch(entry, tmp_path / "r")
     with monkeypatch.context() as patch:
-        patch.setattr(records, "analyze_plainly", lambda item: {"study": {}, "allanite": "0.0.1"})
+        patch.setattr(job, "analyze_plainly", lambda item: {"study": {}, "allanite": "0.0.1"})
         assert "by version 0.0.1" in run_batch(entry, tmp_path / "r").failed[0].error
     assert not run_batch(entry, tmp_path / "r").failed
 

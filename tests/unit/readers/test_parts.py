@@ -14,7 +14,7 @@ from tests import examples
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
-from allanite.readers.ahead import Later, ahead
+from allanite.parallel.threads import ahead, later
 from allanite.readers.columns import parts as head
 from allanite.readers.formats.registry import READERS, reader_named
 from allanite.readers.memory import bytes_of
@@ -270,7 +270,7 @@ def test_an_error_of_a_thread_comes_where_its_results_are_used():
     with pytest.raises(DataError, match="no more"):
         next(items)
     with pytest.raises(ZeroDivisionError):
-        Later(lambda: 1 / 0)()
+        later(lambda: 1 / 0).result()
 
 
 def test_a_thread_ends_when_nobody_waits():

@@ -14,8 +14,9 @@ import pytest
 from tests import all_but
 
 import allanite as al
+from allanite.parallel.processors import how_many, processes
+from allanite.parallel.sharing import shared
 from allanite.reporting import page
-from allanite.study.shares import how_many, processes, shared
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="forks only where they are safe")
 
@@ -135,7 +136,7 @@ def test_a_refused_channel_is_refused_in_any_process(recording):
 
 INTERRUPTED = """
 import os, signal, time
-from allanite.study.shares import shared
+from allanite.parallel.sharing import shared
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs begin with it ignored
 

@@ -6,9 +6,9 @@ from importlib import import_module
 
 import pytest
 
-from allanite.study import meanwhile
-from allanite.study.meanwhile import imported, importing
-from allanite.study.shares import shared
+from allanite.parallel import processors
+from allanite.parallel.processors import imported, importing
+from allanite.parallel.sharing import shared
 
 
 def test_what_is_imported_is_there_afterwards_and_the_inner_waits_for_the_outer(monkeypatch):
@@ -18,7 +18,7 @@ def test_what_is_imported_is_there_afterwards_and_the_inner_waits_for_the_outer(
         begun.wait(5)
         order.append((name, threading.current_thread() is threading.main_thread()))
 
-    monkeypatch.setattr(meanwhile, "import_module", load)
+    monkeypatch.setattr(processors, "import_module", load)
     with importing(["first"]), importing(["second", "third"]), importing([]):
         assert not order
         begun.set()
@@ -33,12 +33,12 @@ def test_an_error_is_told():
 
 def test_no_process_is_forked_before_the_imports_have_ended(monkeypatch):
     ended = []
-    monkeypatch.setattr(meanwhile, "import_module", lambda _: (threading.Event().wait(0.2), ended.append(True)))
+    monkeypatch.setattr(processors, "import_module", lambda _: (threading.Event().wait(0.2), ended.append(True)))
     with importing(["slow"]):
         assert shared(lambda _: bool(ended), [0, 1, 2, 3], count=2) == [True] * 4
 
 
-@pytest.mark.parametrize("names", [meanwhile.IDENTIFICATION, meanwhile.FIGURES])
+@pytest.mark.parametrize("names", [processors.IDENTIFICATION, processors.FIGURES])
 def test_the_modules_exist(names):
     for name in names:
         assert import_module(name) is sys.modules[name]
