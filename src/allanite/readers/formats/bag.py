@@ -44,7 +44,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of one topic of a bag; `options.channels` may name the topic."""
     _demand_bag(path)
-    with Process("bag", path, {}) as process:
+    with Process("bag", path, options.progress) as process:
         with worded():
             topics = [_topic(item) for item in process.said["topics"]]
             found = [_stream(topic, [other.name for other in topics], path, process) for topic in topics]
@@ -54,7 +54,7 @@ def read(path: str, options: Options) -> Recording:
 def parts(path: str, options: Options) -> Parts:
     """The messages of one topic, which are decoded one part after the other."""
     _demand_bag(path)
-    with Process("bag", path, {}) as process, worded():
+    with Process("bag", path) as process, worded():
         topics = [_topic(item) for item in process.said["topics"]]
     names = [topic.name for topic in topics]
     found = {stream.name: (stream, topic) for topic in topics for stream in (_stream(topic, names, path),)}
@@ -73,7 +73,7 @@ def _blocks(topic: "_Topic", path: str, rows: int) -> Iterator[dict[str, NDArray
     """The numbers of so many messages at a time, in the order in which they were received."""
     demand_size(topic.count * topic.dtype.itemsize, path, f"topic {topic.name!r}")
     first, last = next(iter(topic.units)), None
-    with Process("bag", path, {}) as process:
+    with Process("bag", path) as process:
         for part in process.parts(f"{topic.name} ({topic.type})", (topic.count,), topic.dtype, rows):
             values = _ordered({name: part[name] for name in topic.units})
             if last is not None and values[first][0] < last:

@@ -29,14 +29,14 @@ NAMES: dict[str, Any] = {"rates": RATE_NAMES, "text": KEY}
 
 def contained(form: str, path: str, options: Options, *, transposed: bool = False) -> Recording:
     """The channels of a file that `sandbox.worker` opens; with `transposed`, its arrays are transposed."""
-    with Process(form, path, NAMES) as process:
+    with Process(form, path, options.progress, NAMES) as process:
         found = _listed(process, transposed=transposed)
         return recording(rated(found, process.said["numbers"]), options, _left(process), process.said["description"])
 
 
 def contained_parts(form: str, path: str, options: Options) -> Parts | None:
     """The rows of datasets that are read side by side; None if they have no rows in common."""
-    with Process(form, path, NAMES) as process:
+    with Process(form, path, names=NAMES) as process:
         places = {str(item["path"]): item.get("offset") for item in process.said["datasets"]}
         found = [replace(d, load=partial(_first, d, places[d.path], (form, path))) for d in _listed(process)]
         numbers, notes, text = process.said["numbers"], _left(process), process.said["description"]
@@ -65,7 +65,7 @@ def _source(
     demand_size(math.prod(dataset.shape) * dataset.dtype.itemsize, path, f"dataset {dataset.path!r}")
     if offset is not None:
         return Rows(path, dataset.dtype, offset, dataset.shape).whole(rows)
-    process = stack.enter_context(Process(form, path, NAMES))
+    process = stack.enter_context(Process(form, path, names=NAMES))
     return process.parts(dataset.path, dataset.shape, dataset.dtype, rows)
 
 

@@ -32,7 +32,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, or of several with the same time stamps; formulas of the file are not evaluated."""
     demand_start(head_of(path), _MAGIC, say("an MDF file"))
-    with Process("mdf", path, {}) as process:
+    with Process("mdf", path, options.progress) as process:
         with worded():
             found = _grouped(process.said["datasets"], process)
             left = [str(name) for name in process.said["left"]]

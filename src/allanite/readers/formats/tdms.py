@@ -30,7 +30,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, with units and time step from the properties of the channels."""
     demand_start(head_of(path), (_MAGIC,), say("a TDMS file"))
-    with Process("tdms", path, {}) as process:
+    with Process("tdms", path, options.progress) as process:
         with worded():
             found = _grouped(process.said["datasets"], process)
         return streams.recording(found, options)

@@ -70,7 +70,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a topic of a PX4 log; with several instances of a topic, each is ``topic/0``, ``topic/1``."""
     demand_start(head_of(path), (_MAGIC,), say("a PX4 log"))
-    with Process("ulog", path, {}) as process:
+    with Process("ulog", path, options.progress) as process:
         with worded():
             found = [_topic(item, process) for item in process.said["datasets"]]
             notes = _notes(process.said)
