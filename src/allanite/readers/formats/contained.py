@@ -91,7 +91,9 @@ def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process
     where, shape = str(item["path"]), tuple(int(side) for side in item["shape"])
     fields = [(str(name), str(kind), tuple(shape)) for name, kind, shape in item["fields"]]
     dtype = np.dtype(fields[0][1] if fields[0][0] == "" else fields)
-    turned = _turned(shape) if transposed else shape
+    turned = shape[::-1] if transposed else shape
+    if transposed and len(turned) == 2 and min(turned) == 1:  # a vector of MATLAB
+        turned = (max(turned),)
 
     def load() -> NDArray[Any]:
         size, offset = math.prod(shape) * dtype.itemsize, item.get("offset")
@@ -105,12 +107,6 @@ def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process
     unit, names = _said(item, texts)
     source = say("the frequency of the time series in the file") if "rate" in item else ""
     return Dataset(where, turned, dtype, load, unit, names, item.get("rate"), source)
-
-
-def _turned(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape of a MATLAB array; for a vector only its length."""
-    turned = shape[::-1]
-    return (max(turned),) if len(turned) == 2 and min(turned) == 1 else turned
 
 
 def _said(item: Mapping[str, Any], texts: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:

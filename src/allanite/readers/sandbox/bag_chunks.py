@@ -4,7 +4,6 @@ Source of the format: ROS wiki, Bags/Format/2.0.
 """
 
 import struct
-from collections.abc import Iterator
 from typing import Any
 
 from rosbags.rosbag1 import Reader
@@ -35,22 +34,19 @@ class Chunks(Reader):
             if wanted.keys() & chunk.connection_counts.keys():
                 where = self.chunks[chunk.pos]
                 bio.seek(where.datapos)
-                yield from _records(where.decompressor(bio.read(where.datasize)), wanted)
-
-
-def _records(data: bytes, wanted: dict[int, Any]) -> Iterator[tuple[Any, int, bytes]]:
-    """The messages among the records of a chunk."""
-    at = 0
-    while at < len(data):
-        begin = at + 4
-        at = begin + _NUMBER(data, at)[0]
-        header = data[begin:at]
-        begin = at + 4
-        at = begin + _NUMBER(data, at)[0]
-        if at > len(data):
-            raise ValueError("a chunk ends within a record")
-        if _MESSAGE in header:
-            connection = wanted.get(_NUMBER(header, header.index(_CONNECTION) + len(_CONNECTION))[0])
-            if connection is not None:
-                seconds, nanoseconds = _STAMP(header, header.index(_TIME) + len(_TIME))
-                yield connection, seconds * 1_000_000_000 + nanoseconds, data[begin:at]
+                # the messages among the records of a chunk
+                data = where.decompressor(bio.read(where.datasize))
+                at = 0
+                while at < len(data):
+                    begin = at + 4
+                    at = begin + _NUMBER(data, at)[0]
+                    header = data[begin:at]
+                    begin = at + 4
+                    at = begin + _NUMBER(data, at)[0]
+                    if at > len(data):
+                        raise ValueError("a chunk ends within a record")
+                    if _MESSAGE in header:
+                        connection = wanted.get(_NUMBER(header, header.index(_CONNECTION) + len(_CONNECTION))[0])
+                        if connection is not None:
+                            seconds, nanoseconds = _STAMP(header, header.index(_TIME) + len(_TIME))
+                            yield connection, seconds * 1_000_000_000 + nanoseconds, data[begin:at]

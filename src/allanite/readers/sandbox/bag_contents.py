@@ -40,8 +40,25 @@ _SEPARATOR = "=" * 80 + "\n"
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
     """The topics of a bag with types, counts, columns and seconds that it spans, and a function that sends a topic."""
     with _worded():
-        reader = _opened(path)
-        topics = [Topic(reader, group, path) for group in _grouped(reader.connections)]
+        if os.path.isdir(path):
+            reader: Any = Reader2(path)
+        else:
+            with open(path, "rb") as file:
+                head = file.read(8)
+            if head.startswith(b"#ROSBAG"):
+                reader = Chunks(path)
+            elif head.startswith(b"SQLite"):
+                reader = Reader2.STORAGE_PLUGINS[".db3"](Path(quote(path)))  # opened as a URI
+            else:
+                reader = Reader2.STORAGE_PLUGINS[".mcap"](Path(path))
+        reader.open()
+        for storage in reader.storage.storages if os.path.isdir(path) else ():
+            if storage.path.parent != Path(path):  # unpacked, and open: nobody else removes it
+                shutil.rmtree(storage.path.parent, ignore_errors=True)
+        groups: dict[tuple[str, str], list[Any]] = {}
+        for connection in reader.connections:
+            groups.setdefault((connection.topic, connection.msgtype), []).append(connection)
+        topics = [Topic(reader, group, path) for group in list(groups.values())[:MOST_TOPICS]]
     named = {f"{topic.said['topic']} ({topic.said['type']})": topic for topic in topics}
 
     def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
@@ -60,34 +77,6 @@ def _worded() -> Iterator[None]:
     except Exception as error:
         said = " ".join(str(error).split()) or "its records contradict each other"
         sys.exit(f"{type(error).__name__}: {said[:200]}")
-
-
-def _opened(path: str) -> Any:
-    """The reader of a file by its first bytes, or of a folder of ROS 2."""
-    if os.path.isdir(path):
-        reader: Any = Reader2(path)
-    else:
-        with open(path, "rb") as file:
-            head = file.read(8)
-        if head.startswith(b"#ROSBAG"):
-            reader = Chunks(path)
-        elif head.startswith(b"SQLite"):
-            reader = Reader2.STORAGE_PLUGINS[".db3"](Path(quote(path)))  # opened as a URI
-        else:
-            reader = Reader2.STORAGE_PLUGINS[".mcap"](Path(path))
-    reader.open()
-    for storage in reader.storage.storages if os.path.isdir(path) else ():
-        if storage.path.parent != Path(path):  # unpacked, and open: nobody else removes it
-            shutil.rmtree(storage.path.parent, ignore_errors=True)
-    return reader
-
-
-def _grouped(connections: list[Any]) -> list[list[Any]]:
-    """The connections of each topic and type."""
-    groups: dict[tuple[str, str], list[Any]] = {}
-    for connection in connections:
-        groups.setdefault((connection.topic, connection.msgtype), []).append(connection)
-    return list(groups.values())[:MOST_TOPICS]
 
 
 class Topic:

@@ -95,7 +95,14 @@ class Process:
 
     def __enter__(self) -> "Process":
         try:
-            self.said: dict[str, Any] = self._listing()
+            self.said: dict[str, Any] = {SHARE: 0.0}
+            with self._deadline(self._wait):
+                while SHARE in self.said:
+                    self._tell(self.said[SHARE])
+                    line = self._stdout.readline(1 << 24)
+                    if not line.endswith(b"\n"):
+                        raise self._broken("while reading its structure")
+                    self.said = dict(json.loads(line))
         except BaseException:
             self.__exit__()
             raise
@@ -141,7 +148,12 @@ class Process:
     def _sending(self, path: str, dtype: np.dtype[Any], size: int) -> Iterator[None]:
         """Ask for a dataset of `size` bytes, which must be here in time."""
         with self._deadline(self._wait + size / SPEED):
-            self._ask({"path": path, "fields": list(dtype.names or ())})
+            stdin: Any = self._process.stdin
+            try:
+                stdin.write(json.dumps({"path": path, "fields": list(dtype.names or ())}).encode() + b"\n")
+                stdin.flush()
+            except OSError:
+                pass  # it has ended already, which the answer shows
             yield
 
     def _fill(self, array: NDArray[np.uint8], path: str) -> None:
@@ -152,28 +164,9 @@ class Process:
         if filled < array.size:
             raise self._broken(f"while reading {path!r}")
 
-    def _ask(self, request: dict[str, Any]) -> None:
-        stdin: Any = self._process.stdin
-        try:
-            stdin.write(json.dumps(request).encode() + b"\n")
-            stdin.flush()
-        except OSError:
-            pass  # it has ended already, which the answer shows
-
     @property
     def _stdout(self) -> Any:
         return self._process.stdout
-
-    def _listing(self) -> dict[str, Any]:
-        said: dict[str, Any] = {SHARE: 0.0}
-        with self._deadline(self._wait):
-            while SHARE in said:
-                self._tell(said[SHARE])
-                line = self._stdout.readline(1 << 24)
-                if not line.endswith(b"\n"):
-                    raise self._broken("while reading its structure")
-                said = dict(json.loads(line))
-        return said
 
     @contextmanager
     def _deadline(self, seconds: float) -> Iterator[None]:
