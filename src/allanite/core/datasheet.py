@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import product
 from typing import NamedTuple
 
 from allanite.phrases.phrase import Phrase, say
@@ -69,7 +70,14 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
     """
     estimates = () if fit is None else fit.estimates
     white = [e for e in estimates if TERMS[e.symbol].slope == WHITE]
-    found = [row for e in white for row in _white(e, level)]
+    found = list[DataSheetRow]()
+    densities = ((say("noise density, two-sided"), 1.0, ""), (say("noise density, one-sided"), ONE_SIDED, "sqrt(2) "))
+    for e in white:
+        for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS[e.symbol].power])):
+            found.append(_entry(e, _name(e), unit, level)._replace(coefficient=unit == e.sheet_unit))
+        for (quantity, factor, before), unit in product(densities, e.signal.density):
+            row = _entry(e, quantity, unit, level, factor)
+            found.append(row if row.remark else row._replace(remark=f"{before}{e.symbol}"))
     found += _minimum(readings, level)
     for e in (e for e in estimates if e not in white):
         found.append(_entry(e, _name(e), e.sheet_unit, level)._replace(coefficient=True))
@@ -87,16 +95,6 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
 
 def _name(e: Estimate) -> Phrase:
     return say("{term} {symbol}", term=title_of(e.symbol, e.signal), symbol=e.symbol)
-
-
-def _white(e: Estimate, level: float) -> Iterator[DataSheetRow]:
-    for unit in dict.fromkeys((e.sheet_unit, e.signal.sheet[TERMS[e.symbol].power])):
-        yield _entry(e, _name(e), unit, level)._replace(coefficient=unit == e.sheet_unit)
-    two, one = say("noise density, two-sided"), say("noise density, one-sided")
-    for quantity, factor, symbol in ((two, 1.0, e.symbol), (one, ONE_SIDED, f"sqrt(2) {e.symbol}")):
-        for unit in e.signal.density:
-            found = _entry(e, quantity, unit, level, factor)
-            yield found if found.remark else found._replace(remark=symbol)
 
 
 def _entry(e: Estimate, quantity: str, unit: str, level: float, factor: float = 1.0) -> DataSheetRow:

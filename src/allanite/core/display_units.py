@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from allanite.terms import TERMS
 
-from .units import SIGNALS, Signal, signal_with, times, unit_of
+from .time_powers import times
+from .units import SIGNALS, Signal, signal_with, unit_of
 
 
 def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:

@@ -57,18 +57,14 @@ def _form(hint: Any) -> Codec:
     if origin in FORMS:
         return FORMS[origin]
     if isinstance(origin, type) and hasattr(origin, "to_dict"):
-        return _value_form(origin)
+        kind: Any = origin
+        return Codec(  # it writes itself, and is read by its own class or a subclass of it
+            lambda value, _, level: value.to_dict(level),
+            lambda data, _: kind.from_dict(data),
+            lambda value: isinstance(value, kind),
+            lambda data: isinstance(data, dict) and data.get("type") == kind.__name__,
+        )
     raise TypeError(f"a field of type {hint} cannot be written as plain data")
-
-
-def _value_form(kind: Any) -> Codec:
-    """A value that writes itself; it is read by its own class or a subclass of it."""
-    return Codec(
-        lambda value, _, level: value.to_dict(level),
-        lambda data, _: kind.from_dict(data),
-        lambda value: isinstance(value, kind),
-        lambda data: isinstance(data, dict) and data.get("type") == kind.__name__,
-    )
 
 
 def plain(value: Any, level: float = 0.95) -> Any:
@@ -116,18 +112,15 @@ def _array(data: Any, args: tuple[Any, ...]) -> Any:
     return array if array.dtype.kind in "biufU" else np.array(data, dtype=np.float64)
 
 
-def _write_tuple(value: Any, args: tuple[Any, ...], level: float) -> list[Any]:
+def _hints(args: tuple[Any, ...], size: int) -> tuple[Any, ...]:
+    """The types of the items of a tuple or list, of which there are so many."""
     if not args:
-        return [plain(item, level) for item in value]
-    many = len(args) == 1 or args[-1] is Ellipsis
-    hints = (args[0],) * len(value) if many else args
-    return [write_plain(item, hint, level) for item, hint in zip(value, hints, strict=True)]
+        return (Any,) * size
+    return (args[0],) * size if len(args) == 1 or args[-1] is Ellipsis else args
 
 
 def _read_tuple(data: Any, args: tuple[Any, ...]) -> tuple[Any, ...]:
-    many = len(args) == 1 or args[-1:] == (Ellipsis,)
-    hints = ((args[0],) * len(data) if many else args) or (Any,) * len(data)
-    return tuple(read_plain(item, hint) for item, hint in zip(data, hints, strict=True))
+    return tuple(read_plain(item, hint) for item, hint in zip(data, _hints(args, len(data)), strict=True))
 
 
 def _write_dict(value: Any, args: tuple[Any, ...], level: float) -> dict[str, Any]:
@@ -189,7 +182,12 @@ _float_form = Codec(
 )
 _union = Codec(_write_union, _read_union, _no_type, _no_type)
 _dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict))
-_tuple = Codec(_write_tuple, _read_tuple, _is(tuple, list), _is(list, tuple))
+_tuple = Codec(
+    lambda value, args, level: [
+        write_plain(item, hint, level) for item, hint in zip(value, _hints(args, len(value)), strict=True)
+    ],
+    _read_tuple, _is(tuple, list), _is(list, tuple),
+)  # fmt: skip
 
 FORMS: dict[Any, Codec] = {
     Any: _itself,

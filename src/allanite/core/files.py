@@ -94,18 +94,14 @@ def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
         # unlike tempfile, open gives the file the permissions of the user's umask
         part.open("xb").close()
         yield part
-        _flush(part)
+        # on the disk before its name is: otherwise a power failure may leave an empty file
+        with part.open("r+b") as file:
+            os.fsync(file.fileno())
         os.replace(part, target)
     except OSError as error:
         raise _unwritable(path, error) from None
     finally:
         part.unlink(missing_ok=True)
-
-
-def _flush(part: Path) -> None:
-    """Wait until a file is on the disk: a name that is there before its data is an empty file after a power failure."""
-    with part.open("r+b") as file:
-        os.fsync(file.fileno())
 
 
 def _unwritable(path: PathLike, error: OSError) -> UsageError:

@@ -61,7 +61,10 @@ def _term(words: list[str], text: str) -> Term:
             "e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'"
         )
     symbol, parameters = words[0], TERMS[words[0]].parameters
-    quantities = _coefficient_first(words[1:])
+    # the unit of the coefficient may begin with 1, as 1/s
+    plain = len(words) > 2 and _NUMBER.fullmatch(words[1]) and re.fullmatch(r"1(/.*)?", words[2])
+    first = [(float(words[1]), words[2])] if plain else []
+    quantities = [*first, *split_quantities(words[1 + 2 * len(first) :])]
     if not 0 < len(quantities) <= 1 + len(parameters) or not quantities[0][1]:
         wanted = "".join(f", its {p.name.replace('_', ' ')}{p.unit and f' in {p.unit}'}" for p in parameters)
         raise UsageError(
@@ -71,13 +74,6 @@ def _term(words: list[str], text: str) -> Term:
     (value, unit), *rest = quantities
     shape = (convert(v, u or p.unit or "1", p.unit or "1") for (v, u), p in zip(rest, parameters, strict=False))
     return term(symbol, value, unit, tuple(shape))
-
-
-def _coefficient_first(words: list[str]) -> list[tuple[float, str]]:
-    """The quantities of a term; the unit of its coefficient may begin with 1, as 1/s."""
-    if len(words) > 1 and _NUMBER.fullmatch(words[0]) and re.fullmatch(r"1(/.*)?", words[1]):
-        return [(float(words[0]), words[1]), *split_quantities(words[2:])]
-    return split_quantities(words)
 
 
 def split_quantities(words: list[str]) -> list[tuple[float, str]]:
@@ -109,8 +105,9 @@ def written(model: Model) -> str:
     >>> parse_model(written(model)) == model
     True
     """
-    return ", ".join(" ".join([t.symbol, f"{float(t.value)!r}", t.unit, *_shape(t)]) for t in model)
-
-
-def _shape(found: Term) -> list[str]:
-    return [f"{float(v)!r} {p.unit}".rstrip() for v, p in zip(found.shape, found.row.parameters, strict=True)]
+    texts = list[str]()
+    for found in model:
+        parameters = zip(found.shape, found.row.parameters, strict=True)
+        shape = (f"{float(value)!r} {row.unit}".rstrip() for value, row in parameters)
+        texts.append(" ".join([found.symbol, f"{float(found.value)!r}", found.unit, *shape]))
+    return ", ".join(texts)

@@ -16,6 +16,7 @@ from .finding import Finding
 from .header import Header
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
 from .plain import Value
+from .samples import samples
 from .units import Signal, unit_of
 
 SHORTEST = 200
@@ -105,10 +106,7 @@ class Record(Value):
             known = offered(self.unit)
             remedy = f"choose what a sample is: {known}" if known else explain_kinds()
             raise UsageError(f"unit {self.unit!r} does not fit kind {self.kind!r} of {self.name!r}; {remedy}")
-        values = _plain(self.values, self.unit)
-        _demand_numbers(values, self.kind, self.name)
-        integers = self.kind == "count" or values.dtype.kind in "iu"
-        object.__setattr__(self, "values", _exactly(values, integers, self.name))
+        object.__setattr__(self, "values", samples(self.values, self.unit, self.kind, self.name))
         object.__setattr__(self, "rate", float(self.rate))
         object.__setattr__(self, "factor", unit.factor * (1.0 if self.scale is None else float(self.scale)))
         object.__setattr__(self, "signal", signal)
@@ -232,57 +230,6 @@ class Record(Value):
         """
         kind = "increment" if self.kind == "count" and values.dtype.kind == "f" else self.kind
         return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
-
-
-def _plain(values: Any, unit: str) -> NDArray[Any]:
-    """Numbers from any input: a quantity of pint or astropy in `unit`, a column of pandas or polars."""
-    if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
-        quantity = values.to(unit)
-        values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()
-    array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
-    if array.dtype.kind == "O" and hasattr(values, "isna"):  # numbers of pandas, some of which are missing
-        array = np.where(values.isna(), np.nan, array)
-        array = array.astype(np.float64) if all(isinstance(v, (int, float, np.number)) for v in array) else array
-    return array
-
-
-def _demand_numbers(values: NDArray[Any], kind: str, name: str) -> None:
-    if values.ndim != 1:
-        raise DataError(
-            say(
-                "a record is one channel of shape (n,), not {shape}; make a Record of each column ({name})",
-                shape=values.shape,
-                name=name,
-            )
-        )
-    if values.dtype.kind not in "fiub":
-        raise DataError(
-            say("the samples of {name!r} are of type {dtype}, not real numbers", name=name, dtype=values.dtype)
-        )
-    if len(values) - KINDS[kind][1] < 2:
-        raise DataError(say("{name!r} has {count} samples: too few for any statistic", name=name, count=len(values)))
-
-
-def _exactly(values: NDArray[Any], integers: bool, name: str) -> NDArray[Any]:
-    """Contiguous float64, or int64 if the samples are integers."""
-    if not integers:
-        return np.ascontiguousarray(values, dtype=np.float64)
-    if values.dtype.kind == "f":
-        if not np.all(np.abs(values) < 2.0**63):
-            raise DataError(say("counts of {name!r} are not all finite 64-bit integers", name=name))
-        if not np.all(values == np.floor(values)):
-            first = int(np.argmax(values != np.floor(values)))
-            raise DataError(
-                say(
-                    "counts must be integers, but sample {first} of {name!r} is {value:g}; use kind='increment'",
-                    first=first,
-                    name=name,
-                    value=values[first],
-                )
-            )
-    elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
-        raise DataError(say("counts of {name!r} exceed the range of 64-bit integers", name=name))
-    return np.ascontiguousarray(values, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,8 +2,8 @@
 
 import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from allanite.core.errors import UsageError
@@ -11,6 +11,7 @@ from allanite.core.kinds import KINDS, explain_kinds
 from allanite.core.spellings import latin
 from allanite.core.units import signal_with, unit_of
 from allanite.phrases.wording import spelled
+from allanite.readers.sandbox.progress import listener
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, optionally followed by a unit."""
@@ -39,7 +40,8 @@ class Options:
     """What the user states about a file, as in `allanite.readers.read`; None takes it from the file.
 
     A `scale` such as ``"0.01deg/s"`` becomes a number and a unit. A `unit` such as ``"gyro=deg/s,accel=g"`` becomes
-    `units`, by the name of a sensor or the key of a column.
+    `units`, by the name of a sensor or the key of a column. `progress` is called with the share, 0 to 1, of the file
+    that has been read.
     """
 
     rate: float | None = None
@@ -55,6 +57,7 @@ class Options:
     sincos: tuple[str, ...] | None = None
     otherwise: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
+    progress: Callable[[float], None] | None = field(default_factory=listener, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.unit is not None:

@@ -67,11 +67,16 @@ def find(columns: tuple[FileColumn, ...], option: str | None, chosen: tuple[File
 
 def _by_name(columns: list[FileColumn]) -> tuple[FileColumn | None, str]:
     """The clock among the columns: the steadiest of those with a name or unit of time, and the text for the note."""
-    # a capital T is a temperature unless it increases in every row
-    open_ = (
-        column for column in columns if not column.text and (column.name != "T" or np.all(np.diff(column.values) > 0))
-    )
-    clocks = [(rank, column) for column in open_ if (rank := _rank(column)) < 2]
+    clocks = list[tuple[int, FileColumn]]()
+    for column in columns:
+        # a capital T is a temperature unless it increases in every row
+        if column.text or (column.name == "T" and not np.all(np.diff(column.values) > 0)):
+            continue
+        rank = headers.clock_rank(column.name)
+        # a unit of time makes it a clock with any name, another unit excludes it
+        rank = int(rank == 2) if _said(column) else 2 if column.unit else rank
+        if rank < 2:
+            clocks.append((rank, column))
     if len(clocks) < 2:
         return (clocks[0][1], "") if clocks else (None, "")
     judged = [(steadiness(column.values), rank, i, column) for i, (rank, column) in enumerate(clocks)]
@@ -85,14 +90,6 @@ def _by_name(columns: list[FileColumn]) -> tuple[FileColumn | None, str]:
         count=len(clocks),
         candidates=said,
     )
-
-
-def _rank(column: FileColumn) -> int:
-    """How certainly a column is a clock: a unit of time makes it one with any name, another unit excludes it."""
-    rank = headers.clock_rank(column.name)
-    if _said(column):
-        return 0 if rank < 2 else 1
-    return 2 if column.unit else rank
 
 
 def _said(column: FileColumn) -> str:

@@ -112,18 +112,17 @@ def pace(elapsed: FloatArray, rows: Places, slack: float) -> Pace:
     Deviations of up to `slack` intervals are not gaps.
     """
     middle = slice(max(0, rows.size // 2 - PART), rows.size // 2 + PART)
-    return _refined(elapsed, rows, _interval(elapsed[middle], rows[middle], slack), slack)
-
-
-def _interval(elapsed: FloatArray, rows: Places, slack: float) -> float:
-    """The interval that gives the shortest description of the time stamps."""
-    steps = np.diff(elapsed) / np.diff(rows)
-    mean = float(elapsed[-1] - elapsed[0]) / int(rows[-1] - rows[0])
+    near, where = elapsed[middle], rows[middle]
+    steps = np.diff(near) / np.diff(where)
     # the mean of all steps is right if little is missing, that of typical steps if much is, of short ones if most is
-    guesses = (mean, *(_mean_near(steps, float(np.quantile(steps, q))) for q in (0.5, 0.1)))
-    found = [_refined(elapsed, rows, guess, slack) for guess in guesses if guess > 0]
+    guesses = [float(near[-1] - near[0]) / int(where[-1] - where[0])]
+    for usual in (float(np.quantile(steps, share)) for share in (0.5, 0.1)):
+        typical = steps[(steps > 0.4 * usual) & (steps < 1.6 * usual)]
+        guesses.append(float(typical.mean()) if typical.size else usual)
+    found = [_refined(near, where, guess, slack) for guess in guesses if guess > 0]
     floor = resolution(steps) / math.sqrt(12)
-    return min(found, key=lambda one: _length(one, rows, floor)).interval
+    shortest = min(found, key=lambda one: _length(one, where, floor))
+    return _refined(elapsed, rows, shortest.interval, slack)
 
 
 def _length(found: Pace, rows: Places, floor: float) -> float:
@@ -136,11 +135,6 @@ def _length(found: Pace, rows: Places, floor: float) -> float:
     off = np.where(np.diff(shift, prepend=0) < 0, 1.0, np.clip(left, -1, 1))
     residual = max(interval * float(np.sqrt(np.square(off).mean())), floor, 1e-9 * interval)
     return math.log(residual) + math.log(max(count + lost, 1))
-
-
-def _mean_near(steps: FloatArray, usual: float) -> float:
-    near = steps[(steps > 0.4 * usual) & (steps < 1.6 * usual)]
-    return float(near.mean()) if near.size else usual
 
 
 def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -> Pace:

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.units import unit_of
@@ -73,7 +72,11 @@ def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArr
     if isinstance(seen, Beat):
         return seen
     elapsed = seconds_since(seen.stamps, seen.unit)
-    grid = _counted(sources.counter, elapsed) or fit(elapsed, seen.column.label, repeated)
+    where = None if sources.counter is None else places(sources.counter)
+    grid = None
+    if where is not None and elapsed[-1] > 0 and np.isfinite(elapsed[-1]):
+        grid = counted_grid(sources.counter, float(elapsed[-1]) / int(where[-1]))
+    grid = grid or fit(elapsed, seen.column.label, repeated)
     if grid.trouble and not seen.given and not elapsed.any():
         return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
     return settled(seen, grid, grid.lost)
@@ -196,14 +199,6 @@ def _unstamped(sources: ClockSources, given: float | None, notes: tuple[str, ...
         column=column.label, advice=_ask(),
     )  # fmt: skip
     return Beat(questions=(asked,))
-
-
-def _counted(column: FileColumn | None, elapsed: FloatArray) -> SampleGrid | None:
-    """The grid according to a counter with gaps, if the time stamps increase at all."""
-    where = None if column is None else places(column)
-    if column is None or where is None or not elapsed[-1] > 0 or not np.isfinite(elapsed[-1]):
-        return None
-    return counted_grid(column, float(elapsed[-1]) / int(where[-1]))
 
 
 def _notes(

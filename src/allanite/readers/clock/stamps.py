@@ -99,8 +99,11 @@ def _reversed(stamps: Stamps) -> SampleGrid:
         column=stamps.label, row=first + 2, step=duration(-float(stamps.steps[first])),
     )  # fmt: skip
     order = np.argsort(stamps.elapsed, kind="stable")
-    grid = _in_order(Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label))
-    if grid is not None:
+    ordered = Stamps(stamps.elapsed[order] - stamps.elapsed[order[0]], stamps.label)
+    grid = None if ordered.steps.min() < 0.3 * float(np.median(ordered.steps)) else _forward(ordered)
+    doubtful = {"jitter", "bursty time stamps", "coarse time stamps"}
+    # the grid may show that this order is right
+    if grid is not None and not grid.trouble and doubtful.isdisjoint(found.name for found in grid.findings):
         said = say("sorted, they are evenly spaced: the rows were out of order and have been sorted by time")
         found = finding("reversed time stamps", what, consequence=said, remedy=say("check the logger"))
         return replace(grid, rows=order, findings=(found, *grid.findings))
@@ -108,15 +111,6 @@ def _reversed(stamps: Stamps) -> SampleGrid:
         return SampleGrid(stamps.mean, findings=(finding("reversed time stamps", what),))
     why = say("{what}: a clock that was set, two recordings in one file, or rows out of order", what=what)
     return SampleGrid(findings=(finding("reversed time stamps", why),), trouble=why)
-
-
-def _in_order(stamps: Stamps) -> SampleGrid | None:
-    """The grid of sorted time stamps, if it shows that this order is right."""
-    if stamps.steps.min() < 0.3 * float(np.median(stamps.steps)):
-        return None
-    grid = _forward(stamps)
-    doubtful = {"jitter", "bursty time stamps", "coarse time stamps"} & {found.name for found in grid.findings}
-    return None if grid.trouble or doubtful else grid
 
 
 def _forward(stamps: Stamps) -> SampleGrid:
@@ -131,21 +125,16 @@ def _forward(stamps: Stamps) -> SampleGrid:
     found = pace(stamps.elapsed, rows, EVEN)
     if found.bursts or float((np.abs(found.left) > EVEN).mean()) > 0.05:
         steady = 1 / BURSTY < mean / float(np.median(stamps.steps)) < BURSTY
-        return even if steady else _in_bursts(stamps, again)
+        long = PAUSE * float(np.quantile(stamps.steps, 0.99))
+        if steady or stamps.steps.max() <= long:
+            return even if steady else SampleGrid(mean, findings=(*again, bursty(stamps, mean)))
+        # the samples missing in pauses that bursts do not explain
+        kept = pace(stamps.elapsed, rows, long / mean)
+        return _with_losses(stamps, kept.interval, rows + kept.shift, (*again, bursty(stamps, kept.interval)))
     places = rows + found.shift
     wander = drift(stamps, stamps.elapsed / found.interval - places)
     scatter = tuple(one for one in unsteady(stamps, found.left, found.interval) if one.name == "jitter")
     return _with_losses(stamps, found.interval, places, (*again, *scatter, *wander))
-
-
-def _in_bursts(stamps: Stamps, found: tuple[Finding, ...]) -> SampleGrid:
-    """The mean rate of bursty time stamps, and the samples missing in pauses that bursts do not explain."""
-    long = PAUSE * float(np.quantile(stamps.steps, 0.99))
-    if stamps.steps.max() <= long:
-        return SampleGrid(stamps.mean, findings=(*found, bursty(stamps, stamps.mean)))
-    rows = np.arange(stamps.elapsed.size)
-    kept = pace(stamps.elapsed, rows, long / stamps.mean)
-    return _with_losses(stamps, kept.interval, rows + kept.shift, (*found, bursty(stamps, kept.interval)))
 
 
 def _in_ticks(stamps: Stamps) -> SampleGrid:

@@ -34,21 +34,16 @@ def split(name: str, array: NDArray[Any], names: tuple[str, ...] = ()) -> Iterat
         yield name, array
     elif array.ndim == 2:
         upright = array.T if turned(array) else array
-        said = names if len(names) == upright.shape[1] else ()
-        for i in range(upright.shape[1]):
-            yield said[i] if said else _numbered(name, i + 1), upright[:, i]
+        # the number of a column stands before the unit
+        at = max(name.rfind("["), name.rfind("("))
+        has_unit = name[-1:] in ("]", ")") and at >= 0 and not set("])") & set(name[at:-1])
+        stem = name[:at].rstrip() if has_unit else name
+        numbered = [f"{stem} {i}{name[len(stem) :]}" if name else "" for i in range(1, upright.shape[1] + 1)]
+        yield from zip(names if len(names) == upright.shape[1] else numbered, upright.T, strict=True)
     elif array.ndim > 2:
         raise DataError(
             say("array {name!r} has the shape {shape}; expected one column per channel", name=name, shape=array.shape)
         )
-
-
-def _numbered(name: str, number: int) -> str:
-    """The name of a column of a matrix, with its number before the unit."""
-    at = max(name.rfind("["), name.rfind("("))
-    has_unit = name[-1:] in ("]", ")") and at >= 0 and not set("])") & set(name[at:-1])
-    stem = name[:at].rstrip() if has_unit else name
-    return f"{stem} {number}{name[len(stem) :]}" if name else ""
 
 
 def turned(array: NDArray[Any]) -> bool:
@@ -104,19 +99,17 @@ def of_arrow(chunks: Any) -> NDArray[Any]:
     kind = chunks.type
     if not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_temporal(kind)):
         return np.asarray(chunks.to_numpy())
-    parts = [_of_chunk(chunk) for chunk in chunks.chunks]
+    parts = list[NDArray[Any]]()
+    # by their buffers, since pyarrow's own conversion imports pandas where it is installed
+    for chunk in chunks.chunks:
+        dtype = np.dtype(chunk.type.to_pandas_dtype())
+        known, held = chunk.buffers()
+        stored = np.frombuffer(held or b"", dtype, len(chunk), chunk.offset * dtype.itemsize if held else 0)
+        if chunk.null_count:
+            bits = np.unpackbits(np.frombuffer(known, np.uint8), bitorder="little")[chunk.offset :][: len(chunk)]
+            stored = np.where(bits.view(bool), stored, np.array("NaT", dtype) if dtype.kind in "mM" else np.nan)
+        parts.append(stored)
     return parts[0] if len(parts) == 1 else np.concatenate(parts or [np.empty(0)])
-
-
-def _of_chunk(chunk: Any) -> NDArray[Any]:
-    """Numbers or stamps by their buffers, since pyarrow's own conversion imports pandas where it is installed."""
-    dtype = np.dtype(chunk.type.to_pandas_dtype())
-    known, held = chunk.buffers()
-    stored = np.frombuffer(held or b"", dtype, len(chunk), chunk.offset * dtype.itemsize if held else 0)
-    if not chunk.null_count:
-        return stored
-    bits = np.unpackbits(np.frombuffer(known, np.uint8), bitorder="little")[chunk.offset :][: len(chunk)]
-    return np.where(bits.view(bool), stored, np.array("NaT", dtype) if dtype.kind in "mM" else np.nan)
 
 
 def is_number(kind: Any) -> bool:

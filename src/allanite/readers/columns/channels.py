@@ -137,8 +137,10 @@ SENSORS = {"gyro": say("gyro"), "accelerometer": say("accelerometer")}
 
 def _candidate(column: FileColumn, asked: Stated, pool: list[FileColumn]) -> SignalColumn | Left:
     # if the file or the user states the meaning of a column, its name does not matter
-    options = asked.options
-    said = bool(column.kind) or asked.named or _asked_for(column, options)
+    options, signal = asked.options, headers.signal_of(column.unit)
+    # the header's unit is that of a signal requested by the user's unit: a current, by unit="A"
+    requested = signal is not None and not signal.inertial and signal is headers.signal_of(options.unit or "")
+    said = bool(column.kind) or asked.named or (requested and not column.text)
     refused = _no_value if options.kind == "value" else _no_signal
     why = "" if said else refused(column, options) or _rises(column, options, pool)
     return Left(column, why) if why else _resolved(column, options, applies=asked.named or _applies(column, options))
@@ -177,13 +179,6 @@ def _no_value(column: FileColumn, options: Options) -> str:
 
 def _strange(unit: str) -> str:
     return say("{unit!r} is not a unit of a quantity that can be analyzed", unit=unit)
-
-
-def _asked_for(column: FileColumn, options: Options) -> bool:
-    """Whether the header's unit is that of a signal requested by the user's unit: a current, by unit="A"."""
-    signal = headers.signal_of(column.unit)
-    wanted = signal is not None and not signal.inertial and signal is headers.signal_of(options.unit or "")
-    return wanted and not column.text
 
 
 def _rises(column: FileColumn, options: Options, pool: list[FileColumn]) -> str:

@@ -43,14 +43,13 @@ def applied(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     """The columns with the units that their names define, where their headers have none."""
     short = all(any(_names(one, column) for column in columns) for one in _SHORT.values())
     known = (*CONVENTIONS, *(_SHORT.values() if short else ()))
-    return tuple(_known(column, known) for column in columns)
-
-
-def _known(column: FileColumn, known: tuple[Convention, ...]) -> FileColumn:
-    found = next((one for one in known if _names(one, column)), None)
-    # gyro_rad[0] looks like an angle in rad
-    fits = found is not None and not column.kind and not column.text and column.unit in ("", "rad")
-    return replace(column, unit=found.unit) if found is not None and fits else column
+    united = list[FileColumn]()
+    for column in columns:
+        found = next((one for one in known if _names(one, column)), None)
+        # gyro_rad[0] looks like an angle in rad
+        fits = found is not None and not column.kind and not column.text and column.unit in ("", "rad")
+        united.append(replace(column, unit=found.unit) if found is not None and fits else column)
+    return tuple(united)
 
 
 def _names(convention: Convention, column: FileColumn) -> bool:

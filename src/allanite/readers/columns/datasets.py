@@ -197,17 +197,13 @@ def _answers(family: Family, keys: Sequence[str], places: Mapping[str, int]) -> 
 
 def _narrowed(options: Options, family: Family) -> tuple[Options, Family]:
     """Which columns to look for in which dataset: all possible signals of datasets that are named as a whole."""
-    keys = [key.strip("/") for key in options.channels or ()]
-    whole = [[d for d in family if key in (d.path, d.leaf) and len(d.headers) > 1] for key in keys]
-    if not keys or not all(len(found) == 1 for found in whole):
-        return _spelled_out(options, keys, whole), family
-    named = [found[0] for found in whole]
-    return replace(options, channels=None), [d for d in family if d in named or d.is_clock]
-
-
-def _spelled_out(options: Options, keys: list[str], whole: list[Family]) -> Options:
-    """The options with the columns of each dataset that is named along with single columns."""
-    if not any(len(found) == 1 for found in whole):
-        return options
-    names = [found[0].headers if len(found) == 1 else (key,) for key, found in zip(keys, whole, strict=True)]
-    return replace(options, channels=tuple(name for group in names for name in group))
+    keys, whole = [key.strip("/") for key in options.channels or ()], list[Dataset | None]()
+    for key in keys:
+        named = [d for d in family if key in (d.path, d.leaf) and len(d.headers) > 1]
+        whole.append(named[0] if len(named) == 1 else None)
+    if keys and all(whole):
+        return replace(options, channels=None), [d for d in family if d in whole or d.is_clock]
+    if any(whole):  # some are named along with single columns
+        names = ((key,) if found is None else found.headers for key, found in zip(keys, whole, strict=True))
+        options = replace(options, channels=tuple(chain.from_iterable(names)))
+    return options, family

@@ -75,7 +75,11 @@ def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool 
     if "<H>" not in pattern:
         assert days is not None  # noqa: S101 - a pattern has a date, a time, or both
         return np.where(empty, np.datetime64("NaT", "D"), days)
-    hours = part("H") if "<p>" not in pattern else _hours(part("H"), pc.struct_field(found, "p"))
+    hours = part("H")
+    if "<p>" in pattern:  # of the twelve-hour clock
+        letter = pc.fill_null(pc.utf8_lower(pc.struct_field(found, "p")), "")
+        after, before = (np.asarray(pc.equal(letter, which)) for which in "pa")
+        hours = np.asarray(np.where(after | before, hours % 12 + 12 * after, hours))
     time = (((hours * 60 + part("M")) * 60 + part("S")) * 10**9 + part("f")).astype("timedelta64[ns]")
     if days is None:
         return np.where(empty, np.timedelta64("NaT", "ns"), time)
@@ -107,15 +111,6 @@ def _days(year: Values, month: Values, day: Values, label: str, american: bool |
     return np.asarray(
         months.astype("datetime64[M]").astype("datetime64[D]") + (np.maximum(day, 1) - 1).astype("timedelta64[D]")
     )
-
-
-def _hours(hours: Values, half: Any) -> Values:
-    """Hours of the day, converted from the twelve-hour clock if necessary."""
-    import pyarrow.compute as pc
-
-    letter = pc.fill_null(pc.utf8_lower(half), "")
-    after, before = (np.asarray(pc.equal(letter, which)) for which in "pa")
-    return np.asarray(np.where(after | before, hours % 12 + 12 * after, hours))
 
 
 def continued(stamps: Values, last: Values) -> Values:

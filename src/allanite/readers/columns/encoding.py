@@ -3,6 +3,7 @@
 import re
 from codecs import getincrementaldecoder
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 from allanite.core.errors import DataError
@@ -112,9 +113,23 @@ def encoding_of(chunks: Callable[[], Iterable[bytes]]) -> tuple[str, str]:
                 fresh = not decoder.getstate()[0]
         decoder.decode(b"", final=True)
     except UnicodeDecodeError:
-        found = _encoding(_lettered(whole_lines(chunks())))
-        return found.codec, found.name
-    return "", ""
+        pass
+    else:
+        return "", ""
+    # judged by the first lines that are not ASCII
+    lines, size = list[bytes](), 0
+    for data in whole_lines(chunks()):
+        start = 0
+        while size < _JUDGED and (place := re.compile(rb"[\x80-\xff]").search(data, start)):
+            first = max(data.rfind(b"\n", 0, place.start()), data.rfind(b"\r", 0, place.start())) + 1
+            end = data.find(b"\n", place.start())
+            start = len(data) if end < 0 else end + 1
+            lines.append(data[first:start][:_JUDGED])
+            size += len(lines[-1])
+        if size >= _JUDGED:
+            break
+    found = _encoding(b"\n".join(dict.fromkeys(lines)))
+    return found.codec, found.name
 
 
 def decoded(chunks: Iterable[bytes], codec: str, name: str) -> Iterator[bytes]:
@@ -146,25 +161,14 @@ def whole_lines(chunks: Iterable[bytes]) -> Iterator[bytes]:
         yield b"".join(rest)
 
 
-def _lettered(blocks: Iterable[bytes]) -> bytes:
-    """The first lines that are not ASCII, of blocks of whole lines."""
-    found, size = list[bytes](), 0
-    for data in blocks:
-        start = 0
-        while size < _JUDGED and (place := re.compile(rb"[\x80-\xff]").search(data, start)):
-            first = max(data.rfind(b"\n", 0, place.start()), data.rfind(b"\r", 0, place.start())) + 1
-            end = data.find(b"\n", place.start())
-            start = len(data) if end < 0 else end + 1
-            found.append(data[first:start][:_JUDGED])
-            size += len(found[-1])
-        if size >= _JUDGED:
-            break
-    return b"\n".join(dict.fromkeys(found))
-
-
 def _encoding(lines: bytes) -> _Encoding:
     """The only encoding in which the lines are plausible, or the only one with words that such files have."""
-    plausible = list(_plausible(lines))
+    plausible = list[tuple[_Encoding, str]]()
+    for one in _ENCODINGS:
+        with suppress(UnicodeDecodeError):
+            text = lines.decode(one.codec)
+            if one.plausible(text):
+                plausible.append((one, text))
     telling = [one for one, text in plausible if one.words and one.words.search(text)]
     fitting = [one for one, _ in plausible]
     for some in (fitting, telling):
@@ -180,13 +184,3 @@ def _encoding(lines: bytes) -> _Encoding:
         f"the encoding of the text cannot be determined: it is not UTF-8, and {what} ({sample!r}); save it as UTF-8, "
         "for example with iconv -f GB18030 -t UTF-8, or -f CP1251"
     )
-
-
-def _plausible(lines: bytes) -> Iterable[tuple[_Encoding, str]]:
-    for one in _ENCODINGS:
-        try:
-            text = lines.decode(one.codec)
-        except UnicodeDecodeError:
-            continue
-        if one.plausible(text):
-            yield one, text

@@ -82,12 +82,15 @@ def split(header: str) -> tuple[str, str]:
     if len(header) > LONGEST:
         return header, ""
     name, unit = _bracketed(header)
-    if unit is None:
-        name, unit = _after_comma(header)
-    if unit is not None and unit.lower() in _RAW and name:
-        return name, ""
-    if unit is not None and not (unit.isdigit() or unit.lower() in ("x", "y", "z")):
-        return name or header, latin(unit)
+    if unit is None:  # it may stand after a comma, as in Russian tables: ``Время, с``
+        before, _, after = (part.strip() for part in header.rpartition(","))
+        if before and not after.isdigit() and known(after) is not None:
+            name, unit = before, after
+    if unit is not None:
+        if unit.lower() in _RAW and name:
+            return name, ""
+        if not (unit.isdigit() or unit.lower() in ("x", "y", "z")):
+            return name or header, latin(unit)
     tokens = re.sub(r"[\[(]\w*[\])]$| \d+$", "", header).lower().replace(".", "_").split("_")
     for count in range(min(4, len(tokens) - 1), 0, -1):
         unit = SUFFIXES.get("_".join(tokens[-count:]))
@@ -103,12 +106,6 @@ def _bracketed(header: str) -> tuple[str, str | None]:
         if _INSIDE.fullmatch(header, at + 1, len(header) - 1):
             return header[:at].strip(), header[at + 1 : -1].strip()
     return header, None
-
-
-def _after_comma(header: str) -> tuple[str, str | None]:
-    """The name and the unit after a comma, as Russian tables write them: ``Время, с``."""
-    name, _, unit = (part.strip() for part in header.rpartition(","))
-    return (name, unit) if name and not unit.isdigit() and known(unit) is not None else (header, None)
 
 
 def known(unit: str) -> Unit | None:

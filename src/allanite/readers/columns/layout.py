@@ -224,7 +224,10 @@ def _named(
     worded = [row for row in above[-2:] if not has_number(row, decimal)]
     blank = ("",) * width
     units = blank
-    if len(worded) == 2 and above[-1] is worded[-1] and _is_units(worded[-1].cells):
+    # the second of two lines of words may be one of units
+    last = worded[-1].cells if len(worded) == 2 and above[-1] is worded[-1] else []
+    marked = [cell.strip("[](){} ") for cell in last if cell.strip("[](){} -")]
+    if sum(headers.known(cell.strip()) is not None for cell in marked) > len(marked) / 2:
         units = tuple((worded.pop().cells + list(blank))[:width])
     named = _names(worded[-1].cells, width, delimiter) if worded and worded[-1] is above[-1 - any(units)] else None
     if named is not None:
@@ -244,11 +247,6 @@ def _named(
                 (*_passed(len(above), rows[0]), say("column names from the comment on line {number}", number=number)),
             )
     return blank, blank, _passed(len(above), rows[0])
-
-
-def _is_units(row: list[str]) -> bool:
-    filled = [cell.strip("[](){} ") for cell in row if cell.strip("[](){} -")]
-    return bool(filled) and sum(headers.known(cell.strip()) is not None for cell in filled) > len(filled) / 2
 
 
 def _names(row: list[str], width: int, delimiter: str) -> tuple[str, ...] | None:

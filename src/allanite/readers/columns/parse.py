@@ -98,13 +98,10 @@ def count(body: bytes | memoryview) -> int:
 
 
 def clean_rows(data: bytes, layout: Layout, *, last: bool = True) -> tuple[bytes | memoryview, tuple[str, ...]]:
-    """The rows as they are parsed, and notes on what was left out at the end of the `last`."""
-    body = _clean(data, layout)
-    return _whole_rows(body, layout) if last else (body, ())
+    """The rows as they are parsed, and notes on what was left out at the end of the `last`.
 
-
-def _clean(data: bytes, layout: Layout) -> bytes | memoryview:
-    """The rows without comments, and with single blanks between cells; line numbers are preserved."""
+    They have no comments, and single blanks between cells; line numbers are preserved.
+    """
     marks = marks_of(layout.delimiter)
     body: bytes | memoryview = memoryview(data)[layout.offset :]
     # most files have no comments among the numbers: a search is much cheaper than the substitution
@@ -112,41 +109,32 @@ def _clean(data: bytes, layout: Layout) -> bytes | memoryview:
         pattern = rb"^[ \t]*(?:" + b"|".join(re.escape(mark.encode()) for mark in marks) + rb")[^\r\n]*"
         body = re.sub(pattern, b"", bytes(body), flags=re.MULTILINE)
     if layout.delimiter == " ":
-        return _single_blanks(bytes(body))
-    if _holds(data, b" \n", layout.offset) or _holds(
-        data, b" \r\n", layout.offset
-    ):  # a line of blanks is an empty line, not a row with one cell
+        text = bytes(body).translate(bytes.maketrans(b"\t\v\f", b"   ")).replace(b"\r\n", b"\n")
+        while b"  " in text:  # halves the runs each time
+            text = text.replace(b"  ", b" ")
+        body = text.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" ")
+    elif any(_holds(data, end, layout.offset) for end in (b" \n", b" \r\n")):
+        # a line of blanks is an empty line, not a row with one cell
         body = re.sub(rb"^ +(?=\r?$)", b"", bytes(body), flags=re.MULTILINE)
-    return body
+    if not last:
+        return body, ()
+    # an incomplete last line, as after a power failure of the logger, or a closing remark
+    tail = bytes(body[-65536:]).rstrip(b" \r\n")
+    start = max(tail.rfind(b"\n"), tail.rfind(b"\r")) + 1
+    end = decoded(tail[start:])
+    count = len(cells(end, layout.delimiter))
+    if start == 0 or count >= layout.width:
+        return body, ()
+    note = say(
+        "the last line ({text!r}) has {count} of {width} columns and was left out",
+        text=end[:40], count=count, width=layout.width,
+    )  # fmt: skip
+    return body[: len(body) - min(len(body), 65536) + start], (note,)
 
 
 def _holds(data: bytes, mark: bytes, start: int) -> bool:
     """Whether a mark occurs anywhere; a single byte is found ten times as fast as two."""
     return data.find(mark[:1], start) >= 0 and (len(mark) == 1 or data.find(mark, start) >= 0)
-
-
-def _single_blanks(body: bytes) -> bytes:
-    body = body.translate(bytes.maketrans(b"\t\v\f", b"   ")).replace(b"\r\n", b"\n")
-    while b"  " in body:  # halves the runs each time
-        body = body.replace(b"  ", b" ")
-    return body.replace(b"\n ", b"\n").replace(b" \n", b"\n").strip(b" ")
-
-
-def _whole_rows(body: bytes | memoryview, layout: Layout) -> tuple[bytes | memoryview, tuple[str, ...]]:
-    """The rows without an incomplete last line, as after a power failure of the logger, or a closing remark."""
-    tail = bytes(body[-65536:]).rstrip(b" \r\n")
-    start = max(tail.rfind(b"\n"), tail.rfind(b"\r")) + 1
-    last = cells(decoded(tail[start:]), layout.delimiter)
-    if start == 0 or len(last) >= layout.width:
-        return body, ()
-    end = len(body) - min(len(body), 65536) + start
-    note = say(
-        "the last line ({text!r}) has {count} of {width} columns and was left out",
-        text=decoded(tail[start:])[:40],
-        count=len(last),
-        width=layout.width,
-    )
-    return body[:end], (note,)
 
 
 def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None) -> Any:
@@ -168,6 +156,7 @@ def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None) -> Any
 def _values(column: Any, layout: Layout, place: int, forms: Forms | None) -> Any:
     """One column as numbers or as its first word; NotImplemented if words occur among its numbers."""
     import pyarrow as pa
+    import pyarrow.compute as pc
 
     kind = column.type
     if pa.types.is_null(kind):
@@ -181,7 +170,15 @@ def _values(column: Any, layout: Layout, place: int, forms: Forms | None) -> Any
             pass  # a year outside the range of 64-bit nanoseconds: words
     if place in layout.text:
         return _words(column, layout, place, forms)
-    return _mended(column, layout)
+    # numbers that pyarrow does not accept as they are: with a plus sign, or blanks for an empty cell
+    try:
+        text = pc.utf8_trim_whitespace(column.cast(pa.string()))
+        text = pc.if_else(pc.is_in(pc.utf8_lower(text), pa.array(sorted(MISSING))), None, text)
+        text = pc.replace_substring_regex(text, r"^\+", "")
+        text = pc.replace_substring(text, layout.decimal, ".")
+        return of_arrow(text.cast(pa.float64()))
+    except pa.ArrowException:
+        return NotImplemented
 
 
 def _words(column: Any, layout: Layout, place: int, forms: Forms | None) -> Parsed:
@@ -217,21 +214,6 @@ def words_of(column: Any, label: str) -> Parsed:
 
 def _first_word(column: Any) -> str:
     return str(next((entry for entry in column[:100].to_pylist() if entry), "text"))
-
-
-def _mended(column: Any, layout: Layout) -> Any:
-    """Numbers that pyarrow does not accept as they are: with a plus sign, or blanks for an empty cell."""
-    import pyarrow as pa
-    import pyarrow.compute as pc
-
-    try:
-        text = pc.utf8_trim_whitespace(column.cast(pa.string()))
-        text = pc.if_else(pc.is_in(pc.utf8_lower(text), pa.array(sorted(MISSING))), None, text)
-        text = pc.replace_substring_regex(text, r"^\+", "")
-        text = pc.replace_substring(text, layout.decimal, ".")
-        return of_arrow(text.cast(pa.float64()))
-    except pa.ArrowException:
-        return NotImplemented
 
 
 def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn:

@@ -136,7 +136,10 @@ def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> 
                 count=fast.size,
             )
         )
-    speed = _speed(steps[apart == 1])
+    # the fastest rotation in rad per sample, as a mean over a few steps
+    near = steps[apart == 1]
+    means = near if near.size < MEANS else np.convolve(near, np.full(MEANS, 1 / MEANS), mode="valid")
+    speed = float(np.abs(means).max(initial=0.0))
     wide = np.flatnonzero((apart > 1) & (np.maximum(speed * apart, np.abs(steps)) > LARGEST_STEP))
     if wide.size:
         raise DataError(
@@ -150,14 +153,6 @@ def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> 
             )
         )
     return np.concatenate((wrapped[:1], wrapped[0] + np.cumsum(steps)))
-
-
-def _speed(steps: FloatArray) -> float:
-    """The fastest rotation in rad per sample, as a mean over a few steps."""
-    if steps.size < MEANS:
-        return float(np.abs(steps).max(initial=0.0))
-    sums = np.convolve(steps, np.full(MEANS, 1 / MEANS), mode="valid")
-    return float(np.abs(sums).max())
 
 
 def _errors(angle: FloatArray, size: FloatArray, name: str) -> tuple[list[Finding], str]:

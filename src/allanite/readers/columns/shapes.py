@@ -16,30 +16,18 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     """The text with one line per sample, and a note on what was transposed or joined."""
     if data.lstrip().startswith(b"$"):
         data = without_checksums(data)
-    turned = _turned(data)
-    if turned is not None:
-        return turned
-    return _joined(data) or (data, ())
-
-
-def without_checksums(data: bytes) -> bytes:
-    """The lines without the checksums of sentences at their ends."""
-    return _CHECKSUM.sub(b"", data)
-
-
-def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
-    """Lines of thousands of numbers become columns; None if there are none."""
+    # lines of thousands of numbers become columns
     head = data[:HEAD]
     if head.count(b"\n") * WIDEST > len(head):
-        return None
+        return _joined(data)
     lines = [line for line in _lines(data) if line]
     plain = [line for line in lines if not line.startswith(MARKS[:3])]
     if not plain:
-        return None
+        return _joined(data)
     delimiter, decimal = style([line[:4000] for line in plain])
     rows = [cells(line.strip(delimiter + " "), delimiter) for line in plain]
     if min(map(len, rows)) <= WIDEST or len({len(row) for row in rows}) > 1:
-        return None
+        return _joined(data)
     names = all(not is_number(row[0], decimal) for row in rows)
     body = "\n".join(map(";".join, zip(*rows, strict=True)))
     length = len(rows[0]) - names
@@ -50,16 +38,21 @@ def _turned(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
     return (comments + body + "\n").encode(), (said,)
 
 
-def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]] | None:
-    """Lines that alternate between more and fewer numbers become one line per sample; None if they do not."""
+def without_checksums(data: bytes) -> bytes:
+    """The lines without the checksums of sentences at their ends."""
+    return _CHECKSUM.sub(b"", data)
+
+
+def _joined(data: bytes) -> tuple[bytes, tuple[str, ...]]:
+    """Lines that alternate between more and fewer numbers become one line per sample."""
     plain = _uncommented(_lines(data[:HEAD])[:400])
     delimiter, decimal = style(plain[-200:])
-    numeric = [
-        len(row) for row in (cells(line, delimiter) for line in plain) if any(is_number(cell, decimal) for cell in row)
-    ]
-    period = _period(numeric[:-1] if len(data) > HEAD else numeric)
-    if not period:
-        return None
+    rows_of = (cells(line, delimiter) for line in plain)
+    numeric = [len(row) for row in rows_of if any(is_number(cell, decimal) for cell in row)]
+    widths = numeric[:-1] if len(data) > HEAD else numeric
+    period = next((n for n in range(2, 7) if len(widths) >= 5 * n and widths[n:] == widths[:-n]), 0)
+    if not period or len(set(widths)) < 2:
+        return data, ()
     lines = _lines(data)
     kept = _uncommented(lines)
     first = len(plain) - len(numeric)
@@ -81,13 +74,3 @@ def _lines(data: bytes) -> list[str]:
 
 def _uncommented(lines: list[str]) -> list[str]:
     return [line for line in lines if line and not line.startswith(MARKS)]
-
-
-def _period(widths: list[int]) -> int:
-    """Period after which the numbers of cells repeat; 0 if they are all equal or not periodic."""
-    if len(set(widths)) < 2:
-        return 0
-    for period in range(2, 7):
-        if len(widths) >= 5 * period and widths[period:] == widths[:-period]:
-            return period
-    return 0

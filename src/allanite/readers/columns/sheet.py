@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.units import unit_of
 from allanite.phrases.wording import spelled
@@ -12,8 +12,6 @@ from allanite.readers.formats.text import sheet_of
 from allanite.readers.sandbox.source import checked, digest_of
 
 from .column import FileColumn, lookup, unique
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.units import unit_of
-from allanite.phrases.phrase import Phrase, join, say
+from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.readers.options import KINDS_OF_SENSORS, Options
 
@@ -46,7 +46,11 @@ def of_columns(columns: tuple[FileColumn, ...], options: Options) -> Callable[[F
 
 def _columns_of(columns: tuple[FileColumn, ...], sensor: str, unit: str) -> list[FileColumn]:
     """The columns of a type of sensor; refused if there are none."""
-    types = {column: _sensor(column) for column in columns}
+    types = dict[FileColumn, str]()  # by the unit of each, otherwise by its name
+    for column in columns:
+        signal = headers.inertial(column.unit)
+        other = column.text or headers.is_other(column.name, column.unit) or headers.is_time(column.unit)
+        types[column] = "" if other else signal.name if signal else headers.sensor_by_name(column.name)
     found = [column for column, theirs in types.items() if theirs == sensor]
     if found:
         return found
@@ -57,14 +61,6 @@ def _columns_of(columns: tuple[FileColumn, ...], sensor: str, unit: str) -> list
         f"{some(list(shown), 30)}; omit it, or give the unit by column: "
         + spelled(f"--unit {first}={unit}", f"unit={{'{first}': '{unit}'}}")
     )
-
-
-def _sensor(column: FileColumn) -> str:
-    """The type of sensor of a column, by its unit, otherwise by its name; empty if neither says one."""
-    if column.text or headers.is_other(column.name, column.unit) or headers.is_time(column.unit):
-        return ""
-    signal = headers.inertial(column.unit)
-    return signal.name if signal else headers.sensor_by_name(column.name)
 
 
 def contradicts(column: FileColumn, unit: str) -> bool:
@@ -89,11 +85,10 @@ def against_headers(used: Iterable[tuple[FileColumn, str]]) -> Iterator[Finding]
         )  # fmt: skip
         effect = say("if the file is right, the coefficients are wrong")
         remedy = say("omit {option} if the file is right", option=spelled(f"--unit {unit}", f"unit={unit!r}"))
-        yield Finding(say("given unit"), join(": ", (what, _apart(unit, theirs))), effect, remedy)
-
-
-def _apart(unit: str, theirs: str) -> Phrase:
-    ours, other = unit_of(unit), unit_of(theirs)
-    if ours.dimension != other.dimension:
-        return say("that is another quantity")
-    return say("that is a factor of {factor:.6g}", factor=ours.factor / other.factor)
+        ours, other = unit_of(unit), unit_of(theirs)
+        apart = (
+            say("that is another quantity")
+            if ours.dimension != other.dimension
+            else say("that is a factor of {factor:.6g}", factor=ours.factor / other.factor)
+        )
+        yield Finding(say("given unit"), join(": ", (what, apart)), effect, remedy)

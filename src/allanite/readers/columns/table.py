@@ -127,7 +127,9 @@ class Sense:
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""
         before, after = self.said
-        slow = 0 < beat.rate <= SLOW and any(map(_sampled, self.choice.signals))
+        rates = (signal_of_kind(s.unit, s.kind) for s in self.choice.signals if s.kind == "rate")
+        # samples of an inertial sensor that are dropped are not in the others
+        slow = 0 < beat.rate <= SLOW and any(what is not None and what.inertial for what in rates)
         return (*before, *beat.notes, *([DROPPED] if slow else []), *self.choice.notes, *self.choice.left, *after)
 
     def findings(self, beat: clock.Beat) -> tuple[Finding, ...]:
@@ -139,12 +141,6 @@ def repeated(columns: Sequence[NDArray[Any]]) -> NDArray[np.bool_]:
     """Which rows repeat the row before in every column, shape (n - 1,); (False,) without a column."""
     same = [values[1:] == values[:-1] for values in columns]
     return np.logical_and.reduce(same) if same else np.zeros(1, dtype=bool)
-
-
-def _sampled(signal: channels.SignalColumn) -> bool:
-    """Whether samples are rates of an inertial sensor: those that are dropped are not in the others."""
-    what = signal_of_kind(signal.unit, signal.kind)
-    return signal.kind == "rate" and what is not None and what.inertial
 
 
 def _record(signal: channels.SignalColumn, beat: clock.Beat, stated: float | None) -> Record:
@@ -227,20 +223,29 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
     if not text:
         return table
     try:
-        return _restored(table, json.loads(text))
+        said = json.loads(text)
+        columns = list[FileColumn]()
+        for column, channel in zip(_ordered(table.columns, said["channels"]), said["channels"], strict=True):
+            kind, unit, scale = str(channel["kind"]), str(channel["unit"]), channel["scale"]
+            if signal_of_kind(unit, kind) is None or column.text:
+                raise ValueError(unit)
+            # JSON text may contain 1.0 as an integer
+            values = column.values if channel["integers"] else column.values.astype(np.float64)
+            scale, history = None if scale is None else _positive(scale), tuple(map(str, channel["history"]))
+            columns.append(
+                replace(
+                    column, values=values, name=str(channel["name"]), unit=unit, kind=kind, scale=scale,
+                    history=history,
+                )
+            )  # fmt: skip
+        start = None if said["start"] is None else float(said["start"])
+        return replace(table, columns=tuple(columns), rate=_positive(said["rate"]), rate_source=SOURCE, start=start)
     except (AllaniteError, ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError):
         note = say(
             "{source} does not match its columns (were they changed since it was written?) and is ignored",
             source=SOURCE,
         )
         return replace(table, notes=(*table.notes, note))
-
-
-def _restored(table: FileTable, said: dict[str, Any]) -> FileTable:
-    pairs = zip(_ordered(table.columns, said["channels"]), said["channels"], strict=True)
-    columns = tuple(_told(column, channel) for column, channel in pairs)
-    start = None if said["start"] is None else float(said["start"])
-    return replace(table, columns=columns, rate=_positive(said["rate"]), rate_source=SOURCE, start=start)
 
 
 def _ordered(columns: Sequence[FileColumn], channels: Sequence[dict[str, Any]]) -> Sequence[FileColumn]:
@@ -252,22 +257,6 @@ def _ordered(columns: Sequence[FileColumn], channels: Sequence[dict[str, Any]]) 
     if sorted(written) != sorted(found) or len(set(found)) < len(found):
         raise ValueError(found)
     return [columns[found.index(header)] for header in written]
-
-
-def _told(column: FileColumn, said: dict[str, Any]) -> FileColumn:
-    kind, unit, scale = str(said["kind"]), str(said["unit"]), said["scale"]
-    if signal_of_kind(unit, kind) is None or column.text:
-        raise ValueError(unit)
-    return replace(
-        column,
-        # JSON text may contain 1.0 as an integer
-        values=column.values if said["integers"] else column.values.astype(np.float64),
-        name=str(said["name"]),
-        unit=unit,
-        kind=kind,
-        scale=None if scale is None else _positive(scale),
-        history=tuple(str(line) for line in said["history"]),
-    )
 
 
 def _positive(number: Any) -> float:

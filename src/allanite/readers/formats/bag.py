@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
-from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.readers.columns import headers, streams
 from allanite.readers.columns.arrays import numbers
@@ -44,7 +44,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of one topic of a bag; `options.channels` may name the topic."""
     _demand_bag(path)
-    with Process("bag", path, {}) as process:
+    with Process("bag", path, options.progress) as process:
         with worded():
             topics = [_topic(item) for item in process.said["topics"]]
             found = [_stream(topic, [other.name for other in topics], path, process) for topic in topics]
@@ -54,7 +54,7 @@ def read(path: str, options: Options) -> Recording:
 def parts(path: str, options: Options) -> Parts:
     """The messages of one topic, which are decoded one part after the other."""
     _demand_bag(path)
-    with Process("bag", path, {}) as process, worded():
+    with Process("bag", path) as process, worded():
         topics = [_topic(item) for item in process.said["topics"]]
     names = [topic.name for topic in topics]
     found = {stream.name: (stream, topic) for topic in topics for stream in (_stream(topic, names, path),)}
@@ -73,7 +73,7 @@ def _blocks(topic: "_Topic", path: str, rows: int) -> Iterator[dict[str, NDArray
     """The numbers of so many messages at a time, in the order in which they were received."""
     demand_size(topic.count * topic.dtype.itemsize, path, f"topic {topic.name!r}")
     first, last = next(iter(topic.units)), None
-    with Process("bag", path, {}) as process:
+    with Process("bag", path) as process:
         for part in process.parts(f"{topic.name} ({topic.type})", (topic.count,), topic.dtype, rows):
             values = _ordered({name: part[name] for name in topic.units})
             if last is not None and values[first][0] < last:
@@ -146,21 +146,23 @@ def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | N
 
     Without a process its table is that of the first messages.
     """
+
+    def load() -> FileTable:
+        if process is None:
+            return _table(topic, next(_blocks(topic, path, HEAD)))
+        demand_size(topic.count * topic.dtype.itemsize, process.path, f"topic {topic.name!r}")
+        return _table(topic, _ordered(process.fields(f"{topic.name} ({topic.type})", topic.count, topic.dtype)))
+
     return streams.Stream(
         topic.name if names.count(topic.name) == 1 else f"{topic.name}/{topic.type}",
         topic.count,
         (*topic.units, *topic.called.values()),
-        lambda: _table(topic, next(_blocks(topic, path, HEAD)) if process is None else _all(topic, process)),
+        load,
         streams.mean_rate(topic.count, topic.span),
         topic.fits,
         topic.type,
         topic.why,
     )
-
-
-def _all(topic: _Topic, process: Process) -> dict[str, NDArray[Any]]:
-    demand_size(topic.count * topic.dtype.itemsize, process.path, f"topic {topic.name!r}")
-    return _ordered(process.fields(f"{topic.name} ({topic.type})", topic.count, topic.dtype))
 
 
 def _ordered(values: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
@@ -182,14 +184,10 @@ def _table(topic: _Topic, values: dict[str, NDArray[Any]]) -> FileTable:
         kind = "rate" if headers.inertial(unit) else ""
         called, samples = topic.called.get(name, name), numbers(values.pop(name), name)
         columns.append(FileColumn(samples, i, called, unit, kind, header=name))
-    return FileTable(tuple(columns), notes=tuple(_notes(topic)))
-
-
-def _notes(topic: _Topic) -> Iterator[Phrase]:
-    units = sorted(set(filter(headers.inertial, topic.units.values())), reverse=True)
-    if units:
-        yield say("{units} by the definition of the message", units=", ".join(units))
-    if topic.beside:
-        yield say("defined by {files} beside the bag", files=", ".join(topic.beside))
-    if topic.left:
-        yield say("left out, no signal or of no fixed number: {left}", left=some(topic.left))
+    units = ", ".join(sorted(set(filter(headers.inertial, topic.units.values())), reverse=True))
+    notes = (
+        (units, say("{units} by the definition of the message", units=units)),
+        (topic.beside, say("defined by {files} beside the bag", files=", ".join(topic.beside))),
+        (topic.left, say("left out, no signal or of no fixed number: {left}", left=some(topic.left))),
+    )
+    return FileTable(tuple(columns), notes=tuple(note for names, note in notes if names))

@@ -29,14 +29,14 @@ NAMES: dict[str, Any] = {"rates": RATE_NAMES, "text": KEY}
 
 def contained(form: str, path: str, options: Options, *, transposed: bool = False) -> Recording:
     """The channels of a file that `sandbox.worker` opens; with `transposed`, its arrays are transposed."""
-    with Process(form, path, NAMES) as process:
+    with Process(form, path, options.progress, NAMES) as process:
         found = _listed(process, transposed=transposed)
         return recording(rated(found, process.said["numbers"]), options, _left(process), process.said["description"])
 
 
 def contained_parts(form: str, path: str, options: Options) -> Parts | None:
     """The rows of datasets that are read side by side; None if they have no rows in common."""
-    with Process(form, path, NAMES) as process:
+    with Process(form, path, names=NAMES) as process:
         places = {str(item["path"]): item.get("offset") for item in process.said["datasets"]}
         found = [replace(d, load=partial(_first, d, places[d.path], (form, path))) for d in _listed(process)]
         numbers, notes, text = process.said["numbers"], _left(process), process.said["description"]
@@ -65,7 +65,7 @@ def _source(
     demand_size(math.prod(dataset.shape) * dataset.dtype.itemsize, path, f"dataset {dataset.path!r}")
     if offset is not None:
         return Rows(path, dataset.dtype, offset, dataset.shape).whole(rows)
-    process = stack.enter_context(Process(form, path, NAMES))
+    process = stack.enter_context(Process(form, path, names=NAMES))
     return process.parts(dataset.path, dataset.shape, dataset.dtype, rows)
 
 
@@ -91,7 +91,9 @@ def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process
     where, shape = str(item["path"]), tuple(int(side) for side in item["shape"])
     fields = [(str(name), str(kind), tuple(shape)) for name, kind, shape in item["fields"]]
     dtype = np.dtype(fields[0][1] if fields[0][0] == "" else fields)
-    turned = _turned(shape) if transposed else shape
+    turned = shape[::-1] if transposed else shape
+    if transposed and len(turned) == 2 and min(turned) == 1:  # a vector of MATLAB
+        turned = (max(turned),)
 
     def load() -> NDArray[Any]:
         size, offset = math.prod(shape) * dtype.itemsize, item.get("offset")
@@ -105,12 +107,6 @@ def _dataset(item: Mapping[str, Any], texts: Mapping[str, Any], process: Process
     unit, names = _said(item, texts)
     source = say("the frequency of the time series in the file") if "rate" in item else ""
     return Dataset(where, turned, dtype, load, unit, names, item.get("rate"), source)
-
-
-def _turned(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape of a MATLAB array; for a vector only its length."""
-    turned = shape[::-1]
-    return (max(turned),) if len(turned) == 2 and min(turned) == 1 else turned
 
 
 def _said(item: Mapping[str, Any], texts: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:

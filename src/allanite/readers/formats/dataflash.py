@@ -65,18 +65,14 @@ def _streams(log: Log, kind: Kind, said: Units) -> Iterator[streams.Stream]:
     for instance in instances:
         own = rows if instance is None else rows[rows["I"] == instance]
         name = kind.name if instance is None else f"{kind.name}/{instance}"
-        yield streams.Stream(name, own.size, names, partial(_table, kind, own, said, lost), _rate(own))
+        stamp = next((field for field in ("TimeUS", "SampleUS", "TimeMS") if field in names), None)
+        span = 0 if stamp is None or not own.size else int(own[stamp][-1]) - int(own[stamp][0])
+        rate = streams.mean_rate(own.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
+        yield streams.Stream(name, own.size, names, partial(_table, kind, own, said, lost), rate)
 
 
 def _inertial(names: tuple[str, ...]) -> bool:
     return any(_UNITS.get(name, "") in ("rad/s", "m/s^2") for name in names)
-
-
-def _rate(rows: Rows) -> float | None:
-    """Mean rate of messages in Hz."""
-    stamp = next((name for name in ("TimeUS", "SampleUS", "TimeMS") if name in (rows.dtype.names or ())), None)
-    span = 0 if stamp is None or not rows.size else int(rows[stamp][-1]) - int(rows[stamp][0])
-    return streams.mean_rate(rows.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
 
 
 def _table(kind: Kind, rows: Rows, said: Units, lost: int = 0) -> FileTable:

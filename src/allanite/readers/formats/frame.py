@@ -1,6 +1,5 @@
 """Tables in memory, of pandas, polars or pyarrow: any object with ``columns`` whose entries have ``to_numpy()``."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -21,25 +20,21 @@ def read(frame: FrameLike, options: Options) -> Recording:
     """
     if options.dtype is not None:
         raise UsageError("dtype, columns and offset describe raw binary files; omit them for a table in memory")
-    named = list(_named(frame))
-    headers = tuple(name for name, _ in named)
-    values = [_parsed(name, entry) for name, entry in named]
-    columns, tags, notes = text.of_parsed(values, headers, ("",) * len(headers))
-    return text.arranged(text.Parsed(columns, tags, notes), options).recording(options)
-
-
-def _named(frame: Any) -> Iterator[tuple[str, Any]]:
-    """Names and NumPy arrays of the columns, the index first if it carries information."""
+    named = list[tuple[str, Any]]()
     index: Any = getattr(frame, "index", None)
     if hasattr(index, "to_numpy"):
         values = index.to_numpy()
         if index.name is not None or values.dtype.kind in "Mm":
-            yield str("time" if index.name is None else index.name), values
+            named.append((str("time" if index.name is None else index.name), values))
     for name in getattr(frame, "column_names", frame.columns):  # pyarrow calls its arrays columns
         values = frame[name].to_numpy()
         if values.ndim != 1:
             raise DataError(f"several columns of the table, or one with several dimensions, are called {str(name)!r}")
-        yield str(name), values
+        named.append((str(name), values))
+    headers = tuple(name for name, _ in named)
+    parsed = [_parsed(name, values) for name, values in named]
+    columns, tags, notes = text.of_parsed(parsed, headers, ("",) * len(headers))
+    return text.arranged(text.Parsed(columns, tags, notes), options).recording(options)
 
 
 def _parsed(name: str, values: Any) -> parse.Parsed:

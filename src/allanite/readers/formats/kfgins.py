@@ -46,22 +46,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The six channels ``gx gy gz ax ay az`` as increments, and their clock."""
-    _demand_asked(options)
-    count, rest = divmod(os.path.getsize(path), _WIDTH)
-    rows = np.fromfile(path, "<f8", 7 * count).reshape(count, 7)
-    columns = [FileColumn(np.ascontiguousarray(rows[:, 0]), 1, "time", "s", header="time")]
-    for place, (name, unit) in enumerate(_CHANNELS, 1):
-        columns.append(
-            FileColumn(np.ascontiguousarray(rows[:, place]), place + 1, name, unit, "increment", header=name)
-        )
-    notes = [say("rows of seven doubles are read as KF-GINS binary: time in s, increments in rad and m/s")]
-    if rest:
-        notes.append(say("the last {bytes} bytes are no whole row and are left out", bytes=rest))
-    return FileTable(tuple(columns), notes=tuple(notes)).recording(options)
-
-
-def _demand_asked(options: Options) -> None:
-    """Refuse to read what was not asked for: rows in degrees, or of rates and g at 10 Hz, look the same."""
+    # refuse to read what was not asked for: rows in degrees, or of rates and g at 10 Hz, look the same
     if options.dtype is None:
         raise UsageError(
             say(
@@ -78,3 +63,14 @@ def _demand_asked(options: Options) -> None:
                 option=spelled("--columns and --offset", "columns and offset"),
             )
         )
+    count, rest = divmod(os.path.getsize(path), _WIDTH)
+    rows = np.fromfile(path, "<f8", 7 * count).reshape(count, 7)
+    columns = [FileColumn(np.ascontiguousarray(rows[:, 0]), 1, "time", "s", header="time")]
+    for place, (name, unit) in enumerate(_CHANNELS, 1):
+        columns.append(
+            FileColumn(np.ascontiguousarray(rows[:, place]), place + 1, name, unit, "increment", header=name)
+        )
+    notes = [say("rows of seven doubles are read as KF-GINS binary: time in s, increments in rad and m/s")]
+    if rest:
+        notes.append(say("the last {bytes} bytes are no whole row and are left out", bytes=rest))
+    return FileTable(tuple(columns), notes=tuple(notes)).recording(options)

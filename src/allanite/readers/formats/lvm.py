@@ -62,27 +62,26 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of all segments, with units, times and time step from the headers."""
     with worded():
-        table = _table(decoded(Path(path).read_bytes().removeprefix(b"\xef\xbb\xbf")).splitlines())
+        lines = decoded(Path(path).read_bytes().removeprefix(b"\xef\xbb\xbf")).splitlines()
+        ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
+        if len(ends) < 2:
+            raise DataError(say("the end of a header, {end}, is missing: the file is incomplete", end=_END))
+        mark = next((m for line in lines[: ends[0]] if line.startswith("Separator") for m in "\t," if m in line), "\t")
+        general = _entries(lines[: ends[0]], mark)
+        mark = _SEPARATORS.get(general.get("Separator", ["Tab"])[0].lower(), mark)
+        decimal, times = (
+            general.get(key, [usual])[0] for key, usual in (("Decimal_Separator", "."), ("X_Columns", "One"))
+        )
+        style = _Style(mark, decimal or ".", times.lower())
+        found = list(_segments(lines, ends, style))
+        first = found[0]
+        kept = [one for one in found if one.names == first.names and one.rows]
+        if not kept:
+            raise DataError(say("the file contains no rows of numbers; check that the recording was saved"))
+        other = len(found) - len(kept)
+        left = say("{number} segments without rows or with other channels are left out", number=other)
+        table = _joined(kept, style, (left,) if other else ())
     return table.recording(options)
-
-
-def _table(lines: list[str]) -> FileTable:
-    ends = [i for i, line in enumerate(lines) if line.startswith(_END)]
-    if len(ends) < 2:
-        raise DataError(say("the end of a header, {end}, is missing: the file is incomplete", end=_END))
-    mark = next((m for line in lines[: ends[0]] if line.startswith("Separator") for m in "\t," if m in line), "\t")
-    general = _entries(lines[: ends[0]], mark)
-    mark = _SEPARATORS.get(general.get("Separator", ["Tab"])[0].lower(), mark)
-    decimal, times = (general.get(key, [usual])[0] for key, usual in (("Decimal_Separator", "."), ("X_Columns", "One")))
-    style = _Style(mark, decimal or ".", times.lower())
-    found = list(_segments(lines, ends, style))
-    first = found[0]
-    kept = [one for one in found if one.names == first.names and one.rows]
-    if not kept:
-        raise DataError(say("the file contains no rows of numbers; check that the recording was saved"))
-    other = len(found) - len(kept)
-    notes = (say("{number} segments without rows or with other channels are left out", number=other),) if other else ()
-    return _joined(kept, style, notes)
 
 
 def _joined(segments: list[_Segment], style: _Style, notes: tuple[Phrase, ...]) -> FileTable:
@@ -136,13 +135,9 @@ def _values(segment: _Segment, style: _Style) -> tuple[NDArray[np.int64], list[N
     if style.times == "no" or not np.all(np.isfinite(x)):
         steps = np.arange(x.size, dtype=np.float64)
         x = np.add(style.number(segment.about, "X0"), style.number(segment.about, "Delta_X") * steps)
-    return _start(segment.about) + np.rint(x.clip(-1e9, 1e9) * 1e9).astype(np.int64), found[1::first]
-
-
-def _start(about: Header) -> int:
-    """The time of the header of a segment, ns since 1970; 0 if it has none."""
-    day, time = (about.get(key, [""])[0].replace(",", ".") for key in ("Date", "Time"))
+    day, time = (segment.about.get(key, [""])[0].replace(",", ".") for key in ("Date", "Time"))
     try:
-        return int(np.datetime64(f"{day.replace('/', '-')}T{time[:18]}", "ns").astype(np.int64))
-    except ValueError:
-        return 0
+        start = int(np.datetime64(f"{day.replace('/', '-')}T{time[:18]}", "ns").astype(np.int64))
+    except ValueError:  # the header has no time
+        start = 0
+    return start + np.rint(x.clip(-1e9, 1e9) * 1e9).astype(np.int64), found[1::first]

@@ -1,6 +1,6 @@
 """MDF files of ASAM, versions 3 and 4: the channels that have common time stamps."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,27 +32,21 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, or of several with the same time stamps; formulas of the file are not evaluated."""
     demand_start(head_of(path), _MAGIC, say("an MDF file"))
-    with Process("mdf", path, {}) as process:
+    with Process("mdf", path, options.progress) as process:
         with worded():
-            found = _grouped(process.said["datasets"], process)
+            # the channels with common time stamps, named after the first group that has them
+            groups: dict[str, list[Item]] = {}
+            for item in process.said["datasets"]:
+                groups.setdefault(str(item["clock"]) or f"group {item['group']}", []).append(item)
+            titles = [str(own[0]["title"]) for own in groups.values()]
+            found = []
+            for title, own in zip(titles, groups.values(), strict=True):
+                name = title if title and titles.count(title) == 1 else f"group {own[0]['group']}"
+                found.append(_Group(tuple(own), process).stream(name))
             left = [str(name) for name in process.said["left"]]
         said = say("left out, no numbers, or numbers converted by a formula: {names}", names=some(left))
         notes = [said] if left else []
         return streams.recording(found, options, notes)
-
-
-def _grouped(items: Sequence[Item], process: Process) -> list[streams.Stream]:
-    """A stream for the channels with common time stamps, named after the first group that has them."""
-    groups: dict[str, list[Item]] = {}
-    for item in items:
-        groups.setdefault(str(item["clock"]) or f"group {item['group']}", []).append(item)
-    titles = [str(own[0]["title"]) for own in groups.values()]
-    found = []
-    for title, own in zip(titles, groups.values(), strict=True):
-        group = _Group(tuple(own), process)
-        name = title if title and titles.count(title) == 1 else f"group {own[0]['group']}"
-        found.append(group.stream(name))
-    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,10 +37,11 @@ def read(path: str, options: Options) -> Recording:
     A one-dimensional array is one channel; a two-dimensional one has one channel per column; the fields of a structured
     array, and the arrays of a .npz, are named like the headers of a text file, optionally with a unit.
     """
-    arrays = _loaded(path)
-    return _table(arrays, [note for name, array in arrays if name != KEY for note in _notes(name, array)]).recording(
-        options
-    )
+    head = _demand_numbers(path)
+    with worded():
+        arrays = _members(path) if head.startswith(ZIP) else [("", np.array(_mapped(path)))]
+    notes = [note for name, array in arrays if name != KEY for note in _notes(name, array)]
+    return _table(arrays, notes).recording(options)
 
 
 def parts(path: str, options: Options) -> Parts | None:
@@ -87,13 +88,6 @@ def write(recording: Recording, path: str) -> None:
                 np.lib.format.write_array(member, np.asarray(array), allow_pickle=False)
 
 
-def _loaded(path: str) -> list[tuple[str, NDArray[Any]]]:
-    """Names and arrays; the name of a single array is empty."""
-    head = _demand_numbers(path)
-    with worded():
-        return _members(path) if head.startswith(ZIP) else [("", np.array(_mapped(path)))]
-
-
 def _demand_numbers(path: str) -> bytes:
     """The first bytes of a file, which must be those of numbers."""
     with Path(path).open("rb") as file:
@@ -112,22 +106,39 @@ def _mapped(path: str) -> Any:
 
 
 def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
-    _demand_sizes(path)
-    # numpy leaves a file with a damaged archive open if it opened the file itself
+    """Names and arrays of an archive."""
+    # NumPy allocates the memory claimed by the header of a member before reading it
+    form: Any = np.lib.format
+    demand_directory(path)
+    with zipfile.ZipFile(path) as archive:
+        members = archive.infolist()
+        demand_size(sum(member.file_size for member in members), path, "the archive")
+        for member in members:
+            claimed = 0
+            with archive.open(member) as stream:
+                if member.filename.endswith(".npy"):
+                    one = form.read_magic(stream) == (1, 0)
+                    shape, _, dtype = (form.read_array_header_1_0 if one else form.read_array_header_2_0)(stream)
+                    # objects are refused below
+                    claimed = 0 if dtype.hasobject else math.prod(shape) * max(1, dtype.itemsize)
+            if claimed > member.file_size:
+                raise DataError(
+                    f"array {member.filename!r} claims {claimed} bytes, but its member of the archive has "
+                    f"{member.file_size}: the file is damaged"
+                )
+    # NumPy leaves a file with a damaged archive open if it opened the file itself
     with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as archive:
-        return [(name, _member(archive, name)) for name in archive.files]
-
-
-def _member(archive: Any, name: str) -> NDArray[Any]:
-    try:
-        array = archive[name]
-    except ValueError as error:
-        raise DataError(
-            _objects(f"array {name!r}") if "pickle" in str(error) else f"array {name!r} is damaged: {error}"
-        ) from None
-    if not isinstance(array, np.ndarray):
-        raise DataError(f"{name!r} in the archive is not a NumPy array")
-    return array
+        arrays = []
+        for name in archive.files:
+            try:
+                array = archive[name]
+            except ValueError as error:
+                why = _objects(f"array {name!r}") if "pickle" in str(error) else f"array {name!r} is damaged: {error}"
+                raise DataError(why) from None
+            if not isinstance(array, np.ndarray):
+                raise DataError(f"{name!r} in the archive is not a NumPy array")
+            arrays.append((name, array))
+        return arrays
 
 
 def _objects(what: str) -> str:
@@ -135,29 +146,6 @@ def _objects(what: str) -> str:
         f"{what} contains pickled Python objects, which are never loaded because they can run code; save plain "
         "numbers: np.save(path, np.asarray(data, dtype=float))"
     )
-
-
-def _demand_sizes(path: str) -> None:
-    """NumPy allocates the memory claimed by the header of a member before reading it."""
-    demand_directory(path)
-    with zipfile.ZipFile(path) as archive:
-        members = archive.infolist()
-        demand_size(sum(member.file_size for member in members), path, "the archive")
-        for member in members:
-            with archive.open(member) as stream:
-                claimed = _claimed(stream) if member.filename.endswith(".npy") else 0
-            if claimed > member.file_size:
-                raise DataError(
-                    f"array {member.filename!r} claims {claimed} bytes, but its member of the archive has "
-                    f"{member.file_size}: the file is damaged"
-                )
-
-
-def _claimed(stream: Any) -> int:
-    form = np.lib.format
-    one = form.read_magic(stream) == (1, 0)
-    shape, _, dtype = (form.read_array_header_1_0 if one else form.read_array_header_2_0)(stream)
-    return 0 if dtype.hasobject else math.prod(shape) * max(1, dtype.itemsize)  # objects are refused elsewhere
 
 
 def _notes(name: str, array: NDArray[Any]) -> list[str]:

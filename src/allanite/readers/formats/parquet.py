@@ -47,7 +47,13 @@ def parts(path: str, options: Options) -> Parts:
     from pyarrow import parquet
 
     with worded(), parquet.ParquetFile(path, pre_buffer=False, buffer_size=BUFFER) as file:
-        table = _table(file, path, lambda field, before: _first(file, field.name).column(before))
+
+        def first_rows(field: Any, before: int) -> Any:
+            first = next(file.iter_batches(HEAD, columns=[field.name], use_threads=False), None)
+            batches, schema = ([], None) if first is None else ([first], first.schema)
+            return pa.Table.from_batches(batches, schema).column(before)
+
+        table = _table(file, path, first_rows)
         rows, names = file.metadata.num_rows, file.schema_arrow.names
 
     def blocks(wanted: Sequence[int], at_once: int) -> Iterator[list[NDArray[Any]]]:
@@ -62,15 +68,6 @@ def parts(path: str, options: Options) -> Parts:
     return Parts(table, rows, blocks, options)
 
 
-def _first(file: Any, name: str) -> Any:
-    """The first rows of the columns of a name."""
-    import pyarrow as pa
-
-    batches = file.iter_batches(HEAD, columns=[name], use_threads=False)
-    first = next(batches, None)
-    return pa.Table.from_batches([] if first is None else [first], None if first is None else first.schema)
-
-
 def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> FileTable:
     """The columns of a file; `load` reads that of a field which so many of the same name precede."""
     import pyarrow as pa
@@ -79,14 +76,24 @@ def _table(file: Any, path: str, load: Callable[[Any, int], Any]) -> FileTable:
     if len(schema) > WIDEST:
         raise DataError(f"the table has {len(schema)} columns; expected one per channel")
     demand_size(rows * 8 * len(schema), path, "the table")
-    demand_size(_unpacked(file.metadata), path, "the table")
+    # what row groups claim to unpack to; damaged statistics of single columns make pyarrow abort the interpreter
+    groups = map(file.metadata.row_group, range(file.metadata.num_row_groups))
+    demand_size(sum(max(0, group.total_byte_size) for group in groups), path, "the table")
     rate, text, index = _metadata(schema.metadata or {})
     columns, left = list[FileColumn](), list[str]()
     for place, field in enumerate(schema, 1):
         if pa.types.is_nested(field.type):
             left.append(field.name)
+            continue
+        before, about = schema.names[: place - 1].count(field.name), field.metadata or {}
+        unit = next((about[name].decode() for name in _UNIT_NAMES if name in about), "")
+        if is_number(field.type):
+            columns.append(column(field.name, of_arrow(load(field, before)), place, unit=unit))
         else:
-            columns.append(_column(file, field, place, load))
+            # not all of it: a dictionary of long words may represent any length
+            first = next(file.iter_batches(1, columns=[field.name], use_threads=False), None)
+            word = None if first is None or not first.num_rows else first.column(before)[0].as_py()
+            columns.append(headed(np.empty(0), place, field.name, text=str(word or "text")[:100]))
     notes = (say("left out, lists or structures: {names}", names=", ".join(left)),) if left else ()
     table = FileTable(tuple(c for c in columns if c.name not in index), rate, say("the metadata of the file"), notes)
     return restored(table, text)
@@ -107,42 +114,16 @@ def write(recording: Recording, path: str) -> None:
     parquet.write_table(table, path, compression="zstd", use_dictionary=False)
 
 
-def _unpacked(metadata: Any) -> int:
-    """Size in bytes that the row groups claim to unpack to.
-
-    The claims of single columns are not read: damaged statistics make pyarrow abort the interpreter
-    ("Repetition level histogram size mismatch", pyarrow 26).
-    """
-    return sum(max(0, metadata.row_group(i).total_byte_size) for i in range(metadata.num_row_groups))
-
-
 def _metadata(said: dict[bytes, bytes]) -> tuple[float | None, bytes, set[str]]:
-    """Sampling rate, stored description and the columns that are only an index, if the file has them."""
+    """Sampling rate, stored description and the columns that are only an index, as pandas writes it without a name."""
     rates = [said[name.encode()] for name in RATE_NAMES if name.encode() in said]
     try:
         rate = float(rates[0]) if rates else None
     except ValueError:
         rate = None
-    return rate if rate and 0 < rate < float("inf") else None, said.get(KEY.encode(), b""), _index(said)
-
-
-def _index(said: dict[bytes, bytes]) -> set[str]:
-    """The unnamed index that pandas writes as a column."""
     try:
         names = json.loads(said.get(b"pandas", b"{}")).get("index_columns", [])
     except (ValueError, AttributeError, RecursionError):
-        return set()
-    return {name for name in names if isinstance(name, str) and name.startswith("__index_level_")}
-
-
-def _column(file: Any, field: Any, place: int, load: Callable[[Any, int], Any]) -> FileColumn:
-    """The column of a field at a place, counted from 1, and what loads it."""
-    before = file.schema_arrow.names[: place - 1].count(field.name)
-    said = field.metadata or {}
-    unit = next((said[name].decode() for name in _UNIT_NAMES if name in said), "")
-    if not is_number(field.type):
-        # not all of it: a dictionary of long words may represent any length
-        first = next(file.iter_batches(1, columns=[field.name], use_threads=False), None)
-        word = None if first is None or not first.num_rows else first.column(before)[0].as_py()
-        return headed(np.empty(0), place, field.name, text=str(word or "text")[:100])
-    return column(field.name, of_arrow(load(field, before)), place, unit=unit)
+        names = []
+    index = {name for name in names if isinstance(name, str) and name.startswith("__index_level_")}
+    return rate if rate and 0 < rate < float("inf") else None, said.get(KEY.encode(), b""), index

@@ -39,7 +39,12 @@ def read(path: str, options: Options) -> Recording:
         raise DataError(
             f"a PSINS file has three header rows and then the increments, but {len(rows)} rows of numbers were found"
         )
-    _, place, scales = (_six(row, line) for line, _, row in rows[:3])
+    for line, _, row in rows[:3]:
+        if len(row) != 6 or not all(map(is_number, row)):
+            raise DataError(
+                f"line {line} is a header row of a PSINS file and must hold six numbers, not {' '.join(row)[:60]!r}"
+            )
+    place, scales = ([float(cell) for cell in row] for _, _, row in rows[1:3])
     interval, gravity = place[4], place[5]
     if not interval > 0 or not all(scale > 0 for scale in scales):
         raise DataError(
@@ -64,11 +69,3 @@ def read(path: str, options: Options) -> Recording:
 def _rows(head: bytes) -> list[tuple[int, int, list[str]]]:
     """Line number, offset and cells of the lines that are neither blank nor comments."""
     return [(n, at, text.split()) for n, at, text in numbered_lines(head) if text and not text.lstrip().startswith("%")]
-
-
-def _six(row: list[str], line: int) -> list[float]:
-    if len(row) != 6 or not all(map(is_number, row)):
-        raise DataError(
-            f"line {line} is a header row of a PSINS file and must hold six numbers, not {' '.join(row)[:60]!r}"
-        )
-    return [float(cell) for cell in row]

@@ -38,48 +38,25 @@ def parts(path: str, options: Options) -> Parts:
 
 def _layout(path: str, options: Options) -> tuple[np.dtype[Any], int, int]:
     """The type of a row, the bytes before the first one, and their number."""
-    row, offset = _row(options), options.offset or 0
-    return row, offset, _rows(os.path.getsize(path) - offset, row, offset)
-
-
-def _table(rows: NDArray[Any]) -> FileTable:
-    return FileTable(tuple(column("", values, i) for i, values in enumerate(columns_of(rows), 1)))
-
-
-def _row(options: Options) -> np.dtype[Any]:
-    """The type of one row."""
-    said = options.dtype or ""
+    said, columns, offset = options.dtype or "", options.columns, options.offset or 0
     try:
-        number = np.dtype(said)
+        row = np.dtype(said)
     except (TypeError, ValueError, SyntaxError, OverflowError):
-        number = np.dtype(object)
-    if not _real(number) or not number.itemsize:
+        row = np.dtype(object)
+    if not _real(row) or not row.itemsize:
         raise UsageError(
             f"unknown number type {said!r}; types are written as in NumPy: i1 i2 i4 i8, u1 u2 u4 u8, f4 f8, with > "
             "in front for big-endian, as in '>i2'; 'u4,6i2' for rows of mixed types"
         )
-    if options.columns is None:
-        return number
-    if number.names:
-        raise UsageError(
-            f"the type {said!r} describes a whole row; omit "
-            f"{spelled(f'--columns {options.columns}', f'columns={options.columns}')}"
-        )
-    try:
-        return np.dtype((number, (options.columns,)))
-    except (ValueError, OverflowError):
-        raise UsageError(
-            f"{spelled(f'--columns {options.columns}', f'columns={options.columns}')} is more than a row can have"
-        ) from None
-
-
-def _real(number: np.dtype[Any]) -> bool:
-    if number.names:
-        return all(_real(number[name]) for name in number.names)
-    return number.base.kind in "iuf"
-
-
-def _rows(size: int, row: np.dtype[Any], offset: int) -> int:
+    if columns is not None:
+        option = spelled(f"--columns {columns}", f"columns={columns}")
+        if row.names:
+            raise UsageError(f"the type {said!r} describes a whole row; omit {option}")
+        try:
+            row = np.dtype((row, (columns,)))
+        except (ValueError, OverflowError):
+            raise UsageError(f"{option} is more than a row can have") from None
+    size = os.path.getsize(path) - offset
     if size <= 0:
         raise DataError(f"the file has {size + offset} bytes and ends before the offset of {offset}; check the offset")
     count, over = divmod(size, row.itemsize)
@@ -89,4 +66,14 @@ def _rows(size: int, row: np.dtype[Any], offset: int) -> int:
             f"the file has {have}, which is not a multiple of the {row.itemsize} bytes of a row: {count} rows and "
             f"{over} bytes remain; check {spelled('--dtype, --columns and --offset', 'dtype, columns and offset')}"
         )
-    return count
+    return row, offset, count
+
+
+def _table(rows: NDArray[Any]) -> FileTable:
+    return FileTable(tuple(column("", values, i) for i, values in enumerate(columns_of(rows), 1)))
+
+
+def _real(number: np.dtype[Any]) -> bool:
+    if number.names:
+        return all(_real(number[name]) for name in number.names)
+    return number.base.kind in "iuf"

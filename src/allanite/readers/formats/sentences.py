@@ -5,8 +5,8 @@ Source of the names and units: VN-100 User Manual (VectorNav, firmware 2.1), sec
 
 import binascii
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
@@ -66,7 +66,16 @@ def read(path: str, options: Options) -> Recording:
     """The channels of the sentences of one name; those with a wrong checksum are gaps."""
     with worded():
         kinds, bad = _sorted(Path(path).read_bytes())
-        found = [_stream(name, kind) for name, kind in kinds.items() if len(kind.fields) > 1]
+        found = list[streams.Stream]()
+        for name, kind in kinds.items():
+            right = [fields for fields in kind.fields if fields is not None]
+            widths = [fields.count(",") + 1 for fields in right]
+            width = int(np.bincount(widths).argmax()) if max(widths) < 1000 else max(widths)
+            names = _FIELDS.get(name, ())
+            names = names if len(names) == width else ("",) * width
+            load, fits = partial(_table, name, kind, names), streams.inertial(names)
+            if len(kind.fields) > 1:
+                found.append(streams.Stream(name, len(right), names, load, fits=fits))
     if not found:
         raise DataError(say("no sentence has a right checksum; {count} are damaged", count=bad))
     notes = [
@@ -83,12 +92,18 @@ def _sorted(data: bytes) -> tuple[dict[str, _Kind], int]:
     """The sentences by name, and the number of damaged ones; a damaged one whose name is lost belongs to the last."""
     kinds, bad = dict[str, _Kind](), 0
     last: _Kind | None = None
-    for before, name, fields in _sentences(data):
-        if fields is None:
-            bad += 1
-            last = kinds.get(name, last)
+    before, fields = "", None
+    for line in data.splitlines():
+        at = line.find(b"$")
+        if at < 0:
+            continue
+        found = _SENTENCE.fullmatch(line)
+        if found is None or not _right(line[at + 1 : line.rfind(b"*")], found[4]):
+            before, fields, bad = "", None, bad + 1
+            last = kinds.get(line[at + 1 : at + 6].decode("latin-1"), last)
         else:
-            last = kinds.setdefault(name, _Kind())
+            before, fields = found[1].decode("latin-1").strip(" ,;\t"), found[3].decode("latin-1")
+            last = kinds.setdefault(found[2].decode(), _Kind())
         if last is not None:
             last.before.append(before)
             last.fields.append(fields)
@@ -97,20 +112,6 @@ def _sorted(data: bytes) -> tuple[dict[str, _Kind], int]:
             kind.fields.pop()
             kind.before.pop()
     return kinds, bad
-
-
-def _sentences(data: bytes) -> Iterator[tuple[str, str, str | None]]:
-    """What precedes each sentence in its line, its name, and its fields, None if it is damaged."""
-    for line in data.splitlines():
-        at = line.find(b"$")
-        if at < 0:
-            continue
-        found = _SENTENCE.fullmatch(line)
-        body = line[at + 1 : line.rfind(b"*")]
-        if found is None or not _right(body, found[4]):
-            yield "", line[at + 1 : at + 6].decode("latin-1"), None
-        else:
-            yield found[1].decode("latin-1").strip(" ,;\t"), found[2].decode(), found[3].decode("latin-1")
 
 
 def _right(body: bytes, checksum: bytes) -> bool:
@@ -129,23 +130,9 @@ def _right(body: bytes, checksum: bytes) -> bool:
     return folded == int(checksum, 16)
 
 
-def _stream(name: str, kind: _Kind) -> streams.Stream:
-    widths = [fields.count(",") + 1 for fields in kind.fields if fields is not None]
-    width = int(np.bincount(widths).argmax()) if max(widths) < 1000 else max(widths)
-    names = _FIELDS.get(name, ())
-    names = names if len(names) == width else ("",) * width
-    count = sum(fields is not None for fields in kind.fields)
-
-    def load() -> FileTable:
-        return _table(name, names, kind)
-
-    return streams.Stream(name, count, names, load, fits=streams.inertial(names))
-
-
-def _table(name: str, names: tuple[str, ...], kind: _Kind) -> FileTable:
+def _table(name: str, kind: _Kind, names: tuple[str, ...]) -> FileTable:
     """The fields as columns, after the time stamps if the logger wrote any before the sentences."""
-    width = len(names)
-    right = [fields is not None and fields.count(",") + 1 == width for fields in kind.fields]
+    right = [fields is not None and fields.count(",") + 1 == len(names) for fields in kind.fields]
     stamped = all(before for before, fine in zip(kind.before, right, strict=True) if fine)
     notes = list[Phrase]()
     if stamped:  # which shows what is missing
@@ -154,8 +141,9 @@ def _table(name: str, names: tuple[str, ...], kind: _Kind) -> FileTable:
         rows = [f"{before.replace(',', ' ')},{each}" for before, each in zip(stamps, fields, strict=True)]
         heads, words = ("time", *names), frozenset(() if is_number(stamps[0]) else (0,))
     else:
-        rows = [fields or "" if fine else "," * (width - 1) for fields, fine in zip(kind.fields, right, strict=True)]
-        heads, words, other = names, frozenset[int](), right.count(False)
+        gap, other = "," * (len(names) - 1), right.count(False)
+        rows = [fields or "" if fine else gap for fields, fine in zip(kind.fields, right, strict=True)]
+        heads, words = names, frozenset[int]()
         said = say("{number} damaged sentences of {name} are gaps of one sample each", number=other, name=name)
         notes += [said] if other else []
     layout = Layout(",", ".", heads, ("",) * len(heads), words, 0, 1)

@@ -30,26 +30,23 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, with units and time step from the properties of the channels."""
     demand_start(head_of(path), (_MAGIC,), say("a TDMS file"))
-    with Process("tdms", path, {}) as process:
+    with Process("tdms", path, options.progress) as process:
         with worded():
-            found = _grouped(process.said["datasets"], process)
+            # the channels of a group with one length and time step; if there are several, each has a number
+            groups: dict[tuple[str, int, float], list[Item]] = {}
+            for item in process.said["datasets"]:
+                length = int(item["shape"][0])
+                if np.dtype(str(item["fields"][0][1])).kind in "iufM" and length > 1:
+                    groups.setdefault((str(item["group"]), length, float(item["step"])), []).append(item)
+            names, found = [group for group, _, _ in groups], list[streams.Stream]()
+            for (group, length, step), own in groups.items():
+                number = sum(stream.name.startswith(f"{group}/") for stream in found) + 1
+                name = f"{group}/{number}" if names.count(group) > 1 else group
+                load = _Loader(own, process, length, step)
+                columns = tuple(str(item["name"]) for item in own)
+                fits = streams.inertial(columns, (str(item["unit"]) for item in own))
+                found.append(streams.Stream(name, length, columns, load, 1 / step if step > 0 else None, fits))
         return streams.recording(found, options)
-
-
-def _grouped(items: Sequence[Item], process: Process) -> list[streams.Stream]:
-    """A stream for the channels of a group with one length and time step; with several of them, each has a number."""
-    groups: dict[tuple[str, int, float], list[Item]] = {}
-    for item in items:
-        length = int(item["shape"][0])
-        if np.dtype(str(item["fields"][0][1])).kind in "iufM" and length > 1:
-            groups.setdefault((str(item["group"]), length, float(item["step"])), []).append(item)
-    names = [group for group, _, _ in groups]
-    found = list[streams.Stream]()
-    for (group, length, step), own in groups.items():
-        number = sum(stream.name.startswith(f"{group}/") for stream in found) + 1
-        name = f"{group}/{number}" if names.count(group) > 1 else group
-        found.append(_stream(name, length, step, _Loader(own, process, length, step)))
-    return found
 
 
 class _Loader:
@@ -68,9 +65,3 @@ class _Loader:
         rate = 1 / self.step if self.step > 0 else None
         start = float(self.items[0]["start"]) if rate else None
         return FileTable(tuple(columns), rate, str(say("the property wf_increment of the channels")), (), start)
-
-
-def _stream(name: str, length: int, step: float, load: _Loader) -> streams.Stream:
-    names = tuple(str(item["name"]) for item in load.items)
-    fits = streams.inertial(names, (str(item["unit"]) for item in load.items))
-    return streams.Stream(name, length, names, load, 1 / step if step > 0 else None, fits)

@@ -70,26 +70,20 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a topic of a PX4 log; with several instances of a topic, each is ``topic/0``, ``topic/1``."""
     demand_start(head_of(path), (_MAGIC,), say("a PX4 log"))
-    with Process("ulog", path, {}) as process:
+    with Process("ulog", path, options.progress) as process:
         with worded():
             found = [_topic(item, process) for item in process.said["datasets"]]
-            notes = _notes(process.said)
+            # what the log says about its own losses
+            drops = [float(milliseconds) for milliseconds in process.said["dropouts"]]
+            lost = say_count(
+                len(drops),
+                "the log reports a dropout of its writer, of {total:.4g} s",
+                "the log reports {count} dropouts of its writer, of {total:.4g} s in all",
+                total=sum(drops) / 1e3,
+            )
+            damaged = say("the log is damaged in places; the messages there are left out")
+            notes = [note for note, holds in ((lost, drops), (damaged, process.said["damaged"])) if holds]
         return streams.recording(found, options, notes)
-
-
-def _notes(said: Mapping[str, Any]) -> list[Phrase]:
-    """What the log says about its own losses."""
-    drops = [float(milliseconds) for milliseconds in said["dropouts"]]
-    lost = [
-        say_count(
-            len(drops),
-            "the log reports a dropout of its writer, of {total:.4g} s",
-            "the log reports {count} dropouts of its writer, of {total:.4g} s in all",
-            total=sum(drops) / 1e3,
-        )
-    ]
-    damaged = say("the log is damaged in places; the messages there are left out")
-    return (lost if drops else []) + ([damaged] if said["damaged"] else [])
 
 
 def _topic(item: Mapping[str, Any], process: Process) -> streams.Stream:

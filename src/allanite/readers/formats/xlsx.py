@@ -29,7 +29,7 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The channels of a sheet, with the stored results of formulas; nothing in the workbook is executed."""
-    with Process("xlsx", path, {}) as process:
+    with Process("xlsx", path, options.progress) as process:
         with worded("the workbook"):
             found = [stream for item in process.said["datasets"] for stream in _sheet(item, process, options)]
         if not found:

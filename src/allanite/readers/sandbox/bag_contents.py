@@ -7,6 +7,7 @@ import os
 import re
 import runpy
 import shutil
+import struct
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,12 +18,11 @@ from urllib.parse import quote
 
 import numpy as np
 from rosbags.interfaces import MessageDefinitionFormat
+from rosbags.rosbag1 import Reader as Reader1
 from rosbags.rosbag2 import Reader as Reader2
 from rosbags.typesys import get_types_from_idl, get_types_from_msg
 
-_HERE = os.path.dirname(__file__)
-Definition = runpy.run_path(os.path.join(_HERE, "bag_messages.py"))["Definition"]
-Chunks = runpy.run_path(os.path.join(_HERE, "bag_chunks.py"))["Chunks"]
+Definition = runpy.run_path(os.path.join(os.path.dirname(__file__), "bag_messages.py"))["Definition"]
 
 MOST_TOPICS, LONGEST = 1000, 1 << 20
 BATCH, BYTES = 4096, 8 << 20
@@ -36,12 +36,33 @@ COST = 20
 _NAME = re.compile(r"([A-Za-z]\w*)(?:/msg)?/([A-Za-z]\w*)")
 _SEPARATOR = "=" * 80 + "\n"
 
+_NUMBER, _STAMP = struct.Struct("<I").unpack_from, struct.Struct("<II").unpack_from
+_CONNECTION, _TIME, _MESSAGE = b"\x09\0\0\0conn=", b"\x0d\0\0\0time=", b"\x04\0\0\0op=\x02"
+"""Of the records of a chunk of ROS 1; ROS wiki, Bags/Format/2.0."""
+
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:
     """The topics of a bag with types, counts, columns and seconds that it spans, and a function that sends a topic."""
     with _worded():
-        reader = _opened(path)
-        topics = [Topic(reader, group, path) for group in _grouped(reader.connections)]
+        if os.path.isdir(path):
+            reader: Any = Reader2(path)
+        else:
+            with open(path, "rb") as file:
+                head = file.read(8)
+            if head.startswith(b"#ROSBAG"):
+                reader = Chunks(path)
+            elif head.startswith(b"SQLite"):
+                reader = Reader2.STORAGE_PLUGINS[".db3"](Path(quote(path)))  # opened as a URI
+            else:
+                reader = Reader2.STORAGE_PLUGINS[".mcap"](Path(path))
+        reader.open()
+        for storage in reader.storage.storages if os.path.isdir(path) else ():
+            if storage.path.parent != Path(path):  # unpacked, and open: nobody else removes it
+                shutil.rmtree(storage.path.parent, ignore_errors=True)
+        groups: dict[tuple[str, str], list[Any]] = {}
+        for connection in reader.connections:
+            groups.setdefault((connection.topic, connection.msgtype), []).append(connection)
+        topics = [Topic(reader, group, path) for group in list(groups.values())[:MOST_TOPICS]]
     named = {f"{topic.said['topic']} ({topic.said['type']})": topic for topic in topics}
 
     def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:
@@ -60,34 +81,6 @@ def _worded() -> Iterator[None]:
     except Exception as error:
         said = " ".join(str(error).split()) or "its records contradict each other"
         sys.exit(f"{type(error).__name__}: {said[:200]}")
-
-
-def _opened(path: str) -> Any:
-    """The reader of a file by its first bytes, or of a folder of ROS 2."""
-    if os.path.isdir(path):
-        reader: Any = Reader2(path)
-    else:
-        with open(path, "rb") as file:
-            head = file.read(8)
-        if head.startswith(b"#ROSBAG"):
-            reader = Chunks(path)
-        elif head.startswith(b"SQLite"):
-            reader = Reader2.STORAGE_PLUGINS[".db3"](Path(quote(path)))  # opened as a URI
-        else:
-            reader = Reader2.STORAGE_PLUGINS[".mcap"](Path(path))
-    reader.open()
-    for storage in reader.storage.storages if os.path.isdir(path) else ():
-        if storage.path.parent != Path(path):  # unpacked, and open: nobody else removes it
-            shutil.rmtree(storage.path.parent, ignore_errors=True)
-    return reader
-
-
-def _grouped(connections: list[Any]) -> list[list[Any]]:
-    """The connections of each topic and type."""
-    groups: dict[tuple[str, str], list[Any]] = {}
-    for connection in connections:
-        groups.setdefault((connection.topic, connection.msgtype), []).append(connection)
-    return list(groups.values())[:MOST_TOPICS]
 
 
 class Topic:
@@ -177,3 +170,43 @@ def _standard() -> dict[str, Any]:
     from rosbags.typesys.stores.ros2_humble import FIELDDEFS
 
     return dict(FIELDDEFS)
+
+
+class Chunks(Reader1):
+    """A bag that is read without its index of single messages, which is larger in memory than what they hold."""
+
+    def open(self) -> None:
+        """Open it, and count the messages of each connection."""
+        super().open()
+        counts = [chunk.connection_counts for chunk in self.chunk_infos]
+        self.connections = [
+            one._replace(msgcount=sum(count.get(one.id, 0) for count in counts)) for one in self.connections
+        ]
+
+    def read_index_data(self, pos: int, indexes: Any) -> None:
+        """Nothing."""
+
+    def messages(self, connections: Any = (), start: Any = None, stop: Any = None) -> Any:
+        """Connections, times in ns and bytes of the messages, in the order in which they were written."""
+        wanted = {one.id: one for one in connections}
+        bio: Any = self.bio
+        for chunk in sorted(self.chunk_infos, key=lambda one: (one.start_time, one.pos)):
+            if wanted.keys().isdisjoint(chunk.connection_counts):
+                continue
+            where = self.chunks[chunk.pos]
+            bio.seek(where.datapos)
+            data, at = where.decompressor(bio.read(where.datasize)), 0
+            while at < len(data):
+                begin = at + 4
+                at = begin + _NUMBER(data, at)[0]
+                header = data[begin:at]
+                begin = at + 4
+                at = begin + _NUMBER(data, at)[0]
+                if at > len(data):
+                    raise ValueError("a chunk ends within a record")
+                if _MESSAGE not in header:
+                    continue
+                connection = wanted.get(_NUMBER(header, header.index(_CONNECTION) + len(_CONNECTION))[0])
+                if connection is not None:
+                    seconds, nanoseconds = _STAMP(header, header.index(_TIME) + len(_TIME))
+                    yield connection, seconds * 1_000_000_000 + nanoseconds, data[begin:at]

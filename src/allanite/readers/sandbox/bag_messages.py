@@ -180,7 +180,15 @@ class Walk:
                 self._demand(size)
                 self.at += size
             else:
-                self._many(step)
+                count = self._length()
+                if count > self.rows.shape[1] - self.at:
+                    _refuse("shorter")
+                first = step.element[0] if len(step.element) == 1 else None
+                if isinstance(first, Numbers):
+                    self._numbers(Numbers(first.dtype, count * first.size), taken=False)
+                else:
+                    for _ in range(count):
+                        self.through(step.element, taken=False)
 
     def end(self) -> None:
         """Refuse messages that are longer than their definition; those of ROS 2 may be padded."""
@@ -220,17 +228,6 @@ class Walk:
             about: Any = [("s", self.order + step.seconds), ("ns", f"{self.order}u4")]
             self.places[step.name] = (np.dtype(about), self.at)
         self.at += 8
-
-    def _many(self, step: Many) -> None:
-        count = self._length()
-        if count > self.rows.shape[1] - self.at:
-            _refuse("shorter")
-        first = step.element[0] if len(step.element) == 1 else None
-        if isinstance(first, Numbers):
-            self._numbers(Numbers(first.dtype, count * first.size), taken=False)
-        else:
-            for _ in range(count):
-                self.through(step.element, taken=False)
 
     def _length(self) -> int:
         self._align(4)

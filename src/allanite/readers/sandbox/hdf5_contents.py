@@ -49,21 +49,18 @@ class Listing:
             if depth > DEEPEST or not isinstance(group.get(name, getlink=True), h5py.HardLink):
                 self.said["left"].append(where)
                 continue
-            self._object(group[name], where, depth)
-
-    def _object(self, found: Any, path: str, depth: int) -> None:
-        info = h5py.h5o.get_info(found.id)
-        token = (info.fileno, info.addr)
-        if token in self.seen:
-            return
-        self.seen.add(token)
-        if len(self.seen) > MOST_OBJECTS:
-            sys.exit(f"the file contains more than {MOST_OBJECTS} objects")
-        if isinstance(found, h5py.Group):
-            self._attributes(found, path)
-            self._group(found, path, depth + 1)
-        elif isinstance(found, h5py.Dataset):
-            self._dataset(found, path)
+            found = group[name]
+            info = h5py.h5o.get_info(found.id)
+            token = (info.fileno, info.addr)
+            if token not in self.seen:
+                self.seen.add(token)
+                if len(self.seen) > MOST_OBJECTS:
+                    sys.exit(f"the file contains more than {MOST_OBJECTS} objects")
+                if isinstance(found, h5py.Group):
+                    self._attributes(found, where)
+                    self._group(found, where, depth + 1)
+                elif isinstance(found, h5py.Dataset):
+                    self._dataset(found, where)
 
     def _attributes(self, found: Any, path: str) -> dict[str, Any]:
         said = {name: _plain(found.attrs[name]) for name in found.attrs if name.lower() in self.wanted}
@@ -87,16 +84,13 @@ class Listing:
             self.said["numbers"][path] = float(np.asarray(dataset[()]).reshape(-1)[0])
         elif kind.kind in "OS" and dataset.size <= 1000 and dataset.size * kind.itemsize < 1 << 20:
             self._words(dataset, path)
-        elif _fields(kind) and not self._chunks_fit(dataset):
+        elif _fields(kind) and kind.itemsize * math.prod(dataset.chunks or ()) > self.most:
             sys.exit(f"the chunks {dataset.chunks} of {path!r} are larger than the file can hold")
         elif _fields(kind):
             place = {"path": path, "shape": dataset.shape, "fields": _fields(kind), "offset": _offset(dataset)}
             self.said["datasets"].append(said | place)
         else:
             self.said["left"].append(path)
-
-    def _chunks_fit(self, dataset: Any) -> bool:
-        return bool(dataset.dtype.itemsize * math.prod(dataset.chunks or ()) <= self.most)
 
     def _words(self, dataset: Any, path: str) -> None:
         if not h5py.check_string_dtype(dataset.dtype):

@@ -29,8 +29,14 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
         if master is not None and _linear(file, group.channels[master]) is None:
             said["left"].append(f"group {number}")
             continue
-        about = {"group": number, "title": getattr(group.channel_group, "acq_name", None) or ""}
-        about |= _clock(file, number) if master is not None else {"clock": "", "span": 0.0}
+        title = getattr(group.channel_group, "acq_name", None) or ""
+        about = {"group": number, "title": title, "clock": "", "span": 0.0}
+        if master is not None:  # groups with common times are found by a hash of these
+            times, claimed = _times(file, number), int(group.channel_group.cycles_nr)
+            if times.size != claimed:
+                sys.exit(f"group {number} claims {claimed} samples, but has {times.size}")
+            span = float(times[-1] - times[0])
+            about |= {"clock": hashlib.sha256(times.data).hexdigest(), "span": span if np.isfinite(span) else 0.0}
         for place, channel in enumerate(group.channels):
             if place != master:
                 _list(said, file, (number, place, channel), about)
@@ -66,16 +72,6 @@ def _linear(file: Any, channel: Any) -> tuple[float, float] | None:
 
 def _times(file: Any, number: int) -> Any:
     return np.ascontiguousarray(file.get_master(number), dtype=np.float64)
-
-
-def _clock(file: Any, number: int) -> dict[str, Any]:
-    """A hash of the times of a group, by which groups with common times are found, and their span in s."""
-    times = _times(file, number)
-    claimed = int(file.groups[number].channel_group.cycles_nr)
-    if times.size != claimed:
-        sys.exit(f"group {number} claims {claimed} samples, but has {times.size}")
-    span = float(times[-1] - times[0]) if times.size else 0.0
-    return {"clock": hashlib.sha256(times.data).hexdigest(), "span": span if np.isfinite(span) else 0.0}
 
 
 def _values(file: Any, number: int, place: int) -> Any:

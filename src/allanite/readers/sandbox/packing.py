@@ -58,9 +58,9 @@ class _Streams:
         while True:
             fresh = b""
             if self._decoder.eof:
-                fresh = self._rest(self._decoder.unused_data)
+                fresh = self._decoder.unused_data.lstrip(self._between)
                 while not fresh and (block := self._file.read(_BLOCK)):
-                    fresh = self._rest(block)
+                    fresh = block.lstrip(self._between)
                 if not fresh:
                     return b""
                 self._decoder = self._begun()
@@ -70,19 +70,15 @@ class _Streams:
             if found:
                 return found
 
-    def _rest(self, data: bytes) -> bytes:
-        return data.lstrip(self._between) if self._between else data
-
-
-def _xz(file: IO[bytes]) -> _Streams:
-    """With bounded memory, and zeros between streams."""
-    return _Streams(file, lambda: lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER), b"\0")
-
 
 PACKINGS = (
     Packing(re.compile(rb"\x1f\x8b\x08"), ".gz", lambda file: gzip.GzipFile(fileobj=file)),
     Packing(re.compile(rb"BZh[1-9](1AY&SY|\x17rE8P\x90)"), ".bz2", lambda file: _Streams(file, bz2.BZ2Decompressor)),
-    Packing(re.compile(rb"\xfd7zXZ\0"), ".xz", _xz),
+    Packing(  # with bounded memory, and zeros between streams
+        re.compile(rb"\xfd7zXZ\0"),
+        ".xz",
+        lambda file: _Streams(file, lambda: lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_DECODER), b"\0"),
+    ),
 )
 
 ZIP = Packing(re.compile(rb"PK\x03\x04"), ".zip", zipfile.ZipFile)
@@ -102,11 +98,20 @@ def unpacked(path: str, member: str, judge: Judge, *, only_by_suffix: bool = Fal
                 break
             limit = most(path)
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="allanite-", ignore_cleanup_errors=True))
+            name = Path(path).name
             if packing is ZIP:
-                inner, member = _member(path, member, judge, folder), ""
-            else:
-                inner = _lone(path, packing, folder)
-            path = UnpackedPath(inner, limit)
+                name, member = _chosen(path, member, judge), ""
+            elif name.lower().endswith(packing.suffix):
+                name = name[: -len(packing.suffix)]
+            what = "the archive" if packing is ZIP else f"the {packing.suffix} packing"
+            inner = Path(folder, "file" + re.sub(r"[^.A-Za-z0-9]", "", os.path.splitext(name)[1])[:16])
+            with worded(what), Path(path).open("rb") as file, ExitStack() as layer, inner.open("wb") as copy:
+                stream = _Limited(_content(packing, file, name, layer), limit, what)
+                while block := stream.read(_BLOCK):
+                    copy.write(block)
+                if not copy.tell():
+                    raise DataError("the packed file is empty")
+            path = UnpackedPath(str(inner), limit)
         if member:
             raise UsageError(f"{SEPARATOR}{member} names a member of a .zip file, but this is not one")
         yield path
@@ -152,12 +157,7 @@ class PackedFile:
         with ExitStack() as stack:
             stream: Any = stack.enter_context(Path(self.path).open("rb"))
             for packing, name in self._layers:
-                if packing is ZIP:
-                    archive = stack.enter_context(ZIP.open(stream))
-                    stream = stack.enter_context(_opened(archive, name))
-                else:
-                    stream = packing.open(stream)
-                stream = _Limited(stream, self._limit, f"the {packing.suffix} packing")
+                stream = _Limited(_content(packing, stream, name, stack), self._limit, f"the {packing.suffix} packing")
             while block := stream.read(size):
                 yield block
 
@@ -174,7 +174,10 @@ class _Limited:
             block: bytes = self._stream.read(size)
         self._size += len(block)
         if self._size > self._limit:
-            raise DataError(_bomb(self._limit))
+            raise DataError(
+                f"the file unpacks to more than the limit of {self._limit / 1e6:.3g} MB: it is a decompression bomb "
+                "or damaged; if it is neither, unpack it and read the contents"
+            )
         return block
 
 
@@ -185,86 +188,46 @@ def _packing(head: bytes, suffix: str, judge: Judge, only_by_suffix: bool) -> Pa
     return None
 
 
-def _lone(path: str, packing: Packing, folder: str) -> str:
-    """The file in a packing of a single file."""
-    name = Path(path).name
-    stem = name[: -len(packing.suffix)] if name.lower().endswith(packing.suffix) else name
-    with worded(f"the {packing.suffix} packing"), Path(path).open("rb") as file:
-        return _copied(packing.open(file), folder, stem, most(path))
-
-
-def _member(path: str, member: str, judge: Judge, folder: str) -> str:
-    name = _chosen(path, member, judge)
-    with (
-        worded("the archive"),
-        Path(path).open("rb") as file,
-        ZIP.open(file) as archive,
-        _opened(archive, name) as stream,
-    ):
-        return _copied(stream, folder, name, most(path))
-
-
 def _chosen(path: str, member: str, judge: Judge) -> str:
-    """The member of an archive that is wanted."""
+    """The member of an archive that is named, or the only readable one."""
     demand_directory(path)
     with worded("the archive"), Path(path).open("rb") as file, ZIP.open(file) as archive:
         names = [entry.filename for entry in archive.infolist() if not entry.is_dir()]
         if member and member not in names:
             raise UsageError(f"the archive has no member {member!r}; it contains {_listed(names)}")
-        name = member or _only(archive, names, judge)
-        demand_size(archive.getinfo(name).file_size, path, f"member {name!r}")
-        return name
+        if not member:
+            if "xl/workbook.xml" in names:
+                raise DataError("this is an Excel workbook; give its name the suffix .xlsx")
+            readable = list[str]()
+            for name in [name for name in names if not PROSE.search(name)][:1000]:
+                with _opened(archive, name) as stream:
+                    head = stream.read(4096)
+                packed = any(packing.magic.match(head) for packing in (ZIP, *PACKINGS))
+                if packed or judge(head, os.path.splitext(name)[1].lower()):
+                    readable.append(name)
+            if not readable:
+                raise DataError(f"the archive contains no file of a readable format; it contains {_listed(names)}")
+            member = readable[0]
+            if len(readable) > 1:
+                raise UsageError(
+                    f"the archive contains {len(readable)} readable files: {_listed(readable)}; select one as in "
+                    f"{'FILE.zip'}{SEPARATOR}{member}"
+                )
+        demand_size(archive.getinfo(member).file_size, path, f"member {member!r}")
+        return member
 
 
-def _only(archive: zipfile.ZipFile, names: list[str], judge: Judge) -> str:
-    """The only readable member."""
-    if "xl/workbook.xml" in names:
-        raise DataError("this is an Excel workbook; give its name the suffix .xlsx")
-    likely = [name for name in names if not PROSE.search(name)][:1000]
-    readable = [name for name in likely if _readable(archive, name, judge)]
-    if len(readable) == 1:
-        return readable[0]
-    if not readable:
-        raise DataError(f"the archive contains no file of a readable format; it contains {_listed(names)}")
-    raise UsageError(
-        f"the archive contains {len(readable)} readable files: {_listed(readable)}; select one as in "
-        f"{'FILE.zip'}{SEPARATOR}{readable[0]}"
-    )
-
-
-def _readable(archive: zipfile.ZipFile, name: str, judge: Judge) -> bool:
-    with _opened(archive, name) as stream:
-        head = stream.read(4096)
-    packed = any(packing.magic.match(head) for packing in (ZIP, *PACKINGS))
-    return packed or judge(head, os.path.splitext(name)[1].lower())
+def _content(packing: Packing, file: Any, name: str, stack: ExitStack) -> Any:
+    """The stream of what is packed in a file: of an archive the member `name`."""
+    if packing is not ZIP:
+        return packing.open(file)
+    return stack.enter_context(_opened(stack.enter_context(ZIP.open(file)), name))
 
 
 def _opened(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
     if archive.getinfo(name).flag_bits & 1:
         raise DataError(f"member {name!r} is encrypted; unpack the archive with its password and read the file itself")
     return archive.open(name)
-
-
-def _copied(stream: IO[bytes], folder: str, name: str, limit: int) -> str:
-    """The contents of `stream` in `folder`, under the last part of `name`."""
-    suffix = re.sub(r"[^.A-Za-z0-9]", "", os.path.splitext(name)[1])[:16]
-    target, size = Path(folder, f"file{suffix}"), 0
-    with target.open("wb") as file:
-        while block := stream.read(_BLOCK):
-            size += len(block)
-            if size > limit:
-                raise DataError(_bomb(limit))
-            file.write(block)
-    if not size:
-        raise DataError("the packed file is empty")
-    return str(target)
-
-
-def _bomb(limit: int) -> str:
-    return (
-        f"the file unpacks to more than the limit of {limit / 1e6:.3g} MB: it is a decompression bomb "
-        "or damaged; if it is neither, unpack it and read the contents"
-    )
 
 
 def _listed(names: list[str]) -> str:

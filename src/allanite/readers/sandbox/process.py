@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 
 from .guard import demand_library, most
-from .progress import tell
 from .source import size_of
+
+Progress = Callable[[float], None]
 
 WAIT, SPEED = 20.0, 5e5
 """Seconds that an answer may take, and bytes per second of a slow disk; the processor time is limited separately."""
@@ -62,10 +63,16 @@ _TIMEOUTS = (9, 24)
 
 
 class Process:
-    """A running worker that looks for `names`; in a ``with`` statement, `said` lists the contents of the file."""
+    """A running worker that looks for `names`; in a ``with`` statement, `said` lists the contents of the file.
 
-    def __init__(self, form: str, path: str, names: dict[str, Any]) -> None:
+    `progress` is called with the share, 0 to 1, that has been read.
+    """
+
+    def __init__(
+        self, form: str, path: str, progress: Progress | None = None, names: Mapping[str, Any] | None = None
+    ) -> None:
         self.path, self._library = path, LIBRARIES[form]
+        self._tell = progress or (lambda share: None)
         demand_library(self._library.package, self._library.extra)
         self._wait = WAIT + size_of(path) / self._library.speed
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
@@ -78,7 +85,7 @@ class Process:
                 form,
                 str(Path(path).absolute()),
                 str(most(path)),
-                json.dumps(names),
+                json.dumps(names or {}),
                 str(size_of(path)),
             ],
             stdin=subprocess.PIPE,
@@ -88,7 +95,14 @@ class Process:
 
     def __enter__(self) -> "Process":
         try:
-            self.said: dict[str, Any] = self._listing()
+            self.said: dict[str, Any] = {SHARE: 0.0}
+            with self._deadline(self._wait):
+                while SHARE in self.said:
+                    self._tell(self.said[SHARE])
+                    line = self._stdout.readline(1 << 24)
+                    if not line.endswith(b"\n"):
+                        raise self._broken("while reading its structure")
+                    self.said = dict(json.loads(line))
         except BaseException:
             self.__exit__()
             raise
@@ -106,7 +120,7 @@ class Process:
         with self._sending(path, dtype, data.size):
             for begin in range(0, data.size, BLOCK):
                 self._fill(data[begin : begin + BLOCK], path)
-                tell((begin + BLOCK) / data.size)
+                self._tell(min(1.0, (begin + BLOCK) / data.size))
         return array
 
     def fields(self, path: str, count: int, dtype: np.dtype[Any]) -> dict[str, NDArray[Any]]:
@@ -119,7 +133,7 @@ class Process:
                 self._fill(part.view(np.uint8), path)
                 for name, values in columns.items():
                     values[begin : begin + part.size] = part[name]
-                tell((begin + part.size) / count)
+                self._tell((begin + part.size) / count)
         return columns
 
     def parts(self, path: str, shape: tuple[int, ...], dtype: np.dtype[Any], rows: int) -> Iterator[NDArray[Any]]:
@@ -134,7 +148,12 @@ class Process:
     def _sending(self, path: str, dtype: np.dtype[Any], size: int) -> Iterator[None]:
         """Ask for a dataset of `size` bytes, which must be here in time."""
         with self._deadline(self._wait + size / SPEED):
-            self._ask({"path": path, "fields": list(dtype.names or ())})
+            stdin: Any = self._process.stdin
+            try:
+                stdin.write(json.dumps({"path": path, "fields": list(dtype.names or ())}).encode() + b"\n")
+                stdin.flush()
+            except OSError:
+                pass  # it has ended already, which the answer shows
             yield
 
     def _fill(self, array: NDArray[np.uint8], path: str) -> None:
@@ -145,28 +164,9 @@ class Process:
         if filled < array.size:
             raise self._broken(f"while reading {path!r}")
 
-    def _ask(self, request: dict[str, Any]) -> None:
-        stdin: Any = self._process.stdin
-        try:
-            stdin.write(json.dumps(request).encode() + b"\n")
-            stdin.flush()
-        except OSError:
-            pass  # it has ended already, which the answer shows
-
     @property
     def _stdout(self) -> Any:
         return self._process.stdout
-
-    def _listing(self) -> dict[str, Any]:
-        said: dict[str, Any] = {SHARE: 0.0}
-        with self._deadline(self._wait):
-            while SHARE in said:
-                tell(said[SHARE])
-                line = self._stdout.readline(1 << 24)
-                if not line.endswith(b"\n"):
-                    raise self._broken("while reading its structure")
-                said = dict(json.loads(line))
-        return said
 
     @contextmanager
     def _deadline(self, seconds: float) -> Iterator[None]:

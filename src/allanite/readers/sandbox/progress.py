@@ -17,8 +17,6 @@ def told(tell: Callable[[float], None] | None) -> Iterator[None]:
         _told.reset(token)
 
 
-def tell(share: float) -> None:
-    """Report the share that has been read."""
-    call = _told.get()
-    if call is not None:
-        call(min(1.0, share))
+def listener() -> Callable[[float], None] | None:
+    """The function that is told here, as the `progress` of `Options` that are not given one."""
+    return _told.get()

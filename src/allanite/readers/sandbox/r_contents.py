@@ -92,9 +92,12 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
             if leaf.size == 1:
                 said["numbers"][where] = float(leaf[0])
             else:
-                shaped = _shaped(where, leaf, about)
-                arrays[where or "x"] = shaped
-                place = {"path": where or "x", "shape": shaped.shape, "fields": [["", leaf.dtype.str, ()]]}
+                dim = _numbers(about["dim"]) if "dim" in about else None
+                shape = [leaf.size] if dim is None else [int(side) for side in dim]
+                if min(shape, default=-1) < 0 or np.prod(shape, dtype=float) != leaf.size:
+                    sys.exit(f"{where!r} claims the dimensions {shape}, but has {leaf.size} numbers")
+                arrays[where or "x"] = leaf.reshape(shape, order="F")
+                place = {"path": where or "x", "shape": shape, "fields": [["", leaf.dtype.str, ()]]}
                 said["datasets"].append(place | _said(about))
     return said, lambda where, fields: (arrays[where].nbytes, [np.ascontiguousarray(arrays[where]).data])
 
@@ -137,16 +140,6 @@ def _texts(item: Any) -> list[str]:
 
 def _text(item: Any) -> str:
     return item.value.decode("utf-8", "replace") if item is not None and isinstance(item.value, bytes) else ""
-
-
-def _shaped(path: str, array: Any, about: dict[str, Any]) -> Any:
-    dim = _numbers(about["dim"]) if "dim" in about else None
-    if dim is None:
-        return array
-    shape = [int(side) for side in dim]
-    if min(shape, default=-1) < 0 or np.prod(shape, dtype=float) != array.size:
-        sys.exit(f"{path!r} claims the dimensions {shape}, but has {array.size} numbers")
-    return array.reshape(shape, order="F")
 
 
 def _said(about: dict[str, Any]) -> dict[str, Any]:

@@ -123,18 +123,14 @@ def digest_of(name: str) -> str:
     digest = hashlib.sha256()
     for part in parts(name):
         with Path(part).open("rb", buffering=0) as file:
-            _hash(file, digest)
+            # the system reads the next bytes from the disk meanwhile, for whoever reads the file, too
+            buffer, at = memoryview(bytearray(_STEP)), 0
+            _fetch(file, 0, _NEXT)
+            while count := file.readinto(buffer):
+                _fetch(file, at + _NEXT, count)
+                digest.update(buffer[:count])
+                at += count
     return digest.hexdigest()
-
-
-def _hash(file: Any, digest: Any) -> None:
-    """Hash a file, of which the system reads the next bytes from the disk meanwhile, for whoever reads it, too."""
-    buffer, at = memoryview(bytearray(_STEP)), 0
-    _fetch(file, 0, _NEXT)
-    while count := file.readinto(buffer):
-        _fetch(file, at + _NEXT, count)
-        digest.update(buffer[:count])
-        at += count
 
 
 def _fetch(file: Any, at: int, size: int) -> None:

@@ -18,21 +18,19 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     file = TdmsFile.open(open(path, "rb"))  # noqa: SIM115  by name it would also open an index beside the file
     channels = [channel for group in file.groups() for channel in group.channels()][:MOST]
     made = {f"{i}": channel for i, channel in enumerate(channels)}
-    said = {"datasets": [_said(where, channel) for where, channel in made.items()]}
-    return said, lambda where, fields: (len(made[where]) * made[where].dtype.itemsize, _blocks(made[where]))
-
-
-def _said(where: str, channel: Any) -> dict[str, Any]:
-    """Place, group, name, length, type, and from its properties unit, time step and offset of a channel."""
-    about = channel.properties
-    unit = next((about[name] for name in UNITS if isinstance(about.get(name), str) and about[name]), "")
-    step, start = (_number(about.get(name)) for name in ("wf_increment", "wf_start_offset"))
-    said = {"path": where, "group": channel.group_name, "name": channel.name, "shape": [len(channel)], "unit": unit}
-    return said | {"fields": [["", np.dtype(channel.dtype).str, ()]], "step": step, "start": start}
-
-
-def _number(value: Any) -> float:
-    return float(value) if isinstance(value, (int, float, np.number)) and np.isfinite(value) else 0.0
+    datasets = []
+    for where, channel in made.items():
+        about = channel.properties
+        unit = next((about[name] for name in UNITS if isinstance(about.get(name), str) and about[name]), "")
+        stated = map(about.get, ("wf_increment", "wf_start_offset"))
+        step, start = (float(n) if isinstance(n, (int, float, np.number)) and np.isfinite(n) else 0.0 for n in stated)
+        fields = [["", np.dtype(channel.dtype).str, ()]]
+        item = {"path": where, "group": channel.group_name, "name": channel.name, "shape": [len(channel)]}
+        datasets.append(item | {"unit": unit, "fields": fields, "step": step, "start": start})
+    return {"datasets": datasets}, lambda where, fields: (
+        len(made[where]) * made[where].dtype.itemsize,
+        _blocks(made[where]),
+    )
 
 
 def _blocks(channel: Any) -> Iterator[Any]:

@@ -17,11 +17,14 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     with contextlib.redirect_stdout(sys.stderr):  # where pyulog prints what it finds damaged
         log = ULog(path)
     topics = {f"{topic.name}/{topic.multi_id}": topic.data for topic in log.data_list if "timestamp" in topic.data}
-    said = {
-        "datasets": [_said(name, fields) for name, fields in topics.items()],
-        "damaged": log.file_corruption,
-        "dropouts": [drop.duration for drop in log.dropouts],
-    }
+    datasets = []
+    for name, topic in topics.items():
+        stamps = topic["timestamp"]
+        kinds = [[field, values.dtype.str, ()] for field, values in topic.items() if values.dtype.kind in "iufb"]
+        span = int(stamps[-1]) - int(stamps[0])  # us
+        datasets.append({"path": name, "shape": [len(stamps)], "fields": kinds, "span": span})
+    drops = [drop.duration for drop in log.dropouts]
+    said = {"datasets": datasets, "damaged": log.file_corruption, "dropouts": drops}
 
     def load(where: str, fields: list[str]) -> tuple[int, list[Any]]:
         rows = np.empty(len(topics[where][fields[0]]), [(name, topics[where][name].dtype) for name in fields])
@@ -30,11 +33,3 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
         return rows.nbytes, [rows.view(np.uint8).data]
 
     return said, load
-
-
-def _said(name: str, fields: dict[str, Any]) -> dict[str, Any]:
-    """Name, rows, fields and the span of the time stamps in us of a topic."""
-    stamps = fields["timestamp"]
-    kinds = [[field, values.dtype.str, ()] for field, values in fields.items() if values.dtype.kind in "iufb"]
-    span = int(stamps[-1]) - int(stamps[0])
-    return {"path": name, "shape": [len(stamps)], "fields": kinds, "span": span}

@@ -46,7 +46,9 @@ def _lines(sheet: Any, place: tuple[int, int]) -> list[str]:
     writer = csv.writer(lines, lineterminator="")
     for number, row in enumerate(sheet.iter_rows(values_only=True)):
         if number % OFTEN == 0:
-            _tell(number, claimed, place)
+            share = (place[0] + min(1.0, number / max(claimed, number, 1))) / place[1] if claimed else 0.0
+            sys.stdout.write(json.dumps({"share": share}) + "\n")
+            sys.stdout.flush()
         cells = list(row)
         while cells and cells[-1] in (None, ""):
             cells.pop()
@@ -56,13 +58,6 @@ def _lines(sheet: Any, place: tuple[int, int]) -> list[str]:
             widths.append(len(cells) if any(isinstance(cell, (int, float)) for cell in cells) else 0)
     wide = max(widths, default=0)
     return [line + "," * (wide - width if width else 0) for line, width in zip(lines, widths, strict=True)]
-
-
-def _tell(number: int, claimed: int, place: tuple[int, int]) -> None:
-    """Tell the share of all sheets that has been read, as far as the workbook says how many rows there are."""
-    share = (place[0] + min(1.0, number / max(claimed, number, 1))) / place[1] if claimed else 0.0
-    sys.stdout.write(json.dumps({"share": share}) + "\n")
-    sys.stdout.flush()
 
 
 def _word(cell: Any) -> str:
