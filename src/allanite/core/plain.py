@@ -6,6 +6,8 @@ from functools import cache
 from html import escape
 from typing import Any, ClassVar, Self, cast, get_type_hints
 
+from allanite.plugins import named
+
 from .encoding import plain, read_plain, write_plain
 from .errors import UsageError
 
@@ -239,7 +241,10 @@ def class_of(data: dict[str, Any]) -> type[Value]:
         No class has that name.
     """
     name = data.get("type") if isinstance(data, dict) else None
-    if name not in TYPES:
+    if name in TYPES:
+        found: type[Value] = getattr(importlib.import_module(f"allanite.{TYPES[name]}"), name)
+    elif isinstance(name, str) and name in (other := named("allanite.values")):
+        found = other[name]
+    else:
         raise UsageError(f"stored data of type {name!r} cannot be read; known types: {', '.join(sorted(TYPES))}")
-    found: type[Value] = getattr(importlib.import_module(f"allanite.{TYPES[name]}"), name)
     return found

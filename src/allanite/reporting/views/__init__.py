@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
+from allanite.plugins import named
 from allanite.reporting.sheet import Face
 
 if TYPE_CHECKING:
@@ -100,10 +101,13 @@ def view_of(value: Any) -> View:
         It is no result.
     """
     name = type(value).__name__
-    if name not in VIEWS:
+    if name in VIEWS:
+        module, _, attribute = VIEWS[name].partition(".")
+        found = getattr(import_module(f"allanite.reporting.views.{module}"), attribute)
+    elif name in (other := named("allanite.views")):
+        found = other[name]
+    else:
         raise UsageError(f"a {name} cannot be shown; results that can are {', '.join(VIEWS)}")
-    module, _, attribute = VIEWS[name].partition(".")
-    found = getattr(import_module(f"allanite.reporting.views.{module}"), attribute)
     assert isinstance(found, View)  # noqa: S101 - the table says so
     return found
 
