@@ -8,7 +8,7 @@ import sys
 import traceback
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Any
+from typing import Any, cast
 
 import click
 
@@ -45,10 +45,11 @@ class Failure(click.ClickException):
 class Front(click.Group):
     """A group of verbs that ends with a message and the documented exit codes, never with a traceback."""
 
-    def __init__(self, *args: Any, groups: Mapping[str, Mapping[str, str]], **extra: Any) -> None:
+    def __init__(
+        self, *args: Any, groups: Mapping[str, Mapping[str, str]], verbs: Mapping[str, Any], **extra: Any
+    ) -> None:
         super().__init__(*args, **extra)
-        self.groups = groups
-        self.verbs = {verb: command for verbs in groups.values() for verb, command in verbs.items()}
+        self.groups, self.verbs = groups, verbs
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The verbs, in the order of their table."""
@@ -58,13 +59,16 @@ class Front(click.Group):
         """The command of a verb, whose module is imported now."""
         if cmd_name not in self.verbs:
             return None
-        module, _, name = self.verbs[cmd_name].partition(".")
-        command: click.Command = getattr(import_module(f"allanite.cli.{module}"), name)
-        return command
+        command = self.verbs[cmd_name]
+        if isinstance(command, str):
+            module, _, name = command.partition(".")
+            command = getattr(import_module(f"allanite.cli.{module}"), name)
+        return cast(click.Command, command)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the verbs below the headings of their groups."""
-        for heading, verbs in self.groups.items():
+        other = [verb for verb, command in self.verbs.items() if isinstance(command, click.Command)]
+        for heading, verbs in (dict(self.groups) | ({"Plug-ins": other} if other else {})).items():
             found = ((name, self.get_command(ctx, name)) for name in verbs)
             with formatter.section(heading):
                 formatter.write_dl([(name, verb.get_short_help_str()) for name, verb in found if verb is not None])
