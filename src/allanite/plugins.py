@@ -1,22 +1,24 @@
 """What other packages add: objects behind the entry points of a group, and tables that hold them beside their own rows.
 
-The groups are ``allanite.readers`` (modules that read a format), ``allanite.statistics``, ``allanite.terms`` and
-``allanite.targets`` (rows of tables), ``allanite.verbs`` (commands), ``allanite.values`` and ``allanite.views``
-(results by the names of their types, and how they are shown). Nothing is looked for until a table is asked for a name
-that it has not, or is listed. What is broken is named by a `PluginWarning` and left out.
+The groups are ``allanite.readers`` (modules that read a format), ``allanite.statistics``, ``allanite.terms``,
+``allanite.targets`` and ``allanite.verbs`` (rows of tables), and ``allanite.views`` (how results are shown, by the
+names of their types). Nothing is looked for until a table is asked for a name that it has not, or is listed. What is
+broken, or has a name that is taken, is left out, and named by a `PluginWarning`.
 """
 
 import warnings
 from collections.abc import ItemsView, Iterator, KeysView, Mapping, ValuesView
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from contextlib import contextmanager
 from threading import get_ident
-from typing import Any, TypeVar, cast, overload
+from typing import TYPE_CHECKING, Any, TypeVar, cast, overload
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 Row = TypeVar("Row")
 Other = TypeVar("Other")
 
-_loaded: dict[str, dict[str, Any]] = {}
+_loaded: "dict[str, tuple[tuple[EntryPoint, Any], ...]]" = {}
 _loading: set[tuple[str, int]] = set()
 
 
@@ -24,59 +26,48 @@ class PluginWarning(UserWarning):
     """A plug-in that is broken or refused, and left out."""
 
 
-def named(group: str) -> Mapping[str, Any]:
-    """The objects of a group by the names of their entry points, loaded once.
+def plugins(group: str) -> "tuple[tuple[EntryPoint, Any], ...]":
+    """The entry points of a group with their objects, by name, loaded once.
 
     Examples
     --------
-    >>> dict(named("allanite.nothing"))
-    {}
+    >>> plugins("allanite.nothing")
+    ()
     """
     own = group, get_ident()
     if group not in _loaded and own not in _loading:  # a plug-in that is being imported sees the table without itself
+        from importlib.metadata import entry_points
+
         _loading.add(own)
-        found: dict[str, Any] = {}
+        pairs = []
         try:
-            for entry in entries(group):
+            for entry in sorted(entry_points(group=group), key=lambda entry: entry.name):
                 try:
-                    found[entry.name] = entry.load()
-                except Exception as error:  # noqa: BLE001, RUF100 - whatever it does, others are not affected
-                    leave_out(group, entry.name, f"it cannot be loaded: {type(error).__name__}: {error}")
+                    pairs.append((entry, entry.load()))
+                except (Exception, SystemExit) as error:  # noqa: BLE001, RUF100 - others are not affected
+                    leave_out(entry, f"it cannot be loaded: {type(error).__name__}: {error}")
         finally:
             _loading.discard(own)
-        _loaded[group] = found
-    return _loaded.get(group, {})
+        _loaded[group] = tuple(pairs)
+    return _loaded.get(group, ())
 
 
-def rows(group: str) -> list[Any]:
-    """The objects of a group, in the order of their names."""
-    return list(named(group).values())
-
-
-@cache
-def entries(group: str) -> tuple[EntryPoint, ...]:
-    """The entry points of a group, by name; the first of those with one name."""
-    every = {entry.name: entry for entry in reversed([*entry_points(group=group)])}
-    return tuple(every[name] for name in sorted(every))
-
-
-def broken(group: str, name: str, why: str) -> str:
+def broken(entry: "EntryPoint", why: str) -> str:
     """What is wrong with a plug-in, as a sentence that names its package."""
-    entry = next((entry for entry in entries(group) if entry.name == name), None)
-    package = "" if entry is None else entry.dist.name if entry.dist else entry.value
-    what = group.rpartition(".")[2].removesuffix("s")
-    return f"the {what} plugin {name!r} of the package {package!r} is broken ({why}); update or remove it"
+    package, what = entry.dist.name if entry.dist else entry.value, entry.group.rpartition(".")[2].removesuffix("s")
+    return f"the {what} plugin {entry.name!r} of the package {package!r} is broken ({why}); update or remove it"
 
 
-def leave_out(group: str, name: str, why: str) -> None:
+def leave_out(entry: "EntryPoint", why: str) -> None:
     """Say that a plug-in is left out."""
-    warnings.warn(broken(group, name, why), PluginWarning, stacklevel=3)
+    warnings.warn(broken(entry, why), PluginWarning, stacklevel=3)
 
 
 class Table(dict[str, Row]):
     """Rows by name, and those of the plug-ins of a group, loaded when an unknown name is asked for or all are listed.
 
-    A plug-in with a name that a row has already is left out, and so is one that is no row of this kind.
+    A plug-in with a name that a row has already is left out, and so is one that is no row of this kind. The name is the
+    attribute `key` of a row, otherwise that of its entry point.
 
     Examples
     --------
@@ -89,21 +80,34 @@ class Table(dict[str, Row]):
         super().__init__(own)
         self._group, self._kind, self._key, self._whole = group, kind, key, False
 
+    @contextmanager
+    def trying(self, name: str, row: Row) -> Iterator[None]:
+        """The table with a row in it, in place of one of this name, until the end of the context."""
+        before = self.get(name)
+        self[name] = row
+        try:
+            yield
+        finally:
+            if before is None:
+                del self[name]
+            else:
+                self[name] = before
+
     def _complete(self) -> None:
         if self._whole:
             return
-        found = named(self._group)
+        found = plugins(self._group)
         if self._whole or self._group not in _loaded:
             return
         self._whole = True
-        for name, row in found.items():
-            symbol: Any = getattr(row, self._key, None) if self._key else name
+        for entry, row in found:
+            name: Any = getattr(row, self._key, None) if self._key else entry.name
             if not isinstance(row, self._kind):
-                leave_out(self._group, name, f"it is a {type(row).__name__}, not a {self._kind.__name__}")
-            elif dict.__contains__(self, symbol):
-                leave_out(self._group, name, f"the name {symbol!r} exists already")
+                leave_out(entry, f"it is a {type(row).__name__}, not a {self._kind.__name__}")
+            elif dict.__contains__(self, name):
+                leave_out(entry, f"the name {name!r} exists already")
             else:
-                self[symbol] = cast(Row, row)
+                self[name] = cast(Row, row)
 
     def __missing__(self, name: str) -> Row:
         self._complete()
@@ -144,5 +148,7 @@ class Table(dict[str, Row]):
 
     def get(self, name: str, default: Any = None, /) -> Any:
         """The row of a name, or something else."""
-        self._complete()
-        return super().get(name, default)
+        try:
+            return self[name]
+        except KeyError:
+            return default

@@ -47,7 +47,7 @@ _OWN = (
     DATASHEET,
 )
 
-EXPORTS: dict[str, Target] = Table({row.name: row for row in _OWN}, "allanite.targets", kind=Target, key="name")
+EXPORTS = Table({row.name: row for row in _OWN}, "allanite.targets", kind=Target, key="name")
 """Targets of `allanite.export` by name."""
 
 

@@ -19,9 +19,7 @@ _OWN = (
     *(THEO1, THEOBR, THEOH, PDEV, HAAR, MTIE, TIERMS),
 )
 
-STATISTICS: dict[str, Statistic] = Table(
-    {row.name: row for row in _OWN}, "allanite.statistics", kind=Statistic, key="name"
-)
+STATISTICS = Table({row.name: row for row in _OWN}, "allanite.statistics", kind=Statistic, key="name")
 
 
 def statistic_named(name: str) -> Statistic:

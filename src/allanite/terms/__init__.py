@@ -34,4 +34,4 @@ _OWN = (
     SINE,
 )
 
-TERMS: dict[str, NoiseTerm] = Table({row.symbol: row for row in _OWN}, "allanite.terms", kind=NoiseTerm, key="symbol")
+TERMS = Table({row.symbol: row for row in _OWN}, "allanite.terms", kind=NoiseTerm, key="symbol")

@@ -22,7 +22,12 @@ def check_statistic(row: Statistic) -> None:
     Raises
     ------
     AssertionError
-        It does not; the message says what.
+        It does not: ``statistic 'mydev': sums at m = 4 are 2.1, but those of its windows 1.05``.
+
+    Examples
+    --------
+    >>> from allanite.statistics import STATISTICS
+    >>> check_statistic(STATISTICS["hdev"])
     """
     about = f"statistic {row.name!r}:"
     for text in ("name", "title", "formula", "reference", "meaning", "use", "limits", "cost"):
@@ -37,14 +42,15 @@ def check_statistic(row: Statistic) -> None:
     sums = row.sums(x, m)
     line = np.arange(SIZE + 1.0) ** (row.order - 1)
     left = np.abs(row.sums(line, m)) / (np.abs(line).max() ** 2 * row.count(SIZE, m))
-    assert np.all(left < 1e-12), f"{about} order is {row.order}, but t^{row.order - 1} is not left out: {left}"
+    assert np.all(left < 1e-12), f"{about} order is {row.order}, but t^{row.order - 1} is not left out"
     if row.window is not None and row.span[0] and not row.extreme:
         for factor, total in zip(m.tolist(), sums, strict=True):
             of_windows = _by_windows(row, x, factor)
             assert np.isclose(total, of_windows, rtol=1e-8), (
                 f"{about} sums at m = {factor} are {total:.12g}, but those of its windows {of_windows:.12g}"
             )
-        _check_mean(row, m, about)
+        if row.order > 1:  # the others have no intervals
+            _check_mean(row, m, about)
 
 
 def _by_windows(row: Statistic, x: "np.ndarray[tuple[int], np.dtype[np.float64]]", m: int) -> float:
@@ -58,9 +64,7 @@ def _by_windows(row: Statistic, x: "np.ndarray[tuple[int], np.dtype[np.float64]]
 
 def _check_mean(row: Statistic, m: "np.ndarray[tuple[int], np.dtype[np.int64]]", about: str) -> None:
     """Compare the mean over simulated records with the expectation."""
-    from unittest.mock import patch
-
-    with patch.dict(STATISTICS, {row.name: row}):
+    with STATISTICS.trying(row.name, row):
         model, rng = N(1.0, "rad/sqrt(s)"), np.random.default_rng(2)
         records = [Record(simulate(model, SIZE, 1.0, rng=rng).values, 1.0, "rad/s") for _ in range(RECORDS)]
         curves = [deviation(record, row.name, m=m.tolist(), noise=model) for record in records]

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
@@ -95,7 +94,7 @@ def continuous(row: NoiseTerm) -> None:
 
 def simulated(row: NoiseTerm, n: int = 64, count: int = 100) -> None:
     """Records of the term have the waveform, or the moments of the increments."""
-    with patch.dict(TERMS, {row.symbol: row}):
+    with TERMS.trying(row.symbol, row):
         term, rng = Term(row.symbol, 1.0, SIGNALS[0], row.shape), np.random.default_rng(1)
         records = [simulate(term, n, RATE, rng=rng).values for _ in range(count if row.waveform is None else 1)]
         sampled, size = term.sampled(RATE), term.power(RATE)

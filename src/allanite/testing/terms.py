@@ -25,7 +25,13 @@ def check_term(row: NoiseTerm) -> None:
     Raises
     ------
     AssertionError
-        A column contradicts the others; the message says which, and where.
+        A column contradicts the others; the message says which, and where: ``noise term X: this does not hold: Each
+        order by differences of the one below.``
+
+    Examples
+    --------
+    >>> from allanite.terms import TERMS
+    >>> check_term(TERMS["K"])
     """
     for name, one in sampled(row).items():
         for check in CHECKS:

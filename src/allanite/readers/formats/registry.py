@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from importlib.metadata import EntryPoint
 from typing import Any, Protocol
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Recording
-from allanite.plugins import broken, leave_out, named
+from allanite.plugins import broken, leave_out, plugins
 from allanite.readers.options import FrameLike, Options
 
 
@@ -70,14 +71,12 @@ WRITERS: dict[str, str] = {
 }
 """Suffix of a file: the module that writes it."""
 
-GROUP = "allanite.readers"
 
-
-@dataclass(frozen=True)
-class Plugin:
+@dataclass(frozen=True, eq=False)
+class ReaderPlugin:
     """A reader of another package."""
 
-    name: str
+    entry: EntryPoint
     module: Any
 
     @property
@@ -90,7 +89,7 @@ class Plugin:
         try:
             return bool(self.module.sniff(head, suffix))
         except Exception as error:  # noqa: BLE001, RUF100 - a file of another format is read all the same
-            leave_out(GROUP, self.name, f"sniff failed: {type(error).__name__}: {error}")
+            leave_out(self.entry, f"sniff failed: {type(error).__name__}: {error}")
             return False
 
     def read(self, path: str, options: Options) -> Recording:
@@ -100,25 +99,26 @@ class Plugin:
         except (AllaniteError, MemoryError):
             raise
         except Exception as error:
-            why = f"read failed: {type(error).__name__}: {error}"
-            raise DataError(broken(GROUP, self.name, why)) from error
+            raise DataError(broken(self.entry, f"read failed: {type(error).__name__}: {error}")) from error
         if not isinstance(recording, Recording):
             why = f"read returned a {type(recording).__name__} instead of a Recording"
-            raise UsageError(broken(GROUP, self.name, why))
+            raise UsageError(broken(self.entry, why))
         return recording
 
 
 @cache
-def added() -> tuple[Plugin, ...]:
+def added() -> tuple[ReaderPlugin, ...]:
     """The readers of other packages, by name."""
-    found = []
-    for name, module in named(GROUP).items():
+    readers: dict[str, ReaderPlugin] = {}
+    for entry, module in plugins("allanite.readers"):
         missing = [part for part in ("TITLE", "sniff", "read") if not hasattr(module, part)]
         if missing:
-            leave_out(GROUP, name, f"it has no {', '.join(missing)}")
+            leave_out(entry, f"it has no {', '.join(missing)}")
+        elif entry.name in READERS or entry.name in readers:
+            leave_out(entry, f"the name {entry.name!r} exists already")
         else:
-            found.append(Plugin(name, module))
-    return tuple(found)
+            readers[entry.name] = ReaderPlugin(entry, module)
+    return tuple(readers.values())
 
 
 def reader_named(name: str) -> FormatReader:

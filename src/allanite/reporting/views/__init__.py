@@ -1,6 +1,6 @@
 """How each result is shown: one file a result, with a `VIEW`, and one line in the table."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -100,7 +100,7 @@ _OWN = {
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 
-VIEWS: Mapping[str, str | View] = Table[str | View](_OWN, "allanite.views", kind=View)
+VIEWS = Table[str | View](_OWN, "allanite.views", kind=View)
 """The same, and the views of plug-ins."""
 
 
