@@ -7,6 +7,8 @@ from allanite.plugins import Table
 
 from .front import Front, Verb
 
+__all__ = ["VERBS", "Verb", "main"]
+
 _OWN = (
     Verb("info", "Analyze", "analyze.info", page=True),
     Verb("analyze", "Analyze", "analyze.analyze", page=True),
