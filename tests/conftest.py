@@ -13,6 +13,9 @@ from tests import ALL, examples
 hypothesis.settings.register_profile("unhurried", deadline=None, max_examples=examples(100))
 hypothesis.settings.load_profile("unhurried")
 
+collect_ignore = ["plugin"]
+"""A package of its own, whose tests are run where it is installed: `stories/test_plugins.py`."""
+
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")[2:]
 
 

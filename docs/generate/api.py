@@ -46,6 +46,7 @@ TOPICS: dict[str, tuple[str, str]] = {
     "rate": ("A constant rate in a short time", "rate measure_rates"),
     "angle": ("Angle sensors", "angle"),
     "attitude": ("Roll and pitch", "attitude"),
+    "checking": ("Checks of plug-ins", "testing"),
     "errors": ("Errors", "AllaniteError DataError UnitError UsageError LongJobWarning"),
 }
 """A page: its title, and the names that it describes. A package means all its public names."""

@@ -5,6 +5,7 @@ from . import prepare as prepare
 from . import readers as readers
 from . import statistics as statistics
 from . import study as study
+from . import testing as testing
 from .applications import angle as angle
 from .applications import attitude as attitude
 from .applications import compensation as compensation

@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.conformance.terms.columns import COLUMNS
-from tests.conformance.terms.forms import FORMS, simulated
 
 import allanite as al
 from allanite.cli import main
@@ -15,6 +13,7 @@ from allanite.core.units import SIGNALS, unit_of
 from allanite.reporting import page
 from allanite.terms import TERMS
 from allanite.terms.markov import gauss_markov, markov_block
+from allanite.testing import check_term
 
 
 def rate_of_change(T):
@@ -54,8 +53,7 @@ def record(n=2**13):
 
 
 def test_its_columns_agree():
-    for check in (*COLUMNS, *FORMS, simulated):
-        check(rate_of_change(6.0))
+    check_term(rate_of_change(6.0))
 
 
 @pytest.mark.parametrize("signal", SIGNALS, ids=lambda signal: signal.name)

@@ -4,31 +4,10 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from tests.conformance.terms.columns import COLUMNS
-from tests.conformance.terms.forms import FORMS, simulated
 
 from allanite.terms import TERMS, NoiseTerm
-
-CHECKS = (*COLUMNS, *FORMS)
-
-RATES = (0.013, 0.047, 0.31, 2.1, 5.0)
-"""Sampling rates, at which the times of a term are fractions of a sample to many samples."""
-
-MODERATE = 0.31
-
-
-def shapes(row):
-    """The typical shape, and what else changes the form of the functions: other values of what is no time."""
-    typical = tuple(p.typical for p in row.parameters)
-    others = [i for i, p in enumerate(row.parameters) if not p.time]
-    return [typical, *((*typical[:i], value, *typical[i + 1 :]) for i in others for value in (0.6, 1.5))]
-
-
-def sampled(row, rates=RATES):
-    """A row, or those of its shapes, by name."""
-    if row.shaped is None:
-        return {row.symbol: row}
-    return {f"{row.symbol} {shape} {rate:g}": row.shaped(shape, rate) for shape in shapes(row) for rate in rates}
+from allanite.testing.term_forms import simulated
+from allanite.testing.terms import CHECKS, MODERATE, demand, sampled
 
 
 def moderate(row):
@@ -42,7 +21,7 @@ ROWS = {name: one for row in TERMS.values() for name, one in sampled(row).items(
 @pytest.mark.parametrize("name", ROWS)
 def test_the_columns_of_a_row_agree(name):
     for check in CHECKS:
-        check(ROWS[name])
+        demand(check, ROWS[name], name)
 
 
 @pytest.mark.parametrize("symbol", TERMS)

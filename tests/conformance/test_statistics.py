@@ -16,6 +16,7 @@ import allanite as al
 from allanite.core.model import term
 from allanite.core.units import SIGNALS
 from allanite.statistics import GRIDS, covariance, edf
+from allanite.testing import check_statistic
 
 ROWS = list(al.STATISTICS)
 GAPPED = ["adev", "oadev", "hdev", "ohdev", "mdev", "theo1", "haar"]
@@ -41,6 +42,11 @@ def factors_of(name, n):
     if name == "theoh":  # TheoBR begins beyond the joint
         m = m[(m <= n // 5) | (3 * m > 4 * (n // 5))]
     return [k for k in m.tolist() if name != "haar" or k & (k - 1) == 0]
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_a_row_keeps_what_it_says(name):
+    check_statistic(al.STATISTICS[name])
 
 
 @pytest.mark.parametrize("name", ROWS)

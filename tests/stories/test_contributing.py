@@ -30,121 +30,25 @@ al.write(simulated(al.N(0.1, "deg/sqrt(h)")), "z.csv")
 """
 """What every process begins with."""
 
-FOURTH = """
-import numpy as np
-from allanite.phrases.phrase import say
-from .row import Statistic, binomial_window, constant
-def sums(x, m):
-    each = (x[4*s:] - 4 * x[3*s:-s] + 6 * x[2*s:-2*s] - 4 * x[s:-3*s] + x[:-4*s] for s in m.tolist())
-    return np.array([np.sum(np.square(d)) for d in each])
-FDEV = Statistic(
-    name="fdev", title=say("fourth-difference deviation"), formula="x", reference="a paper", meaning="Changes.",
-    use="Here.", limits="None.", cost="Low.", order=4, norm=constant(20.0), span=(4, 0), sums=sums,
-    window=binomial_window(4), differences=4)
-"""
 
-RELAXATION = """
-from dataclasses import replace
-from allanite.phrases.phrase import say
-from .markov import SHORTEST, gauss_markov, markov_block
-from .row import time_constant
-def relaxation(T):  # Gauss-Markov noise whose RMS is the coefficient times T^1.5
-    base, size = gauss_markov(T), T**3
-    return replace(
-        base, symbol="RR", title=say("driven relaxation"), meaning=say("a rate that relaxes, by what drives it"),
-        power=-1.5, structure=lambda t: size * base.structure(t), summed=lambda t: size * base.summed(t),
-        derivative=lambda order, t: size * base.derivative(order, t), increments=lambda h: size * base.increments(h),
-        spectrum=lambda f, tau0: size * tau0**3 * base.spectrum(f, tau0), dct=lambda k, n: size * base.dct(k, n),
-        parameters=(replace(time_constant(20.0, SHORTEST), default=20.0),), quantity_meaning="", color="#123456",
-        shaped=lambda shape, rate: relaxation(shape[0] * rate),
-        block=lambda q, shape, h: markov_block(q * shape[0] ** 1.5, shape[0], h))
-RELAXED = relaxation(1.0)
-"""
+def own(name):
+    """A module of the sample plug-in as one of the package."""
+    text = (ROOT / "tests" / "plugin" / "allanite_sample" / f"{name}.py").read_text("utf-8")
+    return text.replace("from .job import", "from allanite.study.extent import")
 
-TONES = """
-import numpy as np
-from allanite.readers.columns.arrays import column
-from allanite.readers.columns.table import FileTable
-TITLE = "tones of a recorder"
-def sniff(head, suffix):
-    return head.startswith(b"TONES ")
-def read(path, options):
-    with open(path, encoding="ascii") as file:
-        rate, values = float(file.readline().split()[1]), np.array([float(line) for line in file])
-    return FileTable((column("gz [deg/s]", values, 1),), rate=rate, rate_source="its first line").recording(options)
-"""
-
-PILOT = """
-from allanite.phrases.phrase import say
-from allanite.exporting.layouts import LineLayout
-from allanite.exporting.target import DENSITY, Target, pair
-PILOT = Target(name="pilot", title=say("settings of Pilot"), fields=pair("gyro_noise", "accel_noise", *DENSITY),
-               forms={".cfg": LineLayout("{name} = {value}")}, source="manual of Pilot, section 3: two-sided densities")
-"""
-
-EXTENT = """
-from dataclasses import dataclass
-from allanite.core.header import Header
-from allanite.core.plain import Value
-from .channels import run
-from .job import Job
-@dataclass(frozen=True, repr=False)
-class Extent(Value):
-    record: Header
-    low: float = 0.0
-    high: float = 0.0
-    alerts: tuple[str, ...] = ()
-    refusal: str = ""
-@dataclass(frozen=True, eq=False, repr=False)
-class Extents(Job[Extent]):
-    _channel = Extent
-def extents(source, recipe, progress=None):
-    def work(seen):
-        return Extent(seen.record.header, float(min(seen.record.values)), float(max(seen.record.values)), seen.alerts)
-    def refused(seen, why):
-        return Extent(seen.record.header, refusal=why)
-    return run(Extents, source, recipe, work, refused, progress=progress)
-"""
-
-VERB = """
-import click
-from .deliver import carry_out, outputs, recipe_of
-from .options import RECORDING, options
-@click.command()
-@options("file", *RECORDING, "report", "csv", "json", "lang", "force", "quiet")
-def extent(file, **choices):
-    "Show the least and the greatest sample."
-    out = outputs(choices, [file, choices["recipe"]])
-    from allanite.study.extent import extents
-    carry_out(lambda tell: extents(file, recipe_of(choices), tell), out)
-"""
-
-VIEW = """
-from allanite.phrases.phrase import say
-from allanite.reporting.sheet import Table, columns
-from . import View
-from .jobs import channel_sheet, job_face, source_of
-def rows(job, level):
-    return ["channel", "least", "greatest"], [[c.record.name, c.low, c.high] for c in job]
-def face(job, level):
-    heads = columns(say("least"), say("greatest"), left=0)
-    sheets = [channel_sheet(c, [Table(heads, [[f"{c.low:.3g}", f"{c.high:.3g}"]])]) for c in job]
-    return job_face(job, (say("Extent of {source}", source=source_of(job)), say("least and greatest samples")), sheets)
-EXTENTS = View(face, rows=rows)
-"""
 
 ADDITIONS = {
-    "statistic": ({"statistics/fourth.py": FOURTH}, (
+    "statistic": ({"statistics/fourth.py": own("fourth")}, (
         ("statistics/table.py", "from .extremes import MTIE, TIERMS\n", "from .fourth import FDEV\n"),
-        ("statistics/table.py", "PDEV, HAAR, MTIE, TIERMS),\n", "        FDEV,\n")), """
+        ("statistics/table.py", "PDEV, HAAR, MTIE, TIERMS),\n", "    FDEV,\n")), """
 allanite("analyze z.csv --statistic fdev --report page.html --quiet")
 assert "fourth-difference deviation" in Path("page.html").read_text("utf-8")
 allanite("deviation z.csv --statistic fdev")
 allanite("explain fdev")
 print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference deviation", "<Curve", "a paper")),
-    "noise term": ({"terms/relaxation.py": RELAXATION}, (
+    "noise term": ({"terms/relaxation.py": own("relaxation")}, (
         ("terms/__init__.py", "RATE_RANDOM_WALK, ramp_coefficients\n", "from .relaxation import RELAXED\n"),
-        ("terms/__init__.py", "        OSCILLATION,\n", "        RELAXED,\n"),
+        ("terms/__init__.py", "    OSCILLATION,\n", "    RELAXED,\n"),
         ("core/model.py", '("F", "GMA", "GM2", "W"))\n', 'RR = constructor("RR")\n'),
         ("__init__.pyi", "from .core.model import R as R\n", "from .core.model import RR as RR\n")), """
 assert al.RR(1, "rad/s^2.5").shape == (20.0,) and "RR" in dir(al)
@@ -154,23 +58,24 @@ al.write(record, "rr.csv")
 allanite("analyze rr.csv --terms N,RR --to rad/s^2.5 --report page.html")
 assert "driven relaxation" in Path("page.html").read_text("utf-8")
 allanite("simulate made.csv --model 'RR 1 rad/s^2.5' --rate 1 --samples 9")""", ("driven relaxation", "RR = ")),
-    "format": ({"readers/formats/tones.py": TONES}, (
+    "format": ({"readers/formats/tones.py": own("tones")}, (
         ("readers/formats/registry.py", '    "kfgins": "kfgins",\n', '    "tones": "tones",\n'),), r"""
 values = simulated(al.N(0.1, "deg/sqrt(h)")).values
 Path("a.tones").write_text("\n".join(["TONES 50", *(f"{v:.9g}" for v in values)]))
 allanite("info a.tones")
 Path("b.bin").write_bytes(bytes(100))
 allanite("info b.bin", 3)""", ("rate 50.0 Hz from its first line", "; tones of a recorder;")),
-    "target of export": ({"exporting/targets/pilot.py": PILOT}, (
+    "target of export": ({"exporting/targets/pilot.py": own("pilot")}, (
         ("exporting/exports.py", "from .targets.pegasus import PEGASUS\n", "from .targets.pilot import PILOT\n"),
-        ("exporting/exports.py", '    "pegasus": PEGASUS,\n', '    "pilot": PILOT,\n')), """
+        ("exporting/exports.py", "    PEGASUS,\n", "    PILOT,\n")), """
 allanite("export --model 'N 0.1 deg/sqrt(h)' --model 'N 60 ug/sqrt(Hz)' --to pilot --output pilot.cfg")
 print(Path("pilot.cfg").read_text("utf-8"))
 allanite("convert --from pilot pilot.cfg")
 allanite("explain pilot")
 allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
-    "verb, result": ({"study/extent.py": EXTENT, "cli/extent.py": VERB, "reporting/views/extent.py": VIEW}, (
-        ("cli/__init__.py", '    "Learn": {', '"extent": "extent.extent", '),
+    "verb, result": ({
+        "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
+        ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent", page=True),\n'),
         ("reporting/views/__init__.py", '    "Lot": "lot.LOT",\n', '    "Extents": "extent.EXTENTS",\n')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
@@ -224,6 +129,14 @@ def test_the_guide_is_short_and_every_path_in_it_exists():
     named = [name for name in re.findall(r"`([\w./-]+)`", GUIDE) if re.search(r"/|\.(py|pyi|toml|md|js)$", name)]
     rooms = ("tests/conformance", "tests/reference", "tests/stories", "src/allanite", ".")
     assert [name for name in named if not any((ROOT / room / name).exists() for room in rooms)] == []
+
+
+@pytest.mark.parametrize("rows", ["statistic", "format", "target of export", "verb, result"])
+def test_what_other_packages_may_add_takes_two_lines_in_a_file_beside_its_own(rows):
+    """In one file of the package, and a verb with a result in two."""
+    changed = [path for path, _, _ in ADDITIONS[rows][1]]
+    assert len(set(changed)) <= 1 + ("," in rows)
+    assert len(changed) <= 2
 
 
 @pytest.mark.slow("additions in copies of the package")

@@ -64,7 +64,8 @@ DATA = [
 
 FIELDS = {field.full for row in EXPORTS.values() for field in row.fields}
 FIELDS |= {part for name in FIELDS for part in (name.split(".")[-1], f"{name.split('.')[0]}.")}
-DATA.append(rf"(?<![\w.])({'|'.join(map(re.escape, sorted((FIELDS | set(EXPORTS)), key=len, reverse=True)))})(?!\w)")
+KNOWN = sorted(FIELDS | {*EXPORTS, *STATISTICS}, key=len, reverse=True)
+DATA.append(rf"(?<![\w.])({'|'.join(map(re.escape, KNOWN))})(?!\w)")
 
 UNITS = "deg rad arcsec sqrt Hz kHz min mGal ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"
 SYMBOLS = "beta GM ARW VRW RRW tau edf dof chi AIC ADC DAC Phi Qd"

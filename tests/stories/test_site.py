@@ -34,6 +34,7 @@ def site(tmp_path_factory):
     (place / "examples").mkdir()
     shutil.copy(ROOT / SAMPLE, place / SAMPLE)
     shutil.copytree(ROOT / RESULTS, place / RESULTS)
+    shutil.copytree(ROOT / "tests" / "plugin", place / "tests" / "plugin")  # shown by the page on plug-ins
     shutil.copy(ROOT / "CHANGELOG.md", place)
     build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", "site"]
     done = subprocess.run(build, cwd=place, capture_output=True, text=True, check=False)

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from tests import ROOT
 
-from allanite.cli import GROUPS, VERBS, main
+from allanite.cli import VERBS, main
 
 PACKAGE = ROOT / "src" / "allanite"
 
@@ -121,7 +121,7 @@ def options_in(tree: ast.AST) -> list[str]:
 def test_messages_name_options_at_the_command_line_and_arguments_in_python():
     for path in sorted(PACKAGE.rglob("*.py")):
         name = path.relative_to(PACKAGE).as_posix()
-        if name in COMMANDS or name.startswith(("cli/", "reporting/")):
+        if name in COMMANDS or name.startswith(("cli/", "reporting/", "testing/")):
             continue
         assert not options_in(ast.parse(path.read_text(encoding="utf-8"))), name
 
@@ -140,10 +140,9 @@ def test_the_same_refusal_in_python_and_at_the_command_line(tmp_path):
 
 
 def test_every_verb_is_listed_in_one_group_and_its_summary_is_not_cut():
-    assert sum(map(len, GROUPS.values())) == len(VERBS)
     shown = CliRunner().invoke(main, ["--help"]).stdout
     assert shown.count("...") == 1  # of the usage
-    assert all(f"{heading}:" in shown for heading in GROUPS)
+    assert all(shown.count(f"{heading}:") == 1 for heading in {verb.group for verb in VERBS.values()})
     for verb in VERBS:
         assert f"\n  {verb} " in shown
         text = CliRunner().invoke(main, [verb, "--help"]).stdout

@@ -1,47 +1,45 @@
-"""The command line: parse, run a job, render. Each verb is one function and one line of `GROUPS`."""
+"""The command line: parse, run a job, render. Each verb is one function and one line of `VERBS`."""
 
 import click
 
 from allanite.core.version import __version__
+from allanite.plugins import Table
 
-from .front import Front
+from .front import Front, Verb
 
-GROUPS: dict[str, dict[str, str]] = {
-    "Analyze": {
-        "info": "analyze.info",
-        "analyze": "analyze.analyze",
-        "batch": "batch.batch",
-        "lot": "batch.lot",
-        "deviation": "curves.deviation",
-        "spectrum": "curves.spectrum",
-        "dynamic": "curves.dynamic",
-        "compare": "compare.compare",
-        "watch": "watch.watch",
-        "serve": "serve.serve",
-    },
-    "Simulate and plan": {
-        "simulate": "simulate.simulate",
-        "plan": "plan.plan",
-        "selfcheck": "plan.selfcheck",
-        "statespace": "plan.statespace",
-    },
-    "Use in a filter": {"export": "export.export", "convert": "export.convert"},
-    "Learn": {"explain": "explain.explain", "example": "example.example"},
-    "Special jobs": {
-        "rate": "rate.rate",
-        "angle": "angle.angle",
-        "budget": "budget.budget",
-        "compensate": "compensate.compensate",
-        "vertical": "vertical.vertical",
-    },
-}
-"""Headings of the help, and the verbs below each: module and name of its command, imported when it is requested."""
+__all__ = ["VERBS", "Verb", "main"]
 
-VERBS = {verb: command for verbs in GROUPS.values() for verb, command in verbs.items()}
-"""Module and name of the command of every verb."""
+_OWN = (
+    Verb("info", "Analyze", "analyze.info", page=True),
+    Verb("analyze", "Analyze", "analyze.analyze", page=True),
+    Verb("batch", "Analyze", "batch.batch"),
+    Verb("lot", "Analyze", "batch.lot"),
+    Verb("deviation", "Analyze", "curves.deviation", page=True),
+    Verb("spectrum", "Analyze", "curves.spectrum", page=True),
+    Verb("dynamic", "Analyze", "curves.dynamic", page=True),
+    Verb("compare", "Analyze", "compare.compare", page=True),
+    Verb("watch", "Analyze", "watch.watch", page=True),
+    Verb("serve", "Analyze", "serve.serve"),
+    Verb("simulate", "Simulate and plan", "simulate.simulate"),
+    Verb("plan", "Simulate and plan", "plan.plan"),
+    Verb("selfcheck", "Simulate and plan", "plan.selfcheck"),
+    Verb("statespace", "Simulate and plan", "plan.statespace"),
+    Verb("export", "Use in a filter", "export.export"),
+    Verb("convert", "Use in a filter", "export.convert"),
+    Verb("explain", "Learn", "explain.explain"),
+    Verb("example", "Learn", "example.example"),
+    Verb("rate", "Special jobs", "rate.rate"),
+    Verb("angle", "Special jobs", "angle.angle"),
+    Verb("budget", "Special jobs", "budget.budget"),
+    Verb("compensate", "Special jobs", "compensate.compensate"),
+    Verb("vertical", "Special jobs", "vertical.vertical"),
+)
+"""The verbs in the order of the help, below the headings of their groups."""
+
+VERBS = Table({verb.name: verb for verb in _OWN}, "allanite.verbs", kind=Verb, key="name")
 
 
-@click.group(cls=Front, groups=GROUPS, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Front, verbs=VERBS, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="allanite")
 @click.option("--debug", is_flag=True, envvar="ALLANITE_DEBUG", help="Show the traceback of an internal error.")
 def main(debug: bool) -> None:

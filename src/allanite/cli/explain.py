@@ -21,7 +21,7 @@ def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
 
     Of a target of export, prints the fields with their units, formulas and sources; of a statistic, its ratio to the
     Allan variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging
-    times in sampling intervals. Without NAME, lists the targets.
+    times in sampling intervals. Without NAME, lists the targets, the statistics and the noise terms.
     """
     from allanite.exporting.conversion import Explanation
     from allanite.planning.properties import SIZE, properties

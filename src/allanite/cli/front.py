@@ -6,7 +6,9 @@ import os
 import shlex
 import sys
 import traceback
+import warnings
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -14,6 +16,7 @@ import click
 
 from allanite.core.errors import AllaniteError
 from allanite.phrases.wording import command_line
+from allanite.plugins import PluginWarning
 
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
@@ -42,13 +45,41 @@ class Failure(click.ClickException):
         self.status, self.trace = status, trace
 
 
+@dataclass(frozen=True)
+class Verb:
+    """A row of `VERBS`.
+
+    Attributes
+    ----------
+    name : str
+    group : str
+        The heading of the help that it stands below: one of the others', or a new one.
+    command : str or click.Command
+        Module in `allanite.cli` and name of the command, imported when it is requested; or the command.
+    page : bool
+        Whether the page may run it.
+    """
+
+    name: str
+    group: str
+    command: str | click.Command
+    page: bool = False
+
+    def imported(self) -> click.Command:
+        """The command."""
+        if isinstance(self.command, click.Command):
+            return self.command
+        module, _, name = self.command.partition(".")
+        command: click.Command = getattr(import_module(f"allanite.cli.{module}"), name)
+        return command
+
+
 class Front(click.Group):
     """A group of verbs that ends with a message and the documented exit codes, never with a traceback."""
 
-    def __init__(self, *args: Any, groups: Mapping[str, Mapping[str, str]], **extra: Any) -> None:
+    def __init__(self, *args: Any, verbs: Mapping[str, Verb], **extra: Any) -> None:
         super().__init__(*args, **extra)
-        self.groups = groups
-        self.verbs = {verb: command for verbs in groups.values() for verb, command in verbs.items()}
+        self.verbs = verbs
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The verbs, in the order of their table."""
@@ -56,18 +87,15 @@ class Front(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The command of a verb, whose module is imported now."""
-        if cmd_name not in self.verbs:
-            return None
-        module, _, name = self.verbs[cmd_name].partition(".")
-        command: click.Command = getattr(import_module(f"allanite.cli.{module}"), name)
-        return command
+        return self.verbs[cmd_name].imported() if cmd_name in self.verbs else None
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the verbs below the headings of their groups."""
-        for heading, verbs in self.groups.items():
-            found = ((name, self.get_command(ctx, name)) for name in verbs)
-            with formatter.section(heading):
-                formatter.write_dl([(name, verb.get_short_help_str()) for name, verb in found if verb is not None])
+        for group in dict.fromkeys(verb.group for verb in self.verbs.values()):
+            with formatter.section(group):
+                formatter.write_dl(
+                    [(v.name, v.imported().get_short_help_str()) for v in self.verbs.values() if v.group == group]
+                )
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Parse the arguments, and keep them as they were typed."""
@@ -98,7 +126,9 @@ class Front(click.Group):
         os.environ["MPLBACKEND"] = "agg"  # figures are written, and a backend that is not there is an error
         begin()
         try:
-            with command_line(), ended(), while_read():
+            with command_line(), ended(), while_read(), warnings.catch_warnings():
+                warnings.simplefilter("always", PluginWarning)
+                warnings.showwarning = lambda message, *_, **__: complain(f"allanite: {message}")
                 code = super().main(*args, **extra) or 0
         except click.exceptions.NoArgsIsHelpError as error:
             complain(error.format_message())

@@ -10,16 +10,11 @@ from .units import convert
 
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 
-_FILLERS = {
-    "with",
-    *(
-        word
-        for row in TERMS.values()
-        for p in row.parameters
-        for word in f"{p.name} {p.title}".replace("_", " ").split()
-    ),
-}
-"""Words of a printed model that carry no information."""
+
+def _fillers() -> set[str]:
+    """Words of a printed model that carry no information."""
+    titles = [f"{p.name} {p.title}" for row in TERMS.values() for p in row.parameters]
+    return {"with", *" ".join(titles).replace("_", " ").split()}
 
 
 def parse_model(text: str) -> Model:
@@ -44,8 +39,9 @@ def parse_model(text: str) -> Model:
     N = 0.003 deg/sqrt(h), Q = 0.2 arcsec, GM = 0.1 deg/h with time constant 120 s
     """
     parts: list[list[str]] = []
+    fillers = _fillers()
     for part in text.split(","):
-        words = [word for word in part.replace("=", " ").split() if word not in _FILLERS]
+        words = [word for word in part.replace("=", " ").split() if word not in fillers]
         if parts and words and _NUMBER.match(words[0]):  # the previous term has another parameter
             parts[-1] += words
         else:

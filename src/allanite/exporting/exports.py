@@ -1,6 +1,7 @@
 """The table of targets: a line each."""
 
 from allanite.core.errors import UsageError
+from allanite.plugins import Table
 
 from .target import Target
 from .targets.ardupilot import ARDUPILOT
@@ -22,29 +23,31 @@ from .targets.ros import ROBOT_LOCALIZATION, ROS_IMU
 from .targets.statespace import STATESPACE
 from .targets.vins import VINS_FUSION, VINS_MONO
 
-EXPORTS: dict[str, Target] = {
-    "kalibr": KALIBR,
-    "openvins": OPENVINS,
-    "orb-slam3": ORB_SLAM3,
-    "vins-mono": VINS_MONO,
-    "vins-fusion": VINS_FUSION,
-    "lio-sam": LIO_SAM,
-    "gtsam": GTSAM,
-    "ros-imu": ROS_IMU,
-    "robot-localization": ROBOT_LOCALIZATION,
-    "px4": PX4,
-    "ardupilot": ARDUPILOT,
-    "matlab": MATLAB,
-    "gnss-ins-sim": GNSS_INS_SIM,
-    "gazebo": GAZEBO,
-    "gazebo-classic": GAZEBO_CLASSIC,
-    "pegasus": PEGASUS,
-    "kf-gins": KF_GINS,
-    "psins": PSINS,
-    "navego": NAVEGO,
-    "statespace": STATESPACE,
-    "datasheet": DATASHEET,
-}
+_OWN = (
+    KALIBR,
+    OPENVINS,
+    ORB_SLAM3,
+    VINS_MONO,
+    VINS_FUSION,
+    LIO_SAM,
+    GTSAM,
+    ROS_IMU,
+    ROBOT_LOCALIZATION,
+    PX4,
+    ARDUPILOT,
+    MATLAB,
+    GNSS_INS_SIM,
+    GAZEBO,
+    GAZEBO_CLASSIC,
+    PEGASUS,
+    KF_GINS,
+    PSINS,
+    NAVEGO,
+    STATESPACE,
+    DATASHEET,
+)
+
+EXPORTS = Table({row.name: row for row in _OWN}, "allanite.targets", kind=Target, key="name")
 """Targets of `allanite.export` by name."""
 
 

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from allanite.core.errors import UsageError
+from allanite.plugins import Table
 
 from .differences import ADEV, HAAR, HDEV, MDEV, OADEV, OHDEV, TDEV
 from .extremes import MTIE, TIERMS
@@ -13,13 +14,12 @@ from .row import IntArray, Statistic
 from .theo import THEO1, THEOBR, THEOH
 from .total import HTOTDEV, MTOTDEV, TOTDEV, TTOTDEV
 
-STATISTICS: dict[str, Statistic] = {
-    row.name: row
-    for row in (
-        *(ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV, TOTDEV, MTOTDEV, TTOTDEV, HTOTDEV),
-        *(THEO1, THEOBR, THEOH, PDEV, HAAR, MTIE, TIERMS),
-    )
-}
+_OWN = (
+    *(ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV, TOTDEV, MTOTDEV, TTOTDEV, HTOTDEV),
+    *(THEO1, THEOBR, THEOH, PDEV, HAAR, MTIE, TIERMS),
+)
+
+STATISTICS = Table({row.name: row for row in _OWN}, "allanite.statistics", kind=Statistic, key="name")
 
 
 def statistic_named(name: str) -> Statistic:

@@ -6,6 +6,8 @@ coefficient of 1 and, except `structure` and `spectrum`, for a sample interval o
 the coefficient.
 """
 
+from allanite.plugins import Table
+
 from .angle_flicker import ANGLE_FLICKER
 from .angle_markov import ANGLE_MARKOV
 from .flicker import FLICKER
@@ -18,19 +20,18 @@ from .warm_up import WARM_UP
 
 __all__ = ["TERMS", "WHITE", "NoiseTerm", "Parameter", "ramp_coefficients"]
 
-TERMS: dict[str, NoiseTerm] = {
-    row.symbol: row
-    for row in (
-        QUANTIZATION,
-        ANGLE_FLICKER,
-        ANGLE_RANDOM_WALK,
-        FLICKER,
-        RATE_RANDOM_WALK,
-        RAMP,
-        WARM_UP,
-        GAUSS_MARKOV,
-        ANGLE_MARKOV,
-        OSCILLATION,
-        SINE,
-    )
-}
+_OWN = (
+    QUANTIZATION,
+    ANGLE_FLICKER,
+    ANGLE_RANDOM_WALK,
+    FLICKER,
+    RATE_RANDOM_WALK,
+    RAMP,
+    WARM_UP,
+    GAUSS_MARKOV,
+    ANGLE_MARKOV,
+    OSCILLATION,
+    SINE,
+)
+
+TERMS = Table({row.symbol: row for row in _OWN}, "allanite.terms", kind=NoiseTerm, key="symbol")

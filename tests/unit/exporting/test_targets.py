@@ -3,51 +3,20 @@
 import re
 
 import pytest
-from tests.unit.exporting.test_covariance import COEFFICIENTS, noise, with_fields
+from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
-from allanite.core.units import signal_named, unit_of
 from allanite.exporting.content import number
 from allanite.exporting.imported import noise_in
 from allanite.exporting.target import LONG
-from allanite.terms import TERMS
+from allanite.testing import check_target
 
 
 @pytest.mark.parametrize("name", list(al.EXPORTS))
-def test_a_row_is_complete(name):
+def test_fields_and_the_way_back(name):
     row = al.EXPORTS[name]
     assert row.name == name
-    assert len(row.source) > 20
-    assert all(suffix.startswith(".") for suffix in row.forms)
-    names = [field.full for field in row.fields]
-    assert len(set(names)) == len(names)
-
-
-@pytest.mark.parametrize(("name", "field"), [(n, f) for n, row in al.EXPORTS.items() for f in row.fields],
-                         ids=lambda v: getattr(v, "full", v))  # fmt: skip
-def test_the_unit_of_a_field_is_that_of_its_formula(name, field):
-    """The dimension of (coefficient sqrt(f^a T^b))^power."""
-    time = unit_of("s").dimension
-    own = (
-        unit_of(signal_named(field.sensor).si[TERMS[field.term].power]).dimension if field.term else (0.0,) * len(time)
-    )
-    inner = [o + t * (field.time - field.rate) / 2 for o, t in zip(own, time, strict=True)]
-    assert unit_of(field.unit).dimension == pytest.approx([field.power * v for v in inner])
-
-
-@pytest.mark.parametrize("name", with_fields())
-def test_back_to_the_coefficients(name, tmp_path):
-    made = al.export(noise(), name, rate=123.0)
-    path = tmp_path / f"file{made.suffix}"
-    made.write(path)
-    found = al.read_noise(path, name, rate=123.0)
-    for sensor, (n, k) in COEFFICIENTS.items():
-        model = getattr(found, sensor)
-        assert model["N"].value == pytest.approx(n, rel=1e-12)
-        if any(field.term == "K" for field in al.EXPORTS[name].fields):
-            assert model["K"].value == pytest.approx(k, rel=1e-12)
-        else:
-            assert [t.symbol for t in model] == ["N"]
+    check_target(row)
 
 
 def test_flicker_is_read_back_too():

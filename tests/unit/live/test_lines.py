@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from allanite.live.lines import Lines, places
 
 import allanite as al
-from allanite.live.lines import Lines, places
 
 
 @pytest.mark.parametrize(

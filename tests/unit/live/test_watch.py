@@ -11,13 +11,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from allanite.live.lines import Lines, places
+from allanite.live.sources import opened
+from allanite.live.watching import Watch, WatchSettings, lasting
 from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.live.lines import Lines, places
-from allanite.live.sources import opened
-from allanite.live.watching import Watch, WatchSettings, lasting
 from allanite.reporting import table
 
 RATE = 1000

@@ -10,6 +10,10 @@ from pathlib import Path
 import pytest
 from tests import ALL, ROOT, examples, thinned
 
+from allanite.readers.formats.registry import reader_for, reader_of_type
+from allanite.readers.options import channel_names
+from allanite.testing import check_reader
+
 SCRIPT = ROOT / "benchmarks" / "fuzz_readers.py"
 spec = importlib.util.spec_from_file_location("fuzz_readers", SCRIPT)
 fuzz = importlib.util.module_from_spec(spec)
@@ -35,3 +39,18 @@ def test_damaged_files_are_read_or_refused(tmp_path, name):
         assert said in ("read", "refused"), (name, k)
         assert time.process_time() - start < fuzz.SLOW, (name, k)
     assert "refused" in found or (contained and not ALL)
+
+
+BARE = [name for name in fuzz.SEEDS if not name.endswith((".zip", ".gz", ".bz2", ".xz"))]
+
+
+@pytest.mark.ensemble
+@pytest.mark.parametrize("name", thinned(BARE, 9, "files of every format, cut off"))
+def test_files_cut_off_are_read_or_refused(tmp_path, name):
+    if (suffix := Path(name).suffix) in fuzz.IMPORTED:
+        pytest.importorskip(fuzz.IMPORTED[suffix])
+    seed, path = fuzz.SEEDS[name], tmp_path / name
+    path.write_bytes(data := seed.make())
+    choices = {key: channel_names(value) if key == "channels" else value for key, value in seed.options.items()}
+    dtype = choices.get("dtype")
+    check_reader(reader_of_type(dtype) if dtype else reader_for(data[:4096], suffix), path, **choices)

@@ -5,13 +5,14 @@ Readers of other packages are entry points of the group ``allanite.readers``.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from typing import Any, Protocol
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Recording
+from allanite.plugins import broken, leave_out, plugins
 from allanite.readers.options import FrameLike, Options
 
 
@@ -71,62 +72,53 @@ WRITERS: dict[str, str] = {
 """Suffix of a file: the module that writes it."""
 
 
-GROUP = "allanite.readers"
-
-
-@dataclass(frozen=True)
-class Plugin:
-    """A reader of another package, loaded on first use."""
+@dataclass(frozen=True, eq=False)
+class ReaderPlugin:
+    """A reader of another package."""
 
     entry: EntryPoint
-
-    @cached_property
-    def loaded(self) -> Any:
-        """The module or object behind the entry point."""
-        try:
-            found = self.entry.load()
-        except Exception as error:
-            raise UsageError(self._broken(f"it cannot be loaded: {type(error).__name__}: {error}")) from error
-        missing = [name for name in ("TITLE", "sniff", "read") if not hasattr(found, name)]
-        if missing:
-            raise UsageError(self._broken(f"it has no {', '.join(missing)}"))
-        return found
+    module: Any
 
     @property
     def TITLE(self) -> str:
         """Name of the format."""
-        return str(self.loaded.TITLE)
+        return str(self.module.TITLE)
 
     def sniff(self, head: bytes, suffix: str) -> bool:
-        """Whether bytes and suffix look like the format."""
-        return bool(self._called("sniff", head, suffix))
+        """Whether bytes and suffix look like the format; not if it cannot say."""
+        try:
+            return bool(self.module.sniff(head, suffix))
+        except Exception as error:  # noqa: BLE001, RUF100 - a file of another format is read all the same
+            leave_out(self.entry, f"sniff failed: {type(error).__name__}: {error}")
+            return False
 
     def read(self, path: str, options: Options) -> Recording:
         """The recording returned by the plugin."""
-        recording = self._called("read", path, options)
-        if not isinstance(recording, Recording):
-            raise UsageError(self._broken(f"read returned a {type(recording).__name__} instead of a Recording"))
-        return recording
-
-    def _called(self, name: str, *given: Any) -> Any:
         try:
-            return getattr(self.loaded, name)(*given)
+            recording = self.module.read(path, options)
         except (AllaniteError, MemoryError):
             raise
         except Exception as error:
-            raise DataError(self._broken(f"{name} failed: {type(error).__name__}: {error}")) from error
-
-    def _broken(self, why: str) -> str:
-        package = self.entry.dist.name if self.entry.dist else self.entry.value
-        return (
-            f"the reader plugin {self.entry.name!r} of the package {package!r} is broken ({why}); update or remove it"
-        )
+            raise DataError(broken(self.entry, f"read failed: {type(error).__name__}: {error}")) from error
+        if not isinstance(recording, Recording):
+            why = f"read returned a {type(recording).__name__} instead of a Recording"
+            raise UsageError(broken(self.entry, why))
+        return recording
 
 
-def plugins() -> Iterator[Plugin]:
-    """The readers that are installed, by name."""
-    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
-        yield Plugin(entry)
+@cache
+def added() -> tuple[ReaderPlugin, ...]:
+    """The readers of other packages, by name."""
+    readers: dict[str, ReaderPlugin] = {}
+    for entry, module in plugins("allanite.readers"):
+        missing = [part for part in ("TITLE", "sniff", "read") if not hasattr(module, part)]
+        if missing:
+            leave_out(entry, f"it has no {', '.join(missing)}")
+        elif entry.name in READERS or entry.name in readers:
+            leave_out(entry, f"the name {entry.name!r} exists already")
+        else:
+            readers[entry.name] = ReaderPlugin(entry, module)
+    return tuple(readers.values())
 
 
 def reader_named(name: str) -> FormatReader:
@@ -153,7 +145,7 @@ def _module(name: str) -> Any:
 def candidates() -> Iterator[FormatReader]:
     """The readers in the order in which they are tried."""
     yield from (reader_named(name) for name in READERS if name != "text")
-    yield from plugins()
+    yield from added()
     yield reader_named("text")
 
 

@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
+from allanite.plugins import Table
 from allanite.reporting.sheet import Face
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class View:
         )
 
 
-VIEWS: dict[str, str] = {
+_OWN = {
     "Study": "analysis.STUDY",
     "Channel": "analysis.CHANNEL",
     "Batch": "batch.BATCH",
@@ -99,6 +100,9 @@ VIEWS: dict[str, str] = {
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 
+VIEWS = Table[str | View](_OWN, "allanite.views", kind=View)
+"""The same, and the views of plug-ins."""
+
 
 def view_of(value: Any) -> View:
     """The view of a result.
@@ -111,16 +115,21 @@ def view_of(value: Any) -> View:
     name = type(value).__name__
     if name not in VIEWS:
         raise UsageError(f"a {name} cannot be shown; results that can are {', '.join(VIEWS)}")
-    module, _, attribute = VIEWS[name].partition(".")
-    found = getattr(import_module(f"{__name__}.{module}"), attribute)
-    assert isinstance(found, View)  # noqa: S101 - the table says so
-    return found
+    return _imported(VIEWS[name])
 
 
 def import_type(name: str) -> None:
     """Import the type of a result, by its view; where the name is that of no result, the parts of all results."""
     for row in [VIEWS[name]] if name in VIEWS else VIEWS.values():
-        import_module(f"{__name__}.{row.partition('.')[0]}")
+        _imported(row)
+
+
+def _imported(row: str | View) -> View:
+    if isinstance(row, View):
+        return row
+    module, _, attribute = row.partition(".")
+    view: View = getattr(import_module(f"{__name__}.{module}"), attribute)
+    return view
 
 
 def level_of(value: Any, level: float | None = None) -> float:

@@ -9,6 +9,8 @@ from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO
 from allanite.phrases.phrase import say
 from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of
+from allanite.statistics import STATISTICS
+from allanite.terms import TERMS
 
 from . import View
 
@@ -51,11 +53,20 @@ def _imported_face(value: Imported, _: float) -> Face:
     return Face(row.title, BRAND, (Sheet(row.title, about, (Table(columns, rows),)),))
 
 
+def _tables() -> tuple[Sheet, ...]:
+    """The names of every table, those of plug-ins among them, and what they are."""
+    tables = {
+        say("targets"): {name: row.title for name, row in EXPORTS.items()},
+        say("statistics"): {name: row.title for name, row in STATISTICS.items()},
+        say("noise terms"): {symbol: row.title for symbol, row in TERMS.items()},
+    }
+    heads = Column("", "name"), Column("", "text")
+    return tuple(Sheet(title, (), (Table(heads, list(rows.items()), most=99),)) for title, rows in tables.items())
+
+
 def _explanation_face(value: Explanation, _: float) -> Face:
     if not value.target:
-        rows = [[row.name, row.title] for row in EXPORTS.values()]
-        sheet = Sheet(say("targets"), (), (Table((Column(say("target"), "name"), Column("", "text")), rows),))
-        return Face(sheet.name, BRAND, (sheet,))
+        return Face(say("targets, statistics and noise terms"), BRAND, _tables())
     row = EXPORTS[value.target]
     fields = [
         [f.full, SENSORS[f.sensor], f.unit, f.formula,

@@ -5,47 +5,56 @@ in units of its sample interval, for a coefficient of 1. The columns say which c
 """
 
 import math
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any
 
 import numpy as np
-from scipy.fft import dct
 
+from allanite.core.arrays import FloatArray
 from allanite.core.units import BASES, unit_of
+from allanite.terms.row import NoiseTerm
 
 NEAR = np.array([1.0, 2.0, 5.0, 30.0])
 RATE = 3.0
 
 
-def near(found, exact, rel=1e-6, of=None):
+def near(found: Any, exact: Any, rel: float = 1e-6, of: Any = None) -> None:
     """Equal up to `rel` of the largest value."""
     scale = np.max(np.abs(exact if of is None else of), initial=0.0)
     np.testing.assert_allclose(found, exact, rtol=rel, atol=rel * scale)
 
 
-def fourth(D, h):
+def fourth(D: Callable[[FloatArray], FloatArray], h: FloatArray) -> FloatArray:
     """Second moment of the first differences of the rate at the lags h, of the structure function."""
     return -0.5 * (6 * D(h) - 4 * D(np.abs(h - 1)) - 4 * D(h + 1) + D(np.abs(h - 2)) + D(h + 2))
 
 
-def allan(row, m):
+def allan(row: NoiseTerm, m: Any) -> Any:
     """Allan variance over m samples."""
     return (4 * row.structure(m) - row.structure(2 * m)) / (2 * m**2)
 
 
-def at(row, rate):
+def shaped(row: NoiseTerm, rate: float) -> NoiseTerm:
+    """The row of its shape in seconds, at a sampling rate."""
+    assert row.shaped is not None
+    return row.shaped(row.shape, rate)
+
+
+def at(row: NoiseTerm, rate: float) -> NoiseTerm:
     """The row where a unit of its time has `rate` samples."""
-    return row.shaped(row.shape, rate) if row.shaped else row
+    return shaped(row, rate) if row.shaped else row
 
 
-def rounding(row):
+def rounding(row: NoiseTerm) -> float:
     """What differences of D lose."""
-    return 1e-14 * np.max(np.abs(row.structure(np.arange(66.0))))
+    return float(1e-14 * np.max(np.abs(row.structure(np.arange(66.0)))))
 
 
 # the coefficient
 
 
-def asymptote(row):
+def asymptote(row: NoiseTerm) -> None:
     """A straight line of `slope` through `level`, which has the value of the coefficient at `read_at`."""
     numbers = np.array([row.slope, row.level, row.read_at])
     assert np.isnan(numbers).all() or np.isfinite(numbers).all()
@@ -60,7 +69,7 @@ def asymptote(row):
     near(row.level ** (0.5 * bool(crossed)) * row.read_at ** (crossed or 1), 1.0)
 
 
-def scaled(row):
+def scaled(row: NoiseTerm) -> None:
     """The power of time in the coefficient and the power of the second in each parameter, by another unit of time."""
     other = at(row, RATE)
     for p, here, there in zip(row.parameters, row.shape, other.shape, strict=True):
@@ -69,6 +78,7 @@ def scaled(row):
     f = np.array([0.003, 0.1, 0.5])
     near(row.spectrum(f / RATE, RATE), RATE ** (1 - 2 * row.power) * row.spectrum(f, 1.0))
     if row.waveform is not None:
+        assert other.waveform is not None
         fine = RATE**row.power * other.waveform(3 * 40)
         near(fine.reshape(40, 3).mean(axis=1), row.waveform(40))
     if row.transient:
@@ -78,7 +88,7 @@ def scaled(row):
         assert scales != row.per_sample
 
 
-def law(row):
+def law(row: NoiseTerm) -> None:
     """The exponent of the spectral density, where it has one."""
     f = np.array([1e-5, 1e-4, 1e-3])
     if row.alpha is not None:
@@ -88,18 +98,18 @@ def law(row):
 # functions of the time
 
 
-def derivatives(row):
+def derivatives(row: NoiseTerm) -> None:
     """Each order by differences of the one below."""
     if row.transient:
         return
     for order in range(1, 8):
-        below = row.structure if order == 1 else lambda x, k=order - 1: row.derivative(k, x)
+        below = row.structure if order == 1 else partial(row.derivative, order - 1)
         wide, close = ((below(NEAR + step) - below(NEAR - step)) / (2 * step) for step in (2e-3, 1e-3))
         lost = np.abs(1e-6 * close) + np.abs(1e-12 * below(NEAR))
         assert np.all(np.abs(row.derivative(order, NEAR) - (4 * close - wide) / 3) <= lost)
 
 
-def sums(row):
+def sums(row: NoiseTerm) -> None:
     """The second sum of D, but for a constant."""
     if row.transient:
         return
@@ -110,7 +120,7 @@ def sums(row):
         near(left - left[-1], np.zeros(40), rel, of=D)
 
 
-def increments(row):
+def increments(row: NoiseTerm) -> None:
     """Covariance of the differences of the rate; of a ramp the differences are constant, and have none."""
     if row.transient:
         return
@@ -122,7 +132,7 @@ def increments(row):
         near(row.increments(h), np.zeros(60), of=1.0)
 
 
-def oscillates(row):
+def oscillates(row: NoiseTerm) -> None:
     """The period of a covariance that changes its sign again and again."""
     if row.transient:
         assert row.period == 0
@@ -133,17 +143,17 @@ def oscillates(row):
         assert 4 <= turns(row, np.linspace(1e-3, 3, 1000) * row.period) <= 6
 
 
-def turns(row, t):
+def turns(row: NoiseTerm, t: FloatArray) -> int:
     """How often the derivative of the covariance of the rate changes its sign."""
     third = np.sign(row.derivative(3, t))
-    return np.count_nonzero(np.diff(third[third != 0]))
+    return int(np.count_nonzero(np.diff(third[third != 0])))
 
 
 # functions of the frequency
 
 
 @cache
-def quadrature(panels=40, nodes=24):
+def quadrature(panels: int = 40, nodes: int = 24) -> tuple[FloatArray, FloatArray]:
     """Nodes and weights on (0, 1/2], finer towards 0."""
     x, w = np.polynomial.legendre.leggauss(nodes)
     ends = np.append(0.5 * 0.75 ** np.arange(float(panels)), 0.0)
@@ -151,7 +161,7 @@ def quadrature(panels=40, nodes=24):
     return (ends[1:, None] + half[:, None] * (1 + x)).ravel(), (half[:, None] * w).ravel()
 
 
-def spectra(row):
+def spectra(row: NoiseTerm) -> None:
     """The integral of the spectral density of the differences is their covariance."""
     f, w = quadrature()
     h = np.arange(10.0)
@@ -160,8 +170,10 @@ def spectra(row):
     near(np.cos(2 * np.pi * np.outer(h, f)) @ power, exact, 1e-5, of=exact if row.waveform is None else [1.0])
 
 
-def transforms(row, n=61):
+def transforms(row: NoiseTerm, n: int = 61) -> None:
     """The diagonal of the covariance in the basis of the cosine transform, the ends of the record included."""
+    from scipy.fft import dct
+
     k, lag = np.arange(1.0, n), np.arange(float(n))
     exact = np.zeros(n - 1)
     if row.waveform is None:

@@ -1,0 +1,22 @@
+"""What every format, statistic, noise term, target and verb keeps: checks for tests of the packages that add some.
+
+Each raises an AssertionError that says what is wrong. The tests of this package check its own rows by them, too.
+
+Examples
+--------
+>>> from dataclasses import replace
+>>> from allanite.statistics import STATISTICS
+>>> check_statistic(STATISTICS["oadev"])
+>>> check_statistic(replace(STATISTICS["oadev"], order=3))
+Traceback (most recent call last):
+    ...
+AssertionError: statistic 'oadev': order is 3, but t^2 is not left out
+"""
+
+from .readers import check_reader
+from .statistics import check_statistic
+from .targets import check_target
+from .terms import check_term
+from .verbs import check_verb
+
+__all__ = ["check_reader", "check_statistic", "check_target", "check_term", "check_verb"]

@@ -1,0 +1,7 @@
+"""The row of the table of verbs."""
+
+from allanite.cli import Verb
+
+from .command import extent
+
+EXTENT = Verb("extent", "Analyze", extent, page=True)

@@ -1,0 +1,251 @@
+"""What another package adds is there as if it were the package's own: a sample is installed, and others are broken."""
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+
+import pytest
+from tests import ROOT
+
+SAMPLE = ROOT / "tests" / "plugin"
+SAID = "; update or remove it"
+
+BEFORE = """
+import json, shlex
+from pathlib import Path
+import numpy as np
+from click.testing import CliRunner
+import allanite as al
+from allanite.cli import VERBS, main
+def allanite(line, code=0):
+    done = CliRunner().invoke(main, shlex.split(line))
+    assert done.exit_code == code, (line, done.output)
+    return " ".join(done.output.split())
+"""
+"""What every process begins with."""
+
+
+def install(folder, name, points):
+    """Metadata of a package with these entry points, as an installation writes them."""
+    about = folder / f"{name}-1.0.dist-info"
+    about.mkdir(parents=True)
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n", "utf-8")
+    groups = (f"[{group}]\n" + "".join(f"{key} = {at}\n" for key, at in rows.items()) for group, rows in points.items())
+    (about / "entry_points.txt").write_text("\n".join(groups), "utf-8")
+    return folder
+
+
+def run(script, *folders, cwd):
+    """What a script prints, and what it says beside, where the packages in these folders are installed."""
+    path = os.pathsep.join([*map(str, folders), os.environ.get("PYTHONPATH", "")])
+    words, around = [sys.executable, "-c", BEFORE + script], os.environ | {"PYTHONPATH": path}
+    done = subprocess.run(words, cwd=cwd, env=around, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout, done.stderr
+
+
+@pytest.fixture(scope="module")
+def sample(tmp_path_factory):
+    """The folders of the sample: its metadata, and its modules."""
+    project = tomllib.loads((SAMPLE / "pyproject.toml").read_text("utf-8"))["project"]
+    return install(tmp_path_factory.mktemp("installed"), "allanite_sample", project["entry-points"]), SAMPLE
+
+
+FILES = r"""
+rng = np.random.default_rng(1)
+values = al.simulate(al.N(0.1, "deg/sqrt(h)"), 4096, 50.0, rng=rng).values
+Path("a.tones").write_text("\n".join(["TONES 50", *(f"{v * 180 / np.pi:.9g}" for v in values)]))
+"""
+
+PASSING = """
+import pytest, sys
+sys.exit(pytest.main(["-q", "-c", "/dev/null", "--noconftest", "-p", "no:cacheprovider", "-W", "error", sys.argv[1]]))
+"""
+
+
+def test_the_sample_passes_the_public_checks(sample, tmp_path):
+    out, _ = run(PASSING.replace("sys.argv[1]", repr(str(SAMPLE / "test_rows.py"))), *sample, cwd=tmp_path)
+    assert "5 passed" in out
+
+
+USED = (
+    FILES
+    + """
+from allanite.web.tables import tables
+shown = {"help": allanite("--help"), "info": allanite("info a.tones"), "list": allanite("explain")}
+shown["statistic"], shown["target"] = allanite("explain fdev"), allanite("explain pilot")
+shown["verb"] = allanite("extent a.tones --json extent.json --csv extent.csv --report extent.html --lang ru")
+shown["curve"] = allanite("deviation a.tones --statistic fdev --json curve.json")
+shown["fit"] = allanite("analyze a.tones --terms N,RR --json fit.json --report page.html")
+shown["export"] = allanite("export a.tones --model 'N 60 ug/sqrt(Hz)' --to pilot --output pilot.cfg --json export.json")
+Path("b.bin").write_bytes(bytes(100))
+shown["unknown"] = allanite("info b.bin", 3)
+shown["types"] = [type(al.from_dict(json.loads(p.read_text("utf-8")))).__name__ for p in sorted(Path().glob("*.json"))]
+result = al.from_dict(json.loads(Path("extent.json").read_text("utf-8")))
+al.report(result, "again.html")
+shown["low"] = [result["gz"].low, float(al.read("a.tones")["gz"].values.min())]
+shown["term"] = str(al.RR(1, "rad/s^2.5"))
+shown["page"] = tables("en")
+print(json.dumps(shown))
+"""
+)
+
+
+@pytest.fixture(scope="module")
+def used(sample, tmp_path_factory):
+    """What the program shows in a process in which the sample is installed, and the folder of its files."""
+    folder = tmp_path_factory.mktemp("used")
+    out, err = run(USED, *sample, cwd=folder)
+    assert err == ""
+    return json.loads(out), folder
+
+
+def test_a_verb_from_outside_stands_below_its_heading(used):
+    shown, _ = used
+    assert "in the browser. extent Show the least and the greatest sample. Simulate and plan:" in shown["help"]
+    assert "least greatest" in shown["verb"]
+
+
+@pytest.mark.parametrize(
+    ("where", "words"),
+    [
+        ("info", "rate 50.0 Hz from its first line"),
+        ("unknown", "; tones of a recorder; "),
+        ("list", "pilot settings of Pilot"),
+        ("list", "fdev fourth-difference deviation"),
+        ("list", "RR driven relaxation"),
+        ("statistic", "fourth-difference deviation"),
+        ("target", "manual of Pilot, section 3"),
+        ("fit", "driven relaxation"),
+        ("term", "RR = 4.455e+10 deg/h^2.5"),
+    ],
+)
+def test_what_comes_from_outside_is_shown(used, where, words):
+    assert words in used[0][where]
+
+
+def test_results_from_outside_are_stored_and_read_again(used):
+    shown, folder = used
+    assert shown["types"] == ["Survey", "Export", "Extents", "Study"]
+    assert shown["low"][0] == shown["low"][1] < 0
+    assert (folder / "extent.csv").read_text("utf-8").startswith("channel,least,greatest")
+    assert "Extent of a.tones" in (folder / "extent.html").read_text("utf-8")
+    assert "Extent of a.tones" in (folder / "again.html").read_text("utf-8")
+    assert "driven relaxation" in (folder / "page.html").read_text("utf-8")
+    assert "gyro_noise = " in (folder / "pilot.cfg").read_text("utf-8")
+
+
+def test_the_page_offers_what_comes_from_outside(used):
+    page = used[0]["page"]
+    assert {"name": "fdev", "title": "fourth-difference deviation"} in page["statistics"]
+    assert [row["title"] for row in page["terms"] if row["symbol"] == "RR"] == ["driven relaxation"]
+    assert [row["formats"] for row in page["exports"] if row["name"] == "pilot"] == [[".cfg"]]
+
+
+# what is broken
+
+
+def test_a_plugin_that_is_broken_is_named_and_left_out(sample, tmp_path):
+    (tmp_path / "theirs.py").write_text("row = object()\ndef sniff(head, suffix): return 1 / 0\n", "utf-8")
+    (tmp_path / "ending.py").write_text("raise SystemExit(3)\n", "utf-8")
+    points = {
+        "allanite.statistics": {"mine": "theirs:row", "other": "theirs:absent", "ended": "ending:row"},
+        "allanite.verbs": {"info": "allanite_sample.verbs:EXTENT", "more": "no_such_module:VERB"},
+        "allanite.readers": {"half": "theirs"},
+    }
+    script = FILES + 'print(len(al.STATISTICS), "fdev" in al.STATISTICS, len(al.read("a.tones")), len(VERBS))'
+    install(tmp_path / "theirs", "their_package", points)
+    out, err = run(script, *sample, tmp_path / "theirs", tmp_path, cwd=tmp_path)
+    assert out == "18 True 1 24\n"
+    said = " ".join(err.split())
+    for plugin, why in {
+        "statistic plugin 'mine'": "it is a object, not a Statistic",
+        "statistic plugin 'other'": "it cannot be loaded: AttributeError: module 'theirs' has no attribute 'absent'",
+        "statistic plugin 'ended'": "it cannot be loaded: SystemExit: 3",
+        "verb plugin 'info'": "the name 'extent' exists already",
+        "verb plugin 'more'": "it cannot be loaded: ModuleNotFoundError: No module named 'no_such_module'",
+        "reader plugin 'half'": "it has no TITLE, read",
+    }.items():
+        assert f"the {plugin} of the package 'their_package' is broken ({why}){SAID}" in said, said
+
+
+def test_a_name_that_exists_is_refused(tmp_path):
+    """A row, a format, a verb and the type of a result of the package itself."""
+    text = """
+from dataclasses import replace
+from allanite.cli import VERBS
+from allanite.readers.formats import text
+from allanite.reporting.views.fit import FIT
+from allanite.statistics import STATISTICS
+ROW, VERB = replace(STATISTICS["adev"], order=1), replace(VERBS["info"], group="Other")
+"""
+    (tmp_path / "theirs.py").write_text(text, "utf-8")
+    points = {
+        "allanite.statistics": {"new": "theirs:ROW"},
+        "allanite.readers": {"text": "theirs:text"},
+        "allanite.verbs": {"new": "theirs:VERB"},
+        "allanite.views": {"Fit": "theirs:FIT"},
+    }
+    install(tmp_path, "theirs", points)
+    script = "from allanite.readers.formats.registry import added\nfrom allanite.reporting.views import VIEWS\n"
+    script += 'print(al.STATISTICS["adev"].order, len(added()), VERBS["info"].group, VIEWS["Fit"])\n'
+    out, err = run(script + "print(len(al.STATISTICS), len(VERBS), len(VIEWS) > 9)", tmp_path, cwd=tmp_path)
+    assert out == "2 0 Analyze fit.FIT\n17 23 True\n"
+    for name in ("adev", "text", "info", "Fit"):
+        assert f"(the name {name!r} exists already)" in err
+
+
+READING = r"""
+Path("a.mine").write_text("MINE\n1.5\n2.5\n")
+try:
+    print(len(al.read("a.mine", rate=1, unit="deg/s")))
+except al.AllaniteError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "why"),
+    [
+        ("return 3", "read returned a int instead of a Recording"),
+        ("return 1 / 0", "read failed: ZeroDivisionError: division by zero"),
+    ],
+)
+def test_a_reader_that_fails_is_named_with_the_file(tmp_path, body, why):
+    lines = ('TITLE = "ours"', 'sniff = lambda head, suffix: head[:4] == b"MINE"', f"def read(path, options): {body}")
+    (tmp_path / "theirs.py").write_text("\n".join(lines), "utf-8")
+    install(tmp_path, "theirs", {"allanite.readers": {"mine": "theirs"}})
+    said, _ = run(READING, tmp_path, cwd=tmp_path)
+    assert said == f"a.mine: the reader plugin 'mine' of the package 'theirs' is broken ({why}){SAID}\n"
+
+
+def test_the_program_says_in_one_line_what_is_left_out(tmp_path):
+    install(tmp_path, "theirs", {"allanite.verbs": {"mine": "theirs:VERB"}})
+    words = [sys.executable, "-c", "from allanite.cli import main; main(['--help'])"]
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    done = subprocess.run(words, env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True, check=False)
+    why = "it cannot be loaded: ModuleNotFoundError: No module named 'theirs'"
+    assert done.stderr == f"allanite: the verb plugin 'mine' of the package 'theirs' is broken ({why}){SAID}\n"
+    assert "Analyze:" in done.stdout
+    assert done.returncode == 0
+
+
+# nothing is looked for before it is needed
+
+IDLE = """
+from allanite import plugins
+al.N(0.1, "deg/sqrt(h)"), al.STATISTICS["oadev"], VERBS["analyze"]
+print(plugins._loaded)
+"""
+
+
+def test_nothing_is_looked_for_where_no_table_is_listed(tmp_path):
+    assert run(IDLE, cwd=tmp_path) == ("{}\n", "")
+
+
+def test_nothing_is_imported_with_the_package():
+    code = "import sys, allanite, allanite.cli; print({'importlib.metadata', 'allanite.testing'} & {*sys.modules})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"
