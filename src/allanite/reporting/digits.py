@@ -1,6 +1,7 @@
-"""How many digits of a number mean something: two of the half width of its interval."""
+"""How numbers, units and names are written: two digits of the half width of an interval, and signs of print."""
 
 import math
+import re
 from dataclasses import dataclass
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -88,3 +89,65 @@ def _text(value: float, decimals: int, signed: bool) -> str:
         return ""
     rounded = round(value, decimals) + 0.0  # no negative zero
     return f"{rounded:{'+' if signed else ''}.{min(max(decimals, 0), 12)}f}"
+
+
+_SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
+_POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
+_UNITS = (
+    ("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("sqrt(Hz)", "√Hz"), ("^1.5", "¹·⁵"), ("^2.5", "²·⁵"), ("^2", "²"),
+    ("^3", "³"), ("ug", "µg"),
+)  # fmt: skip
+
+
+_ENDLESS = re.compile(r"\S{401,}")
+
+
+def printable(text: str) -> str:
+    """`text` as it is shown: names out of a file must not drive the terminal, nor fill it.
+
+    A control character becomes a sign of its own; of a word of more than 400 characters both ends are left.
+    """
+    if not text.isprintable():  # otherwise a phrase stays one
+        text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    if len(text) <= 400 or not _ENDLESS.search(text):
+        return text
+    return _ENDLESS.sub(lambda found: f"{found[0][:60]}…{found[0][-60:]}", text)
+
+
+def printed_unit(unit: str) -> str:
+    """A unit as it is printed.
+
+    Examples
+    --------
+    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("m/s^2")
+    ('deg/h/√h', 'µg', 'm/s²')
+    """
+    for plain, shown in _UNITS:
+        unit = unit.replace(plain, shown)
+    return unit
+
+
+def printed_number(cell: str) -> str:
+    """A number or interval as it is printed.
+
+    Examples
+    --------
+    >>> printed_number("-9.02e-5"), printed_number("-1 .. 2"), printed_number("+-5 V")
+    ('−9.02 × 10⁻⁵', '−1 … 2', '±5 V')
+    """
+    cell = cell.replace("+-", "±").replace(" .. ", " … ")
+    cell = _POWER.sub(lambda found: f" × 10{str(int(found[1])).translate(SUPERSCRIPT)}", cell)
+    return _SIGN.sub("−", cell)
+
+
+def printed(cell: str, kind: str) -> str:
+    """A cell as it is printed, by the kind of its column; names are left as they are."""
+    shown = printable(cell)
+    if kind == "unit":
+        return printed_unit(shown)
+    return printed_number(shown) if kind in ("number", "interval") else shown
+
+
+def printed_heading(heading: str) -> str:
+    """A heading: the unit in its brackets as it is printed."""
+    return re.sub(r"\[([^\[\]]*)\]", lambda found: f"[{printed_unit(found[1])}]", printable(heading))

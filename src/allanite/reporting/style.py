@@ -24,8 +24,8 @@ from allanite.core.files import demand_writable, write
 from allanite.terms import TERMS
 
 from . import fonts
+from .digits import printable
 from .language import ENGLISH, spoken, tr
-from .sheet import printable
 from .sketch.chart import Chart, Look
 from .sketch.lines import line_of
 

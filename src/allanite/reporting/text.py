@@ -15,8 +15,9 @@ from allanite.core.estimate import STATUSES
 from allanite.phrases.phrase import say
 
 from .cells import pad, wrapped
+from .digits import printable
 from .language import tr
-from .sheet import Code, Column, Face, Note, Part, Table, printable
+from .sheet import Code, Column, Face, Note, Part, Table
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
 NOTES = {"alert": "bold red", "good": "green", "fair": "yellow", "note": "", "strong": "bold", "quiet": "dim"}

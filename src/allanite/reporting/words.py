@@ -18,8 +18,7 @@ from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
 from allanite.phrases.wording import duration as duration  # noqa: PLC0414 - of this module too
 from allanite.terms import TERMS
 
-from .digits import Digits, digits
-from .sheet import printed_unit
+from .digits import Digits, digits, printed_unit
 
 title = title_of
 

@@ -9,7 +9,7 @@ from matplotlib.ticker import MaxNLocator
 from allanite.applications.signals import Budget
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.digits import printable, printed_unit
 
 
 @style.plotted

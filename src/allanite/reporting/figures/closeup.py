@@ -10,7 +10,7 @@ from allanite.applications.rate import RATE_ESTIMATORS, Closeup
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 
 from .drawing import with_unit
 

@@ -15,7 +15,7 @@ from allanite.core.display_units import readable_unit
 from allanite.core.errors import UsageError
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 from allanite.statistics import STATISTICS
 
 from .drawing import TIME, draw_legend, with_unit

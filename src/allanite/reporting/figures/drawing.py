@@ -14,8 +14,8 @@ from allanite.core.fit import Fit
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import style, words
+from allanite.reporting.digits import printable, printed_unit
 from allanite.reporting.language import tr
-from allanite.reporting.sheet import printable, printed_unit
 from allanite.reporting.sketch.text_width import wide
 from allanite.terms import TERMS
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from allanite.core.arrays import FloatArray
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 
 from .drawing import with_unit
 

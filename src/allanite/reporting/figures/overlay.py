@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 from allanite.statistics import STATISTICS
 
 from .drawing import EXPECTED, TIME, draw_legend, stacked, with_unit

@@ -7,7 +7,7 @@ from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import printed_unit
 
 from .drawing import TIME
 from .labels import FloatArray

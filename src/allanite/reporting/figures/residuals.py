@@ -14,7 +14,7 @@ from allanite.core.residuals import Residuals
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 
 from .goodness import draw_ratio, draw_surprise
 from .record import time_scale

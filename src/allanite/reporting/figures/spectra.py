@@ -15,7 +15,7 @@ from allanite.core.spectrum import SIDES, Spectrum
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import printed_unit
 from allanite.terms import TERMS, WHITE
 
 from .drawing import (

@@ -10,7 +10,7 @@ from allanite.core.curve import Curve
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 from allanite.statespace import StateSpace
 from allanite.statistics import expected
 

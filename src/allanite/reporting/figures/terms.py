@@ -13,7 +13,7 @@ from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import printed_unit
 from allanite.terms import TERMS
 
 from .drawing import MODEL, by_share, color_of, dashes, draw_label, fractions, label_of, pairs

@@ -9,7 +9,8 @@ from allanite.applications.signals.budgeting import BudgetChannel, BudgetStudy
 from allanite.core.validity import APPROXIMATE, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, printable, printed_unit
+from allanite.reporting.digits import printable, printed_unit
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of
 
 from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of

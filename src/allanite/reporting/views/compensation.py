@@ -13,19 +13,8 @@ from allanite.core.fit import Fit
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import (
-    Column,
-    Drawing,
-    Face,
-    Note,
-    Part,
-    Sheet,
-    Table,
-    printable,
-    printed_number,
-    printed_unit,
-)
+from allanite.reporting.digits import digits, printable, printed_number, printed_unit
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table
 
 from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of

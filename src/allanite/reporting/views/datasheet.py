@@ -12,8 +12,8 @@ from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Card, Column, Mark, Table, printed_unit
+from allanite.reporting.digits import digits, printed_unit
+from allanite.reporting.sheet import Card, Column, Mark, Table
 from allanite.statistics import STATISTICS
 from allanite.study.analysis import Channel
 

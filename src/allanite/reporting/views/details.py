@@ -12,7 +12,8 @@ from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Deferred, Drawing, Fold, Note, Part, Table, columns, printed_unit
+from allanite.reporting.digits import printed_unit
+from allanite.reporting.sheet import Deferred, Drawing, Fold, Note, Part, Table, columns
 from allanite.statistics import STATISTICS
 from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.analysis import Channel

@@ -8,9 +8,7 @@ from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, graded
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import words
-from allanite.reporting.sheet import (
-    printable,
-)
+from allanite.reporting.digits import printable
 from allanite.study.analysis import Channel
 
 
