@@ -1,7 +1,8 @@
 """Sheets: the neutral form of every result, which the terminal, the page and the notebook render."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -67,6 +68,11 @@ class Table:
     def __post_init__(self) -> None:
         rows = [[column.cell(value) for column, value in zip(self.columns, row, strict=True)] for row in self.rows]
         object.__setattr__(self, "rows", rows)
+
+    def only(self, kept: Sequence[int]) -> "Table":
+        """The table of some of its columns."""
+        rows = [[row[i] for i in kept] for row in self.rows]
+        return replace(self, columns=[self.columns[i] for i in kept], rows=rows)
 
     def mark(self, row: int) -> Mark:
         """The mark of a row."""
@@ -235,6 +241,18 @@ class Face:
     facts: Sequence[str] = ()
     command: str = ""
     data: bytes = b""
+
+
+def one_sheet(
+    title: str, brand: str, name: str, parts: Iterable[Part], *, about: Sequence[str] = (), **rest: Any
+) -> Face:
+    """A face of one sheet called `name`; `rest` are further fields of the face."""
+    return Face(title, brand, (Sheet(name, about, tuple(parts)),), **rest)
+
+
+def known(form: str, otherwise: str = "", unit: str = "") -> Callable[[float | None], str]:
+    """The form of numbers that need not be known: where one is missing or not finite stands `otherwise`."""
+    return lambda value: otherwise if value is None or not math.isfinite(value) else f"{value:{form}}{unit}"
 
 
 def columns(*headings: str, left: int = 1, form: Form = "") -> tuple[Column, ...]:

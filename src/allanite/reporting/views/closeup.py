@@ -9,7 +9,7 @@ from allanite.applications.rate import Closeup
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Drawing, Face, Note, Part, Sheet, Where
+from allanite.reporting.sheet import Drawing, Note, Part, Where, one_sheet
 
 from . import Rows, View
 
@@ -42,11 +42,6 @@ def parts(found: Closeup, where: Where = "") -> Iterator[Part]:
     yield Drawing(lambda: figures.plot_closeups([found]), say("one interval in detail"), CAPTION)
 
 
-def _face(found: Closeup, _: float) -> Face:
-    title = found.name or say("Rate")
-    return Face(title, say("a constant rate in a short time"), (Sheet(title, parts=tuple(parts(found))),))
-
-
 def _rows(found: Closeup, _: float) -> Rows:
     unit = found.signal.sheet[0]
     rates = (found.slopes / unit_of(unit).factor).tolist()
@@ -55,4 +50,10 @@ def _rows(found: Closeup, _: float) -> Rows:
     return ["start_s", "slope", "unit", "kept"], lines
 
 
-CLOSEUP = View(_face, lambda values, fit, level: figures.plot_closeups(values), _rows)
+CLOSEUP = View(
+    lambda found, _: one_sheet(
+        found.name or say("Rate"), say("a constant rate in a short time"), found.name or say("Rate"), parts(found)
+    ),
+    lambda values, fit, level: figures.plot_closeups(values),
+    _rows,
+)

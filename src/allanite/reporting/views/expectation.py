@@ -9,7 +9,7 @@ from allanite.core.model import model_of
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures
-from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table
+from allanite.reporting.sheet import Column, Drawing, Face, Part, Table, one_sheet
 from allanite.statistics import STATISTICS, Expectation, expectation
 from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
@@ -29,18 +29,17 @@ CAPTION = say(
 
 def _face(found: Expectation, _: float) -> Face:
     drawing = Drawing(lambda: _plot([found], None, 0.95), say("expected deviation of the model"), CAPTION)
-    parts: list[Part] = [model_table(found.model), drawing, *(_table(found, curve) for curve in found.curves)]
-    return Face(str(found.model), BRAND, (Sheet(found.name or say("model"), parts=parts),))
-
-
-def _table(found: Expectation, curve: "Curve") -> Table:
-    """The whole and each term, in the unit of data sheets."""
-    unit = readable_unit(curve.unit)
-    terms = (Column(t.symbol, aside=True) for t in found.model)
-    heads = (Column("tau [s]"), Column(say("expected [{unit}]", unit=unit)), *terms)
-    factor = convert(1.0, curve.unit, unit)
-    rows = [[f"{row[0]:.5g}", *(f"{v * factor:.4g}" for v in row[1:])] for row in _numbers(found, curve)]
-    return Table(heads, rows, say("expected {statistic}", statistic=STATISTICS[curve.statistic].title), details=True)
+    parts: list[Part] = [model_table(found.model), drawing]
+    # the whole and each term, in the unit of data sheets
+    terms = [Column(t.symbol, aside=True, form=".4g") for t in found.model]
+    for curve in found.curves:
+        unit = readable_unit(curve.unit)
+        factor = convert(1.0, curve.unit, unit)
+        heads = (Column("tau [s]", form=".5g"), Column(say("expected [{unit}]", unit=unit), form=".4g"), *terms)
+        rows = [[tau, *(v * factor for v in row)] for tau, *row in _numbers(found, curve)]
+        title = say("expected {statistic}", statistic=STATISTICS[curve.statistic].title)
+        parts.append(Table(heads, rows, title, details=True))
+    return one_sheet(str(found.model), BRAND, found.name or say("model"), parts)
 
 
 def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:

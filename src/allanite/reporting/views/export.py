@@ -8,7 +8,7 @@ from allanite.exporting.exports import EXPORTS
 from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO
 from allanite.phrases.phrase import say
-from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of
+from allanite.reporting.sheet import Code, Column, Face, Note, Part, Table, header_of, one_sheet
 
 from . import View
 
@@ -28,7 +28,7 @@ def _export_face(value: Export, _: float) -> Face:
         parts.append(Code(value.text.rstrip("\n")))
     parts += [Note(note) for note in value.notes]
     header = header_of(value.provenance, ()) if value.provenance else ()
-    return Face(row.title, BRAND, (Sheet(row.title, (), tuple(parts)),), header, provenance=value.provenance)
+    return one_sheet(row.title, BRAND, row.title, parts, header=header, provenance=value.provenance)
 
 
 SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
@@ -41,21 +41,18 @@ HEADINGS = (
 def _imported_face(value: Imported, _: float) -> Face:
     row = EXPORTS[value.target]
     terms = [(t, t.signal.sheet[t.row.power]) for model in value.models for t in model]
-    rows = [
-        [t.symbol, title_of(t.symbol, t.signal), f"{t.to(unit):.6g}", unit, f"{t.value:.6g}", t.unit]
-        for t, unit in terms
-    ]
-    columns = (Column(say("term"), "symbol"), Column("", "text"), Column(say("value")), Column(say("unit"), "unit"),
-               Column(say("SI")), Column(say("unit"), "unit"))  # fmt: skip
+    rows = [[t.symbol, title_of(t.symbol, t.signal), t.to(unit), unit, t.value, t.unit] for t, unit in terms]
+    columns = (Column(say("term"), "symbol"), Column("", "text"), Column(say("value"), form=".6g"),
+               Column(say("unit"), "unit"), Column(say("SI"), form=".6g"), Column(say("unit"), "unit"))  # fmt: skip
     about = () if value.rate is None else (say("rate {rate:.9g} Hz", rate=value.rate),)
-    return Face(row.title, BRAND, (Sheet(row.title, about, (Table(columns, rows),)),))
+    return one_sheet(row.title, BRAND, row.title, [Table(columns, rows)], about=about)
 
 
 def _explanation_face(value: Explanation, _: float) -> Face:
     if not value.target:
         rows = [[row.name, row.title] for row in EXPORTS.values()]
-        sheet = Sheet(say("targets"), (), (Table((Column(say("target"), "name"), Column("", "text")), rows),))
-        return Face(sheet.name, BRAND, (sheet,))
+        table = Table((Column(say("target"), "name"), Column("", "text")), rows)
+        return one_sheet(say("targets"), BRAND, say("targets"), [table])
     row = EXPORTS[value.target]
     fields = [
         [f.full, SENSORS[f.sensor], f.unit, f.formula,
@@ -70,7 +67,7 @@ def _explanation_face(value: Explanation, _: float) -> Face:
             Note(say("f is 1/{step:g} s, the interval of the filter's steps, not the sampling rate", step=row.step))
         )
     parts += [*(Note(note) for note in row.notes), Note(say("source: {source}", source=row.source), "quiet")]
-    return Face(row.title, BRAND, (Sheet(row.title, (), tuple(parts)),))
+    return one_sheet(row.title, BRAND, row.title, parts)
 
 
 EXPORT = View(_export_face, rows=lambda value, _: value.rows())

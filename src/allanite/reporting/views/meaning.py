@@ -7,7 +7,7 @@ from allanite.interpretation.causes import Meaning, meaning
 from allanite.interpretation.device import REFERENCES
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import join, say
-from allanite.reporting.sheet import Column, Face, Note, Part, Sheet, Table
+from allanite.reporting.sheet import Column, Note, Part, Table, one_sheet
 from allanite.study.analysis import Channel, Study
 
 from . import View
@@ -78,9 +78,11 @@ def _causes(found: Sequence[Meaning]) -> Iterator[Part]:
         yield Table(heads, rows, title, key=join(" ", works), where="page")
 
 
-def _face(found: Meaning, level: float) -> Face:
-    sheet = Sheet(found.name or say("record"), parts=tuple(_parts([found])))
-    return Face(say("What it means"), say("noise coefficients of an inertial sensor"), (sheet,))
-
-
-MEANING = View(_face)
+MEANING = View(
+    lambda found, _: one_sheet(
+        say("What it means"),
+        say("noise coefficients of an inertial sensor"),
+        found.name or say("record"),
+        _parts([found]),
+    )
+)

@@ -29,9 +29,11 @@ def readings_table(readings: Readings, level: float) -> Table:
     return Table(heads, rows, key=KEY)
 
 
-def _face(readings: Readings, level: float) -> Face:
-    sheet = Sheet(say("readings"), parts=(readings_table(readings, level),))
-    return Face(say("Readings"), say("read off the Allan deviation"), (sheet,))
-
-
-READINGS = View(_face, rows=lambda readings, level: readings.rows(level))
+READINGS = View(
+    lambda readings, level: Face(
+        say("Readings"),
+        say("read off the Allan deviation"),
+        (Sheet(say("readings"), parts=(readings_table(readings, level),)),),
+    ),
+    rows=lambda readings, level: readings.rows(level),
+)

@@ -47,8 +47,9 @@ def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
             )
         )
     headings, rows = space.rows()
-    heads = (Column(""), Column(say("state"), "name"), Column(say("unit"), "unit"), *map(Column, headings[2:]))
-    yield Table(heads, [[str(i), *row[:2], *(f"{v:.6g}" for v in row[2:])] for i, row in enumerate(rows, 1)])
+    numbers = (Column(heading, form=".6g") for heading in headings[2:])
+    heads = (Column(""), Column(say("state"), "name"), Column(say("unit"), "unit"), *numbers)
+    yield Table(heads, [[i, *row] for i, row in enumerate(rows, 1)])
     label = say("Allan deviation of the state space and of the model")
     yield Drawing(lambda: _plot([channel or space], None, 0.95), label, DRAWN)
     lines = [line for label in ("Phi", "Qd", "H", "R", "P0") for line in _matrix(label, getattr(space, label))]

@@ -49,7 +49,10 @@ def verdict(channel: Channel, level: float) -> str:
         *others, last = found
         terms = say("{terms} and {last}", terms=join(", ", others), last=last) if others else last
         first = say("{channel} is {sensor} with {terms}.", channel=name, sensor=sensor, terms=terms)
-    return join(" ", (first, *_missing(channel), *_reservation(channel)))
+    noise, more = channel.noise, list(_missing(channel))
+    if noise is not None and noise.validity == APPROXIMATE:  # how good the model is
+        more.append(say("{sentence}.", sentence=words.capital(graded(noise.validity, noise.fit.scope))))
+    return join(" ", (first, *more))
 
 
 def _missing(channel: Channel) -> Iterator[Phrase]:
@@ -67,10 +70,3 @@ def _titles(channel: Channel, *statuses: str) -> str:
     """Names of the terms without a result that have one of these statuses."""
     there = (e for e in channel.fit or () if e.status in statuses and (e.value is None or e.status == "not valid"))
     return join(", ", (words.title(e.symbol, e.signal) for e in there))
-
-
-def _reservation(channel: Channel) -> Iterator[Phrase]:
-    """How good an approximate model is."""
-    noise = channel.noise
-    if noise is not None and noise.validity == APPROXIMATE:
-        yield say("{sentence}.", sentence=words.capital(graded(noise.validity, noise.fit.scope)))
