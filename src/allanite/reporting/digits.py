@@ -69,8 +69,11 @@ def digits(
         size = max(size, half)  # of a number near zero the size of its interval counts
     exponent = _order(size) if size and not SMALL <= size < LARGE else 0
     decimals = exponent + (_decimals(size, half) if half > 0 else figures - 1 - _order(size) if size else 0)
-    shown = [_text(v / 10.0**exponent, decimals, signed) for v in (value, low, high)]
-    return Digits(shown[0], shown[1] if known else "", shown[2] if known else "", exponent)
+    form = f"{'+' if signed else ''}.{min(max(decimals, 0), 12)}f"
+    scaled = [v / 10.0**exponent for v in ((value, low, high) if known else (value,))]
+    shown = [format(round(v, decimals) + 0.0, form) for v in scaled]  # no negative zero
+    least, most = shown[1:] or ("", "")
+    return Digits(shown[0], least, most, exponent)
 
 
 def _order(size: float) -> int:
@@ -82,13 +85,6 @@ def _decimals(size: float, half: float) -> int:
     # rounded first: a half width of 0.0996 is 0.10, and its two digits are hundredths
     wanted = 1 - _order(float(f"{half:.1e}"))
     return max(wanted, 1 - _order(size)) if size else wanted
-
-
-def _text(value: float, decimals: int, signed: bool) -> str:
-    if not math.isfinite(value):
-        return ""
-    rounded = round(value, decimals) + 0.0  # no negative zero
-    return f"{rounded:{'+' if signed else ''}.{min(max(decimals, 0), 12)}f}"
 
 
 _SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")

@@ -20,7 +20,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, toml
 
-from . import Rows, View, view_of
+from . import View, view_of
 
 if TYPE_CHECKING:
     from allanite.reporting.style import Plot
@@ -145,7 +145,20 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
         )
     label, title = say("innovations and their autocorrelation"), say("is what is left over noise?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
-    yield _others(solution)
+    # parameters estimated together with the harmonics
+    heads = (
+        Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
+        Column(say("meaning"), "text", aside=True),
+    )  # fmt: skip
+    rows = []
+    for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
+        if name[0] in "SC" and name[1:2].isdigit():
+            continue
+        row = NUISANCES.get(name)
+        si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
+        factor = convert(1.0, si, unit)
+        rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
+    yield Table(heads, rows, say("other estimated parameters"))
 
 
 def _harmonics(result: Result, level: float) -> Table:
@@ -181,33 +194,6 @@ def _constant(value: float, error: float) -> tuple[str, str]:
     return shown.plain()[0], digits(error, figures=2).plain()[0]
 
 
-def _others(solution: Solution) -> Table:
-    """Parameters estimated together with the harmonics."""
-    heads = (
-        Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
-        Column(say("meaning"), "text", aside=True),
-    )  # fmt: skip
-    rows = []
-    for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
-        if name[0] in "SC" and name[1:2].isdigit():
-            continue
-        row = NUISANCES.get(name)
-        si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
-        factor = convert(1.0, si, unit)
-        rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
-    return Table(heads, rows, say("other estimated parameters"))
-
-
-def _result_rows(result: Result, level: float) -> Rows:
-    """All constants with limits, SI; of known harmonics the harmonics alone."""
-    solution = result.solution
-    if solution is None:
-        return result.rows(level)
-    numbers = zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True)
-    rows = [[name, value, error, *solution.interval(name, level)] for name, value, error in numbers]
-    return ["constant", "value", "standard_error", "low", "high"], rows
-
-
 def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Plot":
     draw = view_of(values[0].result).plot
     if draw is None:
@@ -227,5 +213,20 @@ STUDY = View(
     lambda study, level: view_of(study.result).rows(study.result, level),  # type: ignore[misc]
 )
 HARMONICS = CALIBRATION = View(
-    _result_face, lambda values, fit, level: figures.plot_errors(values[0], level), _result_rows
+    _result_face,
+    lambda values, fit, level: figures.plot_errors(values[0], level),
+    # all constants with limits, SI; of known harmonics the harmonics alone
+    lambda result, level: (
+        result.rows(level)
+        if result.solution is None
+        else (
+            ["constant", "value", "standard_error", "low", "high"],
+            [
+                [name, value, error, *result.solution.interval(name, level)]
+                for name, value, error in zip(
+                    result.solution.names, result.solution.values.tolist(), result.solution.errors.tolist(), strict=True
+                )
+            ],
+        )
+    ),
 )

@@ -5,18 +5,17 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from allanite.applications.compensation.compensated import Compensated, CompensationStudy
+from allanite.applications.compensation.compensated import Compensated
 from allanite.applications.compensation.gain import Gain
 from allanite.applications.compensation.regression import Regression
 from allanite.applications.compensation.regressor import Effect
-from allanite.core.fit import Fit
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, printable, printed_number, printed_unit
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, known
 
-from . import Rows, View
+from . import View
 from .jobs import channel_sheet, job_face, source_of
 
 if TYPE_CHECKING:
@@ -238,25 +237,34 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
         yield [channel.record.name, of, tau, int(before.m[i]), *values, unit, float(before.edf[i]), float(after.edf[i])]
 
 
-def _study_plot(values: Sequence[CompensationStudy], fit: Fit | None, level: float) -> "Plot":
-    applied = [c for study in values for c in study.applied if c.regression is not None]
-    return _draw(applied or [c for study in values for c in study.channels], level)
-
-
-def _study_rows(study: CompensationStudy, level: float) -> Rows:
-    """Overlapping Allan deviations in data-sheet units."""
-    listed = [(c, "fitted") for c in study.channels] + [(c, "applied") for c in study.applied]
-    return HEADINGS, [row for channel, of in listed for row in _lines(channel, of, level)]
-
-
-def _study_face(study: CompensationStudy, level: float) -> Face:
-    other = study.provenance.get("applied to", "")
-    sheets = [*(_sheet(c, level) for c in study.channels), *(_sheet(c, level, other) for c in study.applied)]
-    title = say("Compensation of {source}", source=source_of(study))
-    return replace(job_face(study, (title, BRAND), sheets), how=[*map(Note, HOW)])
-
-
-STUDY = View(_study_face, _study_plot, _study_rows)
+STUDY = View(
+    lambda study, level: replace(
+        job_face(
+            study,
+            (say("Compensation of {source}", source=source_of(study)), BRAND),
+            [
+                *(_sheet(channel, level) for channel in study.channels),
+                *(_sheet(channel, level, study.provenance.get("applied to", "")) for channel in study.applied),
+            ],
+        ),
+        how=[*map(Note, HOW)],
+    ),
+    lambda values, fit, level: _draw(
+        [c for study in values for c in study.applied if c.regression is not None]
+        or [c for study in values for c in study.channels],
+        level,
+    ),
+    # overlapping Allan deviations in data-sheet units
+    lambda study, level: (
+        HEADINGS,
+        [
+            row
+            for channels, of in ((study.channels, "fitted"), (study.applied, "applied"))
+            for channel in channels
+            for row in _lines(channel, of, level)
+        ],
+    ),
+)
 CHANNEL = View(
     lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)),
     lambda values, fit, level: _draw(values, level),

@@ -7,7 +7,7 @@ from typing import Any
 
 from allanite.batch.lot import Lot
 from allanite.batch.manifest import DATE
-from allanite.batch.scatter import DAY, FEWEST, Trend, detectable
+from allanite.batch.scatter import DAY, FEWEST, detectable
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import figures
 from allanite.reporting.digits import digits
@@ -49,7 +49,14 @@ def _parts(lot: Lot) -> Iterator[Part]:
             Column(say("interval"), "interval"), unit,
         )  # fmt: skip
         marks: list[Mark] = ["alarm" if trend.shown else "" for trend in lot.trends]
-        yield Table(heads, [_trend(one) for one in lot.trends], say("trends"), marks, TREND_KEY, most=EVERY)
+        rows = []
+        for one in lot.trends:
+            slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
+            along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
+            per = say("{unit} per {step}", unit=one.sheet_unit, step=each)
+            interval = f"{_number(low)} .. {_number(high)}"
+            rows.append([one.channel, symbol_of(one.symbol), along, one.values.size, slope, interval, per])
+        yield Table(heads, rows, say("trends"), marks, TREND_KEY, most=EVERY)
     if lot.outlying:
         outlying = (Column(say("file"), "name"), *term, Column(say("value"), form=_number),
                  Column(say("median"), form=_number), unit)  # fmt: skip
@@ -101,14 +108,6 @@ def _drawn(lot: Lot) -> "list[figures.LotRow]":
         if values.size > 1:
             found.append(figures.LotRow(one.channel, symbol, one.sheet_unit, values, courses))
     return found
-
-
-def _trend(one: Trend) -> list[Any]:
-    slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
-    along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
-    unit = say("{unit} per {step}", unit=one.sheet_unit, step=each)
-    interval = f"{_number(low)} .. {_number(high)}"
-    return [one.channel, symbol_of(one.symbol), along, one.values.size, slope, interval, unit]
 
 
 def _number(value: float) -> str:

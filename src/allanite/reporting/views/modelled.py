@@ -2,15 +2,17 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, one_sheet
-from allanite.study.modelled import ModelJob, Modelled
 
 from . import Rows, jobs
 from .jobs import source_of
+
+if TYPE_CHECKING:
+    from allanite.study.modelled import ModelJob, Modelled
 
 
 class ModelledForm(NamedTuple):
@@ -20,7 +22,7 @@ class ModelledForm(NamedTuple):
     title: str
     brand: str
     about: Callable[[Any], str]
-    parts: Callable[[Any, Modelled | None], Iterable[Part]]
+    parts: Callable[[Any, "Modelled | None"], Iterable[Part]]
     key: str
 
 
@@ -35,10 +37,10 @@ def one_face(form: ModelledForm) -> Callable[[Any, float], Face]:
     return face
 
 
-def job_face(form: ModelledForm) -> Callable[[ModelJob, float], Face]:
+def job_face(form: ModelledForm) -> Callable[["ModelJob", float], Face]:
     """The face of the results of all channels."""
 
-    def face(job: ModelJob, _: float) -> Face:
+    def face(job: "ModelJob", _: float) -> Face:
         given = job.settings.given()
         header = header_of(job.provenance, job.notes, say(", method {method}", method=job.recipe.method))
         if given:
@@ -67,7 +69,7 @@ def _legend(form: ModelledForm) -> list[Part]:
     return [Note(form.key, "quiet", where="text")]
 
 
-def job_rows(job: ModelJob, _: float) -> Rows:
+def job_rows(job: "ModelJob", _: float) -> Rows:
     """Rows of the results of all channels, each with the name of its channel before it."""
     tables = [(c.name, *c.result.rows()) for c in job.channels if c.result is not None]
     return ["channel", *tables[0][1]], [[name, *row] for name, _, rows in tables for row in rows]

@@ -16,13 +16,13 @@ from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, columns, known, one_sheet
 
 from . import Rows, View
-from .closeup import parts as closeup_parts
 from .jobs import channel_sheet, job_face, source_of
 from .rate_experiment import (
     BRAND,
     CAPTION,
     HEADINGS,
     by_time,
+    closeup_parts,
     every_interval,
     experiment_rows,
     finite,

@@ -1,15 +1,17 @@
-"""How an experiment is shown: the rates of all methods over the intervals of a record."""
+"""How an experiment is shown: the rates of all methods over the intervals of a record, and one interval in detail."""
 
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from allanite.applications.rate import Experiment, Ranking
+import numpy as np
+
+from allanite.applications.rate import Closeup, Experiment, Ranking
 from allanite.applications.rate.estimates import rate_factor
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Note, Table, known, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Note, Part, Table, Where, known, one_sheet
 from allanite.statistics import expected
 
 from . import View
@@ -107,7 +109,17 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
     measured = say("std against the measuring time [{unit}]", unit=unit)
     predicted = say("predicted std against the measuring time [{unit}]", unit=unit)
     for name, title in (("deviation", measured), ("predicted", predicted)):
-        numbers = {m: [_number(e, m, name) for e in ordered] for m in methods}
+        numbers = {
+            m: [
+                (
+                    math.nan
+                    if m not in e.methods
+                    else float(getattr(e.scatter(m), name)) / rate_factor(e.signal.sheet[0], e.signal)
+                )
+                for e in ordered
+            ]
+            for m in methods
+        }
         if name == "predicted":
             numbers = {m: each for m, each in numbers.items() if any(map(math.isfinite, each))}
         heads = [Column(say("measuring time"), "name"), *(Column(m, form=known(".3g")) for m in numbers)]
@@ -117,13 +129,6 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
             rows = [[*row, e.start.size] for row, e in zip(rows, ordered, strict=True)]
         if numbers:
             yield Table(heads, rows, title)
-
-
-def _number(found: Experiment, method: str, name: str) -> float:
-    """A number of the scatter of a method, in the unit of data sheets; NaN where the method was left out."""
-    if method not in found.methods:
-        return math.nan
-    return float(getattr(found.scatter(method), name)) / rate_factor(found.signal.sheet[0], found.signal)
 
 
 HEADINGS = (
@@ -159,4 +164,51 @@ EXPERIMENT = View(
     ),
     lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),
     lambda found, level: (HEADINGS, list(experiment_rows(found))),
+)
+
+
+CLOSEUP_CAPTION = say(
+    "One interval: the slope of each regression line by its start, each line one sample later than the one before; "
+    "below, the first counts with the staircase nearest to them, and what is left over of all."
+)
+
+
+def closeup_parts(found: Closeup, where: Where = "") -> Iterator[Part]:
+    """Notes on one interval, and its figure."""
+    unit = found.signal.sheet[0]
+    rates = found.slopes / unit_of(unit).factor
+    yield Note(
+        say(
+            "{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.9g} to {high:.9g} "
+            "{unit}",
+            lines=rates.size,
+            start=words.duration(found.start),
+            kept=int(found.kept.sum()),
+            low=float(rates.min()),
+            high=float(rates.max()),
+            unit=unit,
+        ),
+        where=where,
+    )
+    if found.counts.size:
+        rms = float(np.sqrt(np.square(found.misfit).mean()))
+        yield Note(say("counts less the staircase: {rms:.3g} quanta RMS", rms=rms), where=where)
+    yield Drawing(lambda: figures.plot_closeups([found]), say("one interval in detail"), CLOSEUP_CAPTION)
+
+
+CLOSEUP = View(
+    lambda found, _: one_sheet(
+        found.name or say("Rate"),
+        say("a constant rate in a short time"),
+        found.name or say("Rate"),
+        closeup_parts(found),
+    ),
+    lambda values, fit, level: figures.plot_closeups(values),
+    lambda found, _: (
+        ["start_s", "slope", "unit", "kept"],
+        [
+            [i / found.rate, slope / unit_of(found.signal.sheet[0]).factor, found.signal.sheet[0], kept]
+            for i, (slope, kept) in enumerate(zip(found.slopes.tolist(), found.kept.tolist(), strict=True))
+        ],
+    ),
 )

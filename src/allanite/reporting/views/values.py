@@ -1,4 +1,4 @@
-"""How curves, spectra and surfaces are shown."""
+"""How curves, spectra, surfaces, and values read off a curve are shown."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,6 +8,7 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.readings import Readings
 from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
 from allanite.phrases.phrase import join, say
@@ -98,19 +99,15 @@ def _number(value: float) -> str:
     return digits(value).plain()[0] if np.isfinite(value) else ""
 
 
-def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Plot":
-    panels = [figures.CurvePanel(curve.name, curve, fits.get(curve.name)) for curve in curves]
-    draw = figures.plot_panels if len(panels) == 1 else figures.plot_overlay
-    return draw(panels, level=level)
-
-
 FORMS: dict[type, NumbersForm] = {
     Curve: NumbersForm(
         lambda curve: say("{statistic} in {unit}", statistic=STATISTICS[curve.statistic].title, unit=curve.unit),
         _curve_table,
         ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count", "alpha"),
         _curve_lines,
-        _plot_curves,
+        lambda curves, fits, level: (figures.plot_panels if len(curves) == 1 else figures.plot_overlay)(
+            [figures.CurvePanel(curve.name, curve, fits.get(curve.name)) for curve in curves], level=level
+        ),
     ),
     Spectrum: NumbersForm(
         lambda found: (
@@ -180,3 +177,34 @@ def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
 
 
 CURVE = SPECTRUM = SURFACE = View(_one_face, _plot_one, lambda value, level: rows_of([value], level))
+
+
+READINGS_KEY = say(
+    "Read off the overlapping Allan deviation, as data sheets do. No model is assumed; the intervals "
+    "use the power law identified at each averaging time. The deviation at 1 s equals the random walk coefficient only "
+    "where the curve has slope -0.5. Data sheets quote the minimum as in-run bias stability. N-second stability is the "
+    "standard deviation of successive means; unless the noise is white it grows with the length of the record."
+)
+
+
+def readings_table(readings: Readings, level: float) -> Table:
+    """Values read off a curve, in the units of data sheets."""
+    heads = (
+        Column(say("read off the curve"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
+        Column(say("unit"), "unit"), Column("", "name"),
+    )  # fmt: skip
+    rows = []
+    for title, _, value, low, high, unit, *_, remark in readings.rows(level)[1]:
+        slope = (f"{value:.3f}", f"{low:.3f} .. {high:.3f}")  # which has no unit
+        rows.append([title, *(digits(value, low, high).plain() if unit else slope), unit, remark])
+    return Table(heads, rows, key=READINGS_KEY)
+
+
+READINGS = View(
+    lambda readings, level: Face(
+        say("Readings"),
+        say("read off the Allan deviation"),
+        (Sheet(say("readings"), parts=(readings_table(readings, level),)),),
+    ),
+    rows=lambda readings, level: readings.rows(level),
+)
