@@ -8,8 +8,7 @@ import numpy as np
 import allanite as al
 from allanite.core.model import coefficient_factor, term
 from allanite.core.units import convert
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.views.comparison import change_of
 from allanite.reporting.words import probability
 from generate.markdown import figure, table

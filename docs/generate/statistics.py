@@ -8,7 +8,7 @@ import numpy as np
 
 import allanite as al
 from allanite.core.model import term
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import printed_unit
 from allanite.statistics import STATISTICS
 from allanite.statistics.row import Statistic
 from generate.markdown import figure, sections, table, typeset

@@ -7,7 +7,7 @@ import numpy as np
 import allanite as al
 from allanite.core.model import term
 from allanite.core.units import SIGNALS, convert
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import printed_unit
 from allanite.terms import TERMS
 from generate.markdown import figure, sections, shown, table, typeset
 

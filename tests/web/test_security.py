@@ -15,7 +15,7 @@ from tests import ROOT, thinned
 from allanite.cli import main
 from allanite.cli.front import EXCEEDED
 from allanite.core.errors import UsageError
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 from allanite.web.access import Door
 from allanite.web.store import Store
 

@@ -70,7 +70,7 @@ def complain(text: str, before: str = "") -> None:
 
     Names in the text must not drive the terminal; what stands `before` it may.
     """
-    from allanite.reporting.sheet import printable
+    from allanite.reporting.digits import printable
 
     try:
         click.echo(before + "\n".join(printable(line) for line in text.split("\n")), err=True)

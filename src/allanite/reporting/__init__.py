@@ -192,11 +192,9 @@ def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(headings)
-    writer.writerows([_cell(cell) for cell in row] for row in rows)
+    for row in rows:
+        cells = ("" if isinstance(cell, float) and math.isnan(cell) else cell for cell in row)
+        writer.writerow(
+            [f"'{c}" if isinstance(c, str) and c.startswith(("=", "+", "-", "@", "\t", "\r")) else c for c in cells]
+        )
     return out.getvalue()
-
-
-def _cell(cell: Any) -> Any:
-    if isinstance(cell, str):
-        return f"'{cell}" if cell.startswith(("=", "+", "-", "@", "\t", "\r")) else cell
-    return "" if cell is None or (isinstance(cell, float) and math.isnan(cell)) else cell

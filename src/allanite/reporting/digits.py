@@ -1,6 +1,7 @@
-"""How many digits of a number mean something: two of the half width of its interval."""
+"""How numbers, units and names are written: two digits of the half width of an interval, and signs of print."""
 
 import math
+import re
 from dataclasses import dataclass
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -68,8 +69,11 @@ def digits(
         size = max(size, half)  # of a number near zero the size of its interval counts
     exponent = _order(size) if size and not SMALL <= size < LARGE else 0
     decimals = exponent + (_decimals(size, half) if half > 0 else figures - 1 - _order(size) if size else 0)
-    shown = [_text(v / 10.0**exponent, decimals, signed) for v in (value, low, high)]
-    return Digits(shown[0], shown[1] if known else "", shown[2] if known else "", exponent)
+    form = f"{'+' if signed else ''}.{min(max(decimals, 0), 12)}f"
+    scaled = [v / 10.0**exponent for v in ((value, low, high) if known else (value,))]
+    shown = [format(round(v, decimals) + 0.0, form) for v in scaled]  # no negative zero
+    least, most = shown[1:] or ("", "")
+    return Digits(shown[0], least, most, exponent)
 
 
 def _order(size: float) -> int:
@@ -83,8 +87,63 @@ def _decimals(size: float, half: float) -> int:
     return max(wanted, 1 - _order(size)) if size else wanted
 
 
-def _text(value: float, decimals: int, signed: bool) -> str:
-    if not math.isfinite(value):
-        return ""
-    rounded = round(value, decimals) + 0.0  # no negative zero
-    return f"{rounded:{'+' if signed else ''}.{min(max(decimals, 0), 12)}f}"
+_SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
+_POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
+_UNITS = (
+    ("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("sqrt(Hz)", "√Hz"), ("^1.5", "¹·⁵"), ("^2.5", "²·⁵"), ("^2", "²"),
+    ("^3", "³"), ("ug", "µg"),
+)  # fmt: skip
+
+
+_ENDLESS = re.compile(r"\S{401,}")
+
+
+def printable(text: str) -> str:
+    """`text` as it is shown: names out of a file must not drive the terminal, nor fill it.
+
+    A control character becomes a sign of its own; of a word of more than 400 characters both ends are left.
+    """
+    if not text.isprintable():  # otherwise a phrase stays one
+        text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+    if len(text) <= 400 or not _ENDLESS.search(text):
+        return text
+    return _ENDLESS.sub(lambda found: f"{found[0][:60]}…{found[0][-60:]}", text)
+
+
+def printed_unit(unit: str) -> str:
+    """A unit as it is printed.
+
+    Examples
+    --------
+    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("m/s^2")
+    ('deg/h/√h', 'µg', 'm/s²')
+    """
+    for plain, shown in _UNITS:
+        unit = unit.replace(plain, shown)
+    return unit
+
+
+def printed_number(cell: str) -> str:
+    """A number or interval as it is printed.
+
+    Examples
+    --------
+    >>> printed_number("-9.02e-5"), printed_number("-1 .. 2"), printed_number("+-5 V")
+    ('−9.02 × 10⁻⁵', '−1 … 2', '±5 V')
+    """
+    cell = cell.replace("+-", "±").replace(" .. ", " … ")
+    cell = _POWER.sub(lambda found: f" × 10{str(int(found[1])).translate(SUPERSCRIPT)}", cell)
+    return _SIGN.sub("−", cell)
+
+
+def printed(cell: str, kind: str) -> str:
+    """A cell as it is printed, by the kind of its column; names are left as they are."""
+    shown = printable(cell)
+    if kind == "unit":
+        return printed_unit(shown)
+    return printed_number(shown) if kind in ("number", "interval") else shown
+
+
+def printed_heading(heading: str) -> str:
+    """A heading: the unit in its brackets as it is printed."""
+    return re.sub(r"\[([^\[\]]*)\]", lambda found: f"[{printed_unit(found[1])}]", printable(heading))

@@ -14,22 +14,10 @@ from allanite.parallel.sharing import Work
 from allanite.phrases.phrase import join, say, say_count
 from allanite.terms import TERMS
 
+from .digits import printable, printed, printed_heading
 from .language import speaking, spoken, tr
 from .matplotlib_svg import Picture, drawer, drawn, svg, variable
-from .sheet import (
-    Code,
-    Column,
-    Drawing,
-    Face,
-    Fold,
-    Note,
-    Table,
-    drawings,
-    on_page,
-    printable,
-    printed,
-    printed_heading,
-)
+from .sheet import Code, Column, Drawing, Face, Fold, Note, Table, drawings, on_page
 from .words import capital
 
 if TYPE_CHECKING:

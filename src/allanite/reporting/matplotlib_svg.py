@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
+from .digits import printable
 from .language import tr
-from .sheet import Drawing, printable
+from .sheet import Drawing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

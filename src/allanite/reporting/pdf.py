@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from allanite.phrases.phrase import say
 
+from .digits import printable
 from .language import tr
-from .sheet import Face, drawings, printable
+from .sheet import Face, drawings
 
 PAPER = (8.27, 11.69)
 """A4, in inches."""

@@ -5,7 +5,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 
 PATIENCE = 1.0
 """Seconds before the bar appears: what is over by then needs none."""

@@ -1,14 +1,12 @@
 """Sheets: the neutral form of every result, which the terminal, the page and the notebook render."""
 
-import re
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from allanite.phrases.phrase import join, say
-
-from .digits import SUPERSCRIPT
 
 if TYPE_CHECKING:
     from .style import Plot
@@ -17,15 +15,26 @@ Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status",
 Mark = Literal["", "good", "weak", "alarm", "quiet", "strong", "struck"]
 Where = Literal["", "page", "text"]
 """Where a part is shown: everywhere, on the page only, in the terminal only."""
+Form = str | Callable[[Any], str]
+"""How the numbers of a column are written: a format such as ".4g", or a function."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """Heading and kind of a column; `aside` columns follow below the others where a terminal is narrow."""
+    """Heading, kind and form of a column; `aside` columns follow below the others where a terminal is narrow."""
 
     heading: str
     kind: Kind = "number"
     aside: bool = False
+    form: Form = ""
+
+    def cell(self, value: Any) -> str:
+        """A value as it stands in the column: text as it is, and nothing where there is no value."""
+        if isinstance(value, str):
+            return value
+        if callable(self.form):
+            return self.form(value)
+        return "" if value is None else format(value, self.form)
 
 
 @dataclass(frozen=True)
@@ -35,7 +44,8 @@ class Table:
     Attributes
     ----------
     columns : sequence of Column
-    rows : sequence of rows of cells
+    rows : sequence of rows
+        The cells; numbers are written by the forms of the columns.
     title : str
     marks : sequence of Mark, one a row
     key : str
@@ -47,13 +57,22 @@ class Table:
     """
 
     columns: Sequence[Column]
-    rows: Sequence[Sequence[str]]
+    rows: Sequence[Sequence[Any]]
     title: str = ""
     marks: Sequence[Mark] = ()
     key: str = ""
     details: bool = False
     most: int = 28
     where: Where = ""
+
+    def __post_init__(self) -> None:
+        rows = [[column.cell(value) for column, value in zip(self.columns, row, strict=True)] for row in self.rows]
+        object.__setattr__(self, "rows", rows)
+
+    def only(self, kept: Sequence[int]) -> "Table":
+        """The table of some of its columns."""
+        rows = [[row[i] for i in kept] for row in self.rows]
+        return replace(self, columns=[self.columns[i] for i in kept], rows=rows)
 
     def mark(self, row: int) -> Mark:
         """The mark of a row."""
@@ -224,17 +243,25 @@ class Face:
     data: bytes = b""
 
 
-def columns(*headings: str, left: int = 1) -> tuple[Column, ...]:
+def one_sheet(
+    title: str, brand: str, name: str, parts: Iterable[Part], *, about: Sequence[str] = (), **rest: Any
+) -> Face:
+    """A face of one sheet called `name`; `rest` are further fields of the face."""
+    return Face(title, brand, (Sheet(name, about, tuple(parts)),), **rest)
+
+
+def known(form: str, otherwise: str = "", unit: str = "") -> Callable[[float | None], str]:
+    """The form of numbers that need not be known: where one is missing or not finite stands `otherwise`."""
+    return lambda value: otherwise if value is None or not math.isfinite(value) else f"{value:{form}}{unit}"
+
+
+def columns(*headings: str, left: int = 1, form: Form = "") -> tuple[Column, ...]:
     """Columns of numbers, the first `left` of names; "unit" is a unit, and an interval is known by its name."""
-    return tuple(Column(h, _kind(h, i < left)) for i, h in enumerate(headings))
-
-
-def _kind(heading: str, left: bool) -> Kind:
-    if heading == "unit":
-        return "unit"
-    if heading.endswith(("interval", "limits")):
-        return "interval"
-    return "name" if left else "number"
+    usual: list[Kind] = [*["name"] * left, *["number"] * (len(headings) - left)]  # type: ignore[list-item]
+    return tuple(
+        Column(h, "unit" if h == "unit" else "interval" if h.endswith(("interval", "limits")) else kind, form=form)
+        for h, kind in zip(headings, usual, strict=True)
+    )
 
 
 def header_of(provenance: dict[str, str], notes: Iterable[str], method: str = "") -> list[tuple[str, str]]:
@@ -257,65 +284,3 @@ def toml(choices: dict[str, Any]) -> str:
     import json
 
     return "".join(f"{k} = {json.dumps(v, ensure_ascii=False)}\n" for k, v in choices.items() if v is not None)
-
-
-_SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
-_POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
-_UNITS = (
-    ("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("sqrt(Hz)", "√Hz"), ("^1.5", "¹·⁵"), ("^2.5", "²·⁵"), ("^2", "²"),
-    ("^3", "³"), ("ug", "µg"),
-)  # fmt: skip
-
-
-_ENDLESS = re.compile(r"\S{401,}")
-
-
-def printable(text: str) -> str:
-    """`text` as it is shown: names out of a file must not drive the terminal, nor fill it.
-
-    A control character becomes a sign of its own; of a word of more than 400 characters both ends are left.
-    """
-    if not text.isprintable():  # otherwise a phrase stays one
-        text = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
-    if len(text) <= 400 or not _ENDLESS.search(text):
-        return text
-    return _ENDLESS.sub(lambda found: f"{found[0][:60]}…{found[0][-60:]}", text)
-
-
-def printed_unit(unit: str) -> str:
-    """A unit as it is printed.
-
-    Examples
-    --------
-    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("m/s^2")
-    ('deg/h/√h', 'µg', 'm/s²')
-    """
-    for plain, shown in _UNITS:
-        unit = unit.replace(plain, shown)
-    return unit
-
-
-def printed_number(cell: str) -> str:
-    """A number or interval as it is printed.
-
-    Examples
-    --------
-    >>> printed_number("-9.02e-5"), printed_number("-1 .. 2"), printed_number("+-5 V")
-    ('−9.02 × 10⁻⁵', '−1 … 2', '±5 V')
-    """
-    cell = cell.replace("+-", "±").replace(" .. ", " … ")
-    cell = _POWER.sub(lambda found: f" × 10{str(int(found[1])).translate(SUPERSCRIPT)}", cell)
-    return _SIGN.sub("−", cell)
-
-
-def printed(cell: str, kind: Kind) -> str:
-    """A cell as it is printed, by the kind of its column; names are left as they are."""
-    shown = printable(cell)
-    if kind == "unit":
-        return printed_unit(shown)
-    return printed_number(shown) if kind in ("number", "interval") else shown
-
-
-def printed_heading(heading: str) -> str:
-    """A heading: the unit in its brackets as it is printed."""
-    return re.sub(r"\[([^\[\]]*)\]", lambda found: f"[{printed_unit(found[1])}]", printable(heading))

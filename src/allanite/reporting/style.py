@@ -24,8 +24,8 @@ from allanite.core.files import demand_writable, write
 from allanite.terms import TERMS
 
 from . import fonts
+from .digits import printable
 from .language import ENGLISH, spoken, tr
-from .sheet import printable
 from .sketch.chart import Chart, Look
 from .sketch.lines import line_of
 
@@ -178,18 +178,14 @@ def plain_ticks(*axes: Axis, most: float = 60.0) -> None:
 
     An axis whose ends have a ratio of less than `most` has labels at 2 and 5, too.
     """
+    two_and_five = lambda v, _: f"{v:g}" if round(v / 10 ** math.floor(math.log10(v) + 1e-9)) in (2, 5) else ""  # noqa: E731
     for axis in axes:
         axis.set_major_formatter(
             FuncFormatter(lambda v, _: f"{v:g}" if 9e-4 < v < 2e5 else f"$10^{{{math.log10(v):.0f}}}$")
         )
         low, high = axis.get_view_interval()
         few = low > 0 and high / low < most
-        axis.set_minor_formatter(FuncFormatter(_two_and_five) if few else NullFormatter())
-
-
-def _two_and_five(value: float, _: int | None) -> str:
-    digit = value / 10 ** math.floor(math.log10(value) + 1e-9)
-    return f"{value:g}" if round(digit) in (2, 5) else ""
+        axis.set_minor_formatter(FuncFormatter(two_and_five) if few else NullFormatter())
 
 
 def demand_figure_path(path: PathLike, *, force: bool = False) -> str:

@@ -1,6 +1,8 @@
 """Sheets as text for the terminal: units and numbers in ASCII, so that they can be copied into a command."""
 
 import io
+import re
+import textwrap
 from collections.abc import Iterable, Iterator
 from typing import Literal
 
@@ -14,9 +16,9 @@ from rich.text import Text
 from allanite.core.estimate import STATUSES
 from allanite.phrases.phrase import say
 
-from .cells import pad, wrapped
+from .digits import printable
 from .language import tr
-from .sheet import Code, Column, Face, Note, Part, Table, printable
+from .sheet import Code, Face, Note, Part, Table
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
 NOTES = {"alert": "bold red", "good": "green", "fair": "yellow", "note": "", "strong": "bold", "quiet": "dim"}
@@ -25,6 +27,37 @@ LABEL = 10
 
 _WIDE = 10_000
 """Columns of the console that tables are laid out in: a number is never torn in two."""
+
+
+_BROAD = "\u2e80-\u9fff\uf900-\ufaff\uff00-\uff60"
+_CHUNK = re.compile(rf"\s+|[（「《【“]*[{_BROAD}][，。；：、！？）」》】”]*|[^\s{_BROAD}]+")
+
+
+def pad(text: str, width: int) -> str:
+    """The text, filled with blanks to so many cells."""
+    return text + " " * (width - cell_len(text))
+
+
+def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
+    """Lines of at most `width` cells, which begin with `first` and `rest`; words longer than that are not torn.
+
+    Examples
+    --------
+    >>> wrapped("零偏不稳定性 0.3 deg/h", 12, "", "  ")
+    ['零偏不稳定性', '  0.3 deg/h']
+    """
+    if len(text) == cell_len(text):
+        return textwrap.wrap(
+            text, width, initial_indent=first, subsequent_indent=rest, break_on_hyphens=False, break_long_words=False
+        )
+    lines, line, empty = list[str](), first, True
+    for chunk in _CHUNK.findall(text):
+        if not empty and cell_len(line + chunk.rstrip()) > width:
+            lines.append(line.rstrip())
+            line, empty = rest, True
+        if not (empty and chunk.isspace()):
+            line, empty = line + (" " if chunk.isspace() else chunk), False
+    return lines if empty else [*lines, line.rstrip()]
 
 
 def render(face: Face, *, width: int = 120, color: bool = False) -> str:
@@ -96,8 +129,12 @@ def _table(table: Table, width: int) -> Iterator[RenderableType]:
                 Text(tr(column.heading)), justify="right" if column.kind == "number" else "left", no_wrap=True
             )
         for i in kept:
-            cells = [_cell(table.columns[j], table.rows[i][j], table.mark(i)) for j in which]
-            grid.add_row(*cells, style=STYLES[table.mark(i)])
+            mark, cells = table.mark(i), []
+            for column, cell in ((table.columns[j], table.rows[i][j]) for j in which):
+                shown = f"({_plain(cell)})" if mark == "struck" and column.kind == "number" and cell else _plain(cell)
+                status = STATUSES.get(cell) if column.kind == "status" else None
+                cells.append(Text(shown, style=status.color if status else ""))
+            grid.add_row(*cells, style=STYLES[mark])
         yield Padding(grid, (0, 0, 0, 2))
     if len(kept) < len(table.rows):
         left = say("{shown} of {total} rows; --csv writes all", shown=len(kept), total=len(table.rows))
@@ -116,13 +153,6 @@ def _blocks(table: Table, width: int) -> list[list[int]]:
 
 def _width(text: str) -> int:
     return cell_len(tr(text))
-
-
-def _cell(column: Column, cell: str, mark: str) -> Text:
-    shown = _plain(cell)
-    if mark == "struck" and column.kind == "number" and cell:
-        shown = f"({shown})"
-    return Text(shown, style=STATUSES[cell].color if column.kind == "status" and cell in STATUSES else "")
 
 
 def spread(count: int, most: int) -> list[int]:

@@ -13,13 +13,11 @@ from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
 from allanite.core.titles import title_of
 from allanite.core.validity import UNEXPLAINED, graded
-from allanite.identification.front import METHODS
 from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
 from allanite.phrases.wording import duration as duration  # noqa: PLC0414 - of this module too
 from allanite.terms import TERMS
 
-from .digits import Digits, digits
-from .sheet import printed_unit
+from .digits import Digits, digits, printed_unit
 
 title = title_of
 
@@ -85,6 +83,8 @@ def symbol(estimate: Estimate) -> str:
 
 def signed(estimate: Estimate) -> bool:
     """Whether the sign of an estimate is one: that of a ramp, by a method that knows it."""
+    from allanite.identification.front import METHODS
+
     return _ramp(estimate) and METHODS[estimate.method].signed
 
 

@@ -18,10 +18,9 @@ from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import fonts, page, style, table
-from allanite.reporting.cells import pad, wrapped
 from allanite.reporting.language import LANGUAGES, speaking, tr
 from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
-from allanite.reporting.text import render
+from allanite.reporting.text import pad, render, wrapped
 
 TRANSLATED = [lang for lang in LANGUAGES if lang != "en"]
 

@@ -21,9 +21,10 @@ from allanite.core.model import B, N, R, term
 from allanite.core.record import Record
 from allanite.core.units import signal_named
 from allanite.reporting import page, plot, report, table, to_csv
+from allanite.reporting.digits import printed_unit
 from allanite.reporting.figures.goodness import plot_goodness
 from allanite.reporting.json import to_json
-from allanite.reporting.sheet import printed_unit, toml
+from allanite.reporting.sheet import toml
 from allanite.reporting.style import encode
 from allanite.reporting.views.verdict import verdict
 from allanite.reporting.words import title

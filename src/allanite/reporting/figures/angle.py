@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -68,29 +67,25 @@ def plot_error_in_time(
     figure = new_figure(7.2, 1.1 + 2.0 * len(harmonics))
     axes = figure.subplots(len(harmonics), 1, sharex=True, squeeze=False)[:, 0]
     for ax, found in zip(axes, harmonics, strict=True):
-        angle = np.asarray(getattr(gimbals, found.name), dtype=np.float64)
-        keep = np.linspace(0, angle.size - 1, min(angle.size, MOST)).astype(np.int64)
-        _draw_error_in_time(ax, found, (gimbals.time[keep] / 60, angle[keep]), level)
+        way = np.asarray(getattr(gimbals, found.name), dtype=np.float64)
+        keep = np.linspace(0, way.size - 1, min(way.size, MOST)).astype(np.int64)
+        time, angle = gimbals.time[keep] / 60, way[keep]
+        rows = waves(angle, found.orders)
+        error = found.at(angle) / ARCSEC
+        half = quantile(level, found.freedom) * np.sqrt(np.einsum("ij,jk,ik->i", rows, found.covariance, rows)) / ARCSEC
+        style.grid(ax)
+        if half.any():
+            band = say("{share} band", share=percent(level))
+            ax.fill_between(time, error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band)
+        ax.plot(time, error, color=style.DATA, lw=1.1, label=say("error"))
+        ax.axhline(0, color=style.INK, lw=0.8)
+        ax.set(ylabel=say("error (arcsec)"), xlim=(time[0], time[-1]))
+        low, high = (f"{v:.2f}".replace("-", "−") for v in np.degrees((angle.min(), angle.max())))
+        ax.set_title(say("{low} to {high} deg", low=low, high=high), loc="right", fontsize=8.5, color=style.SOFT)
+        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         style.title(ax, found.name)
     axes[-1].set_xlabel(say("time (min)"))
     return figure
-
-
-def _draw_error_in_time(ax: Axes, found: Harmonics, path: tuple[np.ndarray, np.ndarray], level: float) -> None:
-    time, angle = path
-    rows = waves(angle, found.orders)
-    error = found.at(angle) / ARCSEC
-    half = quantile(level, found.freedom) * np.sqrt(np.einsum("ij,jk,ik->i", rows, found.covariance, rows)) / ARCSEC
-    style.grid(ax)
-    if half.any():
-        band = say("{share} band", share=percent(level))
-        ax.fill_between(time, error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band)
-    ax.plot(time, error, color=style.DATA, lw=1.1, label=say("error"))
-    ax.axhline(0, color=style.INK, lw=0.8)
-    ax.set(ylabel=say("error (arcsec)"), xlim=(time[0], time[-1]))
-    low, high = (f"{v:.2f}".replace("-", "−") for v in np.degrees((angle.min(), angle.max())))
-    ax.set_title(say("{low} to {high} deg", low=low, high=high), loc="right", fontsize=8.5, color=style.SOFT)
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 @style.plotted
@@ -170,7 +165,8 @@ def plot_scan(new_figure: style.NewFigure, scan: Scan) -> Figure:
         if values.max() > 3 * values.min():
             ax.set_yscale("log")
             style.plain_ticks(ax.yaxis)
-            ax.yaxis.set_minor_formatter(_some)
+            # labels of 2, 3 and 5 times a power of ten, and of no other minor tick
+            ax.yaxis.set_minor_formatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in "235" else "")
         ax.axvline(scan.best.start / 3600, color=style.ALARM, lw=1.1)
     low, high = (f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.best.h)
     best = say("best: h from {low} to {high} deg, sum {total:.3g}", low=low, high=high, total=scan.best.total)
@@ -182,8 +178,3 @@ def plot_scan(new_figure: style.NewFigure, scan: Scan) -> Figure:
     top.set_xticks(scan.starts[ticks] / 3600, [f"{math.degrees(v):.1f}".replace("-", "−") for v in scan.h[ticks, 0]])
     top.set_xlabel(say("smallest h of the interval (deg)"))
     return figure
-
-
-def _some(value: float, _: int) -> str:
-    """Labels of 2, 3 and 5 times a power of ten, and of no other minor tick."""
-    return f"{value:g}" if f"{value:e}"[0] in "235" else ""

@@ -10,7 +10,7 @@ from allanite.applications.rate import RATE_ESTIMATORS, Closeup
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 
 from .drawing import with_unit
 
@@ -34,7 +34,11 @@ def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> F
         _draw_slopes(column[0], found)
         if found.counts.size:
             _draw_stairs(column[1], found)
-            _draw_misfit(column[2], found)
+            kept = np.linspace(0, found.misfit.size - 1, min(found.misfit.size, MOST)).astype(np.int64)
+            misfit = column[2]
+            misfit.plot(kept / found.rate, found.misfit[kept], ".", ms=1.5, color=style.DATA, rasterized=True)
+            misfit.set(xlabel=say("time in the interval (s)"), ylabel=say("counts less staircase"))
+            misfit.margins(y=0.12)
         else:
             for ax in column[1:]:
                 ax.set_axis_off()
@@ -73,10 +77,3 @@ def _draw_stairs(ax: Axes, found: Closeup) -> None:
     ax.plot(time[shown], found.line[shown], color=color, lw=0.9, ls=(0, (5, 3)), zorder=2, label=say("its line"))
     ax.set(xlabel=say("time in the interval (s)"), ylabel=say("angle (quanta)"))
     ax.legend(loc="upper left")
-
-
-def _draw_misfit(ax: Axes, found: Closeup) -> None:
-    kept = np.linspace(0, found.misfit.size - 1, min(found.misfit.size, MOST)).astype(np.int64)
-    ax.plot(kept / found.rate, found.misfit[kept], ".", ms=1.5, color=style.DATA, rasterized=True)
-    ax.set(xlabel=say("time in the interval (s)"), ylabel=say("counts less staircase"))
-    ax.margins(y=0.12)

@@ -15,7 +15,7 @@ from allanite.core.display_units import readable_unit
 from allanite.core.errors import UsageError
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 from allanite.statistics import STATISTICS
 
 from .drawing import TIME, draw_legend, with_unit
@@ -39,7 +39,12 @@ def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | P
     UsageError
         There are no curves.
     """
-    drawn = [draw for value in values for draw in _drawers(value, level)]
+    drawn: list[Callable[[tuple[Axes, Axes]], None]] = []  # what draws each channel that has curves
+    for value in values:
+        if isinstance(value, Comparison):
+            drawn += [partial(_draw_pair, pair, value.names, level) for pair in value if pair.ratios is not None]
+        else:
+            drawn += [partial(_draw_pooled, c, value.names, level) for c in value if c.curve is not None]
     if not drawn:
         raise UsageError("there are no curves to draw: only coefficients were compared")
     alone = len(drawn) == 1
@@ -54,13 +59,6 @@ def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | P
             above.set_xlabel(TIME)
     draw_legend(figure, marks=False)
     return figure
-
-
-def _drawers(value: Comparison | Pool, level: float) -> list[Callable[[tuple[Axes, Axes]], None]]:
-    """What draws each channel that has curves."""
-    if isinstance(value, Comparison):
-        return [partial(_draw_pair, pair, value.names, level) for pair in value if pair.ratios is not None]
-    return [partial(_draw_pooled, channel, value.names, level) for channel in value if channel.curve is not None]
 
 
 def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axes, Axes]) -> None:

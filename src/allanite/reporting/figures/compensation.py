@@ -3,11 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.applications.compensation.compensated import Compensated
-from allanite.core.curve import Curve
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.reporting import style
@@ -32,7 +30,11 @@ def plot_compensated(new_figure: style.NewFigure, channels: Sequence[Compensated
         style.grid(top)
         for curve, color, label in ((channel.before, BEFORE, say("before")), (channel.after, AFTER, say("after"))):
             if curve is not None:
-                _draw_curve(top, curve.to(unit), color, label, level)
+                shown = curve.to(unit)
+                low, high = shown.interval(level)
+                known = np.isfinite(low) & np.isfinite(high)
+                top.fill_between(shown.tau[known], low[known], high[known], color=color, alpha=0.2, lw=0)
+                top.plot(shown.tau, shown.deviation, color=color, marker="o", ms=3, lw=1.3, label=label)
         top.set(
             xscale="log", yscale="log", xlabel=say("averaging time (s)"), ylabel=with_unit(say("Allan deviation"), unit)
         )
@@ -56,13 +58,6 @@ def plot_compensated(new_figure: style.NewFigure, channels: Sequence[Compensated
             bottom.legend(loc="best")
         style.title(top, channel.record.name or say("channel"))
     return figure
-
-
-def _draw_curve(ax: Axes, curve: Curve, color: str, label: str, level: float) -> None:
-    low, high = curve.interval(level)
-    known = np.isfinite(low) & np.isfinite(high)
-    ax.fill_between(curve.tau[known], low[known], high[known], color=color, alpha=0.2, lw=0)
-    ax.plot(curve.tau, curve.deviation, color=color, marker="o", ms=3, lw=1.3, label=label)
 
 
 def _means(y: FloatArray, m: int) -> FloatArray:

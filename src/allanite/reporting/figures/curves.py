@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import digits, printed_unit
 from allanite.statistics import STATISTICS
 
 from .drawing import TIME, draw_label, draw_legend, draw_titles, fractions, shade, with_unit

@@ -14,8 +14,8 @@ from allanite.core.fit import Fit
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import style, words
+from allanite.reporting.digits import printable, printed_unit
 from allanite.reporting.language import tr
-from allanite.reporting.sheet import printable, printed_unit
 from allanite.reporting.sketch.text_width import wide
 from allanite.terms import TERMS
 
@@ -162,20 +162,13 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
             entries[say("where its coefficient is read off")] = mark
     if EXPECTED in entries:
         entries[EXPECTED] = style.key(figure, color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
-    columns = _columns_that_fit(list(entries), columns, 72 * figure.get_figwidth())
+    # points of a label of 8 points with its line and the space beside it; columns are filled one by one
+    points = [4.9 * cell_len(tr(label)) + 45 for label in entries]
+    widths = {n: sum(float(part.max()) for part in np.array_split(points, n)) for n in range(2, len(points) + 1)}
+    fitting = (n for n in range(min(columns, len(points)), 1, -1) if widths[n] <= 72 * figure.get_figwidth())
+    columns = next(fitting, 1)
     legend = figure.legend(
         list(entries.values()), list(entries), loc="outside upper center", ncols=columns, columnspacing=1.6
     )
     for text in legend.get_texts():  # names are the user's, and no formulas
         text.set_parse_math(False)
-
-
-def _columns_that_fit(labels: Sequence[str], most: int, width: float) -> int:
-    """So many columns of a legend as are not wider than `width`, in points; it is filled column by column."""
-    # points of a label of 8 points with its line and the space beside it
-    points = [4.9 * cell_len(tr(label)) + 45 for label in labels]
-    for count in range(min(most, len(labels)), 1, -1):
-        widths = [float(column.max()) for column in np.array_split(points, count)]
-        if sum(widths) <= width:
-            return count
-    return 1

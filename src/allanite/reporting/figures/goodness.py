@@ -9,7 +9,7 @@ from allanite.core.fit import Goodness
 from allanite.core.validity import UNEXPLAINED
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 
 SURPRISING = 3.0
 """Standard deviations beyond which a cell is marked: one in 370 by chance."""

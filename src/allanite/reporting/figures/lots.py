@@ -4,13 +4,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.arrays import FloatArray
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 
 from .drawing import with_unit
 
@@ -46,7 +45,15 @@ def plot_lot(new_figure: style.NewFigure, found: Sequence[LotRow]) -> Figure:
     figure = new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))
     grid = figure.subplots(len(shown), wide, squeeze=False)
     for one, axes in zip(shown, grid, strict=True):
-        _draw_shares(axes[0], one)
+        # the share of units that are not above each value
+        shares, size = axes[0], one.values.size
+        shares.plot(np.sort(one.values), 100 * (np.arange(size) + 0.5) / size, "o", ms=3.5, color=style.SERIES[0])
+        shares.set_ylim(0, 100)
+        shares.set_ylabel(say("units below (%)"))
+        shares.set_xlabel(with_unit(one.symbol, one.unit))
+        shares.locator_params(axis="x", nbins=5)
+        style.title(shares, join(", ", [printable(one.channel), one.symbol]))
+        style.grid(shares, fine=False)
         for ax, label in zip(axes[1:], labels, strict=True):
             course = one.courses.get(label)
             if course is None:
@@ -61,15 +68,3 @@ def plot_lot(new_figure: style.NewFigure, found: Sequence[LotRow]) -> Figure:
                 ax.locator_params(nbins=5)
                 style.grid(ax, fine=False)
     return figure
-
-
-def _draw_shares(ax: Axes, one: LotRow) -> None:
-    """The share of units that are not above each value."""
-    size = one.values.size
-    ax.plot(np.sort(one.values), 100 * (np.arange(size) + 0.5) / size, "o", ms=3.5, color=style.SERIES[0])
-    ax.set_ylim(0, 100)
-    ax.set_ylabel(say("units below (%)"))
-    ax.set_xlabel(with_unit(one.symbol, one.unit))
-    ax.locator_params(axis="x", nbins=5)
-    style.title(ax, join(", ", [printable(one.channel), one.symbol]))
-    style.grid(ax, fine=False)

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 from allanite.statistics import STATISTICS
 
 from .drawing import EXPECTED, TIME, draw_legend, stacked, with_unit
@@ -25,25 +25,21 @@ def plot_overlay(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, l
     Sensors of different units stand side by side. Where a fit is given its model's expectation of each statistic is
     drawn as a dashed line.
     """
-    columns = _columns(panels)
+    # columns by unit, of panels by channel, of curves
+    single = len({panel.curve.statistic for panel in panels}) == 1
+    by_unit: dict[str, dict[str, list[CurvePanel]]] = {}
+    for panel in panels:
+        by_unit.setdefault(panel.unit, {}).setdefault("" if single else panel.name, []).append(panel)
+    columns = [list(by_name.values()) for by_name in by_unit.values()]
     figure, grid = stacked(new_figure, [len(column) for column in columns])
     for column, axes in zip(columns, grid, strict=True):
-        spans = [span(panel)[0] for group in column for panel in group]
+        spans = [span(drawn)[0] for group in column for drawn in group]
         for ax, group in zip(axes, column, strict=True):
             ax.set(xscale="log", xlim=(min(low for low, _ in spans), max(high for _, high in spans)))
             _draw_group(ax, group, level)
         axes[-1].set_xlabel(TIME)
     draw_legend(figure, marks=False)
     return figure
-
-
-def _columns(panels: Sequence[CurvePanel]) -> list[list[list[CurvePanel]]]:
-    """Columns by unit, of panels by channel, of curves."""
-    single = len({panel.curve.statistic for panel in panels}) == 1
-    columns: dict[str, dict[str, list[CurvePanel]]] = {}
-    for panel in panels:
-        columns.setdefault(panel.unit, {}).setdefault("" if single else panel.name, []).append(panel)
-    return [list(column.values()) for column in columns.values()]
 
 
 def _draw_group(ax: Axes, group: Sequence[CurvePanel], level: float) -> None:

@@ -52,15 +52,13 @@ class CurvePanel(NamedTuple):
         """The deviation expected under a model or term, in the unit that is shown; NaN where it does not hold."""
         scope = None if self.fit is None else self.fit.scope
         holds = True if scope is None else scope.holds(tau)
-        return np.where(holds, self._expected(model, tau), np.nan)
-
-    def _expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
-        """The same at any averaging time."""
         curve, row = self.curve, STATISTICS[self.curve.statistic]
         scaled = not any(t.row.per_sample or t.row.transient for t in model_of(model))
         if row.differences and not row.summed and not row.power and scaled:
             variance = expected(model, row.name, tau)
-            return np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor
+            return np.where(
+                holds, np.sqrt(np.where(variance > 0, variance, np.nan)) / unit_of(self.unit).factor, np.nan
+            )
         try:
             at = curve.tau[thinned(curve.tau.size)]
             variance = expected(model, row.name, at, rate=curve.rate or None, size=curve.size or None)
@@ -68,7 +66,7 @@ class CurvePanel(NamedTuple):
             return np.full_like(tau, np.nan)
         with np.errstate(divide="ignore"):
             between = np.interp(np.log(tau), np.log(at), np.log(variance), np.nan, np.nan)
-        return np.exp(between / 2) / unit_of(self.unit).factor
+        return np.where(holds, np.exp(between / 2) / unit_of(self.unit).factor, np.nan)
 
     def shown(self, values: FloatArray) -> FloatArray:
         """Values of the curve in the unit that is shown."""

@@ -11,7 +11,7 @@ from allanite.core.model import Model
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable, printed_unit
+from allanite.reporting.digits import printable, printed_unit
 from allanite.statistics import expected
 
 from .drawing import with_unit

@@ -7,10 +7,9 @@ from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import printed_unit
 
 from .drawing import TIME
-from .labels import FloatArray
 from .panels import CurvePanel, points
 
 STRETCHES = 240
@@ -32,7 +31,14 @@ def plot_record(new_figure: style.NewFigure, record: Record) -> Figure:
     values = record.rate_values * convert(1.0, record.signal.si[0], unit)
     count = min(STRETCHES, values.size)
     edges = np.linspace(0, values.size, count + 1).astype(np.int64)
-    low, mean, high = _ranges(values, edges)
+    # least, mean and largest value of each stretch; NaN where it has none
+    there = np.isfinite(values)
+    sizes = np.add.reduceat(there, edges[:-1], dtype=np.float64)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        means = np.add.reduceat(np.where(there, values, 0.0), edges[:-1]) / sizes
+    lows = np.minimum.reduceat(np.where(there, values, np.inf), edges[:-1])
+    highs = np.maximum.reduceat(np.where(there, values, -np.inf), edges[:-1])
+    low, mean, high = (np.where(sizes > 0, part, np.nan) for part in (lows, means, highs))
     name, size = time_scale(record.duration)
     middle = (edges[:-1] + edges[1:]) / 2 / record.rate / size
     figure = new_figure(7.2, 2.0)
@@ -49,17 +55,6 @@ def plot_record(new_figure: style.NewFigure, record: Record) -> Figure:
     style.title(ax, record.name)
     ax.legend(loc="upper right", ncols=3)
     return figure
-
-
-def _ranges(values: FloatArray, edges: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> tuple[FloatArray, ...]:
-    """Least, mean and largest value of each stretch; NaN where it has none."""
-    known = np.isfinite(values)
-    count = np.add.reduceat(known, edges[:-1], dtype=np.float64)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.add.reduceat(np.where(known, values, 0.0), edges[:-1]) / count
-    low = np.minimum.reduceat(np.where(known, values, np.inf), edges[:-1])
-    high = np.maximum.reduceat(np.where(known, values, -np.inf), edges[:-1])
-    return tuple(np.where(count > 0, part, np.nan) for part in (low, mean, high))
 
 
 @style.plotted

@@ -14,7 +14,7 @@ from allanite.core.residuals import Residuals
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 
 from .goodness import draw_ratio, draw_surprise
 from .record import time_scale
@@ -69,7 +69,17 @@ def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
 
 def _draw(axes: Any, residuals: Residuals) -> None:
     _draw_series(axes[0], residuals)
-    _draw_correlation(axes[1], residuals)
+    ax = axes[1]
+    style.grid(ax, fine=False)
+    lag = np.arange(1, residuals.correlation.size + 1)
+    band = 1.96 / math.sqrt(residuals.size)
+    ax.axhspan(-band, band, color=style.DATA, alpha=0.14, lw=0)
+    ax.axhline(0.0, color=style.INK, lw=1.0)
+    ax.bar(lag, residuals.correlation, color=_color(residuals, "correlation"), width=0.7, zorder=3)
+    reach = max(4 * band, 1.2 * float(np.abs(residuals.correlation).max()))
+    ax.set(xlabel=say("lag (samples)"), xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
+    ax.yaxis.set_major_locator(MaxNLocator(5))
+    ax.set_title(say("autocorrelation"), loc="left")
     ax = axes[2]
     style.grid(ax, fine=False)
     ends = residuals.expected[[0, -1]]
@@ -106,16 +116,3 @@ def _draw_series(ax: Axes, residuals: Residuals) -> None:
         ylim=(-reach, reach),
     )
     ax.set_title(say("over time"), loc="left")
-
-
-def _draw_correlation(ax: Axes, residuals: Residuals) -> None:
-    style.grid(ax, fine=False)
-    lag = np.arange(1, residuals.correlation.size + 1)
-    band = 1.96 / math.sqrt(residuals.size)
-    ax.axhspan(-band, band, color=style.DATA, alpha=0.14, lw=0)
-    ax.axhline(0.0, color=style.INK, lw=1.0)
-    ax.bar(lag, residuals.correlation, color=_color(residuals, "correlation"), width=0.7, zorder=3)
-    reach = max(4 * band, 1.2 * float(np.abs(residuals.correlation).max()))
-    ax.set(xlabel=say("lag (samples)"), xlim=(0, lag[-1] + 1), ylim=(-reach, reach))
-    ax.yaxis.set_major_locator(MaxNLocator(5))
-    ax.set_title(say("autocorrelation"), loc="left")

@@ -8,14 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.display_units import readable_unit
-from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.spectrum import SIDES, Spectrum
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import printed_unit
 from allanite.terms import TERMS, WHITE
 
 from .drawing import (
@@ -64,31 +63,29 @@ def plot_spectra(
         lowest, highest = min(s.frequency[0] for s in column), max(s.rate / 2 for s in column)
         for ax, spectrum in zip(axes, column, strict=True):
             ax.set(xscale="log", xlim=(lowest / 1.3, highest * 1.15))
-            _draw(ax, spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name), level)
+            shown, fit = spectrum.to(readable_unit(spectrum.unit)), fits.get(spectrum.name)
+            f, amplitude = shown.frequency, shown.amplitude
+            seen = amplitude[amplitude > 0] if amplitude.any() else np.ones(1)
+            ax.set_yscale("log")
+            ax.set_ylim(seen.min() / (5 if fit else 2), seen.max() * 2)
+            style.plain_ticks(ax.xaxis, ax.yaxis)
+            style.grid(ax)
+            size, width = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
+            if f.size <= MOST_POINTS:
+                low, high = map(np.sqrt, shown.interval(level))
+                label = words.interval(level)
+                ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
+            label = say("spectrum")
+            ax.plot(f, amplitude, color=style.DATA, lw=width, marker="o", ms=size, mew=0, zorder=3, label=label)
+            draw_titles(ax, (spectrum.name,), fit, before=spectrum.method)
+            if fit is not None and fit.valid is not None:
+                shade(ax, fit.scope.unread if fit.scope else ())
+                _draw_model(ax, shown, fit, level)
+            unit = printed_unit(shown.amplitude_unit)
+            ax.set_ylabel(say("{sides} amplitude spectral density ({unit})", sides=SIDED[spectrum.sides], unit=unit))
         axes[-1].set_xlabel(say("frequency (Hz)"))
     draw_legend(figure, marks=False, columns=4)
     return figure
-
-
-def _draw(ax: Axes, spectrum: Spectrum, fit: Fit | None, level: float) -> None:
-    f, amplitude = spectrum.frequency, spectrum.amplitude
-    seen = amplitude[amplitude > 0] if amplitude.any() else np.ones(1)
-    ax.set_yscale("log")
-    ax.set_ylim(seen.min() / (5 if fit else 2), seen.max() * 2)
-    style.plain_ticks(ax.xaxis, ax.yaxis)
-    style.grid(ax)
-    if f.size <= MOST_POINTS:
-        low, high = (np.sqrt(limit) for limit in spectrum.interval(level))
-        label = words.interval(level)
-        ax.fill_between(f, low, high, color=style.DATA, alpha=0.2, lw=0, zorder=2, label=label)
-    size, line = (3.0, 0.9) if f.size <= MOST_POINTS else (0.0, 0.5)
-    ax.plot(f, amplitude, color=style.DATA, lw=line, marker="o", ms=size, mew=0, zorder=3, label=say("spectrum"))
-    draw_titles(ax, (spectrum.name,), fit, before=spectrum.method)
-    if fit is not None and fit.valid is not None:
-        shade(ax, fit.scope.unread if fit.scope else ())
-        _draw_model(ax, spectrum, fit, level)
-    unit = printed_unit(spectrum.amplitude_unit)
-    ax.set_ylabel(say("{sides} amplitude spectral density ({unit})", sides=SIDED[spectrum.sides], unit=unit))
 
 
 def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
@@ -110,17 +107,14 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
         seen = anchors[((anchors > 0.01) & (anchors < 0.99)).all(axis=1)]
         avoid = np.concatenate([drawn, *(path[::4] for path in paths.values())])
         if len(seen):
-            text = join("", (label_of(e, level), _level(spectrum, e) if TERMS[e.symbol].slope == WHITE else ""))
+            text = label_of(e, level)
+            if TERMS[e.symbol].slope == WHITE:
+                # its level on the axis, which depends on the convention: ``√2 N = 10.1 deg/h/√Hz, one-sided``
+                factor, unit = math.sqrt(SIDES[spectrum.sides]), spectrum.amplitude_unit
+                name = "N" if factor == 1 else "√2 N"
+                size = f"{name} = {factor * e.to(unit):.3g} {printed_unit(unit)}"
+                text = join("", (text, "\n", join(", ", (size, SIDED[spectrum.sides]))))
             placed.append(draw_label(ax, (e.symbol, text), seen[::8], avoid, placed))
-
-
-def _level(spectrum: Spectrum, white: Estimate) -> str:
-    """The level of white noise on the axis, which depends on the convention: ``√2 N = 10.1 deg/h/√Hz, one-sided``."""
-    factor = math.sqrt(SIDES[spectrum.sides])
-    name = "N" if factor == 1 else "√2 N"
-    size = factor * white.to(spectrum.amplitude_unit)
-    level = f"{name} = {size:.3g} {printed_unit(spectrum.amplitude_unit)}"
-    return join("", ("\n", join(", ", (level, SIDED[spectrum.sides]))))
 
 
 def _expected(spectrum: Spectrum, model: Model | Term, f: FloatArray) -> FloatArray:

@@ -3,14 +3,13 @@
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from allanite.core.curve import Curve
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 from allanite.statespace import StateSpace
 from allanite.statistics import expected
 
@@ -28,9 +27,13 @@ def plot_state_spaces(
     figure = new_figure(7.2 if len(spaces) == 1 else 6.4 * len(spaces), 6.0)
     grid = figure.subplots(2, len(spaces), sharex="col", height_ratios=(3, 1.2), squeeze=False)
     for (above, below), (name, space, curves) in zip(grid.T, spaces, strict=True):
-        for curve in curves:
-            _draw_measured(above, curve.to(space.model.signal.sheet[0]), level)
         unit = space.model.signal.sheet[0]
+        for curve in curves:
+            shown, channel = curve.to(unit), printable(curve.name)
+            if curve.law is not None:
+                above.fill_between(shown.tau, *shown.interval(level), color=style.DATA, alpha=0.2, lw=0)
+            label = say("measured {channel}", channel=channel) if channel else say("measured")
+            above.plot(shown.tau, shown.deviation, color=style.DATA, lw=0.9, label=label)
         factor = 1 / convert(1.0, unit, space.model.signal.unit)
         last = max(2.0, 3 * space.tau[1] * space.rate)
         m = np.unique(np.rint(np.geomspace(1, last, round(PER_OCTAVE * np.log2(last)) + 1)).astype(np.int64))
@@ -53,11 +56,3 @@ def plot_state_spaces(
         named = join(": ", (printable(name), title)) if name else title
         above.set_title(named, loc="left", fontweight="bold", parse_math=False)
     return figure
-
-
-def _draw_measured(ax: Axes, curve: Curve, level: float) -> None:
-    if curve.law is not None:
-        ax.fill_between(curve.tau, *curve.interval(level), color=style.DATA, alpha=0.2, lw=0)
-    name = printable(curve.name)
-    label = say("measured {channel}", channel=name) if name else say("measured")
-    ax.plot(curve.tau, curve.deviation, color=style.DATA, lw=0.9, label=label)

@@ -74,7 +74,13 @@ def _draw(figure: Figure, axes: tuple[Axes, Axes], surface: Surface) -> None:
             xycoords=("axes fraction", "data"), xytext=(2, 4), textcoords="offset points", fontsize=7, color=style.INK,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0},
         )  # fmt: skip
-    _draw_ratio_scale(figure, right, mesh)
+    bar = figure.colorbar(mesh, ax=right, extend="both", aspect=28)
+    end = mesh.get_clim()[1] or RATIOS[-1]
+    up = [r for r in (1.2, *RATIOS) if r <= end * 1.001 and (end <= 2 or r >= 2)]
+    bar.ax.yaxis.set_major_locator(FixedLocator([*(1 / r for r in up), 1.0, *up]))
+    bar.ax.yaxis.set_minor_locator(NullLocator())
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"× {v:.2g}"))
+    bar.set_label(say("deviation / its median over time"))
 
 
 def _draw_curves(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatArray, norm: Normalize) -> None:
@@ -109,16 +115,6 @@ def _draw_ratios(ax: Axes, tau: FloatArray, deviation: FloatArray, time: FloatAr
     ax.set_facecolor("#BFC4CA")
     style.plain_ticks(ax.yaxis)
     return mesh
-
-
-def _draw_ratio_scale(figure: Figure, ax: Axes, mesh: QuadMesh) -> None:
-    bar = figure.colorbar(mesh, ax=ax, extend="both", aspect=28)
-    end = mesh.get_clim()[1] or RATIOS[-1]
-    up = [r for r in (1.2, *RATIOS) if r <= end * 1.001 and (end <= 2 or r >= 2)]
-    bar.ax.yaxis.set_major_locator(FixedLocator([*(1 / r for r in up), 1.0, *up]))
-    bar.ax.yaxis.set_minor_locator(NullLocator())
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"× {v:.2g}"))
-    bar.set_label(say("deviation / its median over time"))
 
 
 def _edges(centres: FloatArray) -> FloatArray:

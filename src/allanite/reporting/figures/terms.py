@@ -13,7 +13,7 @@ from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.sheet import printed_unit
+from allanite.reporting.digits import printed_unit
 from allanite.terms import TERMS
 
 from .drawing import MODEL, by_share, color_of, dashes, draw_label, fractions, label_of, pairs
@@ -54,12 +54,18 @@ def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[Lab
     points = [pairs(drawn.tau, drawn.deviation), pairs(lines.tau[inside], lines.whole[inside])]
     curves = fractions(ax, np.concatenate(points))
     paths = {symbol: fractions(ax, pairs(lines.tau, line)) for symbol, line in lines.parts.items()}
-    named = _given(model) if fit is None else _found(fit, model, level)
+    named = _labels(fit, model, level)
     _draw_labels(ax, panel, [n for n in named if n.symbol in paths], (lines, curves, paths), placed)
     for symbol, path in paths.items():
-        others = [other[::4] for name, other in paths.items() if name != symbol]
-        slope = SLOPES.get(_slope(lines.tau, lines.parts[symbol]), "")
-        if slope and math.isfinite(TERMS[symbol].slope):
+        line = lines.parts[symbol]
+        known = np.isfinite(line)
+        if known.sum() < 2 or not math.isfinite(TERMS[symbol].slope):
+            continue
+        # the slope of most of a line, to halves
+        steep = round(2 * float(np.median(np.diff(np.log(line[known])) / np.diff(np.log(lines.tau[known]))))) / 2
+        slope = SLOPES.get(steep, "")
+        if slope:
+            others = [other[::4] for name, other in paths.items() if name != symbol]
             _draw_slope(ax, (symbol, slope), path, np.concatenate([curves, *others]), placed)
 
 
@@ -70,31 +76,24 @@ def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
     return ModelLines(tau, panel.expected(model, tau), parts)
 
 
-def _found(fit: Fit, model: Model, level: float) -> list[Named]:
-    """The terms that were found, with their intervals."""
-    found = [e for e in fit if e.value is not None and e.symbol in {t.symbol for t in model}]
-    return [Named(e.symbol, label_of(e, level), e.sheet_unit, model[e.symbol]) for e in found]
-
-
-def _given(model: Model) -> list[Named]:
-    """The terms of a model that was given; those of one symbol share a label."""
-    named = {}
+def _labels(fit: Fit | None, model: Model, level: float) -> list[Named]:
+    """The terms that were found, with their intervals; of a model that was given those of one symbol share a label."""
+    if fit is not None:
+        found = [e for e in fit if e.value is not None and e.symbol in {t.symbol for t in model}]
+        return [Named(e.symbol, label_of(e, level), e.sheet_unit, model[e.symbol]) for e in found]
+    named = []
     for symbol in dict.fromkeys(t.symbol for t in model):
-        terms = [t for t in model if t.symbol == symbol]
+        terms, sizes = [t for t in model if t.symbol == symbol], []
         unit = terms[0].signal.sheet[terms[0].row.power]
-        named[symbol] = Named(symbol, join("\n", map(_size, terms)), unit, terms[0] if len(terms) == 1 else None)
-    return list(named.values())
-
-
-def _size(term: Term) -> str:
-    """The coefficient of a term, and the values of its parameters: ``GM = 0.1 deg/h, T = 20 s``."""
-    unit = term.signal.sheet[term.row.power]
-    shape = [
-        f"{p.letter} = {value:.4g} {p.unit}"
-        for p, value in zip(term.row.parameters, term.shape, strict=True)
-        if value != p.default
-    ]
-    return ", ".join((f"{term.symbol} = {term.to(unit):.4g} {printed_unit(unit)}", *shape))
+        for term in terms:  # coefficient and parameters: ``GM = 0.1 deg/h, T = 20 s``
+            shape = [
+                f"{p.letter} = {value:.4g} {p.unit}"
+                for p, value in zip(term.row.parameters, term.shape, strict=True)
+                if value != p.default
+            ]
+            sizes.append(", ".join((f"{symbol} = {term.to(unit):.4g} {printed_unit(unit)}", *shape)))
+        named.append(Named(symbol, join("\n", sizes), unit, terms[0] if len(terms) == 1 else None))
+    return named
 
 
 def _draw_labels(
@@ -106,7 +105,11 @@ def _draw_labels(
 ) -> None:
     lines, curves, paths = seen
     for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
-        _lines_label(ax, (symbol, lines.parts[symbol]), paths[symbol], curves, placed)
+        # the word at the highest hump of the sinusoids
+        hump = lines.parts[symbol]
+        top = paths[symbol][int(np.nanargmax(hump[np.isfinite(hump)]))]
+        if ((top > 0.01) & (top < 0.99)).all():
+            placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], curves, placed))
     for label in named:
         mark = None if label.term is None else _mark(ax, panel, label.term, label.unit)
         line = lines.parts[label.symbol]
@@ -120,24 +123,6 @@ def _draw_labels(
         if len(near):
             text = _label(panel, label, line, mark)
             placed.append(draw_label(ax, (label.symbol, text), near[::8], avoid, placed))
-
-
-def _lines_label(
-    ax: Axes, named: tuple[str, FloatArray], path: FloatArray, curves: FloatArray, placed: list[LabelBox]
-) -> None:
-    """The word at the highest hump of the sinusoids."""
-    symbol, line = named
-    top = path[int(np.nanargmax(line[np.isfinite(line)]))]
-    if ((top > 0.01) & (top < 0.99)).all():
-        placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], curves, placed))
-
-
-def _slope(tau: FloatArray, line: FloatArray) -> float:
-    """The slope of most of a line, to halves."""
-    known = np.isfinite(line)
-    if known.sum() < 2:
-        return math.nan
-    return round(2 * float(np.median(np.diff(np.log(line[known])) / np.diff(np.log(tau[known]))))) / 2
 
 
 def _draw_slope(ax: Axes, named: tuple[str, str], path: FloatArray, curves: FloatArray, placed: list[LabelBox]) -> None:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from allanite.core.model import Term
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.sheet import printable
+from allanite.reporting.digits import printable
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 

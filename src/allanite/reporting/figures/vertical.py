@@ -29,7 +29,17 @@ def plot_optima(new_figure: style.NewFigure, found: Sequence[tuple[str, Optimum]
     figure = new_figure(6.8 if len(found) == 1 else 5.6 * len(found), 9.0)
     grid = figure.subplots(3, len(found), squeeze=False)
     for column, (name, optimum) in zip(grid.T, found, strict=True):
-        _draw_paths(column[0], optimum)
+        ax, f = column[0], _frequencies(optimum)
+        predictions = [p for p in (optimum.first, optimum.second) if p is not None]
+        for prediction, dash in zip(predictions, ("-", (0, (5, 3))), strict=False):
+            _, tilt = prediction.loop.responses(f, None if prediction.rate is None else 1 / prediction.rate)
+            order = prediction.loop.order
+            ax.plot(f, np.abs(1 - tilt), color=style.SERIES[0], ls=dash, lw=1.3,
+                    label=say("gyro path, order {order}", order=order))  # fmt: skip
+            ax.plot(f, np.abs(tilt), color=style.SERIES[1], ls=dash, lw=1.3,
+                    label=say("accelerometer path, order {order}", order=order))  # fmt: skip
+        ax.set(xscale="log", yscale="log", xlabel=say("frequency (Hz)"), ylabel=say("gain"), ylim=(1e-3, 3))
+        _finish(ax)
         _draw_sources(column[1], optimum)
         ax = column[2]
         factors, errors = np.array(optimum.detuning).T
@@ -52,21 +62,6 @@ def _frequencies(found: Optimum) -> np.ndarray:
     top = corner * 1e3 if found.first.rate is None else found.first.rate / 2 * 0.999
     low = corner * 1e-4 if found.first.duration is None else 1 / (2 * found.first.duration)
     return np.geomspace(min(low, corner / 100), max(top, corner * 10) if found.first.rate is None else top, 400)
-
-
-def _draw_paths(ax: Axes, found: Optimum) -> None:
-    f = _frequencies(found)
-    predictions = [p for p in (found.first, found.second) if p is not None]
-    for prediction, dash in zip(predictions, ("-", (0, (5, 3))), strict=False):
-        interval = None if prediction.rate is None else 1 / prediction.rate
-        _, tilt = prediction.loop.responses(f, interval)
-        order = prediction.loop.order
-        ax.plot(f, np.abs(1 - tilt), color=style.SERIES[0], ls=dash, lw=1.3,
-                label=say("gyro path, order {order}", order=order))  # fmt: skip
-        ax.plot(f, np.abs(tilt), color=style.SERIES[1], ls=dash, lw=1.3,
-                label=say("accelerometer path, order {order}", order=order))  # fmt: skip
-    ax.set(xscale="log", yscale="log", xlabel=say("frequency (Hz)"), ylabel=say("gain"), ylim=(1e-3, 3))
-    _finish(ax)
 
 
 def _draw_sources(ax: Axes, found: Optimum) -> None:

@@ -52,26 +52,19 @@ class PanelFrame:
         left = PAD + max((ink.size_of(ink.shown(text), TICK)[0] for text in labels if text), default=0.0)
         name = ink.shown(self.panel.yaxis.label)
         left += NAME_PAD + ink.size_of(name, LABEL)[1] if name else 0.0
-        below, right = self._below(), self._overhang()
+        below = right = PAD
+        if self.panel.labelled:
+            named = ink.size_of(ink.shown(self.panel.xaxis.label), LABEL)[1]
+            below += TICK + (NAME_PAD + named + ink.below_foot(LABEL) if named else 0.0)
+            if self.across.major:  # how far the last label of the abscissa stands out
+                share = self.panel.xaxis.share(np.array(self.across.major))
+                half = np.array([ink.size_of(ink.shown(text), TICK)[0] / 2 for text in self.across.labels])
+                right = float(((share - 1) * self.box.width + half).max(initial=PAD))
         titles = [ink.size_of(ink.shown(t.text), t.size)[1] for t in self.panel.titles.values() if t.text]
         above = TITLE_PAD + max(titles) if titles else 2.0
         if self.up.beside:
             above = max(above, TICK + PAD)
         return left, above, right, below
-
-    def _below(self) -> float:
-        if not self.panel.labelled:
-            return PAD
-        named = ink.size_of(ink.shown(self.panel.xaxis.label), LABEL)[1]
-        return PAD + TICK + (NAME_PAD + named + ink.below_foot(LABEL) if named else 0.0)
-
-    def _overhang(self) -> float:
-        """How far the last label of the abscissa stands out."""
-        if not self.panel.labelled or not self.across.major:
-            return PAD
-        share = self.panel.xaxis.share(np.array(self.across.major))
-        half = np.array([ink.size_of(ink.shown(text), TICK)[0] / 2 for text in self.across.labels])
-        return float(((share - 1) * self.box.width + half).max(initial=PAD))
 
     def svg(self, number: int) -> str:
         """All of it; `number` names its clip."""
@@ -81,6 +74,12 @@ class PanelFrame:
         )
         place = place_in(self.panel, self.box)
         marks = sorted(self.panel.marks, key=lambda mark: mark.z)
+        legend = ""
+        if self.panel.legends is not None:
+            handles, labels = self.panel.get_legend_handles_labels()
+            key = Legend(handles, labels, self.panel.legends.get("ncols", 1))
+            left = self.box.left + self.box.width - key.width - IN_CORNER
+            legend = key.svg(left, self.box.top + IN_CORNER / LEADING, self.panel.ink)
         return "".join(
             (
                 f'<clipPath id="c{number}"><rect{rectangle}/></clipPath>',
@@ -91,7 +90,7 @@ class PanelFrame:
                 *self._ticks(),
                 f"<rect{rectangle} {ink.stroke(self.edge, EDGE_WIDTH)}/>",
                 *self._names(),
-                self._legend(),
+                legend,
             )
         )
 
@@ -149,11 +148,3 @@ class PanelFrame:
             yield ink.words(
                 ink.shown(text), (where[loc], top - TITLE_PAD), size, color=color, ha=loc, va="bottom", bold=bold
             )
-
-    def _legend(self) -> str:
-        if self.panel.legends is None:
-            return ""
-        handles, labels = self.panel.get_legend_handles_labels()
-        key = Legend(handles, labels, self.panel.legends.get("ncols", 1))
-        left = self.box.left + self.box.width - key.width - IN_CORNER
-        return key.svg(left, self.box.top + IN_CORNER / LEADING, self.panel.ink)

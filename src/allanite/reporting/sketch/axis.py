@@ -87,9 +87,8 @@ class Side:
 
     def get_view_interval(self) -> tuple[float, float]:
         """The limits: those given, or around the data."""
-        return self.limits or self._around()
-
-    def _around(self) -> tuple[float, float]:
+        if self.limits:
+            return self.limits
         known = np.concatenate([np.empty(0), *self.known, np.array(self._fixed or [])])
         seen = known[(np.abs(known) < LARGEST) & ((known > 1 / LARGEST) | (self.scale == "linear"))]
         if not seen.size:
@@ -121,29 +120,26 @@ class Side:
     def ticks(self, length: float, size: float) -> Ticks:
         """Ticks of an axis of so many points, with letters of a size."""
         most = int(length / (size * (3.0 if self.across else 2.0)))
+        low, high = self.get_view_interval()
+        decades = min(max(most, 2), 9)
+        places: Any = self._fixed
+        minor: list[float] = []
         with np.errstate(over="ignore"):  # ticks beyond the largest number are not in sight
-            major = self._seen(self._places(most))
-            minor = self._seen(self._between(most), major)
-        form = self._formatters[0] or (_power if self.scale == "log" else None)
+            if self._fixed is None and self._locator is not None:
+                places = self._locator.tick_values(low, high)
+            elif self._fixed is None and self.scale == "log":
+                places = LogLocator(numticks=decades).tick_values(low, high)
+            elif self._fixed is None:
+                places = MaxNLocator(min(max(most, 1), 9), steps=STEPS).tick_values(low, high)
+            major = self._seen(places)
+            if self.scale != "linear":
+                minor = self._seen(LogLocator(subs=FINE, numticks=decades).tick_values(low, high), major)
+        form = self._formatters[0]
+        if form is None and self.scale == "log":
+            form = lambda value, _: f"$10^{{{round(math.log10(value))}}}$"  # noqa: E731 - as matplotlib's formatters
         labels, beside = ([form(at, None) for at in major], "") if form else plain(major)
         form = self._formatters[1]
         return Ticks(major, labels, minor, [form(at, None) if form else "" for at in minor], beside)
-
-    def _places(self, most: int) -> Any:
-        low, high = self.get_view_interval()
-        if self._fixed is not None:
-            return self._fixed
-        if self._locator is not None:
-            return self._locator.tick_values(low, high)
-        if self.scale == "log":
-            return LogLocator(numticks=min(max(most, 2), 9)).tick_values(low, high)
-        return MaxNLocator(min(max(most, 1), 9), steps=STEPS).tick_values(low, high)
-
-    def _between(self, most: int) -> Any:
-        low, high = self.get_view_interval()
-        if self.scale == "linear":
-            return []
-        return LogLocator(subs=FINE, numticks=min(max(most, 2), 9)).tick_values(low, high)
 
     def _seen(self, places: Any, taken: Sequence[float] = ()) -> list[float]:
         """Places within the view that are not taken."""
@@ -156,10 +152,6 @@ class Side:
 def _demand(given: Any, known: tuple[type, ...]) -> None:
     if not isinstance(given, known):
         raise Unsketched(type(given).__name__)
-
-
-def _power(value: float, _: int | None) -> str:
-    return f"$10^{{{round(math.log10(value))}}}$"
 
 
 def plain(places: Sequence[float]) -> tuple[list[str], str]:

@@ -1,6 +1,6 @@
 """What is drawn in a panel: lines, areas, boxes, segments and words, each a value that can write itself."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -233,29 +233,27 @@ class Words:
         """See `Mark`."""
         x, y = self._point(place, self.at)
         x, y = x + self.offset[0], y - self.offset[1]
-        return "".join(self._parts(place, (x, y)))
-
-    def _point(self, place: Place, at: tuple[float, float]) -> tuple[float, float]:
-        x, y = place(np.array([at[0]]), np.array([at[1]]), self.meaning)
-        return float(x[0]), float(y[0])
-
-    def _parts(self, place: Place, at: tuple[float, float]) -> Iterator[str]:
-        x, y = at
-        lines = ink.shown(self.text)
+        lines, parts = ink.shown(self.text), []
         width, height = ink.size_of(lines, self.size, bold=self.bold, spacing=self.spacing)
         left = x - {"left": 0.0, "center": width / 2, "right": width}[self.ha]
         top = y - {"top": 0.0, "center": height / 2, "bottom": height, "baseline": height}[self.va]
         if self.leader is not None:
-            yield self._line(self._point(place, self.leader), (left, top, width, height))
+            parts.append(self._line(self._point(place, self.leader), (left, top, width, height)))
         if self.pad is not None:
             a, b = np.array([left, left + width]), np.array([top, top + height])
             beside = np.array([-self.pad, self.pad])
             a, b = a + beside, b + beside
             ground = ink.path(a[[0, 1, 1, 0]], b[[0, 0, 1, 1]], closed=True)
-            yield ink.element(ground, ink.fill("#ffffff", self.opacity))
-        yield ink.words(
-            lines, (x, y), self.size, color=self.color, ha=self.ha, va=self.va, bold=self.bold, spacing=self.spacing
-        )
+            parts.append(ink.element(ground, ink.fill("#ffffff", self.opacity)))
+        parts.append(
+            ink.words(lines, (x, y), self.size, color=self.color, ha=self.ha, va=self.va, bold=self.bold,
+                      spacing=self.spacing)
+        )  # fmt: skip
+        return "".join(parts)
+
+    def _point(self, place: Place, at: tuple[float, float]) -> tuple[float, float]:
+        x, y = place(np.array([at[0]]), np.array([at[1]]), self.meaning)
+        return float(x[0]), float(y[0])
 
     def _line(self, end: tuple[float, float], box: tuple[float, float, float, float]) -> str:
         """From the edge of the text to four points before what it is about; nothing if that is nearer."""

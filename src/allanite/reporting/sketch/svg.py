@@ -25,11 +25,6 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _BLANKS = re.compile(" {2,}")
 
 
-def _kept(blanks: re.Match[str]) -> str:
-    """Several blanks, of which browsers show one."""
-    return "\N{NO-BREAK SPACE}" * len(blanks[0])
-
-
 def number(value: float) -> str:
     """A coordinate in points, to a tenth."""
     return f"{value:.1f}".removesuffix(".0")
@@ -126,10 +121,11 @@ def words(  # noqa: PLR0913 - each has a default, and is a property of its own
     )
     x, y = at
     turn = f' transform="rotate(-90 {number(x)} {number(y)})"' if turned else ""
+    # several blanks, of which browsers show one
+    kept = (_BLANKS.sub(lambda blanks: "\N{NO-BREAK SPACE}" * len(blanks[0]), line) for line in lines)
     return "".join(
-        f'<text x="{number(x)}" y="{number(y + above + i * step)}"{turn} {look}>'
-        f"{escape(_BLANKS.sub(_kept, line))}</text>"
-        for i, line in enumerate(lines)
+        f'<text x="{number(x)}" y="{number(y + above + i * step)}"{turn} {look}>{escape(line)}</text>'
+        for i, line in enumerate(kept)
         if line.strip()
     )
 

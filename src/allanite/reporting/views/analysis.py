@@ -11,7 +11,7 @@ from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
 from allanite.identification.front import METHODS
-from allanite.phrases.phrase import Phrase, join, say, say_count
+from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import (
     Column,
@@ -22,7 +22,6 @@ from allanite.reporting.sheet import (
     Part,
     Sheet,
     Table,
-    columns,
     header_of,
 )
 from allanite.study.analysis import Channel, Study
@@ -34,8 +33,7 @@ from .details import details, over_time, overlay
 from .fit import coefficients, definitions, plot_curves
 from .jobs import channel_sheet, job_face, source_of
 from .meaning import meanings
-from .readings import readings_table
-from .values import rows_of
+from .values import readings_table, rows_of
 from .verdict import fitness, verdict
 
 BRAND = say("noise coefficients of an inertial sensor")
@@ -104,7 +102,7 @@ def _face(study: Study, level: float) -> Face:
         job,
         header=header_of(study.provenance, study.notes, method if fitted else ""),
         parts=[*job.parts, *overlay(list(panels.values()), level)],
-        close=[*meanings(study), *_shared(study), *_statuses(study)],
+        close=[*meanings(study), *_close(study)],
         how=list(_how(study)),
         device=study.recipe.labels,
         facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,
@@ -139,7 +137,14 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None") -
     yield from (Note(note) for note in channel.fit.advice if not _told(note, channel))
     yield from coefficients(channel.fit, level)
     if channel.curve is not None and panel is not None:
-        caption = say("{sentence}.", sentence=join("; ", filter(None, (_band(channel, level), channel.curve.supposed))))
+        share = words.percent(level)
+        shown = say("Deviation by averaging time with its {share} confidence band", share=share)
+        if channel.fit.valid is not None:
+            shown = say(
+                "Deviation by averaging time with its {share} confidence band, the model, and each of its terms",
+                share=share,
+            )
+        caption = say("{sentence}.", sentence=join("; ", filter(None, (shown, channel.curve.supposed))))
         yield Drawing(
             lambda: figures.plot_panels([panel], level=level), alternative(channel, channel.curve, level), caption
         )
@@ -154,31 +159,15 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None") -
     yield from details(channel, level, panel)
 
 
-def _band(channel: Channel, level: float) -> Phrase:
-    """What the figure of a channel shows."""
-    share = words.percent(level)
-    if channel.fit is None or channel.fit.valid is None:
-        return say("Deviation by averaging time with its {share} confidence band", share=share)
-    return say(
-        "Deviation by averaging time with its {share} confidence band, the model, and each of its terms", share=share
-    )
-
-
-def _shared(study: Study) -> Iterator[Part]:
-    if study.shared is None:
-        return
-    yield from (Note(str(finding), "alert") for finding in study.shared.findings)
-    rows = [[a, b, f"{fast:+.3f}", f"{slow:+.2f}"] for a, b, fast, slow in study.shared.rows()[1]]
-    yield Table(
-        columns(say("channel"), say("and"), say("fast"), say("slow"), left=2),
-        rows,
-        say("correlation of the channels"),
-        key=SHARED,
-        where="page",
-    )
-
-
-def _statuses(study: Study) -> Iterator[Part]:
+def _close(study: Study) -> Iterator[Part]:
+    """How the channels are correlated, and the statuses of the coefficients."""
+    if study.shared is not None:
+        yield from (Note(str(finding), "alert") for finding in study.shared.findings)
+        heads = (
+            Column(say("channel"), "name"), Column(say("and"), "name"), Column(say("fast"), form="+.3f"),
+            Column(say("slow"), form="+.2f"),
+        )  # fmt: skip
+        yield Table(heads, study.shared.rows()[1], say("correlation of the channels"), key=SHARED, where="page")
     met = {e.status for c in study.channels for e in c.fit or ()}
     for status in STATUSES.values():
         if status.name in met:
@@ -210,11 +199,6 @@ def _curve_explained(recipe: Recipe) -> str:
     return join(" ", (read, LIMITS))
 
 
-def _rows(study: Study, level: float) -> Rows:
-    curves = [c.curve.to(readable_unit(c.curve.unit)) for c in study.channels if c.curve is not None]
-    return rows_of(curves, level)
-
-
 def _coefficients(study: Study, level: float) -> Rows:
     """Coefficients, values read off the curve and data sheet of each channel; an absent term has an upper limit."""
     heads = (
@@ -236,7 +220,14 @@ def _coefficients(study: Study, level: float) -> Rows:
     return heads, rows
 
 
-STUDY = View(_face, plot_curves, _rows, _coefficients)
+STUDY = View(
+    _face,
+    plot_curves,
+    lambda study, level: rows_of(
+        [c.curve.to(readable_unit(c.curve.unit)) for c in study.channels if c.curve is not None], level
+    ),
+    _coefficients,
+)
 CHANNEL = View(
     lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)), plot_curves
 )

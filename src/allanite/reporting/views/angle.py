@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, toml
 
-from . import Rows, View, view_of
+from . import View, view_of
 
 if TYPE_CHECKING:
     from allanite.reporting.style import Plot
@@ -68,17 +69,6 @@ INFORMED = say(
 )
 
 
-def _face(study: AngleStudy, level: float) -> Face:
-    header = header_of(study.provenance, study.notes)
-    return replace(
-        view_of(study.result).face(study.result, level),
-        header=header if study.provenance.get("source") else header[-1:],
-        choices=toml(study.choices()),
-        provenance=study.provenance,
-        notes=study.notes,
-    )
-
-
 def _result_face(result: Result, level: float) -> Face:
     solution = result.solution
     names = join(", ", [h.name or say("the angle") for h in parts_of(result)])
@@ -86,29 +76,25 @@ def _result_face(result: Result, level: float) -> Face:
     if solution is None:
         sheet = Sheet(names, (say("known, not estimated"),), (_harmonics(result, level),))
         return Face(title, BRAND, (sheet,))
-    doubt = bool(solution.warnings)
-    sheet = Sheet(names, _about(result, solution), tuple(_parts(result, solution, level)), doubt=doubt)
-    model = GIMBAL if isinstance(result, Calibration) else AGAINST
-    how = (Note(model), Note(RECURSIVE if solution.prior is None else INFORMED))
-    return Face(title, BRAND, (replace(sheet, verdicts=(_verdict(result, level, doubt),)),), how=how)
-
-
-def _about(result: Result, solution: Solution) -> tuple[str, ...]:
     noise = say(
         "noise of one sample {sigma:.4g} arcsec, {origin}; condition {condition:.4g}",
         sigma=solution.sigma / ARCSEC,
         origin=say("given") if solution.given else say("estimated from what is left over"),
         condition=solution.condition,
     )
-    first = say_count(solution.innovations.size, "{count} sample", "{count} samples")
-    if not isinstance(result, Calibration):
-        return first, noise
-    angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
-    spans = [
-        say("{angle} from {low:.2f} to {high:.2f} deg", angle=name, low=float(a.min()), high=float(a.max()))
-        for name, a in angles.items()
-    ]
-    return first, noise, join("; ", spans)
+    about = [say_count(solution.innovations.size, "{count} sample", "{count} samples"), noise]
+    if isinstance(result, Calibration):
+        angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
+        spans = [
+            say("{angle} from {low:.2f} to {high:.2f} deg", angle=name, low=float(a.min()), high=float(a.max()))
+            for name, a in angles.items()
+        ]
+        about.append(join("; ", spans))
+    doubt = bool(solution.warnings)
+    verdicts = (_verdict(result, level, doubt),)
+    sheet = Sheet(names, about, tuple(_parts(result, solution, level)), verdicts, doubt)
+    model = GIMBAL if isinstance(result, Calibration) else AGAINST
+    return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE if solution.prior is None else INFORMED)))
 
 
 def _verdict(result: Result, level: float, doubt: bool) -> str:
@@ -159,7 +145,20 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
         )
     label, title = say("innovations and their autocorrelation"), say("is what is left over noise?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
-    yield _others(solution)
+    # parameters estimated together with the harmonics
+    heads = (
+        Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
+        Column(say("meaning"), "text", aside=True),
+    )  # fmt: skip
+    rows = []
+    for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
+        if name[0] in "SC" and name[1:2].isdigit():
+            continue
+        row = NUISANCES.get(name)
+        si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
+        factor = convert(1.0, si, unit)
+        rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
+    yield Table(heads, rows, say("other estimated parameters"))
 
 
 def _harmonics(result: Result, level: float) -> Table:
@@ -169,17 +168,16 @@ def _harmonics(result: Result, level: float) -> Table:
         Column("C [arcsec]", aside=True), Column(say("error"), aside=True), Column(say("amplitude")),
         Column(words.interval(level), "interval"), Column(say("phase [deg]")), Column("", "name"),
     )  # fmt: skip
-    found = [(h, i, k) for h in parts_of(result) for i, k in enumerate(h.orders)]
-    marks = [MARKS[h.status(k)] for h, _, k in found]
-    return Table(heads, [_harmonic(h, i, level) for h, i, _ in found], marks=marks, key=KEY)
-
-
-def _harmonic(h: Harmonics, i: int, level: float) -> list[str]:
-    order, errors = h.orders[i], np.sqrt(h.covariance.diagonal()[2 * i : 2 * i + 2]) / ARCSEC
-    sine, cosine = (_constant(float(v[i]) / ARCSEC, float(e)) for v, e in zip((h.sine, h.cosine), errors, strict=True))
-    phase = f"{math.degrees(float(h.phase[i])):.0f}" if h.found(order) else ""
-    name, status = join(" ", (h.name or say("angle"), str(order))), STATUSES[h.status(order)]
-    return [name, *sine, *cosine, *_amplitude(h, order, level), phase, status]
+    rows, marks = [], []
+    for h in parts_of(result):
+        errors = np.sqrt(h.covariance.diagonal()).reshape(-1, 2) / ARCSEC
+        for k, sine, cosine, phase, error in zip(h.orders, h.sine, h.cosine, h.phase, errors, strict=True):
+            constants = (_constant(float(v) / ARCSEC, float(e)) for v, e in zip((sine, cosine), error, strict=True))
+            shown = f"{math.degrees(float(phase)):.0f}" if h.found(k) else ""
+            name = join(" ", (h.name or say("angle"), str(k)))
+            rows.append([name, *chain(*constants), *_amplitude(h, k, level), shown, STATUSES[h.status(k)]])
+            marks.append(MARKS[h.status(k)])
+    return Table(heads, rows, marks=marks, key=KEY)
 
 
 def _amplitude(h: Harmonics, order: int, level: float) -> tuple[str, str]:
@@ -196,33 +194,6 @@ def _constant(value: float, error: float) -> tuple[str, str]:
     return shown.plain()[0], digits(error, figures=2).plain()[0]
 
 
-def _others(solution: Solution) -> Table:
-    """Parameters estimated together with the harmonics."""
-    heads = (
-        Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
-        Column(say("meaning"), "text", aside=True),
-    )  # fmt: skip
-    rows = []
-    for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
-        if name[0] in "SC" and name[1:2].isdigit():
-            continue
-        row = NUISANCES.get(name)
-        si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
-        factor = convert(1.0, si, unit)
-        rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
-    return Table(heads, rows, say("other estimated parameters"))
-
-
-def _result_rows(result: Result, level: float) -> Rows:
-    """All constants with limits, SI; of known harmonics the harmonics alone."""
-    solution = result.solution
-    if solution is None:
-        return result.rows(level)
-    numbers = zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True)
-    rows = [[name, value, error, *solution.interval(name, level)] for name, value, error in numbers]
-    return ["constant", "value", "standard_error", "low", "high"], rows
-
-
 def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Plot":
     draw = view_of(values[0].result).plot
     if draw is None:
@@ -230,13 +201,32 @@ def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> 
     return draw([study.result for study in values], fit, level)
 
 
-def _study_rows(study: AngleStudy, level: float) -> Rows:
-    rows = view_of(study.result).rows
-    assert rows is not None  # noqa: S101 - every result here has some
-    return rows(study.result, level)
-
-
-STUDY = View(_face, _study_plot, _study_rows)
+STUDY = View(
+    lambda study, level: replace(
+        view_of(study.result).face(study.result, level),
+        header=header_of(study.provenance, study.notes)[0 if study.provenance.get("source") else -1 :],
+        choices=toml(study.choices()),
+        provenance=study.provenance,
+        notes=study.notes,
+    ),
+    _study_plot,
+    lambda study, level: view_of(study.result).rows(study.result, level),  # type: ignore[misc]
+)
 HARMONICS = CALIBRATION = View(
-    _result_face, lambda values, fit, level: figures.plot_errors(values[0], level), _result_rows
+    _result_face,
+    lambda values, fit, level: figures.plot_errors(values[0], level),
+    # all constants with limits, SI; of known harmonics the harmonics alone
+    lambda result, level: (
+        result.rows(level)
+        if result.solution is None
+        else (
+            ["constant", "value", "standard_error", "low", "high"],
+            [
+                [name, value, error, *result.solution.interval(name, level)]
+                for name, value, error in zip(
+                    result.solution.names, result.solution.values.tolist(), result.solution.errors.tolist(), strict=True
+                )
+            ],
+        )
+    ),
 )

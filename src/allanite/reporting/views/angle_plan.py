@@ -1,19 +1,14 @@
 """How plans of the estimation of angle sensors are shown."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from allanite.applications.angle import AnglePlan, Scan
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Sheet, Table, columns
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table
 
 from . import View
-
-if TYPE_CHECKING:
-    from allanite.applications.angle import Sway
 
 BRAND = say("harmonic errors of angle sensors")
 
@@ -54,32 +49,37 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
         prior=prior,
         condition=plan.condition,
     )
-    rows = [[name, f"{error:.4g}"] for name, error in plan.standard_deviations.items()]
     alerts = [Note(str(finding), "alert") for finding in plan.findings]
-    table = Table((Column(say("constant"), "symbol"), Column(say("expected standard deviation"))), rows)
+    heads = (Column(say("constant"), "symbol"), Column(say("expected standard deviation"), form=".4g"))
     total = say_count(
         plan.amplitudes,
         "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",
         "sum over the {count} amplitudes: {total:.4g} (all in the unit of sigma)",
         total=plan.total,
     )
-    return Sheet(title, (when, join("; ", [where, *_sway(chosen.sway)])), (*alerts, table, Note(total)))
+    if chosen.sway is not None and not isinstance(chosen.sway, tuple):
+        sway = say(
+            "sway of {roll:.3g} deg in roll and {pitch:.3g} deg in pitch, period {period:g} s",
+            roll=math.degrees(chosen.sway.roll),
+            pitch=math.degrees(chosen.sway.pitch),
+            period=chosen.sway.period,
+        )
+        where = join("; ", (where, sway))
+    return Sheet(title, (when, where), (*alerts, Table(heads, plan.rows()[1]), Note(total)))
 
 
-def _sway(sway: "Sway | tuple[float, float] | None") -> Iterator[str]:
-    if sway is None or isinstance(sway, tuple):
-        return
-    yield say(
-        "sway of {roll:.3g} deg in roll and {pitch:.3g} deg in pitch, period {period:g} s",
-        roll=math.degrees(sway.roll),
-        pitch=math.degrees(sway.pitch),
-        period=sway.period,
-    )
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.2f}"
 
 
-def _plan_face(plan: AnglePlan, level: float) -> Face:
-    title = say("Expected accuracy of the angle sensors")
-    return Face(title, BRAND, (_plan_sheet(plan, say("plan")),), how=(Note(PLANNED),))
+WINDOWS = (
+    Column(say("start [min]"), form=lambda start: f"{start / 60:.1f}"), Column(say("h from [deg]"), form=_degrees),
+    Column(say("to [deg]"), form=_degrees), Column(say("sum of deviations"), form=".4g"),
+    Column(say("condition"), form=".4g"),
+)  # fmt: skip
+
+FEW = 8
+"""Windows that stand side by side in a table."""
 
 
 def _scan_face(scan: Scan, level: float) -> Face:
@@ -97,41 +97,26 @@ def _scan_face(scan: Scan, level: float) -> Face:
         high=high,
         total=best.total,
     )
-    heads = columns(
-        say("start [min]"),
-        say("h from [deg]"),
-        say("to [deg]"),
-        say("sum of deviations"),
-        say("condition"),
-        left=0,
-    )
-    rows = [
-        [f"{s / 60:.1f}", f"{math.degrees(a):.2f}", f"{math.degrees(b):.2f}", f"{t:.4g}", f"{c:.4g}"]
-        for s, a, b, t, c in zip(scan.starts, *scan.h.T, scan.totals, scan.conditions, strict=True)
+    marks: list[Mark] = ["strong" if i == scan.totals.argmin() else "" for i in range(len(scan.starts))]
+    parts: list[Part] = [
+        Drawing(lambda: figures.plot_scan(scan), say("expected accuracy by the start of the interval"), SCANNED),
+        Table(WINDOWS, [row[: len(WINDOWS)] for row in scan.rows()[1]], say("all windows"), marks=marks, details=True),
     ]
-    marks: list[Mark] = ["strong" if i == scan.totals.argmin() else "" for i in range(len(rows))]
-    drawing = Drawing(lambda: figures.plot_scan(scan), say("expected accuracy by the start of the interval"), SCANNED)
-    table = Table(heads, rows, say("all windows"), marks=marks, details=True)
+    if len(scan.starts) <= FEW:  # the amplitudes by range of h
+        rows = [[name, *(f"{e:.3g}" for e in row)] for name, row in zip(scan.names, scan.errors.T, strict=True)]
+        rows.append([say("sum"), *(f"{t:.4g}" for t in scan.totals)])
+        rows.append([say("sum over that of the best"), *(f"{t / scan.totals.min():.3g}" for t in scan.totals)])
+        ranges = (Column(f"{math.degrees(low):.1f} .. {math.degrees(high):.1f}") for low, high in scan.h)
+        title = say("expected standard deviations of the amplitudes by range of h, deg")
+        parts.append(Table((Column(say("constant"), "symbol"), *ranges), rows, title))
     sheet = replace(_plan_sheet(best, say("best window")), verdicts=(verdict,))
-    title = say("Where to estimate the angle sensors")
-    few = (_ranges(scan),) if len(scan.starts) <= FEW else ()
-    return Face(title, BRAND, (sheet,), parts=(drawing, table, *few), how=(Note(PLANNED),))
+    return Face(say("Where to estimate the angle sensors"), BRAND, (sheet,), parts=parts, how=(Note(PLANNED),))
 
 
-FEW = 8
-"""Windows that stand side by side in a table."""
-
-
-def _ranges(scan: Scan) -> Table:
-    """The amplitudes by range of h."""
-    heads = [f"{math.degrees(low):.1f} .. {math.degrees(high):.1f}" for low, high in scan.h]
-    rows = [[name, *(f"{e:.3g}" for e in row)] for name, row in zip(scan.names, scan.errors.T.tolist(), strict=True)]
-    least = scan.totals.min()
-    rows.append([say("sum"), *(f"{t:.4g}" for t in scan.totals)])
-    rows.append([say("sum over that of the best"), *(f"{t / least:.3g}" for t in scan.totals)])
-    title = say("expected standard deviations of the amplitudes by range of h, deg")
-    return Table((Column(say("constant"), "symbol"), *(Column(head) for head in heads)), rows, title)
-
-
-PLAN = View(_plan_face, rows=lambda plan, level: plan.rows())
+PLAN = View(
+    lambda plan, _: Face(
+        say("Expected accuracy of the angle sensors"), BRAND, (_plan_sheet(plan, say("plan")),), how=(Note(PLANNED),)
+    ),
+    rows=lambda plan, level: plan.rows(),
+)
 SCAN = View(_scan_face, lambda values, fit, level: figures.plot_scan(values[0]), lambda scan, level: scan.rows())

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from allanite.batch.batch import Batch, BatchUnit
-from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, Judgement, worst_of
+from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, worst_of
 from allanite.batch.summary import Across, power_of
 from allanite.core.fit import Fit
 from allanite.core.readings import MINIMUM
@@ -135,7 +135,14 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
         Column(say("found"), "name"), Column(say("limit"), "name"), Column(say("result"), "name"),
     )  # fmt: skip
     rows = [
-        [batch.label(unit), j.channel, symbol_of(j.limit.symbol), j.reason, _limit(j), OUTCOME_WORDS[j.outcome]]
+        [
+            batch.label(unit),
+            j.channel,
+            symbol_of(j.limit.symbol),
+            j.reason,
+            say("{limit} (upper)", limit=j.limit.words()) if j.limit.judge == "upper" else j.limit.words(),
+            OUTCOME_WORDS[j.outcome],
+        ]
         for unit, j in found
     ]
     marks = [MARKS.get(j.outcome, "") for _, j in found]
@@ -145,11 +152,6 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
 def symbol_of(of: str) -> str:
     """The symbol of a term as tables have it."""
     return LOWEST if of == MINIMUM else of
-
-
-def _limit(judgement: Judgement) -> str:
-    limit = judgement.limit
-    return say("{limit} (upper)", limit=limit.words()) if limit.judge == "upper" else limit.words()
 
 
 def _main(batch: Batch, signal: Signal, level: float) -> Table:

@@ -9,7 +9,8 @@ from allanite.applications.signals.budgeting import BudgetChannel, BudgetStudy
 from allanite.core.validity import APPROXIMATE, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, printable, printed_unit
+from allanite.reporting.digits import printable, printed_unit
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, known
 
 from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of
@@ -34,8 +35,9 @@ CAPTION = say(
 )
 COLUMNS = (
     Column(say("stage"), "name"), Column(say("bits")), Column(say("full scale"), aside=True),
-    Column(say("step"), aside=True), Column(say("makes"), "symbol"), Column(say("adds")), Column(say("measured")),
-    Column(say("unit"), "unit"), Column(say("share")), Column(say("bits enough")), Column(say("codes"), aside=True),
+    Column(say("step"), aside=True), Column(say("makes"), "symbol"), Column(say("adds"), form=known(".4g")),
+    Column(say("measured"), form=known(".4g")), Column(say("unit"), "unit"),
+    Column(say("share"), form=known(".2g", unit=" %")), Column(say("bits enough")), Column(say("codes"), aside=True),
     Column(say("missing"), aside=True), Column(say("clipped"), aside=True),
 )  # fmt: skip
 
@@ -67,35 +69,24 @@ def sentence(s: StageNoise, shown: Callable[[str], str] = str) -> str:
         fate = say_count(s.enough or 0, "{count} bit would bring it below 1 %", "{count} bits would bring it below 1 %")
     else:
         fate = say("more bits would change nothing")
-    return say("{adds}, {share} of the measured variance: {fate}.", adds=adds, share=_percent(s.share), fate=fate)
+    return say(
+        "{adds}, {share} of the measured variance: {fate}.",
+        adds=adds,
+        share="" if s.share is None else words.percent(s.share, 2),
+        fate=fate,
+    )
 
 
 def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.4g}"
 
 
-def _percent(share: float | None) -> str:
-    return "" if share is None else words.percent(share, 2)
-
-
-def _cells(s: StageNoise) -> list[str]:
-    seen = ("", "") if s.codes is None else (str(s.codes.distinct), str(s.codes.missing))
-    measured = _number(s.to(s.measured)) if s.measured is not None else f"< {_number(s.to(s.limit))}" if s.limit else ""
-    return [
-        s.stage.name, str(s.stage.bits), f"+-{s.stage.reach:g} {s.stage.unit}",
-        f"{s.stage.step:.4g} {s.stage.unit}", s.symbol, _number(s.to(s.coefficient)), measured, s.sheet_unit,
-        _percent(s.share), "" if s.enough is None else str(s.enough), *seen, str(s.clipped),
-    ]  # fmt: skip
-
-
-def _scale(scale: TorqueScale | float | None) -> list[str]:
-    if isinstance(scale, TorqueScale):
-        return [say("{scale}, of {sides:g} coil side(s)", scale=str(scale), sides=scale.sides)]
-    return [] if scale is None else [say("K_i = {factor:.6g} rad/s per A, as given", factor=scale)]
-
-
 def _face(study: BudgetStudy, level: float) -> Face:
-    notes = (*_scale(study.settings.torquer), *study.notes)
+    scale, notes = study.settings.torquer, study.notes
+    if isinstance(scale, TorqueScale):
+        notes = (say("{scale}, of {sides:g} coil side(s)", scale=str(scale), sides=scale.sides), *notes)
+    elif scale is not None:
+        notes = (say("K_i = {factor:.6g} rad/s per A, as given", factor=scale), *notes)
     title = say("Rounding in {source}", source=source_of(study))
     face = job_face(study, (title, BRAND), [_sheet(channel) for channel in study])
     return replace(face, header=header_of(study.provenance, notes), how=[*map(Note, HOW)], notes=notes)
@@ -110,9 +101,16 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     grade = budget.noise.validity
     sentences = (Note(sentence(s), where="text") for s in budget.stages)
     drawing = Drawing(lambda: figures.plot_budgets([budget]), say("noise of rounding by bits"), CAPTION)
-    rows = [_cells(s) for s in budget.stages]
-    kept = [i for i in range(len(COLUMNS)) if any(row[i] for row in rows)]  # some are empty everywhere
-    table = Table([COLUMNS[i] for i in kept], [[row[i] for i in kept] for row in rows])
+    rows = []
+    for s in budget.stages:
+        stage, bits, _, step, unit, symbol, size, measured, *rest = _numbers(s)
+        if measured is None and s.limit:
+            measured = f"< {_number(s.to(s.limit))}"
+        rows.append([stage, bits, f"+-{s.stage.reach:g} {unit}", f"{step:.4g} {unit}", symbol, size, measured, *rest])
+    table = Table(COLUMNS, rows)
+    table = table.only(
+        [i for i in range(len(COLUMNS)) if any(row[i] for row in table.rows)]
+    )  # some are empty everywhere
     parts: tuple[Part, ...] = (*sentences, table, drawing)
     return channel_sheet(channel, parts, named, doubt=grade == UNEXPLAINED, fair=grade == APPROXIMATE)
 
@@ -135,14 +133,15 @@ def _numbers(s: StageNoise) -> list[Any]:
     ]  # fmt: skip
 
 
-def _budget_face(budget: Budget, level: float) -> Face:
-    sheet = _sheet(BudgetChannel(budget.record, budget, budget.alerts))
-    return Face(say("Rounding in {source}", source=budget.record.name or say("a record")), BRAND, (sheet,))
-
-
 STUDY = View(
     _face, lambda values, fit, level: figures.plot_budgets(_found(*values)), lambda study, level: _rows(_found(study))
 )
 BUDGET = View(
-    _budget_face, lambda values, fit, level: figures.plot_budgets(values), lambda budget, level: _rows([budget])
+    lambda budget, _: Face(
+        say("Rounding in {source}", source=budget.record.name or say("a record")),
+        BRAND,
+        (_sheet(BudgetChannel(budget.record, budget, budget.alerts)),),
+    ),
+    lambda values, fit, level: figures.plot_budgets(values),
+    lambda budget, level: _rows([budget]),
 )

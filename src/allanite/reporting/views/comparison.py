@@ -67,10 +67,15 @@ def _compared_face(value: Comparison, level: float) -> Face:
     meanings = [[OUTCOME_WORDS[outcome], meaning] for outcome, meaning in OUTCOMES.items()]
     outcomes = Table((Column(say("outcome"), "name"), Column(say("meaning"), "text")), meanings)
     face = face_of(value, any(pair.ratios is not None for pair in value), level)
+    sheets = []
+    for pair in value:
+        tables = [_changes_table(pair, value, level)] if pair.changes else []
+        tables += [_ratios_table(pair.ratios, value, (level, pair.alpha))] if pair.ratios is not None else []
+        sheets.append(sheet_of(pair, value.names, not all(pair.explained), tables))
     return replace(
         face,
         title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]),
-        sheets=[_pair_sheet(pair, value, level) for pair in value],
+        sheets=sheets,
         close=[
             Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
             for outcome, meaning in OUTCOMES.items()
@@ -119,18 +124,13 @@ def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, ta
     return Sheet(result.name, about, parts, (said,), doubt or bool(result.refusal))
 
 
-def _pair_sheet(pair: Pair, whole: Comparison, level: float) -> Sheet:
-    tables = [_changes_table(pair, whole, level)] if pair.changes else []
-    tables += [_ratios_table(pair.ratios, whole, (level, pair.alpha))] if pair.ratios is not None else []
-    return sheet_of(pair, whole.names, not all(pair.explained), tables)
-
-
 def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     values = [*whole.names, *([say("whole")] * (pair.whole is not None))]
     heads = (
         Column("", "symbol"), Column(say("term"), "name"), *map(Column, values), Column(say("unit"), "unit"),
-        Column(say("change")), Column(words.interval(level), "interval"), Column("p", aside=True),
-        Column(say("p (Holm)"), aside=True), Column(say("outcome"), "name"),
+        Column(say("change")), Column(words.interval(level), "interval"),
+        Column("p", aside=True, form=words.probability), Column(say("p (Holm)"), aside=True, form=words.probability),
+        Column(say("outcome"), "name"),
     )  # fmt: skip
     rows = []
     for c in pair.changes:
@@ -139,7 +139,7 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
             values.append("-" if c.frequency is not None else value_of(pair.whole[c.symbol], level))
         rows.append([
             c.symbol, c.named(words.title(c.symbol, c.signal)), *values, c.before.sheet_unit,
-            *change_of(c, level), words.probability(c.p), words.probability(c.adjusted), OUTCOME_WORDS[c.outcome],
+            *change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
         ])  # fmt: skip
     return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
 
@@ -167,43 +167,43 @@ def change_of(change: Change, level: float) -> tuple[str, str]:
     return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
 
 
+def _ratio_rows(ratios: Ratios, level: float) -> Iterator[list[float]]:
+    """Those of the ratios, with the deviations in the unit that is shown."""
+    factor = convert(1.0, ratios.before.unit, readable_unit(ratios.before.unit))
+    for tau, before, after, *rest in ratios.rows(level)[1]:
+        yield [tau, before * factor, after * factor, *rest]
+
+
 def _ratios_table(ratios: Ratios, whole: Comparison, levels: tuple[float, float]) -> Table:
     level, alpha = levels
     unit = readable_unit(ratios.before.unit)
     heads = (
-        Column("tau [s]"), *(Column(join(" ", (name, f"[{unit}]"))) for name in whole.names),
-        *(Column(say("edf of {record}", record=name), aside=True) for name in whole.names),
-        Column(say("variance ratio")), Column(words.interval(level), "interval"), Column("p"),
+        Column("tau [s]", form=".6g"), *(Column(join(" ", (name, f"[{unit}]")), form=".5g") for name in whole.names),
+        *(Column(say("edf of {record}", record=name), aside=True, form=".4g") for name in whole.names),
+        Column(say("variance ratio"), form=".4g"), Column(words.interval(level), "interval"),
+        Column("p", form=words.probability),
     )  # fmt: skip
-    factor = convert(1.0, ratios.before.unit, unit)
     rows, marks = [], []
-    for tau, before, after, nu, mu, ratio, low, high, p in ratios.rows(level)[1]:
-        cells = [f"{tau:.6g}", f"{before * factor:.5g}", f"{after * factor:.5g}", f"{nu:.4g}", f"{mu:.4g}"]
-        rows.append([*cells, f"{ratio:.4g}", f"{low:.4g} .. {high:.4g}", words.probability(p)])
+    for *numbers, ratio, low, high, p in _ratio_rows(ratios, level):
+        rows.append([*numbers, ratio, f"{low:.4g} .. {high:.4g}", p])
         marks.append(MARKS["smaller" if ratio < 1 else "larger"] if p <= alpha else "")
     title = say("{statistic} and ratio of the variances", statistic=STATISTICS[ratios.before.statistic].title)
     return Table(heads, rows, title, marks=marks)
 
 
 def _compared_rows(value: Comparison, level: float) -> Rows:
-    return PAIRS, [*_change_lines(value, level), *_ratio_lines(value, level)]
-
-
-def _change_lines(value: Comparison, level: float) -> Iterator[list[Any]]:
+    """The changes of the coefficients of each channel, and then of the curves."""
+    rows: list[list[Any]] = []
     for pair in value:
         for change in pair.changes:
             symbol, _, before, after, unit, *rest = change.row(level)
-            yield [pair.name, symbol, None, before, after, unit, *rest, None, None]
-
-
-def _ratio_lines(value: Comparison, level: float) -> Iterator[list[Any]]:
+            rows.append([pair.name, symbol, None, before, after, unit, *rest, None, None])
     for name, ratios in ((pair.name, pair.ratios) for pair in value if pair.ratios is not None):
         unit = readable_unit(ratios.before.unit)
-        factor = convert(1.0, ratios.before.unit, unit)
-        for tau, before, after, nu, mu, ratio, low, high, p in ratios.rows(level)[1]:
-            percent = [100 * (math.sqrt(v) - 1) for v in (ratio, low, high)]
-            yield [name, ratios.before.statistic, tau, before * factor, after * factor, unit, *percent, p, None, None,
-                   nu, mu]  # fmt: skip
+        for tau, before, after, nu, mu, *limits, p in _ratio_rows(ratios, level):
+            percent = [100 * (math.sqrt(v) - 1) for v in limits]
+            rows.append([name, ratios.before.statistic, tau, before, after, unit, *percent, p, None, None, nu, mu])
+    return PAIRS, rows
 
 
 COMPARISON = View(_compared_face, lambda values, fit, level: figures.plot_comparison(values, level), _compared_rows)

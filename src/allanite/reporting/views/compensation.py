@@ -5,29 +5,17 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from allanite.applications.compensation.compensated import Compensated, CompensationStudy
+from allanite.applications.compensation.compensated import Compensated
 from allanite.applications.compensation.gain import Gain
 from allanite.applications.compensation.regression import Regression
 from allanite.applications.compensation.regressor import Effect
-from allanite.core.fit import Fit
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import (
-    Column,
-    Drawing,
-    Face,
-    Note,
-    Part,
-    Sheet,
-    Table,
-    printable,
-    printed_number,
-    printed_unit,
-)
+from allanite.reporting.digits import digits, printable, printed_number, printed_unit
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, known
 
-from . import Rows, View
+from . import View
 from .jobs import channel_sheet, job_face, source_of
 
 if TYPE_CHECKING:
@@ -69,31 +57,22 @@ def coefficients(regression: Regression, level: float) -> Table:
     heads = (
         Column(say("regressor"), "name"), Column(say("sensitivity")), Column(words.interval(level), "interval"),
         Column(say("unit"), "unit"), Column(say("status"), "text"), Column(say("std. error"), aside=True),
-        Column("t", aside=True), Column("p", aside=True), Column(say("VIF"), aside=True),
+        Column("t", aside=True, form="+.1f"), Column("p", aside=True, form=lambda p: words.probability(p, 1e-4)),
+        Column(say("VIF"), aside=True, form=".3g"),
     )  # fmt: skip
     effects = [regression.effect(i, level) for i in range(len(regression.regressors))]
-    rows = [_cells(e, regression.signal.sheet[0]) for e in effects]
+    rows, scale = [], 1 / unit_of(regression.signal.sheet[0]).factor
+    for e in effects:
+        unit, per = regression.signal.sheet[0], e.regressor.column_unit
+        if per != "1":
+            unit = say("{unit} per {regressor}", unit=unit, regressor=per)
+        status = [say("identified") if e.significant else say("absent"), *([say("chosen")] if e.chosen else [])]
+        size = digits(e.value * scale, e.low * scale, e.high * scale, signed=True).plain()
+        error = digits(e.standard_error * scale, figures=2).plain()[0]
+        rows.append([e.label, *size, unit, join(", ", status), error, e.t, e.p, e.inflation])
     drift = [say("The drift over time is not removed.")] if regression.trend else []
     key = join(" ", (KEY, *drift, _beside(regression, printed_unit)))
     return Table(heads, rows, marks=["strong" if e.significant else "quiet" for e in effects], key=key)
-
-
-def _cells(e: Effect, unit: str) -> list[str]:
-    scale = 1 / unit_of(unit).factor
-    value, interval = digits(e.value * scale, e.low * scale, e.high * scale, signed=True).plain()
-    error = digits(e.standard_error * scale, figures=2).plain()[0]
-    per = e.regressor.column_unit
-    if per != "1":
-        unit = say("{unit} per {regressor}", unit=unit, regressor=per)
-    return [
-        e.label, value, interval, unit, _status(e), error, f"{e.t:+.1f}", words.probability(e.p, 1e-4),
-        f"{e.inflation:.3g}",
-    ]  # fmt: skip
-
-
-def _status(effect: Effect) -> str:
-    parts = [say("identified") if effect.significant else say("absent")]
-    return join(", ", [*parts, say("chosen")] if effect.chosen else parts)
 
 
 def _beside(regression: Regression, shown: Callable[[str], str] = str) -> str:
@@ -135,7 +114,17 @@ def verdict(channel: Compensated, shown: Callable[[str], str] = str) -> str:
 
 def _found(name: str, regression: Regression, shown: Callable[[str], str] = str) -> str:
     own = [e for e in regression if e.taken_off]
-    undecided = [_undecided(own, regression.shared)] if regression.ambiguous else []
+    undecided = []
+    if regression.ambiguous:  # the regressors and a linear drift explain the record alike
+        undecided.append(
+            say(
+                "the effect of {regressors} can hardly be separated from a rate ramp R in this record: the two share "
+                "{share} of their variance, and either alone fits about as well. Record until {regressors} returns to "
+                "its initial value.",
+                regressors=_names(own),
+                share=words.percent(regression.shared),
+            )
+        )
     if not regression.significant:
         return (
             join(": ", (name, *undecided))
@@ -169,17 +158,6 @@ def _found(name: str, regression: Regression, shown: Callable[[str], str] = str)
     return join(" ", said)
 
 
-def _undecided(own: Sequence[Effect], share: float) -> str:
-    """That the regressors and a linear drift explain the record alike."""
-    return say(
-        "the effect of {regressors} can hardly be separated from a rate ramp R in this record: the two share {share} "
-        "of their variance, and either alone fits about as well. Record until {regressors} returns to its initial "
-        "value.",
-        regressors=_names(own),
-        share=words.percent(share),
-    )
-
-
 def _names(effects: Sequence[Effect]) -> str:
     return join(", ", [e.label for e in effects])
 
@@ -189,24 +167,16 @@ def _share(part: float, gain: Gain) -> str:
     return f"{float(f'{100 * part / gain.before:.2g}'):g} %"
 
 
-def _doubtful(channel: Compensated) -> bool:
-    regression, gain = channel.regression, channel.gain
-    if gain is not None:
-        return gain.met is False or gain.explained < 0
-    return regression is None or not regression.significant or bool(regression.held and regression.held.explained < 0)
-
-
-def _face(study: CompensationStudy, level: float) -> Face:
-    other = study.provenance.get("applied to", "")
-    sheets = [*(_sheet(c, level) for c in study.channels), *(_sheet(c, level, other) for c in study.applied)]
-    title = say("Compensation of {source}", source=source_of(study))
-    return replace(job_face(study, (title, BRAND), sheets), how=[*map(Note, HOW)])
-
-
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
     said = verdict(channel, printed_number)
     said = join(": ", (source, said)) if source else said
-    doubt, of = _doubtful(channel), say("noise before the correction")
+    regression, gain = channel.regression, channel.gain
+    if gain is not None:
+        doubt = gain.met is False or gain.explained < 0
+    else:
+        held = regression.held if regression is not None else None
+        doubt = regression is None or not regression.significant or bool(held and held.explained < 0)
+    of = say("noise before the correction")
     sheet = channel_sheet(channel, _parts(channel, level), (said,), doubt=doubt, of=of)
     if not source:
         return sheet
@@ -231,14 +201,12 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
     rows = []
     for _, _, tau, _, *numbers, _, _, edf in _lines(channel, "", level):
         before, after = numbers[:3], numbers[3:]
-        cells = [*digits(*before).plain(), *digits(*after).plain()]
         ratio = after[0] / before[0] if before[0] > 0 else math.nan
-        known = [f"{v:{form}}" if math.isfinite(v) else "" for v, form in ((ratio, ".3f"), (edf, ".3g"))]
-        rows.append([f"{tau:.6g}", *cells, *known])
+        rows.append([tau, *digits(*before).plain(), *digits(*after).plain(), ratio, edf])
     heads = (
-        Column("tau [s]"), Column(say("before")), Column(say("limits before"), "interval", aside=True),
-        Column(say("after")), Column(say("limits after"), "interval", aside=True), Column(say("after / before")),
-        Column(say("edf after")),
+        Column("tau [s]", form=".6g"), Column(say("before")), Column(say("limits before"), "interval", aside=True),
+        Column(say("after")), Column(say("limits after"), "interval", aside=True),
+        Column(say("after / before"), form=known(".3f")), Column(say("edf after"), form=known(".3g")),
     )  # fmt: skip
     title = say(
         "overlapping Allan deviation in {unit}, with {level} limits",
@@ -258,17 +226,6 @@ def _draw(channels: Sequence[Compensated], level: float) -> "Plot":
     return figures.plot_compensated([c for c in channels if c.regression is not None], level)
 
 
-def _plot(values: Sequence[CompensationStudy], fit: Fit | None, level: float) -> "Plot":
-    applied = [c for study in values for c in study.applied if c.regression is not None]
-    return _draw(applied or [c for study in values for c in study.channels], level)
-
-
-def _rows(study: CompensationStudy, level: float) -> Rows:
-    """Overlapping Allan deviations in data-sheet units."""
-    listed = [(c, "fitted") for c in study.channels] + [(c, "applied") for c in study.applied]
-    return HEADINGS, [row for channel, of in listed for row in _lines(channel, of, level)]
-
-
 def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
     if channel.before is None or channel.after is None:
         return
@@ -280,16 +237,43 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
         yield [channel.record.name, of, tau, int(before.m[i]), *values, unit, float(before.edf[i]), float(after.edf[i])]
 
 
-def _regression_face(regression: Regression, level: float) -> Face:
-    sheet = Sheet(regression.name, parts=tuple(_regression_parts(regression, level)))
-    said = _found(printable(regression.name) or say("the channel"), regression)
-    title = say("Regression of {channel}", channel=regression.name)
-    return Face(title, BRAND, (sheet,), parts=[Note(said, "strong")])
-
-
-STUDY = View(_face, _plot, _rows)
+STUDY = View(
+    lambda study, level: replace(
+        job_face(
+            study,
+            (say("Compensation of {source}", source=source_of(study)), BRAND),
+            [
+                *(_sheet(channel, level) for channel in study.channels),
+                *(_sheet(channel, level, study.provenance.get("applied to", "")) for channel in study.applied),
+            ],
+        ),
+        how=[*map(Note, HOW)],
+    ),
+    lambda values, fit, level: _draw(
+        [c for study in values for c in study.applied if c.regression is not None]
+        or [c for study in values for c in study.channels],
+        level,
+    ),
+    # overlapping Allan deviations in data-sheet units
+    lambda study, level: (
+        HEADINGS,
+        [
+            row
+            for channels, of in ((study.channels, "fitted"), (study.applied, "applied"))
+            for channel in channels
+            for row in _lines(channel, of, level)
+        ],
+    ),
+)
 CHANNEL = View(
     lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)),
     lambda values, fit, level: _draw(values, level),
 )
-REGRESSION = View(_regression_face)
+REGRESSION = View(
+    lambda regression, level: Face(
+        say("Regression of {channel}", channel=regression.name),
+        BRAND,
+        (Sheet(regression.name, parts=tuple(_regression_parts(regression, level))),),
+        parts=[Note(_found(printable(regression.name) or say("the channel"), regression), "strong")],
+    )
+)

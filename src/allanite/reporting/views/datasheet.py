@@ -1,21 +1,22 @@
 """The data sheet of a channel, the card at the top of its page, and the words in place of its figure."""
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from allanite.core.curve import Curve
-from allanite.core.datasheet import DataSheetRow
 from allanite.core.display_units import readable_unit
-from allanite.core.estimate import Estimate
 from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Card, Column, Mark, Table, printed_unit
+from allanite.reporting.digits import digits, printed_unit
+from allanite.reporting.sheet import Card, Column, Mark, Table, known
 from allanite.statistics import STATISTICS
-from allanite.study.analysis import Channel
+
+if TYPE_CHECKING:
+    from allanite.core.curve import Curve
+    from allanite.study.analysis import Channel
 
 KEY = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
@@ -26,33 +27,30 @@ SIGNS = {EXPLAINED: "✓", APPROXIMATE: "≈", UNEXPLAINED: "✗"}
 LEVELS = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 
 
-def data_sheet_table(channel: Channel, level: float, *, whole: bool = True) -> Table:
+def data_sheet_table(channel: "Channel", level: float, *, whole: bool = True) -> Table:
     """The quantities and units that data sheets quote, with intervals; else those that no table of coefficients has."""
     heads = (
         Column(say("quantity"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
-        Column(say("unit"), "unit"), Column(say("at"), "name", aside=True), Column(say("remark"), "text", aside=True),
+        Column(say("unit"), "unit"), Column(say("at"), "name", aside=True, form=known(".4g", unit=" s")),
+        Column(say("remark"), "text", aside=True),
     )  # fmt: skip
     rows = []
     for entry in channel.data_sheet(level):
-        if whole or not entry.coefficient:
-            tau = "" if entry.tau is None else f"{entry.tau:.4g} s"
-            rows.append(
-                [entry.quantity, *_number(entry), entry.unit if entry.high or entry.value else "", tau, entry.remark]
-            )
+        if not whole and entry.coefficient:
+            continue
+        low, high = (np.nan if limit is None else limit for limit in (entry.low, entry.high))
+        shown: tuple[str, str] = "", ""
+        if entry.value is not None:
+            shown = digits(entry.value, low, high).plain()
+        elif entry.high is not None:  # of a term that was not found its limit
+            shown = "", say("below {limit}", limit=digits(high, figures=2).plain()[0])
+        unit = entry.unit if entry.high or entry.value else ""
+        rows.append([entry.quantity, *shown, unit, entry.tau, entry.remark])
     marks: list[Mark] = ["" if row[1] else "quiet" for row in rows]
     return Table(heads, rows, say("data sheet"), marks=marks, key=KEY)
 
 
-def _number(entry: DataSheetRow) -> tuple[str, str]:
-    """Value and interval; of a term that was not found its limit."""
-    if entry.value is None:
-        return "", "" if entry.high is None else say("below {limit}", limit=digits(entry.high, figures=2).plain()[0])
-    if entry.low is None or entry.high is None:
-        return digits(entry.value).plain()[0], ""
-    return digits(entry.value, entry.low, entry.high).plain()
-
-
-def card_of(channel: Channel, level: float) -> Card | None:
+def card_of(channel: "Channel", level: float) -> Card | None:
     """The main numbers of a channel; None where nothing was asked."""
     if channel.fit is None:
         return Card(say("✗ no result"), "alert", note=channel.refusal) if channel.refusal else None
@@ -61,29 +59,22 @@ def card_of(channel: Channel, level: float) -> Card | None:
     if grade == UNEXPLAINED:
         points = channel.noise.statement.points if channel.noise else ()
         return Card(badge, "alert", tuple(_capital(channel)), join("; ", (say("Coefficients not valid"), *points[:1])))
-    rows = [
-        (
-            words.capital(say("{term} ({symbol})", term=words.title(e.symbol, e.signal), symbol=words.symbol(e))),
-            _with_share(e, level),
-        )
-        for e in channel.fit
-        if e.valued
-    ]
+    rows = []
+    for e in (e for e in channel.fit if e.valued):
+        # with the half width of its interval as a share: ``0.119 deg/√h ± 1 %``
+        low, high = e.interval(level)
+        share = 50 * (high - low) / abs(e.value or np.nan)
+        number: str = words.number(e, level) + (f" ± {share:.2g} %" if np.isfinite(share) else "")
+        number = say("{value}, weak", value=number) if e.status == "weak" else number
+        name = say("{term} ({symbol})", term=words.title(e.symbol, e.signal), symbol=words.symbol(e))
+        rows.append((words.capital(name), number))
     absent = [e.symbol for e in channel.fit if e.status == "absent"]
     length = words.duration(channel.record.duration)
     note = say("Not identified in {length}: {symbols}", length=length, symbols=", ".join(absent)) if absent else ""
     return Card(badge, LEVELS.get(grade, ""), (*rows, *_capital(channel)), note)  # type: ignore[arg-type]
 
 
-def _with_share(e: Estimate, level: float) -> str:
-    """A coefficient with the half width of its interval as a share: ``0.119 deg/√h ± 1 %``."""
-    low, high = e.interval(level)
-    share = 50 * (high - low) / abs(e.value or np.nan)
-    number = words.number(e, level) + (f" ± {share:.2g} %" if np.isfinite(share) else "")
-    return say("{value}, weak", value=number) if e.status == "weak" else number
-
-
-def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
+def _minimum(channel: "Channel") -> Iterator[tuple[str, str]]:
     readings = channel.readings
     if readings is None or readings.minimum is None:
         return
@@ -94,12 +85,12 @@ def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
     yield say("in-run bias stability"), say("{value} at {tau:.3g} s", value=size, tau=tau)
 
 
-def _capital(channel: Channel) -> Iterator[tuple[str, str]]:
+def _capital(channel: "Channel") -> Iterator[tuple[str, str]]:
     """The rows of a card."""
     yield from ((words.capital(name), value) for name, value in _minimum(channel))
 
 
-def alternative(channel: Channel, curve: Curve, level: float) -> str:
+def alternative(channel: "Channel", curve: "Curve", level: float) -> str:
     """Description of a figure: the ends of the curve, its minimum, the coefficients."""
     shown = curve.to(readable_unit(curve.unit))
     unit = printed_unit(shown.unit)

@@ -2,23 +2,26 @@
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from allanite.core.arrays import mean_and_deviation
 from allanite.core.errors import DataError
-from allanite.core.fit import Fit
 from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Deferred, Drawing, Fold, Note, Part, Table, columns, printed_unit
+from allanite.reporting.digits import printed_unit
+from allanite.reporting.sheet import Column, Deferred, Drawing, Fold, Note, Part, Table
 from allanite.statistics import STATISTICS
 from allanite.statistics.spectra.spectrum import spectrum
-from allanite.study.analysis import Channel
 
 from .fit import goodness_parts
 from .values import numbers_table
+
+if TYPE_CHECKING:
+    from allanite.study.analysis import Channel
 
 STRIP = say(
     "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
@@ -44,7 +47,7 @@ def overlay(panels: Sequence[figures.CurvePanel], level: float) -> Iterator[Part
     yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", say("all channels"))
 
 
-def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
+def details(channel: "Channel", level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
     """Residuals, record and spectrum; on the page only."""
     assert channel.fit is not None  # noqa: S101 - the caller has looked
     checked = list(goodness_parts(channel.fit, channel.residuals))
@@ -53,7 +56,14 @@ def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") 
         label = say("observed over expected deviation of {channel} by averaging time", channel=name)
         strip = Drawing(lambda: figures.plot_strip(panel, level=level), label, STRIP, say("the curve over its model"))
         checked.insert(0, strip)
-    checked += _correlations(channel.fit)
+    fit = channel.fit
+    if fit.correlation is not None and fit.valid is not None:
+        known = np.flatnonzero(~np.isnan(np.diag(fit.correlation)))
+        symbols = [fit.estimates[i].symbol for i in known]
+        heads = (Column("", "name"), *(Column(symbol, form="+.2f") for symbol in symbols))
+        rows = [[symbol, *fit.correlation[i, known]] for symbol, i in zip(symbols, known, strict=True)]
+        table = Table(heads, rows, say("correlation of the estimates"), key=CORRELATION)
+        checked += [table] if len(known) > 1 else []
     yield from [Fold(say("residuals: does the model explain the record?"), checked, shut=True)] if checked else []
     record = channel.record
     if isinstance(record, Record):
@@ -61,20 +71,6 @@ def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") 
     if panel is not None:
         shown = panel.curve.to(panel.unit)
         yield numbers_table(shown, level, say("the curve in numbers"), where="page")
-
-
-def _correlations(fit: Fit) -> Iterator[Table]:
-    """How the estimates of the model's terms are correlated, where it has several."""
-    if fit.correlation is None or fit.valid is None:
-        return
-    shown = [i for i, own in enumerate(np.diag(fit.correlation)) if not np.isnan(own)]
-    if len(shown) < 2:
-        return
-    symbols = [fit.estimates[i].symbol for i in shown]
-    rows = [
-        [symbol, *(f"{fit.correlation[i, j]:+.2f}" for j in shown)] for symbol, i in zip(symbols, shown, strict=True)
-    ]
-    yield Table(columns("", *symbols), rows, say("correlation of the estimates"), key=CORRELATION)
 
 
 def over_time(record: Record) -> Drawing:
@@ -93,7 +89,7 @@ def over_time(record: Record) -> Drawing:
     return Drawing(lambda: figures.plot_record(record), label, RECORD)
 
 
-def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
+def _raw(record: Record, channel: "Channel", level: float) -> Iterator[Part]:
     yield over_time(record)
     unit = record.signal.sheet[0]
     try:

@@ -1,4 +1,4 @@
-"""How a model is shown without data: its coefficients, and the curves that are expected of it."""
+"""How a model is shown: its coefficients and the curves that are expected of it, or the truth of a simulation."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
@@ -8,12 +8,12 @@ from allanite.core.fit import Fit
 from allanite.core.model import model_of
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
-from allanite.reporting import figures
-from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table
+from allanite.reporting import figures, words
+from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table, one_sheet, toml
 from allanite.statistics import STATISTICS, Expectation, expectation
 from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
-from . import Rows, View
+from . import View
 from .fit import model_table
 
 if TYPE_CHECKING:
@@ -29,29 +29,22 @@ CAPTION = say(
 
 def _face(found: Expectation, _: float) -> Face:
     drawing = Drawing(lambda: _plot([found], None, 0.95), say("expected deviation of the model"), CAPTION)
-    parts: list[Part] = [model_table(found.model), drawing, *(_table(found, curve) for curve in found.curves)]
-    return Face(str(found.model), BRAND, (Sheet(found.name or say("model"), parts=parts),))
-
-
-def _table(found: Expectation, curve: "Curve") -> Table:
-    """The whole and each term, in the unit of data sheets."""
-    unit = readable_unit(curve.unit)
-    terms = (Column(t.symbol, aside=True) for t in found.model)
-    heads = (Column("tau [s]"), Column(say("expected [{unit}]", unit=unit)), *terms)
-    factor = convert(1.0, curve.unit, unit)
-    rows = [[f"{row[0]:.5g}", *(f"{v * factor:.4g}" for v in row[1:])] for row in _numbers(found, curve)]
-    return Table(heads, rows, say("expected {statistic}", statistic=STATISTICS[curve.statistic].title), details=True)
+    parts: list[Part] = [model_table(found.model), drawing]
+    # the whole and each term, in the unit of data sheets
+    terms = [Column(t.symbol, aside=True, form=".4g") for t in found.model]
+    for curve in found.curves:
+        unit = readable_unit(curve.unit)
+        factor = convert(1.0, curve.unit, unit)
+        heads = (Column("tau [s]", form=".5g"), Column(say("expected [{unit}]", unit=unit), form=".4g"), *terms)
+        rows = [[tau, *(v * factor for v in row)] for tau, *row in _numbers(found, curve)]
+        title = say("expected {statistic}", statistic=STATISTICS[curve.statistic].title)
+        parts.append(Table(heads, rows, title, details=True))
+    return one_sheet(str(found.model), BRAND, found.name or say("model"), parts)
 
 
 def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
     columns = (curve.tau, curve.deviation, *found.terms(curve))
     yield from (list(row) for row in zip(*(column.tolist() for column in columns), strict=True))
-
-
-def _rows(found: Expectation, _: float) -> Rows:
-    """The deviations, SI, with a column for each term."""
-    heads = ["statistic", "tau_s", "deviation", *(t.symbol for t in found.model), "unit"]
-    return heads, [[c.statistic, *row, c.unit] for c in found.curves for row in _numbers(found, c)]
 
 
 def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
@@ -63,5 +56,24 @@ def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
     return figures.plot_panels(panels, level=level)
 
 
-EXPECTATION = View(_face, _plot, _rows)
+EXPECTATION = View(
+    _face,
+    _plot,
+    # the deviations, SI, with a column for each term
+    lambda found, _: (
+        ["statistic", "tau_s", "deviation", *(t.symbol for t in found.model), "unit"],
+        [[curve.statistic, *row, curve.unit] for curve in found.curves for row in _numbers(found, curve)],
+    ),
+)
 MODEL = EXPECTATION.through(lambda model: expectation(model_of(model)))
+
+
+SIMULATION = View(
+    lambda simulation, _: Face(
+        say("Simulation of {model}", model=str(simulation.model)),
+        say("a recording whose noise is known"),
+        [Sheet(c.name, (words.about(c), *c.history)) for c in simulation.channels],
+        close=(model_table(simulation.model),),
+        choices=toml({"seed": simulation.seed}),
+    )
+)

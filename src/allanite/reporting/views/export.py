@@ -8,7 +8,7 @@ from allanite.exporting.exports import EXPORTS
 from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO
 from allanite.phrases.phrase import say
-from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of
+from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of, one_sheet
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
@@ -30,7 +30,7 @@ def _export_face(value: Export, _: float) -> Face:
         parts.append(Code(value.text.rstrip("\n")))
     parts += [Note(note) for note in value.notes]
     header = header_of(value.provenance, ()) if value.provenance else ()
-    return Face(row.title, BRAND, (Sheet(row.title, (), tuple(parts)),), header, provenance=value.provenance)
+    return one_sheet(row.title, BRAND, row.title, parts, header=header, provenance=value.provenance)
 
 
 SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
@@ -43,14 +43,11 @@ HEADINGS = (
 def _imported_face(value: Imported, _: float) -> Face:
     row = EXPORTS[value.target]
     terms = [(t, t.signal.sheet[t.row.power]) for model in value.models for t in model]
-    rows = [
-        [t.symbol, title_of(t.symbol, t.signal), f"{t.to(unit):.6g}", unit, f"{t.value:.6g}", t.unit]
-        for t, unit in terms
-    ]
-    columns = (Column(say("term"), "symbol"), Column("", "text"), Column(say("value")), Column(say("unit"), "unit"),
-               Column(say("SI")), Column(say("unit"), "unit"))  # fmt: skip
+    rows = [[t.symbol, title_of(t.symbol, t.signal), t.to(unit), unit, t.value, t.unit] for t, unit in terms]
+    columns = (Column(say("term"), "symbol"), Column("", "text"), Column(say("value"), form=".6g"),
+               Column(say("unit"), "unit"), Column(say("SI"), form=".6g"), Column(say("unit"), "unit"))  # fmt: skip
     about = () if value.rate is None else (say("rate {rate:.9g} Hz", rate=value.rate),)
-    return Face(row.title, BRAND, (Sheet(row.title, about, (Table(columns, rows),)),))
+    return one_sheet(row.title, BRAND, row.title, [Table(columns, rows)], about=about)
 
 
 def _tables() -> tuple[Sheet, ...]:
@@ -81,7 +78,7 @@ def _explanation_face(value: Explanation, _: float) -> Face:
             Note(say("f is 1/{step:g} s, the interval of the filter's steps, not the sampling rate", step=row.step))
         )
     parts += [*(Note(note) for note in row.notes), Note(say("source: {source}", source=row.source), "quiet")]
-    return Face(row.title, BRAND, (Sheet(row.title, (), tuple(parts)),))
+    return one_sheet(row.title, BRAND, row.title, parts)
 
 
 EXPORT = View(_export_face, rows=lambda value, _: value.rows())

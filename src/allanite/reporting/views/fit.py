@@ -13,7 +13,7 @@ from allanite.core.residuals import Residuals, statement
 from allanite.core.titles import meaning_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
+from allanite.reporting.sheet import Column, Drawing, Note, Part, Table, columns, one_sheet
 from allanite.terms import TERMS
 
 from . import View
@@ -85,8 +85,11 @@ def goodness_parts(fit: Fit, residuals: Residuals | None) -> Iterator[Part]:
 
 
 def _checks(residuals: Residuals, where: Any = "") -> Table:
-    heads = (Column(say("check"), "name"), Column(say("value")), Column("p", "name"), Column(say("meaning"), "text"))
-    rows = [[c.title, f"{c.value:.4g}", chance(c.p), c.meaning] for c in residuals.checks]
+    heads = (
+        Column(say("check"), "name"), Column(say("value"), form=".4g"), Column("p", "name", form=chance),
+        Column(say("meaning"), "text"),
+    )  # fmt: skip
+    rows = [[title, value, p, meaning] for _, title, value, p, meaning in residuals.rows()[1]]
     return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
 
 
@@ -117,9 +120,7 @@ def coefficients(fit: Fit, level: float) -> Iterator[Part]:
     table = terms_table(fit, level)
     yield replace(table, where="page")
     # the terminal shows one system of units
-    shown = [i for i, column in enumerate(table.columns) if not column.aside]
-    rows = [[row[i] for i in shown] for row in table.rows]
-    yield replace(table, columns=[table.columns[i] for i in shown], rows=rows, where="text")
+    yield replace(table.only([i for i, column in enumerate(table.columns) if not column.aside]), where="text")
     unseen: dict[str, list[str]] = {}
     for e in fit:
         if e.status == "not observable":
@@ -130,32 +131,40 @@ def coefficients(fit: Fit, level: float) -> Iterator[Part]:
     )
 
 
-def _face(fit: Fit, level: float) -> Face:
-    sheet = Sheet(fit.name or say("noise"), (say("method {method}", method=fit.method),), tuple(fit_parts(fit, level)))
-    return Face(fit.name or say("Noise"), say("noise coefficients"), (sheet,), how=(definitions([fit]),))
-
-
 def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     """The figure of what has curves."""
     return figures.plot_panels(figures.panels_of(list(values), fit), level=level)
 
 
-def _residuals_face(residuals: Residuals, level: float) -> Face:
-    notes = statement_note(residuals.statement)
-    drawing = Drawing(lambda: figures.plot_residuals(residuals), say("residuals"), RESIDUALS_CAPTION)
-    return Face(
-        say("Residuals"),
-        say("residuals of a noise model"),
-        (Sheet(say("residuals"), parts=(*notes, _checks(residuals), drawing)),),
-    )
-
-
 def model_table(model: Model) -> Table:
     """The terms of a model, in the units of data sheets."""
-    heads = columns("", say("term"), say("value"), say("unit"), left=2)
+    heads = columns("", say("term"), say("value"), say("unit"), left=2, form=".6g")
     sheets = [(t, t.signal.sheet[t.row.power]) for t in model]
-    return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), f"{t.to(u):.6g}", u] for t, u in sheets])
+    return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), t.to(u), u] for t, u in sheets])
 
 
-FIT = View(_face, plot_curves, lambda fit, level: fit.rows(level))
-RESIDUALS = View(_residuals_face, lambda values, fit, level: figures.plot_residuals(values[0]))
+FIT = View(
+    lambda fit, level: one_sheet(
+        fit.name or say("Noise"),
+        say("noise coefficients"),
+        fit.name or say("noise"),
+        fit_parts(fit, level),
+        about=(say("method {method}", method=fit.method),),
+        how=(definitions([fit]),),
+    ),
+    plot_curves,
+    lambda fit, level: fit.rows(level),
+)
+RESIDUALS = View(
+    lambda residuals, _: one_sheet(
+        say("Residuals"),
+        say("residuals of a noise model"),
+        say("residuals"),
+        (
+            *statement_note(residuals.statement),
+            _checks(residuals),
+            Drawing(lambda: figures.plot_residuals(residuals), say("residuals"), RESIDUALS_CAPTION),
+        ),
+    ),
+    lambda values, fit, level: figures.plot_residuals(values[0]),
+)

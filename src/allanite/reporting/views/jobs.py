@@ -1,9 +1,9 @@
 """Common parts of the views of jobs: where the numbers come from, and the notes on each channel."""
 
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePath
-from typing import Any, Protocol, TypeGuard
+from typing import TYPE_CHECKING, Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
 from allanite.core.record import Record
@@ -13,7 +13,9 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.job import Job
-from allanite.study.noise import Noise
+
+if TYPE_CHECKING:
+    from allanite.study.noise import Noise
 
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 """Level of the note by the grade of a model."""
@@ -74,20 +76,22 @@ def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     for text, names in common.items():
         which = say("all channels") if len(names) == len(sheets) else say("channels {names}", names=", ".join(names))
         once.append(Note(say("{channels}: {warning}", channels=which, warning=text), "alert"))
-    return once, [replace(sheet, parts=[*_rest(sheet.parts, common)]) for sheet in sheets]
+    # a refusal that is shown elsewhere becomes a reference
+    see = Note(say("no result: see above"), "alert")
+    kept = []
+    for sheet in sheets:
+        parts: list[Part] = []
+        for part in sheet.parts:
+            if not (_warns(part) and part.text in common):
+                parts.append(part)
+            elif part.text.startswith(REFUSED):
+                parts.append(see)
+        kept.append(replace(sheet, parts=parts))
+    return once, kept
 
 
 def _warns(part: Part) -> TypeGuard[Note]:
     return isinstance(part, Note) and part.level == "alert"
-
-
-def _rest(parts: Iterable[Part], common: Container[str]) -> Iterator[Part]:
-    """The parts that stay; a refusal that is shown elsewhere becomes a reference."""
-    for part in parts:
-        if not (_warns(part) and part.text in common):
-            yield part
-        elif part.text.startswith(REFUSED):
-            yield Note(say("no result: see above"), "alert")
 
 
 def channel_sheet(

@@ -3,20 +3,17 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING
+from typing import Any
 
 from allanite.batch.lot import Lot
 from allanite.batch.manifest import DATE
-from allanite.batch.scatter import DAY, FEWEST, Distribution, Outlying, Trend, detectable
+from allanite.batch.scatter import DAY, FEWEST, detectable
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import figures
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
 from .batch import BATCH, EVERY, symbol_of
-
-if TYPE_CHECKING:
-    pass
 
 CAPTION = say(
     "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
@@ -33,29 +30,42 @@ TREND_KEY = say(
 )
 
 
-def _face(lot: Lot, level: float) -> Face:
-    face = BATCH.face(lot.batch, level)
-    return replace(face, parts=[*face.parts, *_parts(lot)])
-
-
 def _parts(lot: Lot) -> Iterator[Part]:
     if _drawn(lot):
         yield Drawing(lambda: figures.plot_lot(_drawn(lot)), say("values of all units"), CAPTION)
-    rows = [_distribution(one) for one in lot.distributions if one.values.size >= FEWEST]
+    term, unit = (Column(say("channel"), "name"), Column(say("term"), "symbol")), Column("", "unit")
+    rows: list[list[Any]] = [
+        [one.channel, symbol_of(one.symbol), one.values.size,
+         *(value / one.factor for value in (one.low, one.median, one.high)), one.sheet_unit]
+        for one in lot.distributions if one.values.size >= FEWEST
+    ]  # fmt: skip
     if rows:
-        heads = (*_HEADS, Column(say("units")), *(Column(f"{share} %") for share in (10, 50, 90)), Column("", "unit"))
-        yield Table(heads, rows, say("quantiles of the units in which the term was identified"), most=EVERY)
+        shares = (Column(f"{share} %", form=_number) for share in (10, 50, 90))
+        title = say("quantiles of the units in which the term was identified")
+        yield Table((*term, Column(say("units")), *shares, unit), rows, title, most=EVERY)
     if lot.trends:
         heads = (
-            *_HEADS, Column(say("against"), "name"), Column(say("units")), Column(say("slope")),
-            Column(say("interval"), "interval"), Column("", "unit"),
+            *term, Column(say("against"), "name"), Column(say("units")), Column(say("slope"), form=_number),
+            Column(say("interval"), "interval"), unit,
         )  # fmt: skip
         marks: list[Mark] = ["alarm" if trend.shown else "" for trend in lot.trends]
-        yield Table(heads, [_trend(one) for one in lot.trends], say("trends"), marks, TREND_KEY, most=EVERY)
+        rows = []
+        for one in lot.trends:
+            slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
+            along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
+            per = say("{unit} per {step}", unit=one.sheet_unit, step=each)
+            interval = f"{_number(low)} .. {_number(high)}"
+            rows.append([one.channel, symbol_of(one.symbol), along, one.values.size, slope, interval, per])
+        yield Table(heads, rows, say("trends"), marks, TREND_KEY, most=EVERY)
     if lot.outlying:
-        heads = (Column(say("file"), "name"), *_HEADS, Column(say("value")), Column(say("median")), Column("", "unit"))
-        rows = [_outlying(lot, one) for one in lot.outlying]
-        yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=EVERY)
+        outlying = (Column(say("file"), "name"), *term, Column(say("value"), form=_number),
+                 Column(say("median"), form=_number), unit)  # fmt: skip
+        rows = [
+            [lot.batch.label(lot.batch[one.file]), one.channel, symbol_of(one.symbol), one.value / one.factor,
+             one.median / one.factor, one.sheet_unit]
+            for one in lot.outlying
+        ]  # fmt: skip
+        yield Table(outlying, rows, say("outlying units"), key=OUTLYING_KEY, most=EVERY)
     yield from _tested(lot)
 
 
@@ -85,48 +95,28 @@ def _drawn(lot: Lot) -> "list[figures.LotRow]":
     """What is drawn: the coefficients with several values."""
     found = []
     for one in lot.distributions:
-        own = [t for t in lot.trends if (t.channel, t.symbol, t.signal) == (one.channel, one.symbol, one.signal)]
-        courses = dict(map(_course, own))
+        courses: dict[str, figures.Course] = {}
+        own = (t for t in lot.trends if (t.channel, t.symbol, t.signal) == (one.channel, one.symbol, one.signal))
+        for trend in own:
+            start, label = 0.0, say("temperature (°C)")
+            if trend.along == DATE:
+                start = float(trend.at.min() // DAY * DAY)
+                label = say("days since {date}", date=datetime.fromtimestamp(start, UTC).date().isoformat())
+            at, values = (trend.at - start) / trend.step, trend.values / trend.factor
+            courses[label] = figures.Course(at, values, trend.slope * trend.step / trend.factor, trend.shown)
         symbol, values = symbol_of(one.symbol), one.values / one.factor
         if values.size > 1:
             found.append(figures.LotRow(one.channel, symbol, one.sheet_unit, values, courses))
     return found
 
 
-def _course(trend: Trend) -> "tuple[str, figures.Course]":
-    """The label of the abscissa, and what is drawn over it."""
-    start, label = 0.0, say("temperature (°C)")
-    if trend.along == DATE:
-        start = float(trend.at.min() // DAY * DAY)
-        label = say("days since {date}", date=datetime.fromtimestamp(start, UTC).date().isoformat())
-    at, values = (trend.at - start) / trend.step, trend.values / trend.factor
-    return label, figures.Course(at, values, trend.slope * trend.step / trend.factor, trend.shown)
-
-
-_HEADS = (Column(say("channel"), "name"), Column(say("term"), "symbol"))
-
-
-def _distribution(one: Distribution) -> list[str]:
-    sizes = [_number(value / one.factor) for value in (one.low, one.median, one.high)]
-    return [one.channel, symbol_of(one.symbol), str(one.values.size), *sizes, one.sheet_unit]
-
-
-def _trend(one: Trend) -> list[str]:
-    slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
-    along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
-    unit = say("{unit} per {step}", unit=one.sheet_unit, step=each)
-    interval = f"{_number(low)} .. {_number(high)}"
-    return [one.channel, symbol_of(one.symbol), along, str(one.values.size), _number(slope), interval, unit]
-
-
-def _outlying(lot: Lot, one: Outlying) -> list[str]:
-    sizes = [_number(value / one.factor) for value in (one.value, one.median)]
-    file = lot.batch.label(lot.batch[one.file])
-    return [file, one.channel, symbol_of(one.symbol), *sizes, one.sheet_unit]
-
-
 def _number(value: float) -> str:
     return digits(value).plain()[0]
+
+
+def _face(lot: Lot, level: float) -> Face:
+    face = BATCH.face(lot.batch, level)
+    return replace(face, parts=[*face.parts, *_parts(lot)])
 
 
 LOT = replace(BATCH.through(lambda lot: lot.batch), face=_face)

@@ -1,16 +1,18 @@
 """What the views of results have in common that follow from a noise model, given or found in a recording."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
-from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
-from allanite.study.modelled import ModelJob, Modelled
+from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, one_sheet
 
 from . import Rows, jobs
 from .jobs import source_of
+
+if TYPE_CHECKING:
+    from allanite.study.modelled import ModelJob, Modelled
 
 
 class ModelledForm(NamedTuple):
@@ -20,7 +22,7 @@ class ModelledForm(NamedTuple):
     title: str
     brand: str
     about: Callable[[Any], str]
-    parts: Callable[[Any, Modelled | None], Iterable[Part]]
+    parts: Callable[[Any, "Modelled | None"], Iterable[Part]]
     key: str
 
 
@@ -28,18 +30,17 @@ def one_face(form: ModelledForm) -> Callable[[Any, float], Face]:
     """The face of a single result."""
 
     def face(result: Any, _: float) -> Face:
-        sheet = Sheet(form.name, (form.about(result),), tuple(form.parts(result, None)))
-        return Face(
-            join(" ", (form.title, str(result.model))), form.brand, (sheet,), close=_legend(form), how=(Note(form.key),)
-        )
+        title, parts = join(" ", (form.title, str(result.model))), form.parts(result, None)
+        legend = {"close": _legend(form), "how": (Note(form.key),)}
+        return one_sheet(title, form.brand, form.name, parts, about=(form.about(result),), **legend)
 
     return face
 
 
-def job_face(form: ModelledForm) -> Callable[[ModelJob, float], Face]:
+def job_face(form: ModelledForm) -> Callable[["ModelJob", float], Face]:
     """The face of the results of all channels."""
 
-    def face(job: ModelJob, _: float) -> Face:
+    def face(job: "ModelJob", _: float) -> Face:
         given = job.settings.given()
         header = header_of(job.provenance, job.notes, say(", method {method}", method=job.recipe.method))
         if given:
@@ -52,7 +53,12 @@ def job_face(form: ModelledForm) -> Callable[[ModelJob, float], Face]:
         for channel in job:
             about = [] if channel.record is None else [words.about(channel.record), *channel.record.history]
             about += [] if channel.result is None else [form.about(channel.result)]
-            sheets.append(Sheet(channel.name or form.name, about, tuple(_parts(channel, form))))
+            parts = [*jobs.warnings(channel), *map(Note, channel.fit.advice if channel.fit else ())]
+            if channel.missing:
+                parts.append(Note(say("not taken into account: {terms}", terms=channel.missing)))
+            if channel.result is not None:
+                parts += form.parts(channel.result, channel)
+            sheets.append(Sheet(channel.name or form.name, about, parts))
         found = jobs.job_face(job, names, sheets, limits)
         return replace(found, header=header, close=_legend(form), how=(Note(form.key),))
 
@@ -63,16 +69,7 @@ def _legend(form: ModelledForm) -> list[Part]:
     return [Note(form.key, "quiet", where="text")]
 
 
-def _parts(channel: Modelled, form: ModelledForm) -> Iterator[Part]:
-    yield from jobs.warnings(channel)
-    yield from (Note(note) for note in (channel.fit.advice if channel.fit else ()))
-    if channel.missing:
-        yield Note(say("not taken into account: {terms}", terms=channel.missing))
-    if channel.result is not None:
-        yield from form.parts(channel.result, channel)
-
-
-def job_rows(job: ModelJob, _: float) -> Rows:
+def job_rows(job: "ModelJob", _: float) -> Rows:
     """Rows of the results of all channels, each with the name of its channel before it."""
     tables = [(c.name, *c.result.rows()) for c in job.channels if c.result is not None]
     return ["channel", *tables[0][1]], [[name, *row] for name, _, rows in tables for row in rows]

@@ -13,10 +13,10 @@ from allanite.planning.bound import Bound, name_of, title_of
 from allanite.planning.plan import RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, one_sheet
 from allanite.study.modelled import Modelled, RecordingPlans
 
-from . import Rows, View
+from . import View
 from .modelled import ModelledForm, job_face, job_rows, one_face
 
 if TYPE_CHECKING:
@@ -38,10 +38,6 @@ DRAWN = say("Relative standard error by the length of the record. The horizontal
 BOUNDED = say("Least relative standard errors (1 sigma, Cramer-Rao bound) of the parameters.")
 
 
-def _heads(*numbers: str) -> tuple[Column, ...]:
-    return (Column("", "symbol"), *(Column(h, "unit" if h == "unit" else "number") for h in numbers))
-
-
 def expected_values(model: Model) -> dict[str, tuple[str, str]]:
     """Each parameter's value, and the unit of data sheets that it is in."""
     found = {}
@@ -53,7 +49,7 @@ def expected_values(model: Model) -> dict[str, tuple[str, str]]:
     return found
 
 
-def percent(error: float) -> str:
+def _percent(error: float) -> str:
     """A relative standard error."""
     return "> 100 %" if error >= 1 else words.percent(error, 2) or "-"
 
@@ -64,21 +60,19 @@ def _length(seconds: float) -> str:
     return words.duration(float(f"{seconds:.2g}")) if seconds < 100 * 365.25 * 86400 else say("> 100 years")
 
 
-def _plan_about(plan: RecordingPlan) -> str:
-    ramp = say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp")
-    return join(", ", (f"{plan.rate:.8g} Hz", ramp))
-
-
 def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
-    wanted = say("for {accuracy}", accuracy=percent(plan.accuracy))
-    heads = _heads(say("expected"), say("unit"), *map(words.duration, plan.durations), wanted)
+    wanted = say("for {accuracy}", accuracy=_percent(plan.accuracy))
+    heads = (
+        Column("", "symbol"), Column(say("expected")), Column(say("unit"), "unit"),
+        *(Column(words.duration(d), form=_percent) for d in plan.durations), Column(wanted, form=_length),
+    )  # fmt: skip
     values = expected_values(plan.model)
     kinds = [("", plan.errors, plan.needed)]
     if not np.array_equal(plan.errors, plan.searched, equal_nan=True):  # not every term is there
         kinds = [(KNOWN, plan.errors, plan.needed), (SEARCHED, plan.searched, plan.searched_needed)]
     for title, errors, needed in kinds:
         each = zip(plan.names, errors.tolist(), needed.tolist(), strict=True)
-        rows = [[name, *values.get(name, ("", "")), *map(percent, row), _length(least)] for name, row, least in each]
+        rows = [[name, *values.get(name, ("", "")), *row, least] for name, row, least in each]
         yield Table(heads, rows, title)
     label = say("relative standard errors by length of the record")
     yield Drawing(lambda: _plot_plans([plan], None, 0.95), label, DRAWN)
@@ -94,35 +88,18 @@ def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None,
     return figures.plot_plans(plans)
 
 
-def _check_about(check: SelfCheck) -> str:
-    samples = say_count(check.size, "{count} sample", "{count} samples")
-    return say_count(
-        check.records,
-        "{count} record of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
-        "{count} records of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
-        samples=samples,
-        rate=check.rate,
-        length=words.duration(check.size / check.rate),
-        level=words.percent(check.level),
-    )
-
-
 def _check_parts(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
     values = expected_values(check.model)
     rows = [
-        [c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else (say("absent"), "")), percent(c.bound)]
-        + [_with_error(measured) for measured in (c.bias, c.spread, c.coverage, c.found)]
+        [c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else (say("absent"), "")),
+         c.bound, c.bias, c.spread, c.coverage, c.found]
         for c in check.terms
-    ]
-    heads = _heads(
-        say("truth"),
-        say("unit"),
-        say("bound"),
-        say("bias of the estimate"),
-        say("spread"),
-        say("coverage"),
-        say("found"),
-    )
+    ]  # fmt: skip
+    measured = (say("bias of the estimate"), say("spread"), say("coverage"), say("found"))
+    heads = (
+        Column("", "symbol"), Column(say("truth")), Column(say("unit"), "unit"), Column(say("bound"), form=_percent),
+        *(Column(heading, form=_with_error) for heading in measured),
+    )  # fmt: skip
     yield Table(heads, rows)
     share = _with_error(check.unexplained)
     yield Note(say("records whose model is reported not to explain them: {share}", share=share))
@@ -140,7 +117,7 @@ def _with_error(measured: tuple[float, float]) -> str:
 
 def _bound_face(bound: Bound, _: float) -> Face:
     values = expected_values(bound.model)
-    rows = [[name, *values.get(name, ("", "")), percent(bound[name])] for name in bound.names]
+    rows = [[name, *values.get(name, ("", "")), bound[name]] for name in bound.names]
     about = say_count(
         bound.size,
         "{count} sample at {rate:.8g} Hz ({length})",
@@ -148,30 +125,43 @@ def _bound_face(bound: Bound, _: float) -> Face:
         rate=bound.rate,
         length=words.duration(bound.size / bound.rate),
     )
-    parts: list[Part] = [Table(_heads(say("value"), say("unit"), say("error")), rows)]
+    heads = Column("", "symbol"), Column(say("value")), Column(say("unit"), "unit"), Column(say("error"), form=_percent)
+    parts: list[Part] = [Table(heads, rows)]
     if bound.ramp is not None:
-        unit = bound.model.signal.si[1]
         allowed = say(
             "a ramp of unknown size is allowed for; its standard error is {error:.3g} {unit}",
             error=bound.ramp,
-            unit=unit,
+            unit=bound.model.signal.si[1],
         )
         parts.append(Note(allowed))
-    sheet = Sheet(say("bound"), (about,), parts)
-    title = say("Bound: {model}", model=str(bound.model))
-    return Face(title, say("Cramer-Rao bound of noise coefficients"), (sheet,), how=(Note(BOUNDED),))
+    title, brand = say("Bound: {model}", model=str(bound.model)), say("Cramer-Rao bound of noise coefficients")
+    return one_sheet(title, brand, say("bound"), parts, about=(about,), how=(Note(BOUNDED),))
 
 
-def _bound_rows(bound: Bound, _: float) -> Rows:
-    return ["parameter", "relative_error"], [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))]
-
-
-_PLAN = ModelledForm(say("plan"), say("Plan for"), say("how long to record"), _plan_about, _plan_parts, PLANNED)
+_PLAN = ModelledForm(
+    say("plan"),
+    say("Plan for"),
+    say("how long to record"),
+    lambda plan: join(
+        ", ",
+        (f"{plan.rate:.8g} Hz", say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp")),
+    ),
+    _plan_parts,
+    PLANNED,
+)
 _CHECK = ModelledForm(
     say("check"),
     say("Check of the identification:"),
     say("simulated records, identified"),
-    _check_about,
+    lambda check: say_count(
+        check.records,
+        "{count} record of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
+        "{count} records of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
+        samples=say_count(check.size, "{count} sample", "{count} samples"),
+        rate=check.rate,
+        length=words.duration(check.size / check.rate),
+        level=words.percent(check.level),
+    ),
     _check_parts,
     CHECKED,
 )
@@ -180,4 +170,11 @@ PLAN = View(one_face(_PLAN), _plot_plans, lambda plan, _: plan.rows())
 PLANS = View(job_face(_PLAN), _plot_plans, job_rows)
 CHECK = View(one_face(_CHECK), None, lambda check, _: check.rows())
 CHECKS = View(job_face(_CHECK), None, job_rows)
-BOUND = View(_bound_face, None, _bound_rows)
+BOUND = View(
+    _bound_face,
+    None,
+    lambda bound, _: (
+        ["parameter", "relative_error"],
+        [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))],
+    ),
+)

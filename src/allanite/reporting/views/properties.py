@@ -1,9 +1,8 @@
 """How the bias and the degrees of freedom of a statistic are shown."""
 
-from allanite.core.arrays import FloatArray
 from allanite.phrases.phrase import say
 from allanite.planning.properties import Properties
-from allanite.reporting.sheet import Column, Face, Note, Part, Sheet, Table
+from allanite.reporting.sheet import Column, Face, Note, Part, Table, one_sheet
 from allanite.statistics.table import STATISTICS
 
 from . import View
@@ -16,22 +15,20 @@ EXACT = say("exact for each noise alone; the relative standard deviation of the 
 
 
 def _face(value: Properties, _: float) -> Face:
-    row = STATISTICS[value.statistic]
+    statistic = STATISTICS[value.statistic]
     size = say("a record of {n} samples; tau in sampling intervals", n=value.size)
+    terms = len(value.symbols)
+    rows = value.rows()[1]
+    ratios = (Column(symbol, form=".3f") for symbol in value.symbols)
+    freedom = (Column(symbol, form=".4g") for symbol in value.symbols)
+    at = (Column("m"), Column("tau", form=".6g"))
     parts: list[Part] = [
-        _table(value, value.ratio, RATIO if row.order == 2 else HADAMARD, ".3f"),
-        _table(value, value.edf, FREEDOM, ".4g"),
+        Table((*at, *ratios), [row[: 2 + terms] for row in rows], RATIO if statistic.order == 2 else HADAMARD),
+        Table((*at, *freedom), [[*row[:2], *row[2 + terms :]] for row in rows], FREEDOM),
         Note(EXACT, "quiet"),
-        Note(say("source: {source}", source=row.reference), "quiet"),
+        Note(say("source: {source}", source=statistic.reference), "quiet"),
     ]
-    return Face(row.title, BRAND, (Sheet(row.title, (size,), tuple(parts)),))
-
-
-def _table(value: Properties, numbers: FloatArray, title: str, form: str) -> Table:
-    columns = (Column("m"), Column("tau"), *(Column(symbol) for symbol in value.symbols))
-    together = zip(value.m.tolist(), value.tau.tolist(), numbers.tolist(), strict=True)
-    rows = [[f"{m}", f"{tau:.6g}", *(format(x, form) for x in each)] for m, tau, each in together]
-    return Table(columns, rows, title)
+    return one_sheet(statistic.title, BRAND, statistic.title, parts, about=(size,))
 
 
 PROPERTIES = View(_face, rows=lambda value, _: value.rows())

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
+from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, RateEstimate, closeup
 from allanite.applications.rate.campaign import RateChannel, RateSettings, RateStudy
 from allanite.applications.rate.estimates import rate_factor
 from allanite.core.errors import UsageError
@@ -13,16 +13,16 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, columns
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, columns, known, one_sheet
 
 from . import Rows, View
-from .closeup import parts as closeup_parts
 from .jobs import channel_sheet, job_face, source_of
 from .rate_experiment import (
     BRAND,
     CAPTION,
     HEADINGS,
     by_time,
+    closeup_parts,
     every_interval,
     experiment_rows,
     finite,
@@ -49,7 +49,7 @@ def _face(study: RateStudy, level: float) -> Face:
         doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
     title = say("Rate of {source}", source=source_of(study))
-    return replace(job_face(study, (title, BRAND), sheets), how=[_methods()])
+    return replace(job_face(study, (title, BRAND), sheets), how=[METHODS])
 
 
 def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterator[Part]:
@@ -82,6 +82,16 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
 def first_of(record: Record, found: Experiment, settings: RateSettings) -> Closeup:
     """The first interval of an experiment in detail."""
     return closeup(record, settings=settings.experiment, start=float(found.start[0]))
+
+
+METHODS = Table(
+    (
+        Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
+        Column(say("optimal under"), "text"), Column(say("source"), "text"),
+    ),
+    [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()],
+    say("the methods"),
+)  # fmt: skip
 
 
 def interval_rows(study: RateStudy) -> Rows:
@@ -118,15 +128,6 @@ def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part
         )
 
 
-def _methods() -> Table:
-    heads = (
-        Column(say("method"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
-        Column(say("optimal under"), "text"), Column(say("source"), "text"),
-    )  # fmt: skip
-    rows = [[r.name, r.title, r.formula, r.assumes, r.reference] for r in RATE_ESTIMATORS.values()]
-    return Table(heads, rows, say("the methods"))
-
-
 def _draw(channels: Iterable[RateChannel]) -> "Plot":
     shown = [(c.experiment, c.by_duration) for c in channels if c.experiment is not None]
     if not shown:
@@ -135,7 +136,16 @@ def _draw(channels: Iterable[RateChannel]) -> "Plot":
 
 
 def _rows(study: RateStudy, level: float) -> Rows:
-    return HEADINGS, [row for channel in study.channels for row in _channel_rows(channel, level)]
+    rows: list[list[Any]] = []
+    for channel in study.channels:
+        for experiment in _series(channel):
+            rows += experiment_rows(experiment) if experiment.start.size > 1 else ()
+        for e in channel.estimates:
+            unit = e.signal.sheet[0]
+            numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
+            rows.append([channel.record.name, e.method, e.duration, 1, *map(finite, numbers[:3]), *[""] * 7,
+                         finite(numbers[3]), unit])  # fmt: skip
+    return HEADINGS, rows
 
 
 def _series(channel: RateChannel) -> list[Experiment]:
@@ -144,39 +154,40 @@ def _series(channel: RateChannel) -> list[Experiment]:
     return [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
 
 
-def _channel_rows(channel: RateChannel, level: float) -> Iterator[list[Any]]:
-    for one in _series(channel):
-        yield from experiment_rows(one) if one.start.size > 1 else ()
-    for e in channel.estimates:
-        unit = e.signal.sheet[0]
-        numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
-        yield [channel.record.name, e.method, e.duration, 1, *map(finite, numbers[:3]), *[""] * 7,
-               finite(numbers[3]), unit]  # fmt: skip
-
-
-def _ranking_face(ranking: Ranking, level: float) -> Face:
-    heads = say("method"), say("standard error, {unit}", unit=ranking.signal.sheet[0]), say("over the bound")
-    _, rows = ranking.rows()
-    cells = [[method, *(f"{v:.4g}" if math.isfinite(v) else "" for v in numbers)] for method, *numbers in rows]
-    parts = (
-        Note(told(ranking), "strong"),
-        Note(say("noise: {model}", model=str(ranking.model))),
-    )
-    sheet = Sheet(say("methods"), parts=(*parts, Table(columns(*heads), cells)))
-    return Face(say("Methods"), BRAND, (sheet,), how=(_methods(),))
-
-
-def _estimate_face(found: RateEstimate, level: float) -> Face:
-    alerts = (Note(str(finding), "alert") for finding in found.findings)
-    sheet = Sheet(found.name or say("rate"), found.history, (*alerts, *_estimates([found], level)))
-    return Face(found.name or say("Rate"), BRAND, (sheet,))
-
-
 STUDY = View(
     _face,
     lambda values, fit, level: _draw(channel for study in values for channel in study),
     _rows,
     lambda study, level: interval_rows(study),
 )
-RANKING = View(_ranking_face, rows=lambda ranking, level: ranking.rows())
-ESTIMATE = View(_estimate_face)
+RANKING = View(
+    lambda ranking, _: one_sheet(
+        say("Methods"),
+        BRAND,
+        say("methods"),
+        (
+            Note(told(ranking), "strong"),
+            Note(say("noise: {model}", model=str(ranking.model))),
+            Table(
+                columns(
+                    say("method"),
+                    say("standard error, {unit}", unit=ranking.signal.sheet[0]),
+                    say("over the bound"),
+                    form=known(".4g"),
+                ),
+                ranking.rows()[1],
+            ),
+        ),
+        how=(METHODS,),
+    ),
+    rows=lambda ranking, level: ranking.rows(),
+)
+ESTIMATE = View(
+    lambda found, level: one_sheet(
+        found.name or say("Rate"),
+        BRAND,
+        found.name or say("rate"),
+        (*(Note(str(finding), "alert") for finding in found.findings), *_estimates([found], level)),
+        about=found.history,
+    )
+)

@@ -1,15 +1,17 @@
-"""How an experiment is shown: the rates of all methods over the intervals of a record."""
+"""How an experiment is shown: the rates of all methods over the intervals of a record, and one interval in detail."""
 
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from allanite.applications.rate import Experiment, Ranking
+import numpy as np
+
+from allanite.applications.rate import Closeup, Experiment, Ranking
 from allanite.applications.rate.estimates import rate_factor
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Sheet, Table
+from allanite.reporting.sheet import Column, Drawing, Note, Part, Table, Where, known, one_sheet
 from allanite.statistics import expected
 
 from . import View
@@ -24,12 +26,6 @@ CAPTION = say(
     "Error of every method in each interval; below, where the record is long enough, the standard deviation against "
     "the measuring time."
 )
-
-
-def _experiment_face(found: Experiment, level: float) -> Face:
-    table = (table_of(found),) if found.start.size > 1 else ()
-    drawing = Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION)
-    return Face(found.name or say("Rate"), BRAND, (Sheet(found.name, parts=(*sentences(found), *table, drawing)),))
 
 
 def sentences(found: Experiment) -> Iterator[Note]:
@@ -80,30 +76,28 @@ def table_of(found: Experiment) -> Table:
     unit = found.signal.sheet[0]
     _, rows = found.rows(unit)
     least = min((row[2] for row in rows if row[2] > 0), default=1.0)
-    places = max(0, 2 - math.floor(math.log10(least)))
+    form = f".{max(0, 2 - math.floor(math.log10(least)))}f"
     heads = (
-        Column(say("method"), "symbol"), Column(join(" ", (say("std"), f"[{unit}]"))),
-        Column(words.interval(0.68), "interval"), Column(say("neighbours")), Column(say("predicted")),
-        Column(say("3 sigma"), aside=True), Column(say("mean error"), aside=True), Column(say("worst"), aside=True),
+        Column(say("method"), "symbol"), Column(join(" ", (say("std"), f"[{unit}]")), form=form),
+        Column(words.interval(0.68), "interval"), Column(say("neighbours"), form=form),
+        Column(say("predicted"), form=known(form, say("not predicted"))),
+        Column(say("3 sigma"), aside=True, form=form), Column(say("mean error"), aside=True, form=f"+{form}"),
+        Column(say("worst"), aside=True, form=f"+{form}"),
     )  # fmt: skip
-    cells = []
-    for method, mean, std, low, high, neighbours, bound, worst, predicted in rows:
-        said = f"{predicted:.{places}f}" if math.isfinite(predicted) else say("not predicted")
-        first, beside, three = (f"{v:.{places}f}" for v in (std, neighbours, bound))
-        limits = f"{low:.{places}f} .. {high:.{places}f}"
-        cells.append([method, first, limits, beside, said, three, f"{mean:+.{places}f}", f"{worst:+.{places}f}"])
+    cells = [
+        [method, std, f"{low:{form}} .. {high:{form}}", neighbours, predicted, bound, mean, worst]
+        for method, mean, std, low, high, neighbours, bound, worst, predicted in rows
+    ]
     return Table(heads, cells, key=KEY)
 
 
 def every_interval(found: Experiment) -> Table:
     """The rate of every interval by every method; on a page, folded."""
     unit = found.signal.sheet[0]
-    heads = (Column(say("interval")), Column(say("start [s]")), *(Column(method) for method in found.methods))
-    rates = found.rates.T / rate_factor(unit, found.signal)
-    rows = [
-        [str(i), f"{start:.6g}", *(f"{rate:.7g}" for rate in row)]
-        for i, (start, row) in enumerate(zip(found.start.tolist(), rates.tolist(), strict=True), 1)
-    ]
+    methods = (Column(method, form=".7g") for method in found.methods)
+    heads = (Column(say("interval")), Column(say("start [s]"), form=".6g"), *methods)
+    rates = (found.rates.T / rate_factor(unit, found.signal)).tolist()
+    rows = [[i, start, *row] for i, (start, row) in enumerate(zip(found.start.tolist(), rates, strict=True), 1)]
     return Table(heads, rows, say("rate of every interval [{unit}]", unit=unit), details=True, where="page")
 
 
@@ -112,34 +106,29 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
     ordered = sorted((e for e in series if e.start.size > 1), key=lambda e: e.duration)
     unit = ordered[0].signal.sheet[0]
     methods = list(dict.fromkeys(method for e in ordered for method in e.methods))
-    counts = [str(e.start.size) for e in ordered]
-    yield _against_time(ordered, methods, say("std against the measuring time [{unit}]", unit=unit), counts)
-    predicted = [m for m in methods if any(math.isfinite(_number(e, m, "predicted")) for e in ordered)]
-    if predicted:
-        yield _against_time(ordered, predicted, say("predicted std against the measuring time [{unit}]", unit=unit))
-
-
-def _against_time(
-    series: Sequence[Experiment], methods: Sequence[str], title: str, counts: Sequence[str] = ()
-) -> Table:
-    """A row a measuring time; the measured scatter where there are `counts` of intervals, else the predicted."""
-    name = "deviation" if counts else "predicted"
-    heads = [Column(say("measuring time"), "name"), *map(Column, methods)]
-    rows = []
-    for e in series:
-        numbers = (_number(e, method, name) for method in methods)
-        rows.append([words.duration(e.duration), *(f"{v:.3g}" if math.isfinite(v) else "" for v in numbers)])
-    if counts:
-        heads.append(Column(say("intervals"), aside=True))
-        rows = [[*row, count] for row, count in zip(rows, counts, strict=True)]
-    return Table(heads, rows, title)
-
-
-def _number(found: Experiment, method: str, name: str) -> float:
-    """A number of the scatter of a method, in the unit of data sheets; NaN where the method was left out."""
-    if method not in found.methods:
-        return math.nan
-    return float(getattr(found.scatter(method), name)) / rate_factor(found.signal.sheet[0], found.signal)
+    measured = say("std against the measuring time [{unit}]", unit=unit)
+    predicted = say("predicted std against the measuring time [{unit}]", unit=unit)
+    for name, title in (("deviation", measured), ("predicted", predicted)):
+        numbers = {
+            m: [
+                (
+                    math.nan
+                    if m not in e.methods
+                    else float(getattr(e.scatter(m), name)) / rate_factor(e.signal.sheet[0], e.signal)
+                )
+                for e in ordered
+            ]
+            for m in methods
+        }
+        if name == "predicted":
+            numbers = {m: each for m, each in numbers.items() if any(map(math.isfinite, each))}
+        heads = [Column(say("measuring time"), "name"), *(Column(m, form=known(".3g")) for m in numbers)]
+        rows = [[words.duration(e.duration), *row] for e, *row in zip(ordered, *numbers.values(), strict=True)]
+        if name == "deviation":
+            heads.append(Column(say("intervals"), aside=True))
+            rows = [[*row, e.start.size] for row, e in zip(rows, ordered, strict=True)]
+        if numbers:
+            yield Table(heads, rows, title)
 
 
 HEADINGS = (
@@ -163,7 +152,63 @@ def finite(value: float) -> float | str:
 
 
 EXPERIMENT = View(
-    _experiment_face,
+    lambda found, _: one_sheet(
+        found.name or say("Rate"),
+        BRAND,
+        found.name,
+        (
+            *sentences(found),
+            *([table_of(found)] if found.start.size > 1 else ()),
+            Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION),
+        ),
+    ),
     lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),
     lambda found, level: (HEADINGS, list(experiment_rows(found))),
+)
+
+
+CLOSEUP_CAPTION = say(
+    "One interval: the slope of each regression line by its start, each line one sample later than the one before; "
+    "below, the first counts with the staircase nearest to them, and what is left over of all."
+)
+
+
+def closeup_parts(found: Closeup, where: Where = "") -> Iterator[Part]:
+    """Notes on one interval, and its figure."""
+    unit = found.signal.sheet[0]
+    rates = found.slopes / unit_of(unit).factor
+    yield Note(
+        say(
+            "{lines} regression lines in the interval from {start}, {kept} kept: slopes from {low:.9g} to {high:.9g} "
+            "{unit}",
+            lines=rates.size,
+            start=words.duration(found.start),
+            kept=int(found.kept.sum()),
+            low=float(rates.min()),
+            high=float(rates.max()),
+            unit=unit,
+        ),
+        where=where,
+    )
+    if found.counts.size:
+        rms = float(np.sqrt(np.square(found.misfit).mean()))
+        yield Note(say("counts less the staircase: {rms:.3g} quanta RMS", rms=rms), where=where)
+    yield Drawing(lambda: figures.plot_closeups([found]), say("one interval in detail"), CLOSEUP_CAPTION)
+
+
+CLOSEUP = View(
+    lambda found, _: one_sheet(
+        found.name or say("Rate"),
+        say("a constant rate in a short time"),
+        found.name or say("Rate"),
+        closeup_parts(found),
+    ),
+    lambda values, fit, level: figures.plot_closeups(values),
+    lambda found, _: (
+        ["start_s", "slope", "unit", "kept"],
+        [
+            [i / found.rate, slope / unit_of(found.signal.sheet[0]).factor, found.signal.sheet[0], kept]
+            for i, (slope, kept) in enumerate(zip(found.slopes.tolist(), found.kept.tolist(), strict=True))
+        ],
+    ),
 )

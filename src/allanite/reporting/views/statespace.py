@@ -47,22 +47,21 @@ def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
             )
         )
     headings, rows = space.rows()
-    heads = (Column(""), Column(say("state"), "name"), Column(say("unit"), "unit"), *map(Column, headings[2:]))
-    yield Table(heads, [[str(i), *row[:2], *(f"{v:.6g}" for v in row[2:])] for i, row in enumerate(rows, 1)])
+    numbers = (Column(heading, form=".6g") for heading in headings[2:])
+    heads = (Column(""), Column(say("state"), "name"), Column(say("unit"), "unit"), *numbers)
+    yield Table(heads, [[i, *row] for i, row in enumerate(rows, 1)])
     label = say("Allan deviation of the state space and of the model")
     yield Drawing(lambda: _plot([channel or space], None, 0.95), label, DRAWN)
-    lines = [line for label in ("Phi", "Qd", "H", "R", "P0") for line in _matrix(label, getattr(space, label))]
-    yield Code("\n".join(lines), EQUATIONS)
+    matrices = {label: getattr(space, label) for label in ("Phi", "Qd", "H", "R", "P0")}
+    yield Code("\n".join(_matrix(label, matrix) for label, matrix in matrices.items() if len(matrix)), EQUATIONS)
 
 
-def _matrix(label: str, matrix: np.ndarray) -> Iterator[str]:
+def _matrix(label: str, matrix: np.ndarray) -> str:
     """As Python, JSON and MATLAB-like programs read it, to the last digit."""
-    rows = [[repr(float(v)) if v else "0" for v in row] for row in matrix]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for i, row in enumerate(rows):
-        cells = ", ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True))
-        opening = f"{label} = [[" if i == 0 else " " * (len(label) + 4) + "["
-        yield f"{opening}{cells}]" + ("]" if i == len(rows) - 1 else ",")
+    cells = [[repr(float(v)) if v else "0" for v in row] for row in matrix]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    rows = (", ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)) for row in cells)
+    return f"{label} = [[" + f"],\n{' ' * (len(label) + 4)}[".join(rows) + "]]"
 
 
 def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":

@@ -1,6 +1,6 @@
-"""How curves, spectra and surfaces are shown."""
+"""How curves, spectra, surfaces, and values read off a curve are shown."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -8,12 +8,13 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.readings import Readings
 from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Drawing, Face, Sheet, Table, Where, columns
+from allanite.reporting.sheet import Column, Drawing, Face, Sheet, Table, Where
 from allanite.reporting.text import spread
 from allanite.statistics import STATISTICS
 
@@ -29,21 +30,20 @@ MOST_COLUMNS = 8
 
 
 class NumbersForm(NamedTuple):
-    """What is written of a value: title, headings, cells of its rows, and the rows of a CSV file."""
+    """What is written of a value: title, columns and rows of its table, headings and rows of a CSV file, figure."""
 
     title: Callable[[Any], str]
-    table: Callable[[Any, float], tuple[list[str], list[list[str]]]]
+    table: Callable[[Any, float], tuple[Sequence[Column], list[list[Any]]]]
     headings: tuple[str, ...]
-    rows: Callable[[Any, float], Iterator[list[Any]]]
+    rows: Callable[[Any, float], list[list[Any]]]
     plot: "Callable[[Sequence[Any], dict[str, Fit], float], Plot]"
 
 
 def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
     """The numbers of a curve, spectrum or surface; folded away on a page."""
     form = FORMS[type(value)]
-    headings, rows = form.table(value, level)
     said = join("; ", filter(None, (title or form.title(value), _supposed(value))))
-    return Table(columns(*headings, left=0), rows, said, details=True, where=where)
+    return Table(*form.table(value, level), said, details=True, where=where)
 
 
 def _supposed(value: Any) -> str:
@@ -52,99 +52,51 @@ def _supposed(value: Any) -> str:
 
 def rows_of(values: Sequence[Any], level: float) -> Rows:
     """Rows of a CSV file of curves, spectra or surfaces."""
-    if not values:
-        return FORMS[Curve].headings, []
-    form = FORMS[type(values[0])]
+    form = FORMS[type(values[0]) if values else Curve]
     return form.headings, [row for value in values for row in form.rows(value, level)]
 
 
-def _curve_table(curve: Curve, level: float) -> tuple[list[str], list[list[str]]]:
-    heads, rows = (_without_limits if curve.law is None else _with_limits)(curve, level)
-    if curve.alpha is None:
-        return heads, rows
-    laws = [f"f^{alpha:+d}" if alpha else "f^0" for alpha in curve.alpha.tolist()]
-    return [*heads, say("power law")], [[*row, law] for row, law in zip(rows, laws, strict=True)]
+def _curve_table(curve: Curve, level: float) -> tuple[Sequence[Column], list[list[Any]]]:
+    """With limits where the noise is known, and with its power law where that was identified at each point."""
+    heads = [Column("m"), Column("tau [s]", form=".6g"), Column(f"[{curve.unit}]")]
+    numbers = zip(curve.m, curve.tau, curve.deviation, strict=True)
+    if curve.law is None:
+        rows = [[m, tau, _number(value)] for m, tau, value in numbers]
+    else:
+        heads += [Column(words.interval(level), "interval"), Column("edf", form=".4g")]
+        limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
+        rows = [
+            [m, tau, *digits(value, low, high).plain(), edf]
+            for (m, tau, value), (low, high, edf) in zip(numbers, limits, strict=True)
+        ]
+    heads.append(Column(say("terms averaged")))
+    rows = [[*row, count] for row, count in zip(rows, curve.count, strict=True)]
+    if curve.alpha is not None:
+        heads.append(Column(say("power law"), form=lambda alpha: f"f^{alpha:+d}" if alpha else "f^0"))
+        rows = [[*row, alpha] for row, alpha in zip(rows, curve.alpha.tolist(), strict=True)]
+    return heads, rows
 
 
-def _without_limits(curve: Curve, _: float) -> tuple[list[str], list[list[str]]]:
-    numbers = zip(curve.m, curve.tau, curve.deviation, curve.count, strict=True)
-    return ["m", "tau [s]", f"[{curve.unit}]", say("terms averaged")], [
-        [str(m), f"{tau:.6g}", _number(value), str(n)] for m, tau, value, n in numbers
-    ]
-
-
-def _with_limits(curve: Curve, level: float) -> tuple[list[str], list[list[str]]]:
-    numbers = zip(curve.m, curve.tau, curve.deviation, curve.count, strict=True)
-    limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
-    rows = [
-        [str(m), f"{tau:.6g}", *digits(value, low, high).plain(), f"{edf:.4g}", str(n)]
-        for (m, tau, value, n), (low, high, edf) in zip(numbers, limits, strict=True)
-    ]
-    return ["m", "tau [s]", f"[{curve.unit}]", words.interval(level), "edf", say("terms averaged")], rows
-
-
-def _spectrum_table(spectrum: Spectrum, level: float) -> tuple[list[str], list[list[str]]]:
-    rows = [
-        [f"{f:.5g}", *digits(value, low, high).plain(), f"{amplitude:.4g}", f"{dof:.4g}"]
-        for f, value, low, high, amplitude, dof in spectrum.rows(level)[1]
-    ]
-    return ["f [Hz]", f"[{spectrum.density_unit}]", words.interval(level), f"[{spectrum.amplitude_unit}]", "dof"], rows
-
-
-def _surface_table(surface: Surface, _: float) -> tuple[list[str], list[list[str]]]:
-    kept = spread(surface.tau.size, MOST_COLUMNS)
-    rows = [
-        [f"{time:.6g}", *(_number(value) or "-" for value in row)]
-        for time, row in zip(surface.time, surface.deviation[:, kept].tolist(), strict=True)
-    ]
-    return [say("time [s]"), *(f"{surface.tau[j]:.4g} s" for j in kept)], rows
-
-
-def _number(value: float) -> str:
-    return digits(value).plain()[0] if np.isfinite(value) else ""
-
-
-def _spectrum_title(spectrum: Spectrum) -> str:
-    named = {"unit": spectrum.density_unit, "method": spectrum.method}
-    if spectrum.sides == "one":
-        return say("one-sided power spectral density in {unit}, {method}", **named)
-    return say("two-sided power spectral density in {unit}, {method}", **named)
-
-
-def _surface_title(surface: Surface) -> str:
-    return say(
-        "{statistic} in {unit}, windows of {length:g} s every {step:g} s",
-        statistic=STATISTICS[surface.statistic].title,
-        unit=surface.unit,
-        length=surface.window,
-        step=surface.step,
-    )
-
-
-def _curve_lines(curve: Curve, level: float) -> Iterator[list[Any]]:
+def _curve_lines(curve: Curve, level: float) -> list[list[Any]]:
     data = curve.to_dict(level)
     none = [""] * len(data["m"])
     known = [data["m"], data["tau"], data["deviation"], data.get("low", none), data.get("high", none)]
     counts = data.get("edf", none), data["count"], none if curve.alpha is None else data["alpha"]
-    for m, tau, value, low, high, edf, count, alpha in zip(*known, *counts, strict=True):
-        yield [curve.name, curve.statistic, m, tau, value, low, high, curve.unit, edf, count, alpha]
+    return [
+        [curve.name, curve.statistic, *size, curve.unit, *count]
+        for size, count in zip(zip(*known, strict=True), zip(*counts, strict=True), strict=True)
+    ]
 
 
-def _spectrum_lines(spectrum: Spectrum, level: float) -> Iterator[list[Any]]:
-    for f, density, low, high, amplitude, dof in spectrum.rows(level)[1]:
-        yield [spectrum.name, f, density, low, high, spectrum.density_unit, spectrum.sides, amplitude,
-               spectrum.amplitude_unit, dof]  # fmt: skip
+def _surface_table(surface: Surface, _: float) -> tuple[Sequence[Column], list[list[Any]]]:
+    kept = spread(surface.tau.size, MOST_COLUMNS)
+    heads = (Column(say("time [s]"), form=".6g"), *(Column(f"{surface.tau[j]:.4g} s") for j in kept))
+    numbers = zip(surface.time, surface.deviation[:, kept].tolist(), strict=True)
+    return heads, [[time, *(_number(value) or "-" for value in row)] for time, row in numbers]
 
 
-def _surface_lines(surface: Surface, _: float) -> Iterator[list[Any]]:
-    for time, m, tau, value, count in surface.rows()[1]:
-        yield [surface.name, surface.statistic, time, m, tau, "" if np.isnan(value) else value, surface.unit, count]
-
-
-def _plot_curves(curves: Sequence[Curve], fits: dict[str, Fit], level: float) -> "Plot":
-    panels = [figures.CurvePanel(curve.name, curve, fits.get(curve.name)) for curve in curves]
-    draw = figures.plot_panels if len(panels) == 1 else figures.plot_overlay
-    return draw(panels, level=level)
+def _number(value: float) -> str:
+    return digits(value).plain()[0] if np.isfinite(value) else ""
 
 
 FORMS: dict[type, NumbersForm] = {
@@ -153,20 +105,52 @@ FORMS: dict[type, NumbersForm] = {
         _curve_table,
         ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count", "alpha"),
         _curve_lines,
-        _plot_curves,
+        lambda curves, fits, level: (figures.plot_panels if len(curves) == 1 else figures.plot_overlay)(
+            [figures.CurvePanel(curve.name, curve, fits.get(curve.name)) for curve in curves], level=level
+        ),
     ),
     Spectrum: NumbersForm(
-        _spectrum_title,
-        _spectrum_table,
+        lambda found: (
+            say("one-sided power spectral density in {unit}, {method}", unit=found.density_unit, method=found.method)
+            if found.sides == "one"
+            else say(
+                "two-sided power spectral density in {unit}, {method}", unit=found.density_unit, method=found.method
+            )
+        ),
+        lambda found, level: (
+            (
+                Column("f [Hz]", form=".5g"),
+                Column(f"[{found.density_unit}]"),
+                Column(words.interval(level), "interval"),
+                Column(f"[{found.amplitude_unit}]", form=".4g"),
+                Column("dof", form=".4g"),
+            ),
+            [
+                [f, *digits(value, low, high).plain(), amplitude, dof]
+                for f, value, low, high, amplitude, dof in found.rows(level)[1]
+            ],
+        ),
         ("channel", "frequency_hz", "density", "low", "high", "unit", "sides", "amplitude", "amplitude_unit", "dof"),
-        _spectrum_lines,
+        lambda found, level: [
+            [found.name, *density, found.density_unit, found.sides, amplitude, found.amplitude_unit, dof]
+            for *density, amplitude, dof in found.rows(level)[1]
+        ],
         lambda spectra, fits, level: figures.plot_spectra(spectra, fits, level=level),
     ),
     Surface: NumbersForm(
-        _surface_title,
+        lambda surface: say(
+            "{statistic} in {unit}, windows of {length:g} s every {step:g} s",
+            statistic=STATISTICS[surface.statistic].title,
+            unit=surface.unit,
+            length=surface.window,
+            step=surface.step,
+        ),
         _surface_table,
         ("channel", "statistic", "time_s", "m", "tau_s", "deviation", "unit", "count"),
-        _surface_lines,
+        lambda surface, _: [
+            [surface.name, surface.statistic, *at, "" if np.isnan(value) else value, surface.unit, count]
+            for *at, value, count in surface.rows()[1]
+        ],
         lambda surfaces, fits, level: figures.plot_surfaces(surfaces),
     ),
 }
@@ -193,3 +177,34 @@ def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
 
 
 CURVE = SPECTRUM = SURFACE = View(_one_face, _plot_one, lambda value, level: rows_of([value], level))
+
+
+READINGS_KEY = say(
+    "Read off the overlapping Allan deviation, as data sheets do. No model is assumed; the intervals "
+    "use the power law identified at each averaging time. The deviation at 1 s equals the random walk coefficient only "
+    "where the curve has slope -0.5. Data sheets quote the minimum as in-run bias stability. N-second stability is the "
+    "standard deviation of successive means; unless the noise is white it grows with the length of the record."
+)
+
+
+def readings_table(readings: Readings, level: float) -> Table:
+    """Values read off a curve, in the units of data sheets."""
+    heads = (
+        Column(say("read off the curve"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
+        Column(say("unit"), "unit"), Column("", "name"),
+    )  # fmt: skip
+    rows = []
+    for title, _, value, low, high, unit, *_, remark in readings.rows(level)[1]:
+        slope = (f"{value:.3f}", f"{low:.3f} .. {high:.3f}")  # which has no unit
+        rows.append([title, *(digits(value, low, high).plain() if unit else slope), unit, remark])
+    return Table(heads, rows, key=READINGS_KEY)
+
+
+READINGS = View(
+    lambda readings, level: Face(
+        say("Readings"),
+        say("read off the Allan deviation"),
+        (Sheet(say("readings"), parts=(readings_table(readings, level),)),),
+    ),
+    rows=lambda readings, level: readings.rows(level),
+)

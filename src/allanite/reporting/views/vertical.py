@@ -3,19 +3,20 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from allanite.applications.attitude.filters import FILTERS
 from allanite.applications.attitude.loop import Loop
 from allanite.applications.attitude.optimum import Optimum
-from allanite.applications.attitude.prediction import Prediction, texts
-from allanite.applications.attitude.result import Angle, VerticalStudy
+from allanite.applications.attitude.prediction import texts
+from allanite.applications.attitude.result import VerticalStudy
 from allanite.applications.attitude.trials import ScenarioErrors, VerticalDesign
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, one_sheet
 from allanite.study.provenance import provenance_of
 
 from . import Rows, View
@@ -65,32 +66,30 @@ def _optimum_parts(found: Optimum, name: str = "") -> Iterator[Part]:
         yield Note(say("floor: {floor:.3g} arcsec from flicker and bias of the accelerometer, which no time constant "
                        "removes", floor=first.floor / ARCSEC))  # fmt: skip
     yield _sources(found)
-    heads = (Column(say("factor")), Column(say("time constant [s]")), Column(say("RMS error [arcsec]")),
-             Column(say("over the least")))  # fmt: skip
-    rows = [
-        [f"{k:g}", f"{k * found.time_constant:.4g}", f"{rms / ARCSEC:.4g}", f"{rms / found.first.rms:.3f}"]
-        for k, rms in found.detuning
-    ]
+    heads = (Column(say("factor"), form="g"), Column(say("time constant [s]"), form=".4g"),
+             Column(say("RMS error [arcsec]"), form=".4g"), Column(say("over the least"), form=".3f"))  # fmt: skip
+    rows = [[k, k * found.time_constant, rms / ARCSEC, rms / first.rms] for k, rms in found.detuning]
     yield Table(heads, rows, say("detuning"), key=DETUNED)
     yield Drawing(lambda: figures.plot_optima([(name, found)]), say("filter and errors"), DRAWN)
 
 
 def _sources(found: Optimum) -> Table:
-    heads = [Column(say("source"), "name"), Column(say("term"), "text"), Column(say("first order [arcsec]")),
-             Column(say("share"))]  # fmt: skip
-    second = found.second
-    heads += [Column(say("second order [arcsec]"))] if second is not None else []
-    others = second.sources if second is not None else found.first.sources
-    rows = []
-    known = {(o.sensor, o.text): o.rms for o in others}
-    for s in found.first.sources:
-        share = words.percent(s.rms**2 / found.first.rms**2, 2)
-        row = [say("gyro") if s.sensor == "gyro" else say("accelerometer"), s.text, f"{s.rms / ARCSEC:.3g}", share]
-        rows.append([*row, f"{known.get((s.sensor, s.text), 0.0) / ARCSEC:.3g}"] if second is not None else row)
-    last = [say("all"), "", f"{found.first.rms / ARCSEC:.4g}", "100 %"]
-    rows.append([*last, f"{second.rms / ARCSEC:.4g}"] if second is not None else last)
-    marks: list[Mark] = ["strong" if i == len(rows) - 1 else "" for i in range(len(rows))]
-    return Table(heads, rows, say("error by source"), marks=marks, key=KEY)
+    first, second = found.first, found.second or found.first
+    heads = (
+        Column(say("source"), "name"), Column(say("term"), "text"), Column(say("first order [arcsec]"), form=".3g"),
+        Column(say("share"), form=lambda share: words.percent(share, 2)),
+        Column(say("second order [arcsec]"), form=".3g"),
+    )  # fmt: skip
+    known = {(source.sensor, source.text): source.rms / ARCSEC for source in second.sources}
+    rows: list[list[Any]] = [
+        [say("gyro") if s.sensor == "gyro" else say("accelerometer"), s.text, s.rms / ARCSEC, s.rms**2 / first.rms**2,
+         known.get((s.sensor, s.text), 0.0)]
+        for s in first.sources
+    ]  # fmt: skip
+    rows.append([say("all"), "", f"{first.rms / ARCSEC:.4g}", "100 %", f"{second.rms / ARCSEC:.4g}"])
+    marks: list[Mark] = ["strong" if row is rows[-1] else "" for row in rows]
+    table = Table(heads, rows, say("error by source"), marks=marks, key=KEY)
+    return table.only(range(4)) if found.second is None else table
 
 
 def _matrices(loop: Loop, rate: float) -> Code:
@@ -136,30 +135,26 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
 
 def _design_face(found: VerticalDesign, _: float) -> Face:
     first = found.optimum.first
-    sheets = [_optimum_sheet(found.optimum)]
+    horizon = say("no horizon") if first.duration is None else say("over {time}", time=words.duration(first.duration))
+    sampled = say("continuous time") if first.rate is None else say("{rate:g} Hz", rate=first.rate)
+    parts = list(_optimum_parts(found.optimum))
+    if first.rate is not None:
+        parts.append(_matrices(found.optimum.best.loop, first.rate))
+    sheets = [Sheet(say("filter"), (horizon, sampled), parts)]
     if found.scenarios is not None:
         trial = found.scenarios.trial
         about = say("simulated: {duration:g} s at {rate:g} Hz", duration=trial.duration, rate=trial.rate)
         sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(found.scenarios))))
     noise = [say("gyro: {noise}", noise=first.gyro), say("accelerometer: {noise}", noise=texts(first.accelerometer))]
     header = [(say("noise"), noise[0]), ("", noise[1]), *header_of(provenance_of(), ())[1:]]
-    return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[_filters()], provenance=provenance_of())
+    return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[METHODS], provenance=provenance_of())
 
 
-def _optimum_sheet(found: Optimum) -> Sheet:
-    first = found.first
-    horizon = say("no horizon") if first.duration is None else say("over {time}", time=words.duration(first.duration))
-    sampled = say("continuous time") if first.rate is None else say("{rate:g} Hz", rate=first.rate)
-    parts = list(_optimum_parts(found))
-    if first.rate is not None:
-        parts.append(_matrices(found.best.loop, first.rate))
-    return Sheet(say("filter"), (horizon, sampled), tuple(parts))
-
-
-def _filters() -> Table:
-    heads = (Column(say("filter"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
-             Column(say("source"), "text"))  # fmt: skip
-    return Table(heads, [[f.name, f.title, f.formula, f.reference] for f in FILTERS.values()], where="page")
+METHODS = Table(
+    (Column(say("filter"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
+     Column(say("source"), "text")),
+    [[f.name, f.title, f.formula, f.reference] for f in FILTERS.values()], where="page",
+)  # fmt: skip
 
 
 def _study_face(study: VerticalStudy, _: float) -> Face:
@@ -174,7 +169,12 @@ def _study_face(study: VerticalStudy, _: float) -> Face:
         if p is not None:
             parts.append(Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
                                   error=p.to("arcsec"), limit=2 * p.to("deg")), "strong"))  # fmt: skip
-            parts += _doubt(angle, p)
+            # a measured scatter that the prediction does not explain
+            if isinstance(angle.record, Record) and angle.deviation >= BEYOND * p.rms:
+                parts.append(Note(
+                    say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is "
+                        "missing from the models (see the channels)", ratio=angle.deviation / p.rms), "alert",
+                ))  # fmt: skip
         elif angle.optimum is None and not angle.doubts:
             parts.append(Note(say("no prediction: the noise of its sensors is not known"), "alert"))
         else:
@@ -190,7 +190,7 @@ def _study_face(study: VerticalStudy, _: float) -> Face:
         sheets.append(channel_sheet(channel, parts))
     face = job_face(study, (say("Roll and pitch of {source}", source=source_of(study)), BRAND), sheets, _remarks(study))
     drawing = Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES)
-    return replace(face, parts=[*face.parts, drawing], close=[_matrices(study.loop, study.rate)], how=[_filters()])
+    return replace(face, parts=[*face.parts, drawing], close=[_matrices(study.loop, study.rate)], how=[METHODS])
 
 
 def _remarks(study: VerticalStudy) -> Iterator[Part]:
@@ -207,25 +207,8 @@ def _remarks(study: VerticalStudy) -> Iterator[Part]:
         yield Note(say("the accelerometers were ignored in {count} samples", count=study.held - study.falling))
 
 
-def _doubt(angle: Angle, p: Prediction) -> list[Part]:
-    """A measured scatter that the prediction does not explain."""
-    if not isinstance(angle.record, Record) or angle.deviation < BEYOND * p.rms:
-        return []
-    return [Note(
-        say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is missing from the "
-            "models (see the channels)", ratio=angle.deviation / p.rms), "alert",
-    )]  # fmt: skip
-
-
 BEYOND = 1.5
 """Ratio of measured and predicted scatter from which it is mentioned."""
-
-
-def _study_rows(study: VerticalStudy, _: float) -> Rows:
-    """Time and both angles, deg."""
-    values = [np.degrees(v) for v in (study.roll, study.pitch)]
-    t = np.arange(1, len(values[0]) + 1) / study.rate
-    return ["time", *(angle.name for angle in study.angles)], np.stack([t, *values], axis=1).tolist()
 
 
 def _scenario_rows(found: ScenarioErrors) -> Rows:
@@ -234,7 +217,16 @@ def _scenario_rows(found: ScenarioErrors) -> Rows:
     return heads, [[name, *row] for name, row in zip(found.filters, pairs.tolist(), strict=True)]
 
 
-STUDY = View(_study_face, lambda values, fit, level: figures.plot_angles(values[0].angles), _study_rows)
+STUDY = View(
+    _study_face,
+    lambda values, fit, level: figures.plot_angles(values[0].angles),
+    lambda study, _: (
+        ["time", *(angle.name for angle in study.angles)],
+        np.column_stack(
+            [np.arange(1, study.roll.size + 1) / study.rate, np.degrees(study.roll), np.degrees(study.pitch)]
+        ).tolist(),
+    ),
+)
 DESIGN = View(
     _design_face,
     lambda values, fit, level: figures.plot_optima([("", v.optimum) for v in values]),
@@ -242,7 +234,7 @@ DESIGN = View(
 )
 OPTIMUM = DESIGN.through(VerticalDesign)
 SCENARIOS = View(
-    lambda found, level: Face(say("Filters in scenarios"), BRAND, (Sheet("", (), tuple(_scenario_parts(found))),)),
+    lambda found, level: one_sheet(say("Filters in scenarios"), BRAND, "", _scenario_parts(found)),
     lambda values, fit, level: figures.plot_scenarios(values[0]),
     lambda found, level: _scenario_rows(found),
 )
