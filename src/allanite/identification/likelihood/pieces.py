@@ -23,7 +23,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
 from allanite.prepare.gaps import Gaps
-from allanite.statistics.moments.gls import second_difference
+from allanite.statistics.moments.lags import second_difference
 from allanite.terms import WHITE, NoiseTerm
 
 from .likelihood import Likelihood
