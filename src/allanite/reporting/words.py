@@ -13,7 +13,7 @@ from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
 from allanite.core.titles import title_of
 from allanite.core.validity import UNEXPLAINED, graded
-from allanite.identification.front import METHODS
+from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
 from allanite.phrases.wording import duration as duration  # noqa: PLC0414 - of this module too
 from allanite.terms import TERMS

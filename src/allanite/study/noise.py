@@ -20,7 +20,8 @@ from allanite.core.residuals import Residuals, Statement, statement
 from allanite.core.validity import UNEXPLAINED, Band, worst
 from allanite.identification.checks.contradiction import contradictions, held
 from allanite.identification.checks.residuals import residuals
-from allanite.identification.front import METHODS, identify
+from allanite.identification.front import identify
+from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.terms import TERMS, WHITE

@@ -10,7 +10,7 @@ from allanite.core.estimate import STATUSES
 from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
-from allanite.identification.front import METHODS
+from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import (
