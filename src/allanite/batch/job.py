@@ -6,9 +6,10 @@ from collections.abc import Iterable, Sequence
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.version import __version__
 from allanite.phrases.phrase import Phrase
-from allanite.study.analysis import Study, analyzed, demand_shown
+from allanite.study.analysis import analyzed, demand_shown
 from allanite.study.channels import Progress
 from allanite.study.recipe import Recipe
+from allanite.study.results import Study
 
 from .batch import Batch, BatchUnit, lightened
 from .judgement import judge_study

@@ -13,7 +13,7 @@ from allanite.core.errors import DataError
 from allanite.core.plain import Value
 from allanite.core.units import Signal
 from allanite.phrases.phrase import say
-from allanite.study.analysis import Study
+from allanite.study.results import Study
 
 from .batch import Batch, BatchUnit
 from .judgement import judge_study

@@ -9,7 +9,7 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
 from allanite.phrases.phrase import join, say
-from allanite.study.analysis import Channel, Study
+from allanite.study.results import Channel, Study
 
 from .content import Axis
 

@@ -11,7 +11,7 @@ from allanite.core.files import PathLike, encoded, write
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
-from allanite.study.analysis import Study
+from allanite.study.results import Study
 
 from .axes import Source, axes_of
 from .bounds import bounded

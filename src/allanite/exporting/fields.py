@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from allanite.core.errors import DataError, UsageError
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
-from allanite.study.noise import rejected
+from allanite.study.results import rejected
 
 from .bounds import remedy
 from .choice import POLICIES, AxisCoefficient, Found, coefficients, selected

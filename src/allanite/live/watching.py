@@ -16,11 +16,10 @@ from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import percent
 from allanite.planning.plan import plan
 from allanite.stream.accumulator import Accumulator
-from allanite.study.analysis import Channel, Study
 from allanite.study.channels import demand_result
-from allanite.study.noise import Noise
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
+from allanite.study.results import Channel, Noise, Study
 
 from .lines import Lines, places
 from .monitor import Monitor

@@ -29,9 +29,10 @@ from .gathering import STRIDES, WHOLE, Gathering, Spectra, Streams, demand_grid
 from .gathering import chosen as chosen_points
 from .hybrid_bias import joints
 from .job import Job
-from .noise import ChannelResult, Noise, noise_of
+from .noise import noise_of
 from .parts import Passed, in_parts, run_in_parts
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
+from .results import ChannelResult, Noise
 from .shares import how_many
 
 Result = Curve | Spectrum | Surface

@@ -72,7 +72,7 @@ class WarmUp(Portable):
         beside = _beside(self.found, self.base, tau * self.found.seen.rate)
         eta, V, _ = beside.likelihood.directions(beside.theta)
         which, factor = _direction(beside), self.found.seen.unit_factor
-        return profiled(beside), float(eta[which]) * factor, math.sqrt(float(V[which, which])) * factor
+        return beside.profiled, float(eta[which]) * factor, math.sqrt(float(V[which, which])) * factor
 
     @property
     def finding(self) -> Finding:
@@ -121,7 +121,7 @@ def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]
     slope = seen.slope if found.chosen.likelihood.flat.any() else None
     bare = min(_score(subset, slope) for subset in (*found.every, found.plain, found.markov or found.chosen))
     grid = np.geomspace(SHORTEST, LONGEST, STEPS) * seen.size
-    tried = [(base, float(tau), profiled(_beside(found, base, float(tau)))) for base in _bases(found) for tau in grid]
+    tried = [(base, float(tau), _beside(found, base, float(tau)).profiled) for base in _bases(found) for tau in grid]
     base, tau, least = min(tried, key=lambda one: one[2])
     if bare - least - PENALTY < EVIDENCE:  # one term at least is there
         return None, found
@@ -160,7 +160,7 @@ def _refined(found: Found, base: Subset, around: float) -> float:
 
     step, n = (LONGEST / SHORTEST) ** (1 / (STEPS - 1)), found.seen.size
     best = minimize_scalar(
-        lambda x: profiled(_beside(found, base, math.exp(x))), method="bounded", options={"xatol": 0.02},
+        lambda x: _beside(found, base, math.exp(x)).profiled, method="bounded", options={"xatol": 0.02},
         bounds=(math.log(max(around / step, SHORTEST * n)), math.log(min(around * step, LONGEST * n))),
     )  # fmt: skip
     return math.exp(float(best.x))
@@ -172,26 +172,12 @@ def _beside(found: Found, base: Subset, tau: float) -> Subset:
     return Subset(part, base.free, *part.minimise(base.free, base.theta), base.constants)
 
 
-def profiled(subset: Subset) -> float:
-    """2 L at the best size of each loose direction, rather than its integral, whose unit would count.
-
-    Infinite for a direction of which the band shows nothing.
-    """
-    flat = subset.likelihood.flat
-    if not flat.any():
-        return 2 * subset.value
-    V = subset.likelihood.directions(subset.theta)[1][np.ix_(flat, flat)]
-    with np.errstate(over="ignore", invalid="ignore"):
-        value = 2 * subset.value + float(np.linalg.slogdet(V)[1])
-    return value if math.isfinite(value) else math.inf
-
-
 def _score(subset: Subset, slope: float | None) -> float:
     """The same and the penalties of the terms, of which a time constant counts as two.
 
     A ramp, the last direction, of which `slope` was removed before, costs no more than leaving it out would.
     """
-    score = profiled(subset) + PENALTY * (float(subset.free.sum()) + 2 * len(subset.constants))
+    score = subset.profiled + PENALTY * (float(subset.free.sum()) + 2 * len(subset.constants))
     if slope is None:
         return score
     eta, V, _ = subset.likelihood.directions(subset.theta)

@@ -25,8 +25,8 @@ from allanite.reporting.sheet import (
     columns,
     header_of,
 )
-from allanite.study.analysis import Channel, Study
 from allanite.study.recipe import Recipe
+from allanite.study.results import Channel, Study
 
 from . import Rows, View
 from .datasheet import alternative, card_of, data_sheet_table

@@ -15,7 +15,7 @@ from allanite.reporting import words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Card, Column, Mark, Table, printed_unit
 from allanite.statistics import STATISTICS
-from allanite.study.analysis import Channel
+from allanite.study.results import Channel
 
 KEY = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "

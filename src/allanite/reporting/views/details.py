@@ -15,7 +15,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.sheet import Deferred, Drawing, Fold, Note, Part, Table, columns, printed_unit
 from allanite.statistics import STATISTICS
 from allanite.statistics.spectra.spectrum import spectrum
-from allanite.study.analysis import Channel
+from allanite.study.results import Channel
 
 from .fit import goodness_parts
 from .values import numbers_table

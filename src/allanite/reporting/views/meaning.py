@@ -8,7 +8,7 @@ from allanite.interpretation.device import REFERENCES
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import join, say
 from allanite.reporting.sheet import Column, Face, Note, Part, Sheet, Table
-from allanite.study.analysis import Channel, Study
+from allanite.study.results import Channel, Study
 
 from . import View
 

@@ -11,7 +11,7 @@ from allanite.reporting import words
 from allanite.reporting.sheet import (
     printable,
 )
-from allanite.study.analysis import Channel
+from allanite.study.results import Channel
 
 
 def fitness(channel: Channel) -> str:
