@@ -21,7 +21,8 @@ from scipy.signal import butter, lfilter
 
 import allanite as al
 from allanite.core.validity import GRADES
-from allanite.study.noise import Noise, noise_of
+from allanite.study.noise import noise_of
+from allanite.study.results import Noise
 
 SETTLING = 4096
 """Samples before the record, in which filters forget their start."""

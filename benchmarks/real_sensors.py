@@ -23,8 +23,8 @@ from scipy.signal import butter, iirpeak, lfilter
 import allanite as al
 from allanite.core.units import convert
 from allanite.core.validity import GRADES
-from allanite.study.analysis import Channel
-from allanite.study.noise import Noise, noise_of
+from allanite.study.noise import noise_of
+from allanite.study.results import Channel, Noise
 from identification import RATE, SENSORS
 
 TERMS = ("N", "B", "K")

@@ -106,8 +106,8 @@ from .statistics.spectra.welch import Welch as Welch
 from .statistics.stability import averaging_stability as averaging_stability
 from .statistics.stability import minimum as minimum
 from .stream.accumulator import Accumulator as Accumulator
-from .study.analysis import Study as Study
 from .study.analysis import analyze as analyze
 from .study.curves import deviation as deviation
 from .study.recipe import Recipe as Recipe
+from .study.results import Study as Study
 from .terms import TERMS as TERMS

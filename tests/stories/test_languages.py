@@ -17,7 +17,7 @@ from allanite.applications.attitude import FILTERS
 from allanite.applications.rate import RATE_ESTIMATORS
 from allanite.cli import VERBS, deliver, main
 from allanite.exporting.exports import EXPORTS
-from allanite.identification.front import METHODS
+from allanite.identification.methods import METHODS
 from allanite.parallel.sharing import Work, made
 from allanite.phrases.phrase import Phrase
 from allanite.reporting import html, language, text

@@ -11,8 +11,7 @@ from allanite.core.limits import Stored
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.readers.sandbox.source import STDIN, STDIN_NAME
-from allanite.study.analysis import Channel, Study
-from allanite.study.noise import Noise
+from allanite.study.results import Channel, Noise, Study
 
 from .judgement import FAIL, NOT_SHOWN, Judgement, judge_study, worst_of
 from .specification import Specification

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from allanite.core.plain import Value
 from allanite.core.readings import MINIMUM
 from allanite.phrases.phrase import join, say
-from allanite.study.analysis import Channel, Study
+from allanite.study.results import Channel, Study
 
 from .specification import Limit, Specification
 

@@ -11,7 +11,7 @@ import numpy as np
 from allanite.core.errors import DataError
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say
-from allanite.study.analysis import Study
+from allanite.study.results import Study
 
 from .batch import Batch, BatchUnit, unit_of
 from .manifest import DATE, TEMPERATURE

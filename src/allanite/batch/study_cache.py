@@ -7,7 +7,7 @@ import zlib
 from collections.abc import Callable
 from typing import Any
 
-from allanite.study.analysis import Study
+from allanite.study.results import Study
 
 from .batch import BatchUnit
 

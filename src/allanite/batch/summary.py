@@ -10,7 +10,7 @@ import numpy as np
 from allanite.core.plain import Value
 from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal, convert
-from allanite.study.analysis import Channel
+from allanite.study.results import Channel
 from allanite.terms import TERMS
 
 

@@ -12,10 +12,10 @@ from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.prepare import trim
 from allanite.study import channels
-from allanite.study.analysis import Study
 from allanite.study.channels import Progress
 from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
+from allanite.study.results import Study
 
 from .comparison import Comparison, ComparisonSettings, Pair
 from .intervals import compare_fits

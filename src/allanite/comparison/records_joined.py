@@ -13,8 +13,9 @@ from allanite.core.validity import graded
 from allanite.identification.methods import symbols_of
 from allanite.phrases.phrase import say
 from allanite.prepare.outliers import marked, outliers
-from allanite.study.noise import Noise, noise_of
+from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
+from allanite.study.results import Noise
 from allanite.terms import TERMS
 
 from .common_likelihood import Joint, common_band, demand_one_kind, joint

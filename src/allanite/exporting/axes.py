@@ -1,77 +1,23 @@
 """The noise of each axis: from the results of an analysis, from fits, or from given models."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import singledispatch
 from typing import Any
 
-from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
-from allanite.core.readings import Readings
 from allanite.phrases.phrase import join, say
-from allanite.study.analysis import Channel, Study
+from allanite.study.results import Channel, Study
+
+from .content import Axis
 
 ALLAN = ("oadev", "adev")
 """Statistics that are Allan deviations."""
 
 Source = Study | Channel | Fit | Model | Term | Mapping[str, Fit] | Sequence["Source"]
 """What can be exported; several are put together, for example a gyro's and an accelerometer's."""
-
-
-@dataclass(frozen=True, eq=False)
-class Axis:
-    """The noise of one axis.
-
-    Attributes
-    ----------
-    name : str
-        Name of the channel; empty for a given model.
-    fit : Fit
-    rate : float or None
-        Sampling rate, Hz.
-    doubt : str
-        Why the coefficients are not to be used; empty if the model explains the record.
-    readings : Readings or None
-    level : float
-        Confidence level of the intervals.
-    alerts : tuple of str
-    curve : Curve or None
-        The measured Allan deviation, with intervals.
-    source : dict
-        Name and digest of its file.
-    """
-
-    name: str
-    fit: Fit
-    rate: float | None = None
-    doubt: str = ""
-    readings: Readings | None = None
-    level: float = 0.95
-    alerts: tuple[str, ...] = ()
-    curve: Curve | None = None
-    source: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def sensor(self) -> str:
-        """Type of sensor."""
-        return self.fit.signal.name
-
-    @property
-    def label(self) -> str:
-        """Its name, also of a given model."""
-        return self.name or (say("given gyro") if self.sensor == "gyro" else say("given accelerometer"))
-
-    def estimate(self, symbol: str) -> Estimate | None:
-        """The estimate of a term; None if it was not looked for."""
-        return next((e for e in self.fit if e.symbol == symbol), None)
-
-
-def by_sensor(axes: Sequence[Axis]) -> dict[str, list[Axis]]:
-    """The axes of each sensor."""
-    return {sensor: [a for a in axes if a.sensor == sensor] for sensor in dict.fromkeys(a.sensor for a in axes)}
 
 
 @singledispatch

@@ -18,7 +18,7 @@ from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.terms import TERMS
 
-from .axes import Axis
+from .content import Axis
 
 READ = "curve"
 """Method of estimates that are such bounds."""

@@ -11,7 +11,7 @@ from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.terms import TERMS
 
-from .axes import Axis
+from .content import Axis
 from .target import LONG
 
 Found = tuple["AxisCoefficient", ...]

@@ -11,12 +11,12 @@ from allanite.core.files import PathLike, encoded, write
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
-from allanite.study.analysis import Study
+from allanite.study.results import Study
 
-from .axes import Axis, Source, axes_of, by_sensor
+from .axes import Source, axes_of
 from .bounds import bounded
 from .choice import demand_policy, selected
-from .content import Content, Entry, one_line
+from .content import Axis, Content, Entry, by_sensor, one_line
 from .exports import target_named
 from .fields import How, demand_how, fill, usable
 from .provenance import header, left_out

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from allanite.core.errors import DataError, UsageError
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
-from allanite.study.noise import rejected
+from allanite.study.results import rejected
 
-from .axes import Axis, by_sensor
 from .bounds import remedy
 from .choice import POLICIES, AxisCoefficient, Found, coefficients, selected
-from .content import Entry
+from .content import Axis, Entry, by_sensor
 from .target import Target, TargetField, demand_rate
 
 

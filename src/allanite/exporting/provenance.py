@@ -9,8 +9,8 @@ from allanite.core.version import __version__
 from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
-from .axes import Axis, by_sensor
 from .bounds import BOUND, READ
+from .content import Axis, by_sensor
 from .fields import How
 from .target import Target
 

@@ -1,6 +1,6 @@
 """Identification of noise: from a record or a curve to coefficients."""
 
-from .front import METHODS as METHODS
 from .front import identify as identify
+from .methods import METHODS as METHODS
 from .methods import automatic as automatic
 from .methods import symbols_of as symbols_of

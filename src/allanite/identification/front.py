@@ -1,4 +1,4 @@
-"""Identification by any of the methods: their table, and the selection of a method and its input."""
+"""Identification by any of the methods: the selection of a method and its input."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -22,46 +22,18 @@ from .curves.leastsquares import least_squares, slopes
 from .curves.nonnegative import nnls
 from .curves.piecewise import piecewise
 from .likelihood.identify import whittle
-from .methods import Method, symbols_of
+from .methods import METHODS, symbols_of
 
-METHODS: dict[str, Method] = {
-    "whittle": Method(
-        say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"), Record, whittle,
-        efficiency=say("0.93 to 1.14 times the Cramer-Rao bound"),
-        options=("band", "masks", "lines", "rival"), shapes=True, signed=True,
-    ),
-    "gls": Method(
-        say("generalized least squares of a curve with the covariance of its points under the model"), Curve, gls,
-        efficiency=say("0.96 to 1.19 times the Cramer-Rao bound"),
-        statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
-    ),
-    "joint": Method(
-        say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"), Record, joint,
-        efficiency=say("0.96 to 1.38 times the Cramer-Rao bound"),
-        statistic=say("{first} and {second}", first="oadev", second="ohdev"), taus="octave",
-    ),
-    "nnls": Method(
-        say("non-negative least squares with equal relative weights up to T/10 (for comparison with programs)"),
-        Curve, nnls,
-        efficiency=say("1.11 to 9.73 times the Cramer-Rao bound"),
-        statistic="oadev", taus="log", reads=lambda row: row.readable,
-    ),
-    "piecewise": Method(
-        say("lines of the textbook slopes through ranges of averaging times (for comparison)"), Curve, piecewise,
-        efficiency=say("3.91 to 84.9 times the Cramer-Rao bound"),
-        statistic="oadev", taus="octave", reads=lambda row: row.allan, options=("ranges",),
-    ),
-    "ls": Method(
-        say("unweighted least squares of the Allan variance (for comparison with papers)"), Curve, least_squares,
-        efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
-        statistic="oadev", taus="octave", reads=lambda row: row.allan,
-    ),
-    "slopes": Method(
-        say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve, slopes,
-        efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),
-        statistic="oadev", taus="octave", reads=lambda row: row.allan,
-    ),
-}  # fmt: skip
+FITS: dict[str, Callable[..., Fit]] = {
+    "whittle": whittle,
+    "gls": gls,
+    "joint": joint,
+    "nnls": nnls,
+    "piecewise": piecewise,
+    "ls": least_squares,
+    "slopes": slopes,
+}
+"""The function of each of the `METHODS`: from a record or a curve, symbols and options to the fit."""
 
 
 class Choices(TypedDict, total=False):
@@ -174,9 +146,9 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     if outliers == "mark" and isinstance(readable, Record):
         found = robust.outliers(readable)
         with one_thread():
-            return _noted(row.fit(robust.marked(readable, found), symbols, **options), found, readable)
+            return _noted(FITS[name](robust.marked(readable, found), symbols, **options), found, readable)
     with one_thread():
-        return row.fit(readable, symbols, **options)
+        return FITS[name](readable, symbols, **options)
 
 
 def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> None:

@@ -1,10 +1,12 @@
-"""Methods of identification, and the terms that they support."""
+"""The table of the methods of identification, and the terms that they support."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
-from allanite.core.fit import Fit
+from allanite.core.record import Record
+from allanite.phrases.phrase import say
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
@@ -19,7 +21,6 @@ class Method:
     title : str
     takes : type
         Whether it needs the record or a curve.
-    fit : (source, symbols, ...) -> Fit
     efficiency : str
         RMS error over the Cramer-Rao bound of the coefficients, smallest and largest, where that bound is at most 12 %,
         measured with known terms (benchmarks/methods.py).
@@ -37,7 +38,6 @@ class Method:
 
     title: str
     takes: type
-    fit: Callable[..., Fit]
     efficiency: str
     statistic: str = ""
     taus: str = ""
@@ -50,6 +50,46 @@ class Method:
     def allowed(self) -> tuple[str, ...]:
         """Names of the statistics whose curves it can fit; empty for a method that uses the record."""
         return tuple(name for name, row in STATISTICS.items() if self.reads(row))
+
+
+METHODS: dict[str, Method] = {
+    "whittle": Method(
+        say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"), Record,
+        efficiency=say("0.93 to 1.14 times the Cramer-Rao bound"),
+        options=("band", "masks", "lines", "rival"), shapes=True, signed=True,
+    ),
+    "gls": Method(
+        say("generalized least squares of a curve with the covariance of its points under the model"), Curve,
+        efficiency=say("0.96 to 1.19 times the Cramer-Rao bound"),
+        statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
+    ),
+    "joint": Method(
+        say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"), Record,
+        efficiency=say("0.96 to 1.38 times the Cramer-Rao bound"),
+        statistic=say("{first} and {second}", first="oadev", second="ohdev"), taus="octave",
+    ),
+    "nnls": Method(
+        say("non-negative least squares with equal relative weights up to T/10 (for comparison with programs)"),
+        Curve,
+        efficiency=say("1.11 to 9.73 times the Cramer-Rao bound"),
+        statistic="oadev", taus="log", reads=lambda row: row.readable,
+    ),
+    "piecewise": Method(
+        say("lines of the textbook slopes through ranges of averaging times (for comparison)"), Curve,
+        efficiency=say("3.91 to 84.9 times the Cramer-Rao bound"),
+        statistic="oadev", taus="octave", reads=lambda row: row.allan, options=("ranges",),
+    ),
+    "ls": Method(
+        say("unweighted least squares of the Allan variance (for comparison with papers)"), Curve,
+        efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
+        statistic="oadev", taus="octave", reads=lambda row: row.allan,
+    ),
+    "slopes": Method(
+        say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve,
+        efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),
+        statistic="oadev", taus="octave", reads=lambda row: row.allan,
+    ),
+}  # fmt: skip
 
 
 def automatic() -> str:

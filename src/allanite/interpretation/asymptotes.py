@@ -10,7 +10,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import Estimate
 from allanite.core.model import Term
-from allanite.statistics import expected
+from allanite.statistics.moments.expect import expected
 from allanite.terms import TERMS
 
 DENSE = 1000

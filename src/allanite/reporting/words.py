@@ -83,7 +83,7 @@ def symbol(estimate: Estimate) -> str:
 
 def signed(estimate: Estimate) -> bool:
     """Whether the sign of an estimate is one: that of a ramp, by a method that knows it."""
-    from allanite.identification.front import METHODS
+    from allanite.identification.methods import METHODS
 
     return _ramp(estimate) and METHODS[estimate.method].signed
 

@@ -11,7 +11,7 @@ from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say, say_count
-from allanite.statistics import expected
+from allanite.statistics.moments.expect import expected
 from allanite.statistics.row import FloatArray, IntArray
 from allanite.terms.row import Block
 

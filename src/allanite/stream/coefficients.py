@@ -24,7 +24,7 @@ from allanite.identification.likelihood.spectrum import ROUNDING, BinnedSpectrum
 from allanite.identification.methods import symbols_of
 from allanite.phrases.phrase import say
 from allanite.prepare.gaps import FEW, Gaps, gaps_between
-from allanite.statistics.moments.gls import second_difference
+from allanite.statistics.moments.lags import second_difference
 from allanite.terms import NoiseTerm, ramp_coefficients
 
 from .lapped import basis

@@ -22,8 +22,8 @@ from allanite.statistics.spectra.welch import Periodograms
 from allanite.stream.accumulator import Accumulator, streamable
 from allanite.stream.curve import grid
 
-from .noise import Noise
 from .recipe import Recipe
+from .results import Noise
 
 Taus = str | tuple[float, ...]
 

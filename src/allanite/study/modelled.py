@@ -27,9 +27,10 @@ from allanite.statistics import deviation
 from .channels import Inspected, Progress, Source, run
 from .job import Job
 from .modelling import NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use
-from .noise import Noise, noise_dict, noise_from, noise_of
+from .noise import noise_of
 from .provenance import provenance_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
+from .results import Noise, noise_dict, noise_from
 
 Random = np.random.Generator
 Result = RecordingPlan | SelfCheck | StateSpace

@@ -28,8 +28,9 @@ from .channels import Inspected, Progress, Source, run
 from .hybrid_bias import joints
 from .job import Job
 from .keeper import STRIDES, WHOLE, Keeper, demand_grid, demand_sums
-from .noise import ChannelResult, Noise, noise_of
+from .noise import noise_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
+from .results import ChannelResult, Noise
 from .settings import DensityChoices, DeviationChoices, WindowChoices
 
 Result = Curve | Spectrum | Surface

@@ -18,8 +18,9 @@ from allanite.readers import read
 from allanite.readers.live import WAIT, Feed, opened
 from allanite.readers.spool import TAIL, Spool
 
-from .analysis import Channel, Study, analyze
+from .analysis import analyze
 from .recipe import READING, Recipe
+from .results import Channel, Study
 from .settings import WatchChoices
 
 AGAIN = 0.5

@@ -10,7 +10,7 @@ from allanite.core.kinds import KIND_WORDS, KINDS
 from allanite.core.units import SIGNALS
 from allanite.core.version import __version__
 from allanite.exporting.exports import EXPORTS
-from allanite.identification.front import METHODS
+from allanite.identification.methods import METHODS
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import say
 from allanite.planning.sensors import SENSORS

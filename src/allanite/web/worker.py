@@ -160,7 +160,8 @@ def deviation(held: Held, job: str, channel: str, statistic: str, lang: str) -> 
 
 def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statistics: list[str], lang: str) -> Answer:
     """A channel with other terms or another band, and its curves."""
-    from allanite.study.analysis import Study, refitted
+    from allanite.study.analysis import refitted
+    from allanite.study.results import Study
 
     value, _ = held.values[job]
     if not isinstance(value, Study):

@@ -20,7 +20,7 @@ from allanite.cli import main
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import table, to_csv
 from allanite.reporting.views.batch import _spread
-from allanite.study.analysis import Study
+from allanite.study.results import Study
 
 LIMITS = al.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
 SIZES = [0.1, 0.11, 0.12, 0.13, 0.14, 0.16, 0.17]

@@ -9,8 +9,9 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.exporting.axes import Axis, axes_of
+from allanite.exporting.axes import axes_of
 from allanite.exporting.bounds import BOUND, bounded
+from allanite.exporting.content import Axis
 from allanite.exporting.export import prepared
 from allanite.exporting.fields import How
 

@@ -29,9 +29,8 @@ from allanite.reporting.style import encode
 from allanite.reporting.views.verdict import verdict
 from allanite.reporting.words import title
 from allanite.statistics import expected
-from allanite.study.analysis import Channel, Study
-from allanite.study.noise import Noise
 from allanite.study.recipe import Recipe
+from allanite.study.results import Channel, Noise, Study
 
 HOSTILE = "<script>alert('x')</script>"
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.model import Model
-from allanite.exporting.axes import Axis
-from allanite.exporting.content import Content, number
+from allanite.exporting.content import Axis, Content, number
 from allanite.exporting.target import Target
 from allanite.phrases.phrase import say
 from allanite.statespace import state_space

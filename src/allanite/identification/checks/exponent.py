@@ -11,17 +11,20 @@ from functools import partial
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.estimate import WEAK, Estimate
 from allanite.core.finding import Finding
 from allanite.core.fit import EXPLAINED
+from allanite.core.limits import Normal
 from allanite.core.model import coefficient_factor
 from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
+from allanite.identification.likelihood.evidence import flicker_in
 from allanite.identification.likelihood.law import AKAIKE
-from allanite.identification.likelihood.model_selection import Found, flicker_in
+from allanite.identification.likelihood.model_selection import Found
 from allanite.identification.likelihood.selection import Subset, standard_error
 from allanite.identification.likelihood.whittle import column
 from allanite.phrases.phrase import join, say
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 GRID = (0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
 """Exponents of the first search."""
@@ -187,4 +190,28 @@ def exponent_finding(law: Exponent, found: Found, signal: Signal) -> Finding:
         ),
         harm,
         say("read the noise at the averaging times of interest off the Allan deviation"),
+    )
+
+
+def under(law: Exponent, estimate: Estimate) -> Estimate:
+    """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""
+    row = TERMS[estimate.symbol]
+    value, error = law.N
+    if row.waveform is not None or estimate.status == "not observable":
+        return estimate
+    if row.slope != WHITE or not value:
+        return estimate.invalid(
+            say("the power spectral density falls as f^-{exponent:.2f}, like none of the terms", exponent=law.a)
+        )
+    normal = Normal(value, error)
+    status = "identified" if error <= WEAK * value else "weak"
+    return replace(
+        estimate,
+        value=value,
+        standard_error=error,
+        status=status,
+        upper=normal(0.9)[1],
+        limits=normal,
+        profile=normal,
+        median=value,
     )

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 LOWEST = 1e-9
 """Gain of a bin in the stop band, at least."""
 
+HIDDEN = 0.6
+"""Share of half the sampling rate below which the end of a band hides angle noise."""
+
 
 @dataclass(frozen=True)
 class Tuned:

@@ -12,6 +12,9 @@ from .spectrum import BinnedSpectrum
 CELLS = 24
 """Cells of equal width in the logarithm of frequency, in which observed and expected power are compared."""
 
+WELL_KNOWN = 50
+"""Coefficients of a bin, or of a cell, whose power needs no smoothing."""
+
 
 def surroundings(values: NDArray[Any]) -> NDArray[Any]:
     """Nine neighbouring bins around each, at the ends the nine nearest, shape (bins, 9)."""

@@ -8,16 +8,17 @@ from itertools import islice
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.averaged import Averaged, averaged
 from allanite.core.estimate import WEAK, Estimate
-from allanite.core.limits import Normal, Remembered, Stored, quantile
-from allanite.core.model import Term
+from allanite.core.limits import Remembered, Stored, quantile
+from allanite.core.model import Model, Term
 from allanite.core.units import Signal
 from allanite.core.validity import Scope
-from allanite.identification.checks.exponent import Exponent
 from allanite.phrases.phrase import say
-from allanite.terms import TERMS, WHITE
+from allanite.terms import TERMS
 
-from .law import Law
+from .band import HIDDEN
+from .law import Law, RampLimits
 from .model_selection import Found
 from .selection import Subset
 from .timeconstant import Search
@@ -27,8 +28,14 @@ Limits = Callable[[float], tuple[float, float]]
 TWO_SIDED = 1.96
 """Standard errors from an estimate to its 95 % limits."""
 
-HIDDEN = 0.6
-"""Share of half the sampling rate below which the end of a band hides angle noise."""
+NODES = 12
+"""Models along the profile, at most."""
+
+PRIOR = 0.0
+"""Power of the coefficient in its prior."""
+
+LEAST = 1e-3
+"""Weight of a model, over that of the heaviest, below which it is omitted."""
 
 
 @dataclass(frozen=True)
@@ -144,30 +151,6 @@ def _absent(
     return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
 
 
-def under(law: Exponent, estimate: Estimate) -> Estimate:
-    """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""
-    row = TERMS[estimate.symbol]
-    value, error = law.N
-    if row.waveform is not None or estimate.status == "not observable":
-        return estimate
-    if row.slope != WHITE or not value:
-        return estimate.invalid(
-            say("the power spectral density falls as f^-{exponent:.2f}, like none of the terms", exponent=law.a)
-        )
-    normal = Normal(value, error)
-    status = "identified" if error <= WEAK * value else "weak"
-    return replace(
-        estimate,
-        value=value,
-        standard_error=error,
-        status=status,
-        upper=normal(0.9)[1],
-        limits=normal,
-        profile=normal,
-        median=value,
-    )
-
-
 def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: CoefficientScale) -> Estimate:
     """The estimate, or why the term is not observable with the data used."""
     edge, visible = TERMS[symbol].edge, estimate is not None and _dominates(symbol, found)
@@ -206,26 +189,6 @@ def _dominates(symbol: str, found: Found) -> bool:
     return bool(share[which] > 0.5 * share.sum())
 
 
-@dataclass(frozen=True, eq=False)
-class RampLimits:
-    """Limits of a signed ramp, in SI, whose law is a mixture of normal laws."""
-
-    centre: FloatArray
-    spread: FloatArray
-    weight: FloatArray
-
-    def __call__(self, level: float) -> tuple[float, float]:
-        """Two-sided limits."""
-        low, high = (
-            _mixture_quantile(p, self.centre, self.spread, self.weight) for p in ((1 - level) / 2, (1 + level) / 2)
-        )
-        return low, high
-
-    def upper(self, level: float) -> float:
-        """One-sided limit of the size."""
-        return max(abs(limit) for limit in self(2 * level - 1))
-
-
 def ramp_estimate(symbol: str, found: Found, scale: CoefficientScale) -> Estimate:
     """The signed ramp: normal for given noise, averaged over the possible noise of the longest memory.
 
@@ -251,13 +214,16 @@ def ramp_estimate(symbol: str, found: Found, scale: CoefficientScale) -> Estimat
     return Estimate(symbol, scale.signal, value, error, status, upper(0.95), "whittle", limits, limits, value)
 
 
-def _mixture_quantile(p: float, centre: FloatArray, spread: FloatArray, weight: FloatArray) -> float:
-    """Quantile of a mixture of normal distributions, by bisection."""
-    from scipy.special import ndtr
+def nodes(found: Found, scale: CoefficientScale, beside: tuple[Term, ...]) -> Averaged:
+    """Models along the profile of the noise of the longest memory, all terms free, with what stands `beside` it.
 
-    low, high = float((centre - 40 * spread).min()), float((centre + 40 * spread).max())
-    for _ in range(60):
-        middle = (low + high) / 2
-        below = weight @ ndtr((middle - centre) / spread) < p
-        low, high = (middle, high) if below else (low, middle)
-    return (low + high) / 2
+    That noise dominates the long averaging times and is known from a few coefficients only: terms that were not
+    selected may be present. The weights are those of its likelihood times a flat prior of its coefficient.
+    """
+    thetas, weight = found.profile(found.slowest).weighted(NODES, PRIOR)
+    constants = found.everything.constants
+    each = [scale.powers(found.noise, theta, constants) for theta in thetas]
+    kept = [
+        (Model((*terms, *beside)), float(w)) for terms, w in zip(each, weight, strict=True) if w > LEAST * weight.max()
+    ]
+    return averaged([model for model, _ in kept], [w for _, w in kept])

@@ -12,26 +12,23 @@ from allanite.core.fit import Alternative, Fit, Line
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
-from allanite.core.titles import title_of
 from allanite.core.units import Signal
 from allanite.core.validity import Band, Scope
-from allanite.identification.checks.exponent import exponent_finding, other_law
+from allanite.identification.checks.exponent import exponent_finding, other_law, under
 from allanite.identification.checks.goodness import goodness
-from allanite.phrases.phrase import say
-from allanite.prepare.gaps import refusal
+from allanite.phrases.phrase import say, say_count
+from allanite.prepare.gaps import known_rates, refusal
 from allanite.terms import TERMS
 
-from .estimates import CoefficientScale, noise_estimate, observable, ramp_estimate, under
-from .model_selection import DISTINGUISHABLE, SLOW, Found, lacking, look, looked
-from .nodes import nodes
-from .removal import without_lines
-from .scope import steady
-from .scope_text import scope_of
+from .estimates import CoefficientScale, nodes, noise_estimate, observable, ramp_estimate
+from .lines import levels, suspected, waves_of
+from .model_selection import Found, look, looked
+from .remarks import notes_of, scope_of
+from .scope import behind_filter, explains, scoped
 from .selection import correlation
 from .spectrum import BinnedSpectrum
 from .steps import steps_in
-from .transient import warm_up_estimate
-from .warmup import WarmUp
+from .warmup import WarmUp, warm_up_estimate, without_warm_up
 
 WALKS = [symbol for symbol, row in TERMS.items() if row.slope > 0 and row.waveform is None]
 """Noise that grows with time, for which steps of the bias are taken."""
@@ -73,7 +70,7 @@ def whittle(
     found = look(record, terms, asked, masks, rival=rival)
     taken: tuple[Line, ...] = ()
     if lines:
-        taken, left = without_lines(record, found, asked)
+        taken, left = _without_lines(record, found, asked)
         found = look(left, terms, asked, masks, rival=rival) if taken else found
     return _concluded(found, (record.name, record.signal), symbols, band, rival=rival, taken=taken)
 
@@ -90,6 +87,55 @@ def whittle_of(
     """Identify terms in a spectrum, of a channel of this name and signal; sinusoids are not looked for."""
     found = looked(seen, _scattering(symbols), _frequencies(band)[1], masks, rival=rival)
     return _concluded(found, channel, symbols, band, rival=rival)
+
+
+def _without_lines(record: Record, found: Found, band: tuple[float, float] | None) -> tuple[tuple[Line, ...], Record]:
+    """The sinusoids of a record whose noise was looked at, and the rest of it; the record itself if there are none."""
+    seen, level = found.seen, _level(found)
+    if not suspected(seen, level, found.used):
+        return (), record
+    # between the lobes of a filter the noise is low, and what is at their tops is no line
+    level = _level(behind_filter(found.base))
+    if not suspected(seen, level, found.used):
+        return (), record
+    rates = known_rates(record)
+    mean = float(np.nanmean(rates))
+    low, high = (0.0, record.rate / 2) if band is None else band
+    waves, _ = waves_of(rates - mean, seen, level, (low / record.rate, high / record.rate))
+    if not waves:
+        return (), record
+    scale = [seen.unit_factor / float(np.sinc(wave.frequency)) for wave in waves]
+    lines = tuple(
+        Line(wave.frequency * record.rate, wave.amplitude * s, wave.error * s, wave.phase, record.signal)
+        for wave, s in zip(waves, scale, strict=True)
+    )
+    # the record without sinusoids; an angle stays one, which knows more of its gaps; counts become increments
+    total = np.sum([wave.values(record.size) for wave in waves], axis=0)
+    if record.kind == "angle":
+        total = np.concatenate(([0.0], np.cumsum(total)))
+    return tuple(sorted(lines, key=lambda line: line.frequency)), record.with_values(
+        record.values - total,
+        say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed"),
+        start=record.start,
+    )
+
+
+def _level(found: Found) -> FloatArray:
+    """The power of the noise in every bin."""
+    m = found.seen.power.copy()
+    m[found.used] = found.chosen.likelihood.expectation(found.chosen.theta)
+    return levels(found.seen, m)
+
+
+def _steady(found: Found, signal: Signal, *, rival: bool, choice: str) -> tuple[WarmUp | None, Found]:
+    """What explains the spectrum beside a warm-up, if there is one, and that; see `scoped`."""
+    first = scoped(found, rival=rival, choice=choice)
+    warm, best = without_warm_up(first, signal)
+    if warm or choice != "auto" or (first.used[0] and explains(first)):
+        return warm, best
+    warm, best = without_warm_up(found, signal)
+    second = scoped(best, rival=rival) if warm else first
+    return (warm, second) if warm and second.used[0] and explains(second) else (None, first)
 
 
 def _scattering(symbols: Sequence[str]) -> list[str]:
@@ -112,7 +158,7 @@ def _concluded(
 ) -> Fit:
     """The fit, from what every subset of the terms makes of a spectrum."""
     (name, signal), (choice, asked) = channel, _frequencies(band)
-    warm, found = steady(plain, signal, rival=rival, choice=choice)
+    warm, found = _steady(plain, signal, rival=rival, choice=choice)
     law = None if warm else other_law(found, plain)
     stepped = None if warm or law else steps_in(found, signal)
     slow = [exponent_finding(law, found, signal)] if law else [each.finding for each in (warm, stepped) if each]
@@ -134,7 +180,7 @@ def _concluded(
         model=Model((*model, *(line.term for line in taken))),
         goodness=good,
         correlation=_correlation(list(estimates), found),
-        notes=(*(f.what for f in slow), *_quick(found), *_unclear(estimates, found), *_ambiguous(found)),
+        notes=(*(f.what for f in slow), *notes_of(estimates, found)),
         lines=taken,
         rivals=Remembered(partial(_alternatives, found, scale)),
         nodes=Remembered(partial(nodes, found, scale, deterministic)),
@@ -171,67 +217,6 @@ def _correlation(shown: Sequence[str], found: Found) -> FloatArray:
         at, which = map(list, zip(*known, strict=True))
         matrix[np.ix_(at, at)] = correlation(found.chosen)[np.ix_(which, which)]
     return matrix
-
-
-def _unclear(estimates: dict[str, Estimate], found: Found) -> list[str]:
-    """Terms of the best model that are not claimed, because others could take their place."""
-    return [
-        say(
-            "{term} ({symbol}) is in the best model, but other terms could take its place: a longer record would "
-            "decide",
-            term=title_of(s, estimates[s].signal),
-            symbol=s,
-        )
-        for s, there in zip(found.noise, found.chosen.free, strict=True)
-        if there and s in estimates and estimates[s].status == "absent"
-    ]
-
-
-def _quick(found: Found) -> list[str]:
-    """What Gauss-Markov noise of a few samples is."""
-    time = found.chosen.constants[0] if len(found.chosen.constants) == 1 else SLOW
-    if time >= SLOW:
-        return []
-    return [
-        say(
-            "the Gauss-Markov noise has a time constant of {count:.2g} samples: noise that a filter or a vibration "
-            "correlates, no drift of the bias",
-            count=time,
-        )
-    ]
-
-
-def _ambiguous(found: Found) -> list[str]:
-    """How well Gauss-Markov noise instead of flicker, or the reverse, would describe the record."""
-    if found.search is None or found.markov is None or found.flicker is None:
-        return []
-    if found.search.symbol not in {TERMS[symbol].substitute for symbol in found.noise}:
-        return []
-    gain = found.flicker.aic - found.markov.aic
-    size, time = f"{-gain:+.1f}", found.markov.constants[0] / found.seen.rate
-    if found.chosen is found.markov:
-        return [
-            say("Gauss-Markov noise with a time constant of {time:.2g} s describes the record better than flicker does",
-                time=time)
-        ]  # fmt: skip
-    if abs(gain) < DISTINGUISHABLE:
-        return [
-            say(
-                "Gauss-Markov noise with a time constant of {time:.2g} s instead of flicker would describe the record "
-                "equally well: they cannot be distinguished (AIC {gain})",
-                time=time, gain=size,
-            )
-        ]  # fmt: skip
-    needed = gain + lacking(found.plain, found.markov, found.part)
-    if gain < 0 or needed <= gain:  # it is not missed, or it does not explain the record
-        return []
-    return [
-        say(
-            "Gauss-Markov noise with a time constant of {time:.2g} s would describe the record better (AIC {gain}; it "
-            "is claimed from -{needed:.0f} on): a longer record would decide",
-            time=time, gain=size, needed=needed,
-        )
-    ]  # fmt: skip
 
 
 def _alternatives(found: Found, scale: CoefficientScale) -> tuple[Alternative, ...]:

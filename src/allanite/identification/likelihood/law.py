@@ -146,3 +146,35 @@ def law(along: Sequence[Trace], penalty: FloatArray) -> Law:
     below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
     zero = weight @ [float(ndtr(trace.at(np.zeros(1))[0])) for trace in along]
     return Law(root, below / below[-1], float(zero))
+
+
+@dataclass(frozen=True, eq=False)
+class RampLimits:
+    """Limits of a signed ramp, in SI, whose law is a mixture of normal laws."""
+
+    centre: FloatArray
+    spread: FloatArray
+    weight: FloatArray
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        low, high = (
+            _mixture_quantile(p, self.centre, self.spread, self.weight) for p in ((1 - level) / 2, (1 + level) / 2)
+        )
+        return low, high
+
+    def upper(self, level: float) -> float:
+        """One-sided limit of the size."""
+        return max(abs(limit) for limit in self(2 * level - 1))
+
+
+def _mixture_quantile(p: float, centre: FloatArray, spread: FloatArray, weight: FloatArray) -> float:
+    """Quantile of a mixture of normal distributions, by bisection."""
+    from scipy.special import ndtr
+
+    low, high = float((centre - 40 * spread).min()), float((centre + 40 * spread).max())
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = weight @ ndtr((middle - centre) / spread) < p
+        low, high = (middle, high) if below else (low, middle)
+    return (low + high) / 2

@@ -16,30 +16,18 @@ from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS
 
 from .band import Portion, portion
-from .evidence import rises_to_top
+from .cells import WELL_KNOWN, cell_of
+from .evidence import EVIDENCE, NEVER, flicker_in, penalties, shows_angle
 from .law import AKAIKE, Law, law, traces
-from .selection import PENALTY, Subset, ThetaProfile, select, subsets
-from .shapes import Shapes
+from .selection import Subset, ThetaProfile, select, subsets
 from .spectrum import BinnedSpectrum, spectrum
-from .timeconstant import Search
+from .timeconstant import Search, Shapes
 
 SLOW = 30.0
 """Samples above which a time constant is that of bias drift; a shorter one belongs to a filter or the sampling."""
 
 DISTINGUISHABLE = 2.0
 """Difference of the Akaike criterion below which two models describe a record equally well."""
-
-NEVER = 1e9
-"""Penalty of angle noise where the spectrum does not rise."""
-
-EVIDENCE = 12.0
-"""What a Gauss-Markov term must gain in 2 L: for its size, for a time constant that was searched for, and for replacing
-flicker, which is the usual noise: it displaces true flicker in about 1 % of records.
-"""
-
-ANYWHERE = 8.0
-"""What a term must gain besides for each further parameter: 2 ln 50, as of some fifty resonances that noise may mimic.
-"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +106,32 @@ class Found(Portable):
         """Profile of the likelihood of one theta, nothing omitted that could take its place."""
         return ThetaProfile(self.everything, which)
 
+    @cached_property
+    def expected_power(self) -> FloatArray:
+        """Power of the terms in every bin, without a filter, shape (bins,)."""
+        part, theta, constants = self.part, self.chosen.theta, self.chosen.constants
+        m = (self.chosen.likelihood.expectation(theta) - self.chosen.likelihood.added) / part.passed[self.used]
+        if self.used.all():
+            return m
+        everywhere = part.but(used=np.ones_like(self.used))
+        columns = everywhere.whole.S
+        if constants:
+            assert self.search is not None  # noqa: S101 - there is a time constant
+            columns = columns.copy()
+            columns[:, theta.size - 1] = self.search.column(constants, everywhere)
+        return np.asarray(columns @ theta)
+
+    @cached_property
+    def largest_misfit(self) -> float:
+        """The largest misfit of a cell beyond twice its standard error, as a share of the power."""
+        seen, used = self.seen, self.used
+        cell, count = cell_of(seen, used)[used], seen.count[used]
+        m = self.chosen.likelihood.expectation(self.chosen.theta)
+        nu, total = np.bincount(cell, count), np.bincount(cell, count * seen.power[used] / m)
+        held = nu > WELL_KNOWN
+        beyond = np.abs(total[held] / nu[held] - 1) - 2 * np.sqrt(2 / nu[held])
+        return max(float(beyond.max(initial=0.0)), self.part.misfit)
+
     @property
     def score(self) -> float:
         """2 L of the chosen subset and the penalties of its terms."""
@@ -158,7 +172,7 @@ class Found(Portable):
         dominated = part.count @ (share / share.max(axis=0)) ** 2
         edge = np.array([TERMS[symbol].edge > 0 for symbol in self.noise])
         found = np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
-        found[edge] += NEVER * (not _shows_angle(self.part))
+        found[edge] += NEVER * (not shows_angle(self.part))
         if self.search is not None and not self.search.asked:
             found[-1] += EVIDENCE - 2 * AKAIKE
         return found
@@ -194,23 +208,6 @@ class Found(Portable):
         flicker = flicker_in(self.noise)
         # both without flicker is Gauss-Markov alone once more
         return [s for s in complete if s is not found[2] or (flicker is not None and s.theta[flicker] > 0)]
-
-
-def flicker_in(symbols: Sequence[str]) -> int | None:
-    """The place of the term that a Gauss-Markov term may stand in for; None if it is not there."""
-    return next((i for i, symbol in enumerate(symbols) if TERMS[symbol].substitute), None)
-
-
-def penalties(part: Portion) -> FloatArray:
-    """What each term must gain in 2 L to be selected, a term with a shape the last of them, shape (p,)."""
-    rows = [TERMS[symbol] for symbol in part.noise]
-    shaped = [EVIDENCE + ANYWHERE * (len(row.parameters) - 1) if row.parameters else PENALTY for row in rows]
-    return np.array(shaped) + NEVER * np.array([row.edge > 0 for row in rows]) * (not _shows_angle(part))
-
-
-def _shows_angle(part: Portion) -> bool:
-    """Whether angle noise may be claimed: it was asked for, or the spectrum rises."""
-    return part.vouched or rises_to_top(part)
 
 
 def look(

@@ -17,17 +17,20 @@ whatever it is, the expectations of both parts are exact (below omega_c on avera
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
-from allanite.prepare.gaps import Gaps
-from allanite.statistics.moments.gls import second_difference
+from allanite.statistics.moments.lags import second_difference
 from allanite.terms import WHITE, NoiseTerm
 
 from .likelihood import Likelihood
 from .sines import angle_power, low_powers, rate_weights, sine, sine_variances, toeplitz
+
+if TYPE_CHECKING:
+    from allanite.prepare.gaps import Gaps
 
 WEIGHT = 0.1
 """Power that the joints add to the low coefficients of the joined record, over that of white noise, from which the
@@ -125,7 +128,7 @@ class PieceReading(Portable):
         """Coefficients of the sine transforms in the bins, less what the rates of the pieces take, shape (bins,)."""
         return self.pooled(self.shares)
 
-    def row(self, term: NoiseTerm, gaps: Gaps, k: FloatArray) -> FloatArray:
+    def row(self, term: NoiseTerm, gaps: "Gaps", k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients of the lower part under a term, on average over where the joints lie."""
         omega, white, angle = self._lower
         at = np.pi / self.size * k
@@ -206,7 +209,7 @@ REACH = 2.0
 """Root of Q^2 / N^2, over the length of the piece in which a reading lies on average, beyond which N is not seen."""
 
 
-def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> PieceReading | None:
+def pieces(y: FloatArray, gaps: "Gaps", edges_of: Callable[[int], IntArray]) -> PieceReading | None:
     """How to read a joined rate; None where the joints do not matter beside white rate noise."""
     if not gaps.at.size or gaps.shut.any():
         return None
@@ -228,7 +231,7 @@ def pieces(y: FloatArray, gaps: Gaps, edges_of: Callable[[int], IntArray]) -> Pi
     return replace(how, edges=np.concatenate((edges[: low + 1], edges[filled[1:]], edges[-1:])))
 
 
-def apart(y: FloatArray, gaps: Gaps, how: PieceReading) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
+def apart(y: FloatArray, gaps: "Gaps", how: PieceReading) -> tuple[FloatArray, BoolArray, FloatArray, FloatArray]:
     """The joined record below the split; which samples it has; power of the bins above, and their peaks.
 
     A peak stands out over what the coefficient has under the ratio.
@@ -254,7 +257,7 @@ def apart(y: FloatArray, gaps: Gaps, how: PieceReading) -> tuple[FloatArray, Boo
     return low[kept], kept, how.mean(squares, nothing), peak[1:] * level
 
 
-def _each(gaps: Gaps) -> tuple[IntArray, IntArray]:
+def _each(gaps: "Gaps") -> tuple[IntArray, IntArray]:
     """Starts and lengths of the pieces; an angle between two gaps leaves no rate, and is none."""
     bounds = np.unique(np.concatenate(([0], gaps.at, [gaps.size])))
     return bounds[:-1], np.diff(bounds)

@@ -15,20 +15,16 @@ from functools import partial
 import numpy as np
 
 from allanite.core.arrays import BoolArray
-from allanite.core.units import Signal
 from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS, WHITE
 
-from .band import Portion, Tuned
-from .estimates import HIDDEN
+from .band import HIDDEN, Portion, Tuned
 from .evidence import falls, rises_before, shows_corner
 from .model_selection import Found, fitted
 from .resonances import excess
-from .scope_text import expected_power, largest_misfit
 from .selection import Subset
 from .spectrum import FEWEST
 from .tuning import Tuning, left_open, tuning
-from .warmup import WarmUp, without_warm_up
 
 MASKED = 0.75
 """Share of the bins that resonances may hide."""
@@ -86,17 +82,6 @@ def scoped(found: Found, *, rival: bool, choice: str = "auto") -> Found:
 def behind_filter(part: Portion) -> Found:
     """What is behind a filter, if the record shows one, whether it explains the spectrum or not."""
     return next(_behind(part, rival=False), None) or fitted(part, rival=False)
-
-
-def steady(found: Found, signal: Signal, *, rival: bool, choice: str) -> tuple[WarmUp | None, Found]:
-    """What explains the spectrum beside a warm-up, if there is one, and that; see `scoped`."""
-    first = scoped(found, rival=rival, choice=choice)
-    warm, best = without_warm_up(first, signal)
-    if warm or choice != "auto" or (first.used[0] and explains(first)):
-        return warm, best
-    warm, best = without_warm_up(found, signal)
-    second = scoped(best, rival=rival) if warm else first
-    return (warm, second) if warm and second.used[0] and explains(second) else (None, first)
 
 
 def explains(found: Found) -> bool:
@@ -190,7 +175,7 @@ def shows_floor(found: Found) -> bool:
 def _quiet(found: Found, used: BoolArray, *, bare: bool = False) -> bool:
     """Whether what is not read has less than half of the power beyond the model's: else the sensor was not at rest."""
     seen, part = found.seen, found.part
-    m = expected_power(found) * part.passed
+    m = found.expected_power * part.passed
     if bare:  # the angle noise, which a band does not see, excuses nothing above one that begins above zero
         angle = [i for i, symbol in enumerate(found.noise) if TERMS[symbol].edge]
         m = m - part.whole.S[:, angle] @ found.chosen.theta[angle] * part.passed
@@ -267,7 +252,7 @@ def _approximately(part: Portion, rival: bool, most: float) -> Iterator[Found]:
     """With a misfit in every cell, the smallest first."""
     for misfit in most / 2 ** np.arange(1.0, -0.1, -0.5):
         found = fitted(part.doubted(float(misfit)), rival=rival)
-        if largest_misfit(found) < WRONG:
+        if found.largest_misfit < WRONG:
             yield found
 
 

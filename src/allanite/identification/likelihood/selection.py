@@ -41,6 +41,20 @@ class Subset:
         """Variances of the free thetas, shape (free terms,)."""
         return _variances(self.likelihood, self.theta, self.free)
 
+    @cached_property
+    def profiled(self) -> float:
+        """2 L at the best size of each loose direction, rather than its integral, whose unit would count.
+
+        Infinite for a direction of which the band shows nothing.
+        """
+        flat = self.likelihood.flat
+        if not flat.any():
+            return 2 * self.value
+        V = self.likelihood.directions(self.theta)[1][np.ix_(flat, flat)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            value = 2 * self.value + float(np.linalg.slogdet(V)[1])
+        return value if math.isfinite(value) else math.inf
+
     def score(self, penalty: float | FloatArray) -> float:
         """2 L + the penalties of the terms."""
         return 2 * self.value + float((penalty * self.free).sum())

@@ -20,7 +20,6 @@ from allanite.terms import TERMS, WHITE
 from .bins import SINGLE
 from .model_selection import Found
 from .selection import PENALTY, Subset
-from .warmup import profiled
 from .whittle import step_coefficients, with_steps
 
 PLACES = 512
@@ -73,13 +72,13 @@ def steps_in(found: Found, signal: Signal) -> BiasSteps | None:
     # the white noise, which is always there
     white = [TERMS[s].slope == WHITE for s in found.noise]
     base = replace(chosen, free=chosen.free & ~walk | np.array(white + [False] * (chosen.theta.size - len(white))))
-    goal = profiled(chosen) + PENALTY * float((chosen.free & walk).sum()) - CLEAR
+    goal = chosen.profiled + PENALTY * float((chosen.free & walk).sum()) - CLEAR
     at: list[float] = []
     beside = _beside(found, base, at)
     for _ in range(MOST):
         at.append(_place(found, beside, at))
         beside = _beside(found, base, at)
-        if profiled(beside) + EVIDENCE * len(at) < goal:
+        if beside.profiled + EVIDENCE * len(at) < goal:
             seen, first = found.seen, int(np.count_nonzero(~beside.likelihood.flat))
             eta, V, _ = beside.likelihood.directions(beside.theta)
             here = slice(first, first + len(at))

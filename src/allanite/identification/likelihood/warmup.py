@@ -6,15 +6,20 @@ is one direction of any size, like a ramp, whose time constant is searched for.
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
+from allanite.core.estimate import WEAK, Estimate
 from allanite.core.finding import Finding
+from allanite.core.limits import Remembered, quantile
 from allanite.core.plain import Portable
 from allanite.core.units import Signal, convert
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 
+from .law import RampLimits
 from .model_selection import Found, fitted
 from .selection import PENALTY, Subset, subsets
 from .whittle import with_warm_up
@@ -30,6 +35,12 @@ HARMLESS = 2.0
 
 USABLE = 0.75
 """Share of the record that may be cut off."""
+
+REACH = 12.0
+"""Rise of 2 L up to which time constants are looked at."""
+
+NODES = 24
+"""Time constants over which the size is averaged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +72,7 @@ class WarmUp(Portable):
         beside = _beside(self.found, self.base, tau * self.found.seen.rate)
         eta, V, _ = beside.likelihood.directions(beside.theta)
         which, factor = _direction(beside), self.found.seen.unit_factor
-        return profiled(beside), float(eta[which]) * factor, math.sqrt(float(V[which, which])) * factor
+        return beside.profiled, float(eta[which]) * factor, math.sqrt(float(V[which, which])) * factor
 
     @property
     def finding(self) -> Finding:
@@ -110,7 +121,7 @@ def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]
     slope = seen.slope if found.chosen.likelihood.flat.any() else None
     bare = min(_score(subset, slope) for subset in (*found.every, found.plain, found.markov or found.chosen))
     grid = np.geomspace(SHORTEST, LONGEST, STEPS) * seen.size
-    tried = [(base, float(tau), profiled(_beside(found, base, float(tau)))) for base in _bases(found) for tau in grid]
+    tried = [(base, float(tau), _beside(found, base, float(tau)).profiled) for base in _bases(found) for tau in grid]
     base, tau, least = min(tried, key=lambda one: one[2])
     if bare - least - PENALTY < EVIDENCE:  # one term at least is there
         return None, found
@@ -149,7 +160,7 @@ def _refined(found: Found, base: Subset, around: float) -> float:
 
     step, n = (LONGEST / SHORTEST) ** (1 / (STEPS - 1)), found.seen.size
     best = minimize_scalar(
-        lambda x: profiled(_beside(found, base, math.exp(x))), method="bounded", options={"xatol": 0.02},
+        lambda x: _beside(found, base, math.exp(x)).profiled, method="bounded", options={"xatol": 0.02},
         bounds=(math.log(max(around / step, SHORTEST * n)), math.log(min(around * step, LONGEST * n))),
     )  # fmt: skip
     return math.exp(float(best.x))
@@ -161,27 +172,63 @@ def _beside(found: Found, base: Subset, tau: float) -> Subset:
     return Subset(part, base.free, *part.minimise(base.free, base.theta), base.constants)
 
 
-def profiled(subset: Subset) -> float:
-    """2 L at the best size of each loose direction, rather than its integral, whose unit would count.
-
-    Infinite for a direction of which the band shows nothing.
-    """
-    flat = subset.likelihood.flat
-    if not flat.any():
-        return 2 * subset.value
-    V = subset.likelihood.directions(subset.theta)[1][np.ix_(flat, flat)]
-    with np.errstate(over="ignore", invalid="ignore"):
-        value = 2 * subset.value + float(np.linalg.slogdet(V)[1])
-    return value if math.isfinite(value) else math.inf
-
-
 def _score(subset: Subset, slope: float | None) -> float:
     """The same and the penalties of the terms, of which a time constant counts as two.
 
     A ramp, the last direction, of which `slope` was removed before, costs no more than leaving it out would.
     """
-    score = profiled(subset) + PENALTY * (float(subset.free.sum()) + 2 * len(subset.constants))
+    score = subset.profiled + PENALTY * (float(subset.free.sum()) + 2 * len(subset.constants))
     if slope is None:
         return score
     eta, V, _ = subset.likelihood.directions(subset.theta)
     return score + min(PENALTY, float((eta[-1] + slope) ** 2 / V[-1, -1]))
+
+
+@dataclass(frozen=True, eq=False)
+class WarmUpProfile(Portable):
+    """The profile of the likelihood over the time constant of a warm-up."""
+
+    warm: WarmUp
+
+    def ends(self, drop: float) -> tuple[float, float]:
+        """Time constants, s, at which 2 L has risen by `drop`; at most from a thousandth to all of the record."""
+        from scipy.optimize import brentq
+
+        middle, least = math.log(self.warm.tau), self.warm.at(self.warm.tau)[0]
+        found = []
+        for end in (math.log(self.warm.duration / 1000), math.log(self.warm.duration)):
+
+            def excess(x: float) -> float:
+                return self.warm.at(math.exp(x))[0] - least - drop
+
+            near = next((x for x in middle + (end - middle) * 2.0 ** np.arange(-9.0, 1.0) if excess(x) > 0), None)
+            found.append(math.exp(end if near is None else brentq(excess, middle, near, xtol=1e-4)))
+        return found[0], found[1]
+
+    def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
+        """Two-sided limits of the time constant, s."""
+        return (self.ends(quantile((1 + level) / 2) ** 2),)
+
+    @cached_property
+    def size(self) -> RampLimits:
+        """The law of the size: normal at a time constant, averaged over these."""
+        low, high = self.ends(REACH)
+        nodes = [self.warm.at(tau) for tau in np.geomspace(low, high, NODES).tolist()]
+        excess, amplitude, error = np.array(nodes).T
+        weight: FloatArray = np.exp(-0.5 * (excess - excess.min()))
+        return RampLimits(-amplitude, error, weight / weight.sum())
+
+
+def warm_up_estimate(symbol: str, warm: WarmUp | None, signal: Signal) -> Estimate:
+    """The change of the rate from the start of the record to where it settles; absent without a warm-up."""
+    if warm is None:
+        return Estimate(symbol, signal, None, None, "absent", None, "whittle")
+    along = WarmUpProfile(warm)
+    law, value = along.size, -warm.amplitude
+    error = math.sqrt(float(law.weight @ (law.spread**2 + (law.centre - value) ** 2)))
+    status = "identified" if error <= WEAK * abs(value) else "weak"
+    limits = Remembered(law)
+    return Estimate(
+        symbol, signal, value, error, status, law.upper(0.95), "whittle", limits, limits, value,
+        shape=(warm.tau,), shape_limits=Remembered(along),
+    )  # fmt: skip

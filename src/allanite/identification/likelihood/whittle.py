@@ -13,7 +13,6 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.terms import TERMS, NoiseTerm
 
 from .bins import SINGLE
-from .decay import decay_coefficients
 from .likelihood import Likelihood
 from .spectrum import BinnedSpectrum
 
@@ -109,6 +108,21 @@ def _warm_up(spectrum: BinnedSpectrum, tau: float, centre: FloatArray) -> tuple[
     left = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(centre, spectrum.size, tau)
     return smooth * (1 - left), smooth * (1 + left)
+
+
+def decay_coefficients(k: FloatArray, n: int, tau: float) -> FloatArray:
+    """DCT-II coefficients (orthonormal) of exp(-j / tau), j = 0..n-1, except for a factor 1 - (-1)^k exp(-n / tau).
+
+    Examples
+    --------
+    >>> from scipy.fft import dct
+    >>> literal = dct(np.exp(-np.arange(50) / 8), norm="ortho")
+    >>> k = np.arange(1.0, 50)
+    >>> bool(np.allclose(literal[1:], decay_coefficients(k, 50, 8.0) * (1 - (-1) ** k * np.exp(-50 / 8))))
+    True
+    """
+    half, lost = (0.5 * math.pi / n) * k, -math.expm1(-1 / tau)
+    return np.asarray(math.sqrt(2 / n) * np.cos(half) * lost / (lost**2 + 4 * (1 - lost) * np.sin(half) ** 2))
 
 
 def column(row: NoiseTerm, spectrum: BinnedSpectrum) -> FloatArray:

@@ -10,7 +10,7 @@ from allanite.core.estimate import STATUSES
 from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
-from allanite.identification.front import METHODS
+from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import (
@@ -24,8 +24,8 @@ from allanite.reporting.sheet import (
     Table,
     header_of,
 )
-from allanite.study.analysis import Channel, Study
 from allanite.study.recipe import Recipe
+from allanite.study.results import Channel, Study
 
 from . import Rows, View
 from .datasheet import alternative, card_of, data_sheet_table

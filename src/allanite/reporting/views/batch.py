@@ -14,7 +14,7 @@ from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, toml
-from allanite.study.analysis import Channel
+from allanite.study.results import Channel
 
 from . import Rows, View
 from .analysis import STUDY

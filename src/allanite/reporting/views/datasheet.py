@@ -16,7 +16,7 @@ from allanite.statistics import STATISTICS
 
 if TYPE_CHECKING:
     from allanite.core.curve import Curve
-    from allanite.study.analysis import Channel
+    from allanite.study.results import Channel
 
 KEY = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "

@@ -16,12 +16,13 @@ from allanite.reporting.digits import printed_unit
 from allanite.reporting.sheet import Column, Deferred, Drawing, Fold, Note, Part, Table
 from allanite.statistics import STATISTICS
 from allanite.statistics.spectra.spectrum import spectrum
+from allanite.study.results import Channel
 
 from .fit import goodness_parts
 from .values import numbers_table
 
 if TYPE_CHECKING:
-    from allanite.study.analysis import Channel
+    from allanite.study.results import Channel
 
 STRIP = say(
     "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."

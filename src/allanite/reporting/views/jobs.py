@@ -15,7 +15,7 @@ from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.job import Job
 
 if TYPE_CHECKING:
-    from allanite.study.noise import Noise
+    from allanite.study.results import Noise
 
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 """Level of the note by the grade of a model."""

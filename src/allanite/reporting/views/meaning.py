@@ -9,11 +9,12 @@ from allanite.interpretation.device import REFERENCES
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import join, say
 from allanite.reporting.sheet import Column, Note, Part, Table, one_sheet
+from allanite.study.results import Channel, Study
 
 from . import View
 
 if TYPE_CHECKING:
-    from allanite.study.analysis import Channel, Study
+    from allanite.study.results import Channel, Study
 
 
 def meaning_of(channel: "Channel", device: str | None) -> Meaning | None:

@@ -12,7 +12,7 @@ from allanite.reporting import words
 from allanite.reporting.digits import printable
 
 if TYPE_CHECKING:
-    from allanite.study.analysis import Channel
+    from allanite.study.results import Channel
 
 
 def fitness(channel: "Channel") -> str:

@@ -18,10 +18,9 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Term
-from allanite.terms.row import FloatArray, NoiseTerm
+from allanite.terms.row import FloatArray
 
-FAR = 30
-"""Lag from which second differences of D are taken from its derivatives: directly they would lose their digits."""
+from .lags import second_difference
 
 PRECISION = 1e-11
 """Residual, over that of the start, at which the conjugate gradients stop."""
@@ -44,34 +43,6 @@ def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
         if t.row.waveform is None:
             total += t.power(rate) * second_difference(t.sampled(rate), n) / 2
     return total
-
-
-def second_difference(row: NoiseTerm, n: int) -> FloatArray:
-    """D(h+1) - 2 D(h) + D(h-1) at lags h from 0 to n - 1 samples."""
-    near = np.arange(min(n, FAR) + 1, dtype=np.float64)
-    D = row.structure(near)
-    first = np.concatenate(([2 * D[1]], D[2:] - 2 * D[1:-1] + D[:-2]))
-    if n <= FAR:
-        return first[:n]
-    return np.concatenate((first[:FAR], far_difference(row, np.arange(FAR, n, dtype=np.float64))))
-
-
-def far_difference(row: NoiseTerm, h: FloatArray) -> FloatArray:
-    """The same at any lags from `FAR` on, shape of h."""
-    series = (row.derivative(k, h) / c for k, c in ((2, 1.0), (4, 12.0), (6, 360.0), (8, 20160.0)))
-    return np.asarray(sum(series))
-
-
-def line_of(row: NoiseTerm) -> tuple[float, float, float] | None:
-    """What lags 0 and 1 have beyond the straight line that the covariance of rates is from lag 2 on, and its slope.
-
-    None for other than power laws of an even exponent.
-    """
-    if row.alpha is None or row.alpha % 2:
-        return None
-    c = second_difference(row, 4) / 2
-    slope = float(c[3] - c[2])
-    return float(c[0] - c[2]) + 2 * slope, float(c[1] - c[2]) + slope, slope
 
 
 @dataclass(frozen=True, eq=False)

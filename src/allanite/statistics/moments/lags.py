@@ -1,4 +1,4 @@
-"""Sums over lags in a few hundred nodes: Gauss rules for sums over integers.
+"""Sums over lags in a few hundred nodes, by Gauss rules for sums over integers, and second differences of D.
 
 The covariance of two windows is smooth in the lag between them except where an end of one meets an end of the other.
 Between such kinks the sum over every lag is replaced by panels of four nodes, exact for polynomials of degree 7 summed
@@ -9,10 +9,13 @@ import math
 
 import numpy as np
 
-from allanite.terms.row import FloatArray
+from allanite.terms.row import FloatArray, NoiseTerm
 
 GROWTH = 1.5
 """Size of a panel over its distance from the nearest kink."""
+
+FAR = 30
+"""Lag from which second differences of D are taken from its derivatives: directly they would lose their digits."""
 
 
 def lag_nodes(kinks: list[float], end: float) -> tuple[FloatArray, FloatArray]:
@@ -73,3 +76,31 @@ def sum_nodes(first: float, count: int) -> tuple[list[float], list[float]]:
     inner = count / 2 - outer
     c, a, b = first + (count - 1) / 2, math.sqrt(far), math.sqrt(near)
     return [c - a, c - b, c + b, c + a], [outer, inner, inner, outer]
+
+
+def second_difference(row: NoiseTerm, n: int) -> FloatArray:
+    """D(h+1) - 2 D(h) + D(h-1) at lags h from 0 to n - 1 samples."""
+    near = np.arange(min(n, FAR) + 1, dtype=np.float64)
+    D = row.structure(near)
+    first = np.concatenate(([2 * D[1]], D[2:] - 2 * D[1:-1] + D[:-2]))
+    if n <= FAR:
+        return first[:n]
+    return np.concatenate((first[:FAR], far_difference(row, np.arange(FAR, n, dtype=np.float64))))
+
+
+def far_difference(row: NoiseTerm, h: FloatArray) -> FloatArray:
+    """The same at any lags from `FAR` on, shape of h."""
+    series = (row.derivative(k, h) / c for k, c in ((2, 1.0), (4, 12.0), (6, 360.0), (8, 20160.0)))
+    return np.asarray(sum(series))
+
+
+def line_of(row: NoiseTerm) -> tuple[float, float, float] | None:
+    """What lags 0 and 1 have beyond the straight line that the covariance of rates is from lag 2 on, and its slope.
+
+    None for other than power laws of an even exponent.
+    """
+    if row.alpha is None or row.alpha % 2:
+        return None
+    c = second_difference(row, 4) / 2
+    slope = float(c[3] - c[2])
+    return float(c[0] - c[2]) + 2 * slope, float(c[1] - c[2]) + slope, slope

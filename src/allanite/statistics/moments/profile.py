@@ -17,8 +17,8 @@ from allanite.statistics.row import FloatArray, IntArray, Window
 from allanite.terms import NoiseTerm
 
 from .compact import FAR
-from .gls import FAR as SMOOTH
-from .gls import far_difference, line_of
+from .lags import FAR as SMOOTH
+from .lags import far_difference, line_of
 
 BESIDE, AFTER, FARTHEST = 64, 80, 600
 """Distances beyond the last kink where c is taken at every sample, nodes of the smooth rest, and its least end."""

@@ -18,7 +18,7 @@ from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.terms import NoiseTerm
 
 from .compact import averaged, slower
-from .gls import far_difference, line_of, second_difference
+from .lags import far_difference, line_of, second_difference
 
 MOST = 2**19
 """Samples of a window above which all is done in a record of fewer samples that lasts as long."""

@@ -1,23 +1,23 @@
-"""The frequencies for which a model holds, as a value with texts."""
+"""What a fit says besides its numbers: the frequencies for which it holds, and which models could take its place."""
 
 from typing import Any
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray
+from allanite.core.estimate import Estimate
+from allanite.core.titles import title_of
 from allanite.core.validity import LowPass, Scope
 from allanite.phrases.phrase import say
+from allanite.terms import TERMS
 
-from .cells import cell_of, surroundings
+from .cells import WELL_KNOWN, surroundings
 from .filters import FILTERS
-from .model_selection import Found
+from .model_selection import DISTINGUISHABLE, SLOW, Found, lacking
 from .tuning import limits
 
 CONFIDENT = 3.84
 """Rise of 2 L at the 95 % limits of a cut-off."""
-
-WELL_KNOWN = 50
-"""Coefficients of a bin whose power needs no smoothing."""
 
 CHANGED = 0.2
 """Relative difference of the level outside a band from that inside, above which it has a cause."""
@@ -29,10 +29,10 @@ STANDS_OUT = 1.5
 def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None) -> Scope:
     """The scope of a fit; `asked` is a band that was given."""
     # the gain of the filter, with what is added, where the fit reads; elsewhere what was observed, smoothed
-    ratio = found.seen.power / expected_power(found)
+    ratio = found.seen.power / found.expected_power
     around = surroundings(ratio * found.seen.count).sum(axis=1) / surroundings(found.seen.count).sum(axis=1)
     known = np.where(found.seen.count > WELL_KNOWN, ratio, around)
-    seen, level = found.seen, np.where(found.used, found.part.passed + found.part.added / expected_power(found), known)
+    seen, level = found.seen, np.where(found.used, found.part.passed + found.part.added / found.expected_power, known)
     band = asked or _band(found)
     return Scope(
         choice=choice,
@@ -40,7 +40,7 @@ def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None
         masks=_masks(found, asked),
         filter=_filter(found),
         misfit=found.part.misfit,
-        within=largest_misfit(found) if found.part.misfit else 0.0,
+        within=found.largest_misfit if found.part.misfit else 0.0,
         frequency=seen.frequency(seen.first + (seen.count - 1) / 2),
         level=level,
         remarks=_outside(found, band) if choice == "auto" else (),
@@ -76,36 +76,6 @@ def _filter(found: Found) -> LowPass | None:
     return LowPass(row, FILTERS[row].title, cutoff * rate, low * rate, high * rate, rate)
 
 
-def expected_power(found: Found) -> FloatArray:
-    """Power of the terms in every bin, without a filter, shape (bins,)."""
-    part, likelihood = found.part, found.chosen.likelihood
-    m = (likelihood.expectation(found.chosen.theta) - likelihood.added) / part.passed[found.used]
-    if found.used.all():
-        return m
-    rest = found.part.but(used=np.ones_like(found.used))
-    columns = rest.whole.S
-    if found.chosen.constants:
-        # all bins' columns with the time constant that was found
-        assert found.search is not None  # noqa: S101 - there is a time constant
-        everywhere = found.part.but(used=np.ones_like(found.used))
-        shaped = columns.copy()
-        shaped[:, found.chosen.theta.size - 1] = found.search.column(found.chosen.constants, everywhere)
-        columns = shaped
-    return np.asarray(columns @ found.chosen.theta)
-
-
-def largest_misfit(found: Found) -> float:
-    """The largest misfit of a cell beyond twice its standard error, as a share of the power."""
-    seen, used = found.seen, found.used
-    cell = cell_of(seen, used)[used]
-    m = found.chosen.likelihood.expectation(found.chosen.theta)
-    nu = np.bincount(cell, seen.count[used])
-    total = np.bincount(cell, seen.count[used] * seen.power[used] / m)
-    held = nu > WELL_KNOWN
-    beyond = np.abs(total[held] / nu[held] - 1) - 2 * np.sqrt(2 / nu[held])
-    return max(float(beyond.max(initial=0.0)), found.part.misfit)
-
-
 def _outside(found: Found, band: tuple[float, float]) -> tuple[str, ...]:
     """Behaviour of the spectrum beyond the ends of the band, by its own levels: no model holds there."""
     there = np.flatnonzero(found.used)
@@ -139,3 +109,61 @@ def _beyond(where: str, found: Found, part: slice, inside: BoolArray, cause: str
     if ratio > 1 + CHANGED:
         return say("{where} the median power is {ratio:.2g} times that of the octave next to it: {cause}", **odd)
     return say("{where} the median power is {ratio:.2g} times that of the octave next to it", **odd)
+
+
+def notes_of(estimates: dict[str, Estimate], found: Found) -> list[str]:
+    """What Gauss-Markov noise is, and which terms of the best model others could replace."""
+    time = found.chosen.constants[0] if len(found.chosen.constants) == 1 else SLOW
+    notes = []
+    if time < SLOW:
+        notes = [
+            say(
+                "the Gauss-Markov noise has a time constant of {count:.2g} samples: noise that a filter or a vibration "
+                "correlates, no drift of the bias",
+                count=time,
+            )
+        ]
+    notes += [
+        say(
+            "{term} ({symbol}) is in the best model, but other terms could take its place: a longer record would "
+            "decide",
+            term=title_of(s, estimates[s].signal),
+            symbol=s,
+        )
+        for s, free in zip(found.noise, found.chosen.free, strict=True)
+        if free and s in estimates and estimates[s].status == "absent"
+    ]
+    return notes + _ambiguous(found)
+
+
+def _ambiguous(found: Found) -> list[str]:
+    """How well Gauss-Markov noise instead of flicker, or the reverse, would describe the record."""
+    if found.search is None or found.markov is None or found.flicker is None:
+        return []
+    if found.search.symbol not in {TERMS[symbol].substitute for symbol in found.noise}:
+        return []
+    gain = found.flicker.aic - found.markov.aic
+    size, time = f"{-gain:+.1f}", found.markov.constants[0] / found.seen.rate
+    if found.chosen is found.markov:
+        return [
+            say("Gauss-Markov noise with a time constant of {time:.2g} s describes the record better than flicker does",
+                time=time)
+        ]  # fmt: skip
+    if abs(gain) < DISTINGUISHABLE:
+        return [
+            say(
+                "Gauss-Markov noise with a time constant of {time:.2g} s instead of flicker would describe the record "
+                "equally well: they cannot be distinguished (AIC {gain})",
+                time=time, gain=size,
+            )
+        ]  # fmt: skip
+    needed = gain + lacking(found.plain, found.markov, found.part)
+    if gain < 0 or needed <= gain:  # it is not missed, or it does not explain the record
+        return []
+    return [
+        say(
+            "Gauss-Markov noise with a time constant of {time:.2g} s would describe the record better (AIC {gain}; it "
+            "is claimed from -{needed:.0f} on): a longer record would decide",
+            time=time, gain=size, needed=needed,
+        )
+    ]  # fmt: skip

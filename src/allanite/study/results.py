@@ -1,0 +1,263 @@
+"""Results of an analysis: the noise of a record, of a channel, and of all channels."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+from allanite.core.curve import Curve
+from allanite.core.datasheet import DataSheetRow, data_sheet
+from allanite.core.encoding import plain, read_plain, write_plain
+from allanite.core.errors import DataError
+from allanite.core.finding import Quality
+from allanite.core.fit import Fit
+from allanite.core.header import Header, header_from
+from allanite.core.limits import Stored
+from allanite.core.model import Model
+from allanite.core.plain import Portable, Value, stored_fields
+from allanite.core.readings import Readings
+from allanite.core.record import Record, Recording, header_dict
+from allanite.core.residuals import Residuals, Shared, Statement, statement
+from allanite.core.validity import UNEXPLAINED, worst
+from allanite.identification.checks.shared import shared
+from allanite.parallel.processors import how_many
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
+
+from .job import Job
+
+if TYPE_CHECKING:
+    from .inspected import Inspected
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Noise(Portable):
+    """A fit with graded coefficients, and its residuals.
+
+    `leftover` computes `residuals`; None if the method has no test.
+    """
+
+    fit: Fit
+    leftover: Callable[[], Residuals] | None = None
+
+    @cached_property
+    def residuals(self) -> Residuals | None:
+        """The residuals of the model; None if the method does not give them."""
+        return None if self.leftover is None else self.leftover()
+
+    @property
+    def validity(self) -> str:
+        """Grade of the model, one of `GRADES`; empty if the method does not test it."""
+        return worst(self.fit.validity, "" if self.residuals is None else self.residuals.grade)
+
+    @property
+    def explained(self) -> bool:
+        """Whether the results are not known to be wrong: the model explains the record, at least approximately."""
+        return self.validity != UNEXPLAINED
+
+    @property
+    def statement(self) -> Statement:
+        """How well the model explains the record, as text."""
+        return statement(self.validity, self.fit, self.residuals)
+
+    @property
+    def verdict(self) -> str:
+        """The same in a sentence; empty if the method does not test it."""
+        return str(self.statement)
+
+    @property
+    def rejection(self) -> str:
+        """The grade with the first of its reasons; empty if the model explains the record."""
+        return "" if self.explained else join("; ", (self.statement.head, *self.statement.points[:1]))
+
+    def usable(self, *, unexplained: bool = False) -> Model:
+        """The model from which a job may go on: a plan, a filter, a prediction.
+
+        Raises
+        ------
+        DataError
+            No model explains the record, and `unexplained` does not accept the best one; or no noise was identified.
+        """
+        if not (self.explained or unexplained):
+            raise DataError(rejected(self.rejection))
+        model = self.fit.valid or self.fit.model
+        if not any(t.row.waveform is None and t.value for t in model):
+            raise DataError(say("no noise was identified"))
+        return model
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """A warning to report with every result that uses this noise if the model does not explain the record."""
+        return () if self.explained else (self.verdict,)
+
+
+def rejected(why: str) -> str:
+    """Why the coefficients of a model that does not explain its record are not used, and how they are nevertheless."""
+    remedy = spelled("--unexplained", "unexplained=True")
+    return say("{why}. To use the coefficients nevertheless: {remedy}", why=why, remedy=remedy)
+
+
+def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
+    """The stored data of a channel's noise: the fit, its residuals, and whether it explains the record."""
+    if noise is None:
+        return dict.fromkeys(("fit", "residuals", "explained", "validity", "verdict"))
+    fit = replace(noise.fit, curve=None)  # the channel has its curves
+    left = None if noise.residuals is None else noise.residuals.to_dict(level)
+    said = {"explained": noise.explained, "validity": noise.validity or None, "verdict": noise.verdict}
+    return {"fit": fit.to_dict(level), "residuals": left} | said
+
+
+def noise_from(data: dict[str, Any]) -> Noise | None:
+    """The noise written by `noise_dict`."""
+    left = data["residuals"] and Stored(Residuals.from_dict(data["residuals"]))
+    return data["fit"] and Noise(Fit.from_dict(data["fit"]), left)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RecordResult(Value):
+    """Results for one record; a subclass adds its fields.
+
+    When stored, the header of the record comes first, and a field `noise` becomes the keys of `noise_dict`.
+    """
+
+    record: Record | Header
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data."""
+        data = header_dict(self.record, type(self).__name__)
+        for name, hint in stored_fields(type(self))[1:]:
+            value = getattr(self, name)
+            data |= noise_dict(value, level) if name == "noise" else {name: write_plain(value, hint, level)}
+        return data | {name: plain(getattr(self, name), level) for name in self._also}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """The value written by `to_dict`."""
+        own = {name: hint for name, hint in stored_fields(cls) if name != "record"}
+        values = {n: noise_from(data) if n == "noise" else read_plain(data[n], hint) for n, hint in own.items()}
+        return cls(header_from(data), **values)
+
+    def _summary(self) -> str:
+        return ": ".join(filter(None, (repr(self.record.name), getattr(self, "refusal", ""))))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelResult(RecordResult):
+    """The result of a job for one channel, or the reason (`refusal`) why there is none.
+
+    A subclass adds fields with defaults. `alerts` are the warnings to report with the results.
+    """
+
+    quality: Quality
+    noise: Noise | None = None
+    refusal: str = ""
+
+    @property
+    def fit(self) -> Fit | None:
+        """The identified noise, if it was requested and could be identified."""
+        return None if self.noise is None else self.noise.fit
+
+    @classmethod
+    def refused(cls, seen: "Inspected", why: str) -> Self:
+        """The result of a refused channel."""
+        return cls(seen.first, seen.quality, refusal=why)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Channel(ChannelResult):
+    """Result of one channel, or the reason (`refusal`) why there is none."""
+
+    curves: tuple[Curve, ...] = ()
+    readings: Readings | None = None
+
+    @property
+    def curve(self) -> Curve | None:
+        """The curve of the record, with intervals under the identified noise."""
+        return self.curves[0] if self.curves else None
+
+    @property
+    def residuals(self) -> Residuals | None:
+        """The residuals of the model; None without a model of all frequencies, or if the method has none."""
+        return None if self.noise is None else self.noise.residuals
+
+    @property
+    def explained(self) -> bool:
+        """Whether there is a model that is not known to be inadequate."""
+        return self.noise is not None and self.noise.explained
+
+    @property
+    def verdict(self) -> str:
+        """Whether the model explains the record, in a sentence; empty if the method does not test it."""
+        return "" if self.noise is None else self.noise.verdict
+
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """Warnings to report with the results, including that the model does not explain the record."""
+        # not repeated if the residuals name it; removed or excluded lines need no warning
+        settled = {finding.name for finding in self.residuals.findings} if self.residuals else set()
+        scope = self.fit.scope if self.fit else None
+        met = self.fit is not None and (self.fit.lines or (scope is not None and (scope.masks or scope.limited)))
+        settled |= {"lines"} if met and self.explained else set()
+        doubts = () if self.noise is None else self.noise.doubts
+        return (*doubts, *(str(finding) for finding in self.quality.warnings if finding.name not in settled))
+
+    def to(self, *units: str) -> Self:
+        """The same, shown in these units: of the signal (deg/s) or of a coefficient (deg/s/sqrt(Hz))."""
+        if self.noise is None:
+            return self
+        fit = replace(self.noise.fit, estimates=tuple(replace(e, wanted=units) for e in self.noise.fit))
+        read = None if self.readings is None else replace(self.readings, wanted=units)
+        return replace(self, noise=replace(self.noise, fit=fit), readings=read)
+
+    def data_sheet(self, level: float = 0.95) -> list[DataSheetRow]:
+        """The quantities and units of data sheets, with limits."""
+        return data_sheet(self.fit, self.readings, self.record.rate, level)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, with the data sheet."""
+        return super().to_dict(level) | {"data_sheet": [entry._asdict() for entry in self.data_sheet(level)]}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """The value written by `to_dict`."""
+        found = super().from_dict(data)
+        if found.noise is None:
+            return found
+        return replace(found, noise=replace(found.noise, fit=replace(found.noise.fit, curve=found.curve)))
+
+    def _summary(self) -> str:
+        return f"{self.record.name!r}: {self.refusal or (self.fit.model if self.fit else 'not analyzed')}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Study(Job[Channel]):
+    """Recording, recipe, and the result of each channel."""
+
+    _channel = Channel
+
+    common: Shared | None = field(default=None, compare=False)
+    """Correlations between the channels, if they were read and not computed."""
+
+    @cached_property
+    def shared(self) -> Shared | None:
+        """Correlations between the residuals of the channels; None if fewer than two can be compared."""
+        fits = {c.record.name: c.fit for c in self.channels if c.fit is not None and c.noise and c.noise.leftover}
+        records = tuple(c.record for c in self.channels if c.record.name in fits and isinstance(c.record, Record))
+        if len(records) < 2 or len({record.size for record in records}) > 1:
+            return self.common
+        threads = how_many(len(records), max(record.size for record in records))
+        return shared(Recording(records), fits, outliers=self.recipe.outliers or "mark", threads=threads)
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was actually used, as plain data."""
+        return self.recipe.to_dict()
+
+    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
+        data = super()._around(level, channels)
+        del data["common"]
+        return data | {"shared": None if self.shared is None else self.shared.to_dict()}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> "Study":
+        """The value written by `to_dict`."""
+        return super().from_dict({**data, "common": data["shared"]})
