@@ -14,6 +14,7 @@ from allanite.phrases.wording import between, percent, spelled, windowing
 from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 
+from .outliers import marked, outliers
 from .view import View, stretches
 from .window import trim
 
@@ -87,14 +88,16 @@ def in_motion(loud: BoolArray) -> bool:
 
 
 def moving_samples(record: Record) -> BoolArray:
-    """Intervals of a record that lie in moving blocks, shape (size,); none if too few are to call it moving."""
+    """Intervals of a record that lie in moving blocks, shape (size,); of a single one, too.
+
+    Outliers are left out first: one of them is enough to make its block a moving one.
+    """
     moved = np.zeros(record.size, dtype=np.bool_)
-    view = View(record)
-    if view.steps.size < SHORTEST or record.out_of_range:
+    if record.out_of_range:
         return moved
-    loud = busy(view)
-    if in_motion(loud):
-        inside = np.flatnonzero(np.repeat(loud, view.span))
+    view = View(marked(record, outliers(record)))
+    if view.steps.size >= SHORTEST:
+        inside = np.flatnonzero(np.repeat(busy(view), view.span))
         moved[inside if view.left is None else view.left[inside]] = True
     return moved
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray
 from allanite.core.errors import UsageError, given
+from allanite.core.finding import Finding
 from allanite.core.kinds import KINDS
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import say, say_count
@@ -14,7 +15,7 @@ from allanite.statistics.table import statistic_named
 
 from .outliers import marked, outliers
 from .pieces import means
-from .stillness import moving_samples
+from .stillness import AT_REST, moving_samples
 from .view import stretches
 
 
@@ -53,17 +54,23 @@ def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:
     >>> int(np.isnan(left.values).sum()), left.history
     (320, ('moved in 1 place, from 1000 s to 1010 s: left out',))
     """
-    carried = [record.signal.inertial for record in records]
-    moved = np.zeros(max(record.size for record in records), dtype=np.bool_)
-    left = tuple(records)
+    moved = motion(records)
+    if not moved.any():
+        return tuple(records)
+    return tuple(_still(record, moved) if record.signal.inertial else record for record in records)
+
+
+def motion(records: Sequence[Record]) -> BoolArray:
+    """The intervals that `mark_motion` leaves out, shape (size,)."""
+    left = [record for record in records if record.signal.inertial]
+    moved = np.zeros(max((record.size for record in left), default=0), dtype=np.bool_)
     for _ in range(PASSES):
-        found = [moving_samples(record) for record, inertial in zip(left, carried, strict=True) if inertial]
-        if not any(each.any() for each in found):
+        before = int(moved.sum())
+        for record in left:
+            moved[: record.size] |= moving_samples(_still(record, moved) if before else record)
+        if int(moved.sum()) == before:
             break
-        for each in found:
-            moved[: each.size] |= each
-        left = tuple(_still(r, moved) if inertial else r for r, inertial in zip(records, carried, strict=True))
-    return left
+    return moved
 
 
 def _still(record: Record, moved: BoolArray) -> Record:
@@ -72,11 +79,16 @@ def _still(record: Record, moved: BoolArray) -> Record:
     at = moved[: record.size]
     for first in range(KINDS[record.kind][1] + 1):  # an interval of an angle has two ends
         values[first : first + at.size][at] = np.nan
-    runs = stretches(at)
+    return record.with_values(values, motion_found(record, at).what, start=record.start)
+
+
+def motion_found(record: Record, moved: BoolArray) -> Finding:
+    """The finding about intervals that are left out because the sensor moved."""
+    runs = stretches(moved)
     first, last = (record.cut + place / record.rate for place in (runs[0, 0], runs[-1, 1]))
     what = say("moved in {places}, from {first:.4g} s to {last:.4g} s: left out",
                places=say_count(len(runs), "{count} place", "{count} places"), first=first, last=last)  # fmt: skip
-    return record.with_values(values, what, start=record.start)
+    return Finding("moving", what, AT_REST, place=(first, last))
 
 
 def detrend(record: Record, statistic: str) -> Record:

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from allanite.core.errors import UsageError
 
+from .sandbox.source import NamedPath
+
 LONGEST = 1 << 16
 """Bytes of a line, beyond which it is not one of text."""
 
@@ -84,12 +86,12 @@ class Spool:
         return text, self.rows - len(last)
 
     @contextmanager
-    def beside(self, text: bytes) -> Iterator[str]:
+    def beside(self, text: bytes) -> Iterator[NamedPath]:
         """A file with this text, and the suffix of the spool."""
         with tempfile.TemporaryDirectory(prefix="allanite-") as folder:
             path = Path(folder, f"recent{os.path.splitext(self.path)[1]}")
             path.write_bytes(text)
-            yield str(path)
+            yield NamedPath(str(path), self.source_name)
 
     def close(self) -> None:
         """Remove the file, unless the user has given its name."""

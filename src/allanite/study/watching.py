@@ -2,18 +2,19 @@
 
 import math
 import time
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding
 from allanite.core.fit import Fit
-from allanite.core.record import Recording
+from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import percent
 from allanite.planning.plan import plan
 from allanite.prepare.quality import inspect
+from allanite.prepare.transform import mark_motion, motion, motion_found
 from allanite.readers import read
 from allanite.readers.live import WAIT, Feed, opened
 from allanite.readers.spool import TAIL, Spool
@@ -96,7 +97,7 @@ class Watch:
         self.spool = Spool(self.target, self.settings.record, sent=tap.live)
         yield say("watching {target!r}", target=self.target)
         begun = last = time.monotonic()
-        every = {self._look: 1.0, self._report: self.settings.every}
+        every = {self._look: 1.0, self._reports: self.settings.every}
         due = {work: begun + usual for work, usual in every.items()}
         try:
             while not self.stopped():
@@ -120,6 +121,7 @@ class Watch:
         for data in rest:
             self.spool.add(data)
         self.spool.finish()
+        yield from self._look()
 
     def report(self) -> str:
         """Length, coefficients so far, and when more will be known."""
@@ -128,6 +130,9 @@ class Watch:
         except DataError as error:
             return str(error)
         return "\n".join(_reported(channel, self.settings.accuracy) for channel in study)
+
+    def _reports(self) -> Iterator[str]:
+        yield self.report()
 
     def study(self) -> Study:
         """What `analyze` gives of the lines that came.
@@ -156,20 +161,17 @@ class Watch:
             self.latest = analyze(self.spool, self.recipe)
         return self.latest
 
-    def _report(self) -> Iterator[str]:
-        yield self.report()
-        for channel in self.latest or ():
-            yield from self._new(channel.record.name, [f for f in channel.quality.findings if f.name not in AT_ONCE])
-            steps = [f for f in channel.residuals.findings if f.name == "step"] if channel.residuals else []
-            yield from self._new(channel.record.name, steps)
-
     def _look(self) -> Iterator[str]:
         """Look at the last minute as at a record of its own, and say what is new."""
         with suppress(DataError):
             recent = self._recent()
-            yield from self._new("", [f for f in recent.findings if f.name in AT_ONCE])
-            for record in recent:
-                yield from self._new(record.name, [f for f in inspect(record).findings if f.name in AT_ONCE])
+            yield from self._new("", recent.findings)
+            records: Sequence[Record] = recent.records
+            if self.recipe.motion == "mark" and (moved := motion(records)).any():
+                yield from self._new("", [motion_found(records[0], moved)])
+                records = mark_motion(records)
+            for record in records:
+                yield from self._new(record.name, inspect(record).findings)
 
     def _recent(self) -> Recording:
         assert self.spool is not None  # noqa: S101 - it is made before anything is looked at
@@ -180,9 +182,11 @@ class Watch:
         placed = tuple(replace(record, cut=before / record.rate) for record in recording)
         return replace(recording, records=placed)
 
-    def _new(self, channel: str, findings: list[Finding]) -> Iterator[str]:
+    def _new(self, channel: str, findings: Sequence[Finding]) -> Iterator[str]:
         """Sentences about findings that begin after those that were said."""
         for one in findings:
+            if one.name not in AT_ONCE:
+                continue
             begin, end = one.place or (0.0, 0.0)
             if begin >= self._said.get((channel, one.name), -math.inf):
                 yield join(": ", (channel, str(one))) if channel else str(one)
@@ -227,7 +231,9 @@ def _reported(channel: Channel, accuracy: float) -> str:
     shown = say("{title} {value:.3g} {unit} at {tau:.3g} s", title=curve.statistic,
                 value=curve.to(unit).deviation[lowest], unit=unit, tau=curve.tau[lowest])  # fmt: skip
     claimed = (say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed)
-    return join("; ", (known, shown, *claimed, *_waits(fit, record.size, record.rate, accuracy)))
+    why = channel.noise.rejection if channel.noise is not None else ""
+    doubts = (why,) if why else tuple(finding.what for finding in fit.findings)
+    return join("; ", (known, shown, *claimed, *doubts, *_waits(fit, record.size, record.rate, accuracy)))
 
 
 def _waits(fit: Fit, size: int, rate: float, accuracy: float) -> list[str]:

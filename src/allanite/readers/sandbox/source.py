@@ -10,6 +10,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +68,17 @@ def checked(path: Any) -> tuple[str, str]:
     if mode.st_size == 0:
         raise DataError(f"{name}: the file is empty; was the recording saved?")
     return name, member
+
+
+@dataclass(frozen=True)
+class NamedPath:
+    """A file that messages and results call by another name."""
+
+    path: str
+    source_name: str
+
+    def __fspath__(self) -> str:
+        return self.path
 
 
 def named(path: Any, name: str) -> str:

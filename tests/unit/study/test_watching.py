@@ -1,4 +1,4 @@
-"""allanite watch: a simulated sensor through a pseudo-terminal and by datagrams, moved once, unplugged once."""
+"""allanite watch: what is analyzed of a file, also while it comes; moved once, unplugged once, with torn lines."""
 
 import json
 import os
@@ -7,18 +7,19 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import closing
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from allanite.live.lines import Lines, places
-from allanite.live.sources import opened
-from allanite.live.watching import Watch, WatchSettings, lasting
 from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
-from allanite.reporting import table
+from allanite.readers.live import opened
+from allanite.readers.spool import Spool
+from allanite.study.watching import Watch, WatchSettings, lasting
 
 RATE = 1000
 HOW = ["--rate", str(RATE), "--unit", "deg/h", "--refresh", "1"]
@@ -58,12 +59,9 @@ def ended(process, how=signal.SIGTERM):
 
 def checked(study, err, *, size):
     (channel,) = study["channels"]
-    assert "the sensor moves at" in err
+    assert "moved in 1 place, from 3" in err or "moved in 1 place, from 29" in err
     assert "oadev" in err
-    findings = {one["name"]: one for one in channel["quality"]["findings"]}
-    start, end = findings["moving"]["place"]
-    assert 29 < start <= 30
-    assert 31 <= end < 32.5
+    assert any(line.startswith("moved in 1 place, from ") and "left out" in line for line in channel["history"])
     assert channel["size"] >= size
     N = next(one for one in channel["fit"]["terms"] if one["symbol"] == "N")
     assert N["shown"]["value"] == pytest.approx(1 / np.sqrt(RATE) / 60, rel=0.03)
@@ -145,13 +143,24 @@ def test_datagrams_and_interruption(tmp_path):
     assert curve.read_text().startswith("channel,statistic,m")
 
 
+def watched(path, recipe=None, **settings):
+    """Everything that is said of a file, and the study."""
+    watch = Watch(str(path), recipe or al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=0.1, **settings))
+    with closing(watch):
+        said = list(watch.events())
+        return said[1:], watch.study()
+
+
 def test_what_a_short_stream_lacks_is_reported(tmp_path):
     path = tmp_path / "log.txt"
     path.write_bytes(lines_of(np.random.default_rng(3).normal(size=20)))
     watch = Watch(str(path), al.Recipe(rate=RATE, unit="deg/h"), WatchSettings(idle=0.1))
-    for _ in watch.events():
-        pass
-    assert watch.report().startswith("column 1: 0 s; 0 samples are too few for noise coefficients")
+    with closing(watch):
+        assert len(list(watch.events())) == 1
+        assert "20 samples are too few" in watch.report()
+        with pytest.raises(al.DataError, match="20 samples are too few"):
+            watch.study()
+    assert not Path(watch.spool.path).exists()
 
 
 @pytest.mark.slow("long streams")
@@ -161,85 +170,96 @@ def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     stamps[15_000:] += 30.0
     rows = [f"{t:.2f},{a:.5f},{b:.5f}\n" for t, (a, b) in zip(stamps, values.tolist(), strict=True)]
     path.write_text("t,x,y\n" + "".join(rows[:100]) + rows[100][:7])
-    recipe = al.Recipe(rate=100.0, unit="deg/h", time="t")
+    recipe = al.Recipe(unit="deg/h", time="t")
     watch = Watch(str(path), recipe, WatchSettings(idle=0.5, every=1e9))
     events = watch.events()
     assert "watching" in next(events)
     with path.open("a") as file:
         file.write(rows[100][7:] + "".join(rows[101:]))
-    assert list(events) == []
-    study = watch.study()
-    assert [channel.record.name for channel in study] == ["x", "y"]
-    batch = al.identify(al.Record(values[:, 0], 100.0, "deg/h"))
-    assert study["x"].fit["N"].value == pytest.approx(batch["N"].value, rel=0.02)
-    assert study["x"].quality.names == ("gaps",)
+    with closing(watch):
+        assert not [words for words in events if "missing" not in words]
+        study = watch.study()
+    whole = al.analyze(path, recipe)
+    assert study.provenance == whole.provenance
+    assert study.to_dict()["channels"] == whole.to_dict()["channels"]
+    assert study["x"].quality.names == ("gaps", "short")
     assert "3000 of 23000" in study["x"].quality.findings[0].what
-    assert "watched as a stream" in table(study)
-    assert al.from_dict(study.to_dict()).channels[1].fit["N"].value == study["y"].fit["N"].value
 
 
-def watched(values, rate=100.0, unit="deg/h", kind=None):
-    """Everything that is said of these values, and the study."""
-    watch = Watch("-", al.Recipe(rate=rate, unit=unit, kind=kind), WatchSettings())
-    text = "".join(f"{value!r}\n" for value in np.asarray(values).tolist()).encode()
-    said = [words for at in range(0, len(text), 9973) for words in watch._take(text[at : at + 9973])]
-    return said, watch.study()[0]
-
-
-@pytest.mark.parametrize("at", [7, 33_333])
-def test_outliers_are_replaced_counted_and_said(at):
-    clean = np.random.default_rng(3).normal(size=60_000)
-    spiky = clean.copy()
-    spiky[[at, 40_000, 55_555]] += 1000.0, -8.0, 3000.0
-    said, channel = watched(spiky)
-    assert [words for words in said if "outlier" in words] == [
-        f"column 1: outlier at {at / 100:.6g} s; it is replaced, and so are further ones"
-    ]
-    (finding,) = [one for one in channel.quality.findings if one.name == "outliers"]
-    assert finding.what == f"3 outliers, the first at {at / 100:.6g} s, are replaced by the medians of their blocks"
-    (_, plain) = watched(clean)
-    assert "outliers" not in plain.quality.names
-    np.testing.assert_allclose(channel.curve.deviation, plain.curve.deviation, rtol=0.02)
-    np.testing.assert_array_equal(channel.curve.count, plain.curve.count)
-    assert "moving" not in channel.quality.names
-    assert "gaps" not in channel.quality.names
+@pytest.mark.parametrize("kind", ["rate", "angle"])
+@pytest.mark.parametrize("outliers", [None, "mark", "keep"])
+def test_watch_is_analyze_of_what_came(tmp_path, kind, outliers):
+    values = np.random.default_rng(3).normal(size=20_000)
+    values[[7, 14_000]] += 1000.0, -8.0
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(np.cumsum(values) / 100 if kind == "angle" else values))
+    unit = "deg" if kind == "angle" else "deg/h"
+    recipe = al.Recipe(rate=100.0, unit=unit, kind=kind, outliers=outliers, average=0.02, start=10.0)
+    _, study = watched(path, recipe)
+    assert study.to_dict()["channels"] == al.analyze(path, recipe).to_dict()["channels"]
+    assert "watched as a stream" in study.notes
 
 
 @pytest.mark.slow("long streams")
-def test_a_step_is_said_when_it_comes_and_noise_has_none():
+@pytest.mark.parametrize(("size", "words"), [(0.0, ""), (3.0, "the bias steps: +"), (15.0, "the bias jumps")])
+def test_a_step_is_reported_and_noise_has_none(tmp_path, size, words):
     noise = al.simulate(al.N(1, "deg/h*sqrt(s)") + al.B(0.3, "deg/h") + al.K(1, "deg/h/sqrt(h)"), 200_000, 100.0,
                         rng=np.random.default_rng(4))  # fmt: skip
     values = np.rad2deg(noise.values) * 3600
-    assert watched(values)[0] == []
-    values[123_450:] += 15.0
-    said, channel = watched(values)
-    assert len(said) == 1
-    assert said[0].startswith("column 1: the mean jumps at 1234 s, by ")
-    assert "analyze what was recorded before it and after it separately" in said[0]
-    (finding,) = [one for one in channel.quality.findings if one.name == "step"]
-    assert finding.place == (1234.0, 1235.0)
-
-
-def test_an_angle_is_watched_as_its_steps():
-    rates = np.random.default_rng(5).normal(size=30_000)
-    angle = np.concatenate(([5.0], 5.0 + np.cumsum(rates) / 100.0))
-    (_, channel), (_, plain) = watched(angle, unit="deg", kind="angle"), watched(rates, unit="deg/s")
-    assert channel.curve.m.size == plain.curve.m.size
-    np.testing.assert_allclose(channel.curve.deviation, plain.curve.deviation, rtol=1e-9)
-    np.testing.assert_allclose(channel.fit["N"].value, plain.fit["N"].value, rtol=1e-6)
+    values[123_450:] += size
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(values))
+    watch = Watch(str(path), al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=0.1))
+    with closing(watch):
+        list(watch.events())
+        report = watch.report()
+    assert words in report
+    assert words or not any(bad in report for bad in ("steps", "jumps"))
 
 
 @pytest.mark.slow("long streams")
-def test_it_foretells_when_more_is_known():
+def test_it_foretells_when_more_is_known(tmp_path):
     model = al.N(1, "deg/h*sqrt(s)") + al.B(1, "deg/h")
     record = al.simulate(model, 60_000, 10.0, rng=np.random.default_rng(1))
-    watch = Watch("-", al.Recipe(rate=10.0, unit=record.unit, kind=record.kind), WatchSettings(accuracy=0.005))
-    assert list(watch._take(lines_of(record.values))) == []
-    words = watch.report()
+    path = tmp_path / "log.txt"
+    path.write_bytes("".join(f"{value!r}\n" for value in record.values.tolist()).encode())
+    recipe = al.Recipe(rate=10.0, unit=record.unit, kind=record.kind)
+    watch = Watch(str(path), recipe, WatchSettings(accuracy=0.005, idle=0.1))
+    with closing(watch):
+        assert len(list(watch.events())) == 1
+        words = watch.report()
+        fit = watch.study()[0].fit
     assert "more until B is known to 0.5 %" in words
-    needed = al.plan(watch.fit(watch.monitors["column 1"]).model, 10.0, durations=(), accuracy=0.005)
-    left = needed.needed[needed.names.index("B")] - watch.monitors["column 1"].stream.size / 10.0
+    needed = al.plan(fit.model, 10.0, durations=(), accuracy=0.005)
+    left = needed.needed[needed.names.index("B")] - record.duration
     assert f"about {lasting(left)} more until B" in words
+
+
+def test_motion_is_left_out_by_default_and_refused_if_asked(tmp_path):
+    values = np.random.default_rng(6).normal(size=30_000)
+    values[10_000:13_000] *= 300.0
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(values))
+    _, study = watched(path)
+    marked = al.analyze(path, al.Recipe(rate=100.0, unit="deg/h", motion="mark"))
+    assert study.to_dict()["channels"] == marked.to_dict()["channels"]
+    assert study[0].fit["N"].value == pytest.approx(np.deg2rad(1 / 3600) / 10, rel=0.05)
+    refused = al.Recipe(rate=100.0, unit="deg/h", motion="refuse")
+    for job in (lambda: watched(path, refused), lambda: al.analyze(path, refused)):
+        with pytest.raises(al.DataError, match=r"moves from 100 s .* in 10 % of the blocks"):
+            job()
+
+
+def test_what_came_is_kept_if_asked(tmp_path):
+    path, kept = tmp_path / "log.csv", tmp_path / "kept.csv"
+    path.write_text("gx [deg/h]\n" + "".join(f"{v:.4f}\n" for v in np.random.default_rng(1).normal(size=2000)))
+    words = ["watch", str(path), "--rate", "100", "--idle", "0.1", "--record", str(kept)]
+    assert CliRunner().invoke(main, words).exit_code == 0
+    assert kept.read_bytes() == path.read_bytes()
+    again = CliRunner().invoke(main, words)
+    assert again.exit_code == 2
+    assert "kept.csv' already exists" in again.stderr
+    assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
 
 
 @pytest.mark.parametrize(
@@ -259,32 +279,56 @@ def test_other_sources_are_refused(target, says):
     assert says in done.stderr
 
 
-def test_choices_are_refused_before_anything_is_read(tmp_path):
+def test_choices_are_refused_in_the_words_of_analyze(tmp_path):
     path = tmp_path / "log.txt"
-    path.write_text("1 2\n3 4\n")
-    for options, says in (
-        (["--rate", "1"], "a stream does not say its unit: give --unit"),
-        (["--unit", "deg/h"], "a stream does not say its rate: give --rate"),
-        ([], "a stream does not say its rate and unit: give --rate and --unit"),
-        ([*HOW, "--statistic", "theo1"], "a stream has no 'theo1'"),
-        ([*HOW, "--channels", "7", "--idle", "0.1"], "no column '7'; columns: 1: column 1, 2: column 2"),
-        ([*HOW, "--idle", "0.1"], "2 samples are too few"),
+    path.write_text("1 2\n3 4\n" * 500)
+    for options in (
+        ["--rate", "1"],
+        ["--unit", "deg/h"],
+        [*HOW[:4], "--statistic", "theo7"],
+        [*HOW[:4], "--channels", "7"],
+        [*HOW[:4], "--until", "1000"],
+        [*HOW[:4], "--motion", "hide"],
     ):
-        done = CliRunner().invoke(main, ["watch", str(path), *options])
-        assert done.exit_code in (2, 3), says
-        assert says in done.stderr
+        watch = CliRunner().invoke(main, ["watch", str(path), *options, "--idle", "0.1"])
+        analyze = CliRunner().invoke(main, ["analyze", str(path), *options])
+        assert watch.exit_code == analyze.exit_code > 1
+        error = [line for line in analyze.stderr.splitlines() if line.strip()]
+        assert error[-1] in watch.stderr, watch.stderr
 
 
-def test_rows_of_torn_and_bad_lines():
-    lines = Lines()
-    assert lines.rows(b"# a comment\ngx [deg/h],gy [deg/h]\n1, 2\n3") == [[1.0, 2.0]]
-    assert lines.rows(b"0,4\r\nx,y\n5\n") == pytest.approx(
-        np.array([[30.0, 4.0], [np.nan] * 2, [np.nan] * 2]), nan_ok=True
-    )
-    assert (lines.names, lines.bad) == (("gx", "gy"), 2)
-    assert places(lines, ["gy"], "1") == ({"gy": 1}, 0)
+def spooled(*parts, sent=True):
+    spool = Spool("port", sent=sent)
+    for part in parts:
+        spool.add(part)
+    spool.finish()
+    text = Path(spool.path).read_bytes()
+    spool.close()
+    return text, spool
+
+
+def test_torn_and_bad_lines_of_a_port_are_missing_samples():
+    text, spool = spooled(b"0.7\n# a comment\ngx [deg/h],gy [deg/h]\n1, 2\n3", b"0,4\n", b"x,y\n5\n6,7,8\n9,10\n11,")
+    assert text == b"# a comment\ngx [deg/h],gy [deg/h]\n1, 2\n30,4\nnan,nan\nnan,nan\nnan,nan\n9,10\n"
+    assert spool.rows == 6
+    spool, _ = spooled(*(bytes([byte]) for byte in b"gx [deg/s]\n1.5\n-2\n"))
+    assert spool == b"gx [deg/s]\n1.5\n-2\n"
+
+
+def test_the_lines_of_a_file_are_kept_as_they_are():
+    assert spooled(b"1 2\n3 4\nx y\n3\n4 5", sent=False)[0] == b"1 2\n3 4\nx y\n3\n4 5\n"
+
+
+def test_the_last_rows_are_read_below_the_headings():
+    _, spool = spooled(b"t,gx\n" + b"".join(b"%d,%d\n" % (i, i) for i in range(100)))
+    assert spool.tail(2) == (b"t,gx\n98,98\n99,99\n", 98)
+
+
+def test_what_has_no_lines_is_refused():
+    spool = Spool("port")
     with pytest.raises(al.UsageError, match="no lines"):
-        lines.rows(b"1" * 100_000)
+        spool.add(b"1" * 100_000)
+    spool.close()
 
 
 def test_a_port_that_is_taken_is_refused():
