@@ -1,0 +1,175 @@
+"""One way for samples: a whole record, the same one in parts, and watched give the same, or the same refusal."""
+
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.core.choices import choices_of, needing_all
+from allanite.study.recipe import Recipe
+from allanite.study.watching import Watch, WatchSettings
+
+SIZE = 6000
+RATE = 50.0
+
+
+def noise(columns=2, seed=1, size=SIZE):
+    return np.random.default_rng(seed).normal(size=(size, columns))
+
+
+def text(values, header="", form="%.5f", between=","):
+    rows = "\n".join(between.join(form % value if np.isfinite(value) else "nan" for value in row) for row in values)
+    return (header + "\n" if header else "") + rows + "\n"
+
+
+def stamped(values, step=1 / RATE, cut=None):
+    t = np.arange(len(values)) * step
+    if cut is not None:
+        t[cut:] += 1.0
+    return np.column_stack((t, values))
+
+
+def spoiled(what):
+    values = noise()
+    if what == "outliers":
+        values[[700, 4000], 0] += 60.0
+    elif what == "motion":
+        values[3000:3400, 1] *= 400.0
+    elif what == "stuck":
+        values[2000:2100, 0] = values[2000, 0]
+    elif what == "constant":
+        values[:, 1] = 2.0
+    elif what == "missing":
+        values[1000:1100, 0] = np.nan
+    elif what == "rounded":
+        values = np.round(values)
+    return values
+
+
+FILES = {
+    "plain": (text(noise()), {"rate": RATE, "unit": "deg/h"}),
+    "named": (text(noise(), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    "semicolons": (text(noise(), "gx [deg/h];gy [deg/h]", between=";"), {"rate": RATE}),
+    "blanks": (text(noise(3), between=" "), {"rate": RATE, "unit": "deg/s"}),
+    "stamped": (text(stamped(noise()), "t [s],gx [deg/h],ax [mg]"), {}),
+    "gap": (text(stamped(noise(), cut=2500), "t [s],gx [deg/h],ax [mg]"), {}),
+    "angle": (text(np.cumsum(noise(), axis=0), "x [arcsec],y [arcsec]"), {"rate": RATE, "kind": "angle"}),
+    "counts": (
+        text(np.round(30 * noise()), "x [arcsec],y [arcsec]", "%d"), {"rate": RATE, "kind": "count", "scale": 0.1},
+    ),
+    "increments": (text(noise(), "x [arcsec],y [arcsec]"), {"rate": RATE, "kind": "increment"}),
+    "outliers": (text(spoiled("outliers"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    "motion": (text(spoiled("motion"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    "stuck": (text(spoiled("stuck"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    "constant": (text(spoiled("constant"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    "missing": (text(spoiled("missing"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    "rounded": (text(spoiled("rounded"), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    "short": (text(noise(size=300), "gx [deg/h],gy [deg/h]"), {"rate": RATE}),
+    "unknown": (text(noise()), {"rate": RATE}),
+}  # fmt: skip
+
+CHOICES = {
+    "rate": 49.0, "unit": "deg/s", "kind": "rate", "scale": 2.0, "channels": ("2",), "time": "none", "dtype": "i2",
+    "columns": 2, "offset": 8, "sincos": ("1", "2"), "average": 0.1, "exclude": "20..30,50..51", "start": 20.0,
+    "until": 100.0, "quiet_window": 50.0, "outliers": "mark", "motion": "mark", "memory": "1TB", "statistic": "ohdev",
+    "taus": "octave", "terms": "N", "method": "gls", "ranges": {"N": (0.1, 1.0)}, "band": (0.5, 20.0),
+    "mask": "3..4,10..11", "level": 0.9, "device": "mems", "to": ("deg/s",), "about": ("serial=1",),
+}  # fmt: skip
+"""A value of each choice."""
+
+
+def test_every_choice_is_in_the_grid():
+    assert list(CHOICES) == list(choices_of(Recipe))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("pipeline")
+
+
+@pytest.fixture
+def path(request, folder):
+    path = folder / f"{request.param}.csv"
+    if not path.exists():
+        path.write_text(FILES[request.param][0])
+    return path
+
+
+def outcome(job):
+    """A study, or the words with which it is refused."""
+    try:
+        return job()
+    except (al.DataError, al.UsageError) as error:
+        return f"{type(error).__name__}: {error}"
+
+
+def watched(path, recipe):
+    watch = Watch(str(path), recipe, WatchSettings(idle=0.05))
+    with closing(watch):
+        list(watch.events())
+        return watch.study()
+
+
+def compare(path, options):
+    """Watch and parts against the whole."""
+    live = {"motion": "refuse"} | options
+    whole = outcome(lambda: al.analyze(path, Recipe(**options)))
+    mine = outcome(lambda: watched(path, Recipe(**live)))
+    if isinstance(whole, str):
+        assert mine == whole
+    else:
+        assert mine.to_dict()["channels"] == whole.to_dict()["channels"]
+        assert mine.findings == whole.findings
+        assert mine.provenance == whole.provenance
+    if "memory" not in options or options["memory"] == "1TB":
+        in_parts(path, options, whole)
+
+
+def in_parts(path, options, whole):
+    recipe = Recipe(**(options | {"memory": "1kB"}))
+    parts = outcome(lambda: al.analyze(path, recipe))
+    refusals = [row.name for row, _ in needing_all(recipe)] or (["sincos"] if options.get("sincos") else [])
+    if isinstance(parts, str) and refusals and "UsageError" in parts:
+        assert any(name in parts for name in (*refusals, "read in parts")), parts
+        return
+    if isinstance(whole, str):
+        assert parts == whole
+        return
+    assert not isinstance(parts, str), parts
+    assert [c.record.name for c in parts] == [c.record.name for c in whole]
+    assert parts.findings == whole.findings
+    for one, other in zip(parts, whole, strict=True):
+        assert one.quality == other.quality
+        assert one.refusal == other.refusal
+        assert (one.record.rate, one.record.size) == (other.record.rate, other.record.size)
+        if other.fit is not None:
+            same_noise(one.fit, other.fit)
+
+
+def same_noise(one, other):
+    """The terms that both identify, within the limits of both; what both measure directly, to the digits shown."""
+    for estimate in other:
+        mine = one[estimate.symbol]
+        if estimate.status == mine.status == "identified":
+            (low, high), (least, most) = estimate.interval(), mine.interval()
+            assert low <= mine.value <= high
+            assert least <= estimate.value <= most
+
+
+@pytest.mark.parametrize("path", FILES, indirect=True)
+def test_a_file_is_the_same_in_all_ways(path):
+    compare(path, FILES[path.stem][1])
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+@pytest.mark.parametrize("path", ["stamped"], indirect=True)
+def test_a_choice_is_the_same_in_all_ways(path, choice):
+    compare(path, FILES[path.stem][1] | {choice: CHOICES[choice]})
+
+
+@pytest.mark.slow("every choice of every file")
+@pytest.mark.parametrize("choice", CHOICES)
+@pytest.mark.parametrize("path", [name for name in FILES if name != "stamped"], indirect=True)
+def test_the_whole_grid(path, choice):
+    compare(path, FILES[path.stem][1] | {choice: CHOICES[choice]})
