@@ -49,42 +49,34 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
     bad = ~np.isfinite(elapsed)
     if bad.any():
         where = say("the first in row {row} of the data", row=int(np.argmax(bad)) + 1)
-        return SampleGrid(
-            trouble=say(
-                "{column} has no time stamp in {count} of {size} rows, {where}",
-                column=label,
-                count=int(bad.sum()),
-                size=bad.size,
-                where=where,
-            )
-        )
-    longest = float(np.abs(elapsed).max())
-    if longest > LONGEST:
-        return SampleGrid(
-            trouble=say("time stamps of {column} differ by up to {span:.3g} s", column=label, span=longest)
-        )
+        trouble = say(
+            "{column} has no time stamp in {count} of {size} rows, {where}",
+            column=label, count=int(bad.sum()), size=bad.size, where=where,
+        )  # fmt: skip
+        return SampleGrid(trouble=trouble)
+    if (span := float(np.abs(elapsed).max())) > LONGEST:
+        trouble = say("time stamps of {column} differ by up to {span:.3g} s", column=label, span=span)
+        return SampleGrid(trouble=trouble)
     stamps = Stamps(elapsed, label)
     if not stamps.steps.any():
         what = say("all time stamps of {column} are equal", column=label)
         return SampleGrid(findings=(finding("constant time stamps", what),), trouble=what)
     equal = stamps.steps == 0
     if equal.any() and bool(np.broadcast_to(repeated(), equal.shape)[equal].all()):
-        return _once(stamps, np.flatnonzero(np.concatenate(([True], ~equal))))
+        # some rows are written twice
+        rows = np.flatnonzero(np.concatenate(([True], ~equal)))
+        grid = fit(elapsed[rows], label, lambda: np.zeros(1, dtype=bool))
+        first = int(np.argmin(np.append(rows, -1) == np.arange(rows.size + 1)))
+        what = say_count(
+            elapsed.size - rows.size,
+            "{count} row is identical to the previous one, time stamp and samples, the first in row {row} of the data",
+            "{count} rows are identical to the previous one, time stamp and samples, the first in row {row} of the "
+            "data",
+            row=first + 1,
+        )
+        found = finding("duplicate time stamps", what, consequence=say("each is used once"))
+        return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
     return _reversed(stamps) if stamps.steps.min() < 0 else _forward(stamps)
-
-
-def _once(stamps: Stamps, rows: Places) -> SampleGrid:
-    """The grid of time stamps with some rows written twice."""
-    grid = fit(stamps.elapsed[rows], stamps.label, lambda: np.zeros(1, dtype=bool))
-    count, first = stamps.elapsed.size - rows.size, int(np.argmin(np.append(rows, -1) == np.arange(rows.size + 1)))
-    what = say_count(
-        count,
-        "{count} row is identical to the previous one, time stamp and samples, the first in row {row} of the data",
-        "{count} rows are identical to the previous one, time stamp and samples, the first in row {row} of the data",
-        row=first + 1,
-    )
-    found = finding("duplicate time stamps", what, consequence=say("each is used once"))
-    return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
 
 
 def _reversed(stamps: Stamps) -> SampleGrid:

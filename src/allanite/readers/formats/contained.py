@@ -38,8 +38,22 @@ def contained_parts(form: str, path: str, options: Options) -> Parts | None:
     """The rows of datasets that are read side by side; None if they have no rows in common."""
     with Process(form, path, names=NAMES) as process:
         places = {str(item["path"]): item.get("offset") for item in process.said["datasets"]}
-        found = [replace(d, load=partial(_first, d, places[d.path], (form, path))) for d in _listed(process)]
+        found = _listed(process)
         numbers, notes, text = process.said["numbers"], _left(process), process.said["description"]
+
+    def source(dataset: Dataset, rows: int, stack: ExitStack) -> Iterator[NDArray[Any]]:
+        # the rows of the file itself, or sent by a process of its own
+        demand_size(math.prod(dataset.shape) * dataset.dtype.itemsize, path, f"dataset {dataset.path!r}")
+        if (offset := places[dataset.path]) is not None:
+            return Rows(path, dataset.dtype, offset, dataset.shape).whole(rows)
+        process = stack.enter_context(Process(form, path, names=NAMES))
+        return process.parts(dataset.path, dataset.shape, dataset.dtype, rows)
+
+    def first_rows(dataset: Dataset) -> NDArray[Any]:
+        with ExitStack() as stack:
+            return next(source(dataset, HEAD, stack))
+
+    found = [replace(dataset, load=partial(first_rows, dataset)) for dataset in found]
     table, options, family = arranged(rated(found, numbers), options, notes, text)
     shapes = {dataset.shape[0] for dataset in family}
     if len(shapes) > 1 or any(len(d.shape) == 2 and d.shape[0] < d.shape[1] for d in family):
@@ -49,30 +63,12 @@ def contained_parts(form: str, path: str, options: Options) -> Parts | None:
     def blocks(wanted: Sequence[int], rows: int) -> Iterator[list[NDArray[Any]]]:
         used = sorted({owners[k][0] for k in wanted})
         with ExitStack() as stack:
-            sources = [_source(family[i], places[family[i].path], (form, path, rows), stack) for i in used]
+            sources = [source(family[i], rows, stack) for i in used]
             for found in zip(*sources, strict=True):
                 columns = dict(zip(used, map(columns_of, found), strict=True))
                 yield [columns[owners[k][0]][owners[k][1]] for k in wanted]
 
     return Parts(table, shapes.pop(), blocks, options)
-
-
-def _source(
-    dataset: Dataset, offset: int | None, where: tuple[str, str, int], stack: ExitStack
-) -> Iterator[NDArray[Any]]:
-    """The rows of a dataset: those of the file itself, or sent by a process of its own."""
-    form, path, rows = where
-    demand_size(math.prod(dataset.shape) * dataset.dtype.itemsize, path, f"dataset {dataset.path!r}")
-    if offset is not None:
-        return Rows(path, dataset.dtype, offset, dataset.shape).whole(rows)
-    process = stack.enter_context(Process(form, path, names=NAMES))
-    return process.parts(dataset.path, dataset.shape, dataset.dtype, rows)
-
-
-def _first(dataset: Dataset, offset: int | None, where: tuple[str, str]) -> NDArray[Any]:
-    """The first rows of a dataset."""
-    with ExitStack() as stack:
-        return next(_source(dataset, offset, (*where, HEAD), stack))
 
 
 def _listed(process: Process, *, transposed: bool = False) -> list[Dataset]:

@@ -1,8 +1,8 @@
 """Excel workbooks .xlsx: a sheet with one row per sample is read like a CSV file."""
 
-from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
-from typing import Any
+from functools import partial
 
 import numpy as np
 
@@ -30,28 +30,23 @@ def sniff(head: bytes, suffix: str) -> bool:
 def read(path: str, options: Options) -> Recording:
     """The channels of a sheet, with the stored results of formulas; nothing in the workbook is executed."""
     with Process("xlsx", path, options.progress) as process:
+
+        def load(name: str, size: int) -> FileTable:
+            demand_size(size, process.path, f"sheet {name!r}")
+            return text.arranged(text.columns_of(process.load(name, (size,), np.dtype(np.uint8)).tobytes()), options)
+
+        found = list[streams.Stream]()
         with worded("the workbook"):
-            found = [stream for item in process.said["datasets"] for stream in _sheet(item, process, options)]
+            for item in process.said["datasets"]:
+                name, size, rows = str(item["path"]), int(item["size"]), int(item["rows"])
+                with suppress(DataError):  # a sheet without rows of numbers
+                    head = layout.find(str(item["head"]).encode())
+                    fits = streams.inertial(head.names, head.units)
+                    count = rows - head.line + 1
+                    found.append(streams.Stream(name, count, head.names, partial(load, name, size), fits=fits))
         if not found:
             raise DataError(
                 say("no sheet of the workbook has rows of numbers; formulas are read only if their results are stored")
             )
         likely = [stream for stream in found if stream.fits]
         return streams.recording(found if likely else [replace(one, fits=True) for one in found], options)
-
-
-def _sheet(item: Mapping[str, Any], process: Process, options: Options) -> list[streams.Stream]:
-    """The stream of a sheet; none if it has no rows of numbers."""
-    name, size, rows = str(item["path"]), int(item["size"]), int(item["rows"])
-    try:
-        found = layout.find(str(item["head"]).encode())
-    except DataError:
-        return []
-
-    fits = streams.inertial(found.names, found.units)
-
-    def load() -> FileTable:
-        demand_size(size, process.path, f"sheet {name!r}")
-        return text.arranged(text.columns_of(process.load(name, (size,), np.dtype(np.uint8)).tobytes()), options)
-
-    return [streams.Stream(name, rows - found.line + 1, found.names, load, fits=fits)]

@@ -38,7 +38,7 @@ _SEPARATOR = "=" * 80 + "\n"
 
 _NUMBER, _STAMP = struct.Struct("<I").unpack_from, struct.Struct("<II").unpack_from
 _CONNECTION, _TIME, _MESSAGE = b"\x09\0\0\0conn=", b"\x0d\0\0\0time=", b"\x04\0\0\0op=\x02"
-"""Of the records of a chunk of ROS 1; ROS wiki, Bags/Format/2.0."""
+"""Numbers and fields of the records in a chunk of ROS 1; see Bags/Format/2.0 of the ROS wiki."""
 
 
 def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any], Callable[..., Any]]:

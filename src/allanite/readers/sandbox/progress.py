@@ -18,5 +18,5 @@ def told(tell: Callable[[float], None] | None) -> Iterator[None]:
 
 
 def listener() -> Callable[[float], None] | None:
-    """The function that is told here, as the `progress` of `Options` that are not given one."""
+    """The function given to `told`: the `progress` of `Options` that have no other."""
     return _told.get()

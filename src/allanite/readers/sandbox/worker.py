@@ -35,7 +35,16 @@ def main() -> None:
     """
     form, path, most, names = sys.argv[1], sys.argv[2], int(sys.argv[3]), json.loads(sys.argv[4])
     opened = runpy.run_path(os.path.join(os.path.dirname(__file__), f"{form}_contents.py"))["opened"]
-    _limit_memory(most + ROOM)
+    try:  # limit the memory that the process may use, and what it may write, such as what is unpacked to a file
+        import resource
+
+        size = most + ROOM
+        with open("/proc/self/statm") as file:
+            now = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        resource.setrlimit(resource.RLIMIT_AS, (now + size, now + size))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+    except (ImportError, OSError, ValueError):
+        pass  # the parent limits what it requests and how long it waits, on every system
     _allow(int(sys.argv[5]) / FORMATS[form])
     try:
         said, load = opened(path, most, names)
@@ -53,19 +62,6 @@ def _send(blocks: Iterable[Any]) -> None:
     for block in blocks:
         sys.stdout.buffer.write(block)
     sys.stdout.buffer.flush()
-
-
-def _limit_memory(size: int) -> None:
-    """Limit the memory that the process may use, and what it may write, if the system supports it."""
-    try:
-        import resource
-
-        with open("/proc/self/statm") as file:
-            now = int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE")
-        resource.setrlimit(resource.RLIMIT_AS, (now + size, now + size))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))  # what is unpacked to a file
-    except (ImportError, OSError, ValueError):
-        pass  # the parent limits what it requests and how long it waits, on every system
 
 
 def _allow(seconds: float) -> None:
