@@ -8,7 +8,7 @@ several arrays use `datasets` to decide which of them belong together. A format 
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -35,6 +35,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     offset: int | None = None,
     sincos: Sequence[str] | None = None,
     otherwise: Sequence[str] = (),
+    progress: Callable[[float], None] | None = None,
 ) -> Recording:
     r"""Read a recording; its ``notes`` list the assumptions.
 
@@ -72,6 +73,8 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     otherwise : sequence of str, optional
         Names of signals, such as "current": where no column is that of an inertial sensor, those with a unit of these
         signals are read.
+    progress : callable, optional
+        Called with the share of the file that has been read, by formats that read it in a process of its own.
 
     Returns
     -------
@@ -107,7 +110,18 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     names = (channel_names(channels), channel_names(along))
     unit = None if unit is None else stated_unit(unit)
     options = Options(
-        rate, unit, kind, scale, *names, time, dtype, columns, offset, channel_names(sincos), otherwise=tuple(otherwise)
+        rate,
+        unit,
+        kind,
+        scale,
+        *names,
+        time,
+        dtype,
+        columns,
+        offset,
+        channel_names(sincos),
+        otherwise=tuple(otherwise),
+        progress=progress,
     )
     if not isinstance(path, (str, os.PathLike)) and hasattr(path, "columns"):
         return read_frame(path, options)

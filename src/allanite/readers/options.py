@@ -11,7 +11,6 @@ from allanite.core.kinds import KINDS, explain_kinds
 from allanite.core.spellings import latin
 from allanite.core.units import signal_with, unit_of
 from allanite.phrases.wording import spelled
-from allanite.readers.sandbox.progress import listener
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, optionally followed by a unit."""
@@ -57,7 +56,7 @@ class Options:
     sincos: tuple[str, ...] | None = None
     otherwise: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
-    progress: Callable[[float], None] | None = field(default_factory=listener, repr=False, compare=False)
+    progress: Callable[[float], None] | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.unit is not None:

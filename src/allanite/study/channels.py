@@ -24,7 +24,6 @@ from allanite.prepare.transform import averaged, mark_motion, mark_outliers
 from allanite.prepare.window import excluded, quiet_window, trim
 from allanite.readers import read
 from allanite.readers.parts import demand_memory
-from allanite.readers.sandbox.progress import told
 
 from .drift import drift_findings
 from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
@@ -71,8 +70,7 @@ def open_recording(
     UsageError
         An option is wrong, or a required one is missing.
     """
-    with told(_reading(progress)):
-        whole = _whole(source, recipe, along)
+    whole = _whole(source, recipe, along, progress or (lambda what, fraction: None))
     if recipe.average is not None:
         whole = averaged(whole, recipe.average)
     whole = excluded(whole, demand_pieces(recipe.exclude) if recipe.exclude else ())
@@ -84,23 +82,18 @@ def open_recording(
     return part if kept is own else replace(part, records=(*kept, *part.records[len(own) :]))
 
 
-def _reading(progress: Progress | None) -> Callable[[float], None] | None:
-    """Progress while a file is read: less of a job than is completed when its first channel begins."""
-    if progress is not None:
-        progress("reading", 0.0)
-    return progress and (lambda share: progress(f"reading, {100 * share:.0f} %", 0.04 * share))
-
-
-def _whole(source: Source, recipe: Recipe, along: Sequence[str]) -> Recording:
+def _whole(source: Source, recipe: Recipe, along: Sequence[str], tell: Progress) -> Recording:
     if isinstance(source, Recording):
         return source
     if isinstance(source, Record):
         return Recording((source,))
+    tell("reading", 0.0)
     options = recipe.to_dict(READING) | ({"along": tuple(along)} if along else {})
 
     def whole() -> Recording:
         demand_memory(source, recipe.memory, recipe.to_dict(READING))
-        return read(source, **options)
+        # less of a job than is completed when its first channel begins
+        return read(source, **options, progress=lambda share: tell(f"reading, {100 * share:.0f} %", 0.04 * share))
 
     opener = _opener.get()
     return whole() if opener is None else opener(os.fspath(source), options, whole)

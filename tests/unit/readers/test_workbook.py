@@ -10,7 +10,6 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
-from allanite.readers.sandbox.progress import told
 
 openpyxl = pytest.importorskip("openpyxl")
 GYRO = np.random.default_rng(9).normal(size=(300, 2))
@@ -80,12 +79,8 @@ def test_a_sheet_without_header_asks_for_rate_and_unit(tmp_path):
 
 def test_progress_is_told_while_sheets_are_read(tmp_path):
     shares = []
-    with told(shares.append):
-        al.read(
-            workbook(
-                tmp_path / "a.xlsx", Run=timed(0) + [[k * 0.01, *GYRO[k % 300].tolist(), 25.5] for k in range(2500)]
-            )
-        )
+    rows = [[k * 0.01, *GYRO[k % 300].tolist(), 25.5] for k in range(2500)]
+    al.read(workbook(tmp_path / "a.xlsx", Run=timed(0) + rows), progress=shares.append)
     assert [share for share in shares if 0 < share < 1] == pytest.approx([1000 / 2501, 2000 / 2501])
 
 
