@@ -4,10 +4,10 @@ import json
 import os
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,9 @@ import click
 from allanite.cli import main as allanite
 from allanite.cli.deliver import received_by
 from allanite.cli.forms import encoded
+from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.record import Record, Recording
+from allanite.core.record import Recording
 from allanite.parallel.process import ANSWER
 from allanite.phrases.wording import command_line
 from allanite.statistics import deviation as deviation_of
@@ -70,12 +71,15 @@ class Held:
         now = time.monotonic()
         if now - self.seen >= SEEN:
             self.seen = now
-            self.send("live", {"channels": [one for m in watch.monitors.values() for one in self._live(m)]})
+            self._send_curves("live", [monitor.stream.curve for monitor in watch.monitors.values()])
 
-    def _live(self, monitor: Any) -> list[Answer]:
-        with suppress(DataError):
-            return [faces.drawn(faces.panel_of(monitor.stream.curve(), None), 0.95, self.lang)]
-        return []
+    def _send_curves(self, kind: str, curves: Sequence[Callable[[], Curve]]) -> None:
+        """Report the curves of those channels that have one."""
+        channels = []
+        for curve in curves:
+            with suppress(DataError):
+                channels.append(faces.drawn(faces.panel_of(curve(), None), 0.95, self.lang))
+        self.send(kind, {"channels": channels})
 
     def named(self, problem: Answer) -> Answer:
         """A problem with the names of files instead of where they are kept."""
@@ -91,30 +95,21 @@ class Held:
     def open(self, path: str, choices: Mapping[str, Any], read: Callable[[], Recording]) -> Recording:
         """A recording, read unless it is in memory; its trace is written beside the upload."""
         key = json.dumps(choices, sort_keys=True, default=str)
-        if (path, key) not in self.recordings:
+        new = (path, key) not in self.recordings
+        if new:
             while len(self.recordings) >= KEPT:
                 self.recordings.pop(next(iter(self.recordings)))
             self.recordings[path, key] = replace(read(), source=self.names.get(path, path))
-            self._traced(path, key)
-            self.send(
-                "curves", {"channels": [one for record in self.recordings[path, key] for one in self._first(record)]}
-            )
-        else:
-            self._traced(path, key)
-        return self.recordings[path, key]
-
-    def _traced(self, path: str, key: str) -> None:
+        recording = self.recordings[path, key]
         if path in self.folders:
             file, folder = self.folders[path]
-            trace.build(Path(folder), self.recordings[path, key], key)
+            trace.build(Path(folder), recording, key)
             self.send("trace", {"file": file})
-
-    def _first(self, record: Record) -> list[Answer]:
-        """The curve of a record without its band, which takes longer."""
-        with suppress(DataError):
-            curve = deviation_of(record, "oadev", taus="octave", noise=None)
-            return [faces.drawn(faces.panel_of(curve, None), 0.95, self.lang)]
-        return []
+        if new:  # without their bands, which take longer
+            self._send_curves(
+                "curves", [partial(deviation_of, record, "oadev", taus="octave", noise=None) for record in recording]
+            )
+        return recording
 
     def send(self, kind: str, data: Answer) -> None:
         """Report to the server; without one there is nothing to go on for."""
@@ -256,10 +251,6 @@ TASKS: dict[str, Callable[..., Answer]] = {
     "save": save, "has": has,
 }  # fmt: skip
 """What a worker can be asked."""
-
-
-def ready() -> None:
-    """Nothing: that this module is loaded is all that is wanted."""
 
 
 def main(connection: Connection) -> None:
