@@ -59,23 +59,18 @@ def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sou
     left = {os.path.realpath(path) for path in besides if path is not None}
     found: dict[str, str] = {}
     notes: list[str] = []
-    for name in named:
-        for file in _files(os.fspath(name), left, notes):
+    for name in [os.fspath(path) for path in named]:
+        files: Sequence[str] = [name]
+        if os.path.isdir(name) and not is_recording(name):
+            files = _in_folder(name, left, notes)
+        elif name != STDIN and _is_pattern(name):
+            every = [file for file in sorted(glob.glob(name, recursive=True)) if is_recording(file)]
+            files = [file for file in every if os.path.realpath(file) not in left]
+            if not files:
+                raise DataError(f"no file matches {name!r}; check the folder, and the pattern")
+        for file in files:
             found.setdefault(file if file == STDIN else os.path.realpath(file), file)
     return Sources(tuple(found.values()), tuple(notes))
-
-
-def _files(name: str, left: set[str], notes: list[str]) -> Sequence[str]:
-    """The files that are meant by a name, but for those that are left out."""
-    if os.path.isdir(name) and not is_recording(name):
-        return _in_folder(name, left, notes)
-    if name == STDIN or not _is_pattern(name):
-        return [name]
-    files = [file for file in sorted(glob.glob(name, recursive=True)) if is_recording(file)]
-    files = [file for file in files if os.path.realpath(file) not in left]
-    if not files:
-        raise DataError(f"no file matches {name!r}; check the folder, and the pattern")
-    return files
 
 
 def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:

@@ -223,7 +223,11 @@ def dumps(data: Any) -> str:
 
 def loads(text: str) -> Any:
     """The data that `dumps` has written."""
-    return json.loads(text, object_hook=_phrase)
+
+    def phrase(data: dict[str, Any]) -> Any:
+        return Phrase(tuple(data[TEMPLATES]), data[FIELDS]) if data.keys() == {TEMPLATES, FIELDS} else data
+
+    return json.loads(text, object_hook=phrase)
 
 
 def _taken_apart(data: Any) -> Any:
@@ -234,9 +238,3 @@ def _taken_apart(data: Any) -> Any:
     if isinstance(data, (list, tuple)):
         return [_taken_apart(value) for value in data]
     return data.item() if hasattr(data, "item") else data
-
-
-def _phrase(data: dict[str, Any]) -> Any:
-    if data.keys() != {TEMPLATES, FIELDS}:
-        return data
-    return Phrase(tuple(data[TEMPLATES]), data[FIELDS])

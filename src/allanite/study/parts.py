@@ -13,7 +13,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.header import Header
 from allanite.core.record import Record, Recording
-from allanite.parallel.threads import ahead, later
+from allanite.parallel.futures import ahead, later
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.readers.memory import size_in_words

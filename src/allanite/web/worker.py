@@ -20,7 +20,7 @@ from allanite.cli.forms import encoded
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
-from allanite.parallel.process import ANSWER
+from allanite.parallel.processes import ANSWER
 from allanite.phrases.wording import command_line
 from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import opened_by
