@@ -19,9 +19,8 @@ from allanite.phrases.phrase import say
 from allanite.study.analysis import Study
 
 from .batch import Batch, BatchUnit, unit_of
-from .manifest import DATE, TEMPERATURE
 from .scatter import Distribution, Outlying, Trend, outliers, slope_of
-from .sources import PathLike
+from .sources import DATE, TEMPERATURE, PathLike
 from .specification import Specification, limits_of
 from .status import DONE, OPEN
 from .store import Store
