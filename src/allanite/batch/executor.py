@@ -10,8 +10,8 @@ from multiprocessing.connection import Connection
 from typing import Any, NamedTuple, Protocol
 
 from allanite.core.errors import UsageError
-from allanite.parallel.process import ANSWER, EndedError, Process
-from allanite.parallel.threads import later
+from allanite.parallel.futures import later
+from allanite.parallel.processes import ANSWER, EndedError, Process
 
 Plain = dict[str, Any]
 """Plain data: what JSON can hold."""
@@ -100,19 +100,16 @@ class Processes:
                         if first:
                             waiting.append((item, False))
                         else:
-                            yield Done(item, error=_end_of(process))
+                            code = process.code
+                            how = f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+                            yield Done(item, error=f"the process that analyzed it {how}, twice; is there enough memory "
+                                       "for so many workers?")  # fmt: skip
                     else:
                         idle.append(process)
                         yield done
         finally:
             for process in (*idle, *(process for process, _, _ in busy.values())):
                 process.end()
-
-
-def _end_of(process: Process) -> str:
-    """Why a process that was tried twice gave no result."""
-    how = f"was killed by signal {-process.code}" if process.code < 0 else f"ended with exit code {process.code}"
-    return f"the process that analyzed it {how}, twice; is there enough memory for so many workers?"
 
 
 def _serve(connection: Connection, task: Task) -> None:

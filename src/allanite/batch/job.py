@@ -15,8 +15,7 @@ from allanite.study.recipe import Recipe
 
 from .batch import Batch, BatchUnit, lightened, unit_of
 from .executor import Done, Executor, Plain, Serial
-from .manifest import manifest_of
-from .sources import PathLike, expand
+from .sources import PathLike, expand, manifest_of
 from .specification import Specification, limits_of
 from .status import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tables
 from .store import Store, identity
@@ -167,26 +166,26 @@ def run_batch(
     >>> folder.cleanup()
     """
     choices = (recipe or Recipe()).to_dict()
-    manifest = manifest_of(source, besides)
+    sources = manifest_of(source, besides)
     store = Store.opened(results, new=True)
     tell = progress or (lambda what, fraction: None)
     with store.alone():
         files: dict[str, FileStatus] = {}
-        for entry in manifest.entries:
-            tell(f"looking at {entry.file}", 0.0)
-            status = FileStatus(entry.file, entry.facts)
+        for file in sources.files:
+            tell(f"looking at {file}", 0.0)
+            status = FileStatus(file, sources.facts.get(file, {}))
             try:
-                digest, key = identity(entry.file, choices)
+                digest, key = identity(file, choices)
                 status = replace(status, key=key, sha256=digest, status=DONE if store.has(key) else OPEN)
             except AllaniteError as error:
-                status = replace(status, status=FAILED, error=reason_of(error, entry.file))
-            files[entry.file] = status
+                status = replace(status, status=FAILED, error=reason_of(error, file))
+            files[file] = status
         put_files(store, files.values(), choices)
         before = sum(file.status == DONE for file in files.values())
         analyzed_now = _complete(files, choices, store, executor or Serial(), tell)
         ended = tuple(put_tables(store, files.values()))
         put_files(store, ended, choices)
-    return Resumed(ended, analyzed_now, before, manifest.notes)
+    return Resumed(ended, analyzed_now, before, sources.notes)
 
 
 def _complete(files: dict[str, FileStatus], choices: Plain, store: Store, executor: Executor, tell: Progress) -> int:

@@ -2,6 +2,11 @@
 
 import json
 import math
+import pickle
+import tempfile
+import weakref
+import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -14,13 +19,11 @@ from allanite.phrases.phrase import say
 from allanite.study.results import Study
 
 from .batch import Batch, BatchUnit, unit_of
-from .manifest import DATE, TEMPERATURE
 from .scatter import Distribution, Outlying, Trend, outliers, slope_of
-from .sources import PathLike
+from .sources import DATE, TEMPERATURE, PathLike
 from .specification import Specification, limits_of
 from .status import DONE, OPEN
 from .store import Store
-from .study_cache import Spool, spooled
 from .summary import gathered
 
 TREND = 6
@@ -61,6 +64,56 @@ class Lot(Value):
         return f"{self.batch._summary()}, {len(self.outlying)} outlying values"
 
 
+class Spool:
+    """A temporary file of studies, read again one at a time: of a lot of thousands, only one is in memory.
+
+    Only this process writes and reads it; it has no name and is gone when nothing refers to it.
+
+    Examples
+    --------
+    >>> from allanite.study.recipe import Recipe
+    >>> load = Spool().put(Study((), Recipe(), (), (), {}))
+    >>> len(load().channels)
+    0
+    """
+
+    def __init__(self) -> None:
+        self._file = tempfile.TemporaryFile(prefix="allanite-")  # noqa: SIM115 - closed with the spool
+        weakref.finalize(self, self._file.close)
+        self._last: tuple[int, Study] | None = None
+
+    def put(self, study: Study) -> Callable[[], Study]:
+        """Store a study; what reads it again."""
+        begin = self._file.seek(0, 2)
+        size = self._file.write(zlib.compress(pickle.dumps(study), 1))
+
+        def get() -> Study:
+            if self._last is None or self._last[0] != begin:
+                self._file.seek(begin)
+                self._last = begin, pickle.loads(zlib.decompress(self._file.read(size)))  # noqa: S301 - our own
+            return self._last[1]
+
+        return get
+
+
+class SpooledUnit(BatchUnit):
+    """A unit that reads its study whenever it is asked for it; stored and pickled as any other unit."""
+
+    def __init__(self, unit: BatchUnit, load: Callable[[], Study]) -> None:
+        super().__init__(unit.file, None, unit.judgements, unit.error, unit.judged)
+        object.__setattr__(self, "_load", load)
+
+    def __getattribute__(self, name: str) -> Any:
+        return object.__getattribute__(self, "_load")() if name == "study" else object.__getattribute__(self, name)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return BatchUnit, (self.file, self.study, self.judgements, self.error, self.judged)
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Those of the unit."""
+        return BatchUnit(*self.__reduce__()[1]).to_dict(level)
+
+
 def read_lot(results: PathLike, limits: Specification | PathLike | None = None) -> Lot:
     """The results that `run_batch` has stored.
 
@@ -96,7 +149,7 @@ def read_lot(results: PathLike, limits: Specification | PathLike | None = None) 
     store = Store.opened(results)
     table, about = store.files()
     spool, rows = Spool(), {row["file"]: row for row in table}
-    units = tuple(spooled(_unit(row, store, specification), spool) for row in table)
+    units = tuple(_unit(row, store, specification, spool) for row in table)
     if all(unit.error for unit in units):
         raise DataError(f"no file has a result in {str(store.folder)!r}; the first one: {units[0].file}: "
                         f"{units[0].error}")  # fmt: skip
@@ -119,13 +172,14 @@ def read_lot(results: PathLike, limits: Specification | PathLike | None = None) 
     return Lot(batch, tuple(distributions), tuple(trends), tuple(outlying))
 
 
-def _unit(row: dict[str, Any], store: Store, limits: Specification | None) -> BatchUnit:
-    """The unit of a file, as far as it was analyzed."""
+def _unit(row: dict[str, Any], store: Store, limits: Specification | None, spool: Spool) -> BatchUnit:
+    """The unit of a file, as far as it was analyzed, without its study in memory."""
     file, stored = row["file"], row["status"] == DONE or store.has(row["key"])
     part = store.get(row["key"]) if stored else {}
     if "study" in part:
-        study = part["study"] | {"provenance": part["study"]["provenance"] | {"source": file}}
-        return unit_of(file, Study.from_dict(study), limits)
+        data = part["study"] | {"provenance": part["study"]["provenance"] | {"source": file}}
+        study = Study.from_dict(data)
+        return SpooledUnit(unit_of(file, study, limits), spool.put(study))
     error = say("not analyzed yet") if row["status"] == OPEN and not stored else part.get("error", row["error"])
     return BatchUnit(file, error=error, judged=limits is not None)
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-from .manifest import DATE
+from .sources import DATE
 from .summary import Coefficient
 
 DAY = 86400.0

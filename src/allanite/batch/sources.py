@@ -1,25 +1,41 @@
-"""Which files are meant: paths, folders and patterns become a list of files."""
+"""Which files are meant, and what is known of each: paths, folders, patterns and manifests become a list of files."""
 
+import csv
 import glob
+import math
 import os
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
-from allanite.core.errors import DataError
+from allanite.core.errors import DataError, UsageError
 from allanite.phrases.phrase import say
 from allanite.readers.sandbox.packing import PROSE
 from allanite.readers.sandbox.source import STDIN, is_recording
 
 PathLike = str | os.PathLike[str]
 
+TEMPERATURE, DATE, UNIT = "temperature", "date", "unit_id"
+"""Columns of a manifest with a meaning of their own."""
+
+OWN = ("key", "sha256", "status", "error", "rejected")
+"""Columns of the table of files that a manifest must not have."""
+
+FORM = "a manifest has a path in each line, or is a CSV file with a column 'file'"
+
 
 @dataclass(frozen=True)
 class Sources:
-    """Files in the order in which they were named, and what was left out of folders, in `notes`."""
+    """Files, what was left out of folders, in `notes`, and what a manifest says of each.
+
+    `facts` are the columns of the manifest: text, but a number for `TEMPERATURE` and a time (UTC) for `DATE`.
+    """
 
     files: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    facts: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 def several(named: Sequence[PathLike]) -> bool:
@@ -36,7 +52,7 @@ def several(named: Sequence[PathLike]) -> bool:
 
 
 def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sources:
-    """The files that are meant by these names.
+    """The files that are meant by these names, in the order in which they were named.
 
     Parameters
     ----------
@@ -59,23 +75,18 @@ def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sou
     left = {os.path.realpath(path) for path in besides if path is not None}
     found: dict[str, str] = {}
     notes: list[str] = []
-    for name in named:
-        for file in _files(os.fspath(name), left, notes):
+    for name in [os.fspath(path) for path in named]:
+        files: Sequence[str] = [name]
+        if os.path.isdir(name) and not is_recording(name):
+            files = _in_folder(name, left, notes)
+        elif name != STDIN and _is_pattern(name):
+            every = [file for file in sorted(glob.glob(name, recursive=True)) if is_recording(file)]
+            files = [file for file in every if os.path.realpath(file) not in left]
+            if not files:
+                raise DataError(f"no file matches {name!r}; check the folder, and the pattern")
+        for file in files:
             found.setdefault(file if file == STDIN else os.path.realpath(file), file)
     return Sources(tuple(found.values()), tuple(notes))
-
-
-def _files(name: str, left: set[str], notes: list[str]) -> Sequence[str]:
-    """The files that are meant by a name, but for those that are left out."""
-    if os.path.isdir(name) and not is_recording(name):
-        return _in_folder(name, left, notes)
-    if name == STDIN or not _is_pattern(name):
-        return [name]
-    files = [file for file in sorted(glob.glob(name, recursive=True)) if is_recording(file)]
-    files = [file for file in files if os.path.realpath(file) not in left]
-    if not files:
-        raise DataError(f"no file matches {name!r}; check the folder, and the pattern")
-    return files
 
 
 def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
@@ -97,3 +108,86 @@ def _in_folder(folder: str, left: set[str], notes: list[str]) -> Sequence[str]:
 def _is_pattern(name: str) -> bool:
     """Whether a name is a pattern, and not that of a file which happens to have such letters."""
     return glob.has_magic(name) and not os.path.exists(name)
+
+
+def manifest_of(source: PathLike, besides: Iterable[str | None] = ()) -> Sources:
+    """The files of a batch, in the order of their names.
+
+    Parameters
+    ----------
+    source : path
+        A folder, a pattern such as ``"units/*.csv"``, or a manifest: a text file with a path in each line, or a CSV
+        file with the columns ``file``, ``unit_id``, ``temperature`` (a number), ``date`` (ISO 8601) and others, of
+        which only the first is required. Paths are relative to the folder of the manifest.
+    besides : iterable of path or None
+        Files of a folder that are not recordings.
+
+    Raises
+    ------
+    DataError
+        A folder cannot be read or holds no recording, or no file matches a pattern.
+    UsageError
+        A manifest cannot be read, or is wrong in a line that the message names.
+    """
+    if several([source]):
+        found = expand([source], besides)
+        return Sources(tuple(sorted(found.files)), found.notes)
+    path = Path(source)
+    try:
+        lines = path.read_text("utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{str(path)!r} cannot be read as a folder or a manifest ({error}); {FORM}") from None
+    listed = ((i, {"file": line.strip()}) for i, line in enumerate(lines, 1) if line.strip() and line[0] != "#")
+    rows = _csv(lines, path) if path.suffix.lower() == ".csv" else listed
+    facts: dict[str, dict[str, Any]] = {}
+    for number, row in rows:
+        where = f"{path}, line {number}"
+        if not row["file"]:
+            raise UsageError(f"{where}: no file is given")
+        file = os.path.normpath(path.parent / row["file"])
+        known = {name: _fact(name, cell, where) for name, cell in row.items() if name != "file"}
+        if file in facts:
+            raise UsageError(f"{where}: {file!r} is listed twice; keep one of the lines")
+        facts[file] = known
+    if not facts:
+        raise UsageError(f"the manifest {str(path)!r} lists no file; {FORM}")
+    return Sources(tuple(sorted(facts)), (), facts)
+
+
+def _csv(lines: list[str], path: Path) -> Iterator[tuple[int, dict[str, str]]]:
+    reader = csv.reader(lines)
+    heads = [head.strip() for head in next(reader, [])]
+    if "file" not in heads:
+        raise UsageError(f"the manifest {str(path)!r} has no column 'file' but {heads[:8]}; {FORM}")
+    wrong = sorted({head for head in heads if head in OWN or not head or heads.count(head) > 1})
+    if wrong:
+        raise UsageError(
+            f"the manifest {str(path)!r} has columns named {wrong}: empty, twice, or reserved; rename them"
+        )
+    for cells in reader:
+        if not any(cells):
+            continue
+        if len(cells) != len(heads):
+            raise UsageError(f"{path}, line {reader.line_num}: {len(cells)} cells, expected {len(heads)} as in line 1")
+        yield reader.line_num, {head: cell.strip() for head, cell in zip(heads, cells, strict=True)}
+
+
+def _fact(name: str, cell: str, where: str) -> str | float | datetime | None:
+    """What a cell says of a file: None if it is empty."""
+    if not cell:
+        return None
+    if name == TEMPERATURE:
+        try:
+            number = float(cell)
+        except ValueError:
+            number = math.nan
+        if not math.isfinite(number):
+            raise UsageError(f"{where}: the temperature is a number, not {cell!r}")
+        return number
+    if name == DATE:
+        try:
+            time = datetime.fromisoformat(cell)
+        except ValueError:
+            raise UsageError(f"{where}: the date is written as 2024-05-31 or 2024-05-31T12:00, not {cell!r}") from None
+        return time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
+    return cell

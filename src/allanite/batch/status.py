@@ -9,7 +9,7 @@ from typing import Any
 from allanite.core.version import __version__
 
 from .executor import Plain
-from .manifest import DATE, OWN, TEMPERATURE
+from .sources import DATE, OWN, TEMPERATURE
 from .store import FILES, Store
 from .tables import TABLES, as_table, schema_of
 

@@ -13,16 +13,19 @@ from typing import Any
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import DRAFTS, draft
 from allanite.core.version import __version__
+from allanite.phrases.phrase import Phrase
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
 
 from .executor import Plain
-from .phrases import dumps, loads
 
 PARTS = "parts"
 """Folder of the parts."""
 
 FILES = "files.parquet"
 """The table of files, which makes a folder one of results."""
+
+TEMPLATES, FIELDS = "say", "with"
+"""Keys of a phrase."""
 
 LOCK = ".lock"
 """The file that a run locks; it stays, and is empty."""
@@ -202,3 +205,36 @@ def _locked(file: int) -> bool:
     except (BlockingIOError, PermissionError):  # what Windows says of a file that is locked
         return False
     return True
+
+
+def dumps(data: Any) -> str:
+    """Plain data as JSON in which phrases keep how they were made, so that a result is shown in any language.
+
+    Examples
+    --------
+    >>> from allanite.phrases.phrase import say
+    >>> dumps({"what": say("at {f:g} Hz", f=2.5), "name": "gx"})
+    '{"name": "gx", "what": {"say": ["at {f:g} Hz"], "with": {"f": 2.5}}}'
+    >>> loads(_)["what"]
+    'at 2.5 Hz'
+    """
+    return json.dumps(_taken_apart(data), sort_keys=True)
+
+
+def loads(text: str) -> Any:
+    """The data that `dumps` has written."""
+
+    def phrase(data: dict[str, Any]) -> Any:
+        return Phrase(tuple(data[TEMPLATES]), data[FIELDS]) if data.keys() == {TEMPLATES, FIELDS} else data
+
+    return json.loads(text, object_hook=phrase)
+
+
+def _taken_apart(data: Any) -> Any:
+    if isinstance(data, Phrase):
+        return {TEMPLATES: list(data.templates), FIELDS: _taken_apart(dict(data.fields))}
+    if isinstance(data, dict):
+        return {key: _taken_apart(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [_taken_apart(value) for value in data]
+    return data.item() if hasattr(data, "item") else data

@@ -125,15 +125,15 @@ def _known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, 
 
 def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Across, ...]:
     """Every coefficient of every channel over units; see `gathered`."""
-    return tuple(_across(of, units) for of, units in gathered(channels, level))
-
-
-def _across(of: tuple[str, str, Signal], units: list[Known]) -> Across:
-    values = np.array([unit.value for unit in units if unit.value is not None], dtype=np.float64)
-    files = [unit.file for unit in units if unit.value is not None]
-    below = max((unit.upper for unit in units if unit.value is None and unit.upper is not None), default=None)
-    if not values.size:
-        return Across(*of, len(units), 0, math.nan, math.nan, math.nan, "", below)
-    spread = float(values.std(ddof=1)) if values.size > 1 else math.nan
-    at = int(np.argmax(np.abs(values)))
-    return Across(*of, len(units), values.size, float(values.mean()), spread, float(values[at]), files[at], below)
+    results = []
+    for of, units in gathered(channels, level):
+        values = np.array([unit.value for unit in units if unit.value is not None], dtype=np.float64)
+        mean, spread, worst, file = math.nan, math.nan, math.nan, ""
+        if values.size:
+            at = int(np.argmax(np.abs(values)))
+            mean, worst = float(values.mean()), float(values[at])
+            spread = float(values.std(ddof=1)) if values.size > 1 else math.nan
+            file = [unit.file for unit in units if unit.value is not None][at]
+        below = max((unit.upper for unit in units if unit.value is None and unit.upper is not None), default=None)
+        results.append(Across(*of, len(units), values.size, mean, spread, worst, file, below))
+    return tuple(results)

@@ -23,7 +23,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from allanite.core.plain import Portable
 
-from .process import ANSWER, EndedError, Process
+from .processes import ANSWER, EndedError, Process
 from .processors import how_many, imported, processes
 
 Item = TypeVar("Item")

@@ -11,7 +11,7 @@ from allanite.core.kinds import KINDS
 from allanite.core.model import ModelLike
 from allanite.core.record import Record
 from allanite.core.surface import Surface
-from allanite.parallel.threads import spread
+from allanite.parallel.futures import spread
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 

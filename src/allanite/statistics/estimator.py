@@ -7,7 +7,7 @@ import numpy as np
 from allanite.core.arrays import complete
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
-from allanite.parallel.threads import spread
+from allanite.parallel.futures import spread
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import windowing
 

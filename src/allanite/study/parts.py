@@ -15,7 +15,7 @@ from allanite.core.header import Header
 from allanite.core.kinds import KINDS
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
-from allanite.parallel.threads import ahead, later
+from allanite.parallel.futures import ahead, later
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.prepare import inspector, pieces, window

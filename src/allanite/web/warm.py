@@ -7,6 +7,7 @@ import numpy as np
 
 import allanite.cli
 import allanite.reporting.html
+import allanite.web.worker
 from allanite.cli import VERBS, main
 from allanite.core.model import B, N
 from allanite.core.record import Recording
@@ -14,7 +15,7 @@ from allanite.reporting.json import to_json
 from allanite.simulation.record import simulate
 from allanite.study.analysis import analyze
 
-from . import faces, worker
+from . import faces
 
 SAMPLES = 20_000
 
@@ -28,7 +29,6 @@ def warm() -> None:
     study = analyze(Recording((record,)))
     faces.described(study, "en")
     to_json(study)
-    worker.ready()
 
 
 warm()

@@ -4,10 +4,10 @@ import json
 import os
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -15,9 +15,11 @@ from typing import Any
 from allanite.cli import main as allanite
 from allanite.cli.forms import encoded
 from allanite.cli.tasks import TASKS as JOBS
+from allanite.cli.tasks import Reports
+from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.record import Record, Recording
-from allanite.parallel.process import ANSWER
+from allanite.core.record import Recording
+from allanite.parallel.processes import ANSWER
 from allanite.phrases.wording import command_line
 from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import opened_by
@@ -67,8 +69,7 @@ class Held:
         if now - self.seen >= SEEN:
             self.seen = now
             curves = [channel.curve for channel in watch.latest or () if channel.curve is not None]
-            drawn = [faces.drawn(faces.panel_of(curve, None), 0.95, self.lang) for curve in curves]
-            self.send("live", {"channels": drawn})
+            self.send("live", {"channels": [faces.drawn(faces.panel_of(curve), 0.95, self.lang) for curve in curves]})
 
     def named(self, problem: Answer) -> Answer:
         """A problem with the names of files instead of where they are kept."""
@@ -85,9 +86,9 @@ class Held:
                 self.recordings.pop(next(iter(self.recordings)))
             self.recordings[path, key] = replace(read(), source=self.files[path][2] if path in self.files else path)
             self._traced(path, key)
-            self.send(
-                "curves", {"channels": [one for record in self.recordings[path, key] for one in self._first(record)]}
-            )
+            records = self.recordings[path, key]
+            first = [partial(deviation_of, record, "oadev", taus="octave", noise=None) for record in records]
+            self.send("curves", {"channels": self._first(first)})
         else:
             self._traced(path, key)
         return self.recordings[path, key]
@@ -98,12 +99,13 @@ class Held:
             trace.build(Path(folder), self.recordings[path, key], key)
             self.send("trace", {"file": file})
 
-    def _first(self, record: Record) -> list[Answer]:
-        """The curve of a record without its band, which takes longer."""
-        with suppress(DataError):
-            curve = deviation_of(record, "oadev", taus="octave", noise=None)
-            return [faces.drawn(faces.panel_of(curve, None), 0.95, self.lang)]
-        return []
+    def _first(self, curves: Iterable[Callable[[], Curve]]) -> list[Answer]:
+        """The curves, as far as there are, without their bands, which take longer."""
+        drawn = []
+        for curve in curves:
+            with suppress(DataError):
+                drawn.append(faces.drawn(faces.panel_of(curve()), 0.95, self.lang))
+        return drawn
 
     def send(self, kind: str, data: Answer) -> None:
         """Report to the server; without one there is nothing to go on for."""
@@ -131,7 +133,7 @@ def run(
     held.files, held.lang = files, lang
     request = Request.of(verb, choices)
     with processes(None), opened_by(held.open):
-        value = JOBS[verb].run(paths, request.recipe, request.settings, held)
+        value = JOBS[verb].run(paths, request.recipe, request.settings, Reports(held.tell, held.event))
     held.values[job] = value, shown
     return {"json": to_json(value), "faces": faces.described(value, lang), "exit": JOBS[verb].code(value)}
 
@@ -153,15 +155,13 @@ def deviation(held: Held, job: str, channel: str, statistic: str, lang: str) -> 
     value, _ = held.values[job]
     key = (job, channel, statistic)
     if key not in held.drawn:
-        curve, fit, _ = faces.curve_of(value, channel, statistic)
-        held.drawn[key] = faces.panel_of(curve, fit)
+        held.drawn[key] = faces.panel_of(*faces.curve_of(value, channel, statistic))
     return faces.drawn(held.drawn[key], value.recipe.level, lang)
 
 
 def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statistics: list[str], lang: str) -> Answer:
     """A channel with other terms or another band, and its curves."""
-    from allanite.study.analysis import refitted
-    from allanite.study.results import Study
+    from allanite.study.analysis import Study, refitted
 
     value, _ = held.values[job]
     if not isinstance(value, Study):
@@ -174,7 +174,7 @@ def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statis
     assert found.fit is not None  # noqa: S101 - `refitted` raises else
     return {
         "fit": replace(found.fit, curve=None).to_dict(recipe.level),
-        "curve": [faces.drawn(faces.panel_of(curve, fit), recipe.level, lang) for curve, fit, _ in curves],
+        "curve": [faces.drawn(faces.panel_of(curve, fit), recipe.level, lang) for curve, fit in curves],
         **faces.described(shown, lang)["channels"][0],
     }
 
@@ -239,10 +239,6 @@ TASKS: dict[str, Callable[..., Answer]] = {
     "save": save, "has": has,
 }  # fmt: skip
 """What a worker can be asked."""
-
-
-def ready() -> None:
-    """Nothing: that this module is loaded is all that is wanted."""
 
 
 def main(connection: Connection) -> None:

@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 from allanite.core.errors import DataError
-from allanite.parallel.process import EndedError, Process, Tell
+from allanite.parallel.processes import EndedError, Process, Tell
 from allanite.phrases.wording import spelled
 
 MOST = 4

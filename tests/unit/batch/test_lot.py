@@ -13,8 +13,8 @@ import allanite as al
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.job import run_batch
 from allanite.batch.lot import read_lot
-from allanite.batch.phrases import dumps, loads
 from allanite.batch.scatter import Trend, outliers, slope_of
+from allanite.batch.store import dumps, loads
 from allanite.batch.summary import Across
 from allanite.cli import main
 from allanite.phrases.phrase import say, say_count

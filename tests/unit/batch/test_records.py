@@ -15,7 +15,7 @@ import allanite as al
 from allanite.batch import job, store
 from allanite.batch.executor import Processes, Serial
 from allanite.batch.job import run_batch
-from allanite.batch.manifest import manifest_of
+from allanite.batch.sources import manifest_of
 from allanite.cli import main
 from allanite.core import files
 

@@ -14,7 +14,7 @@ from tests import examples
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
-from allanite.parallel.threads import ahead, later
+from allanite.parallel.futures import ahead, later
 from allanite.readers.columns import parts as head
 from allanite.readers.formats.registry import READERS, reader_named
 from allanite.readers.memory import bytes_of

@@ -11,7 +11,7 @@ from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.record import Recording
 from allanite.core.residuals import Shared
-from allanite.parallel.threads import spread
+from allanite.parallel.futures import spread
 from allanite.phrases.phrase import say
 from allanite.prepare.outliers import demand_choice, treated
 

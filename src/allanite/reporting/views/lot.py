@@ -6,8 +6,8 @@ from datetime import UTC, datetime
 from typing import Any
 
 from allanite.batch.lot import Lot
-from allanite.batch.manifest import DATE
 from allanite.batch.scatter import DAY, FEWEST, detectable
+from allanite.batch.sources import DATE
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import figures
 from allanite.reporting.digits import digits

@@ -42,8 +42,9 @@ class Process:
         self, context: Any, work: Callable[..., None], *arguments: Any, others: Sequence["Process"] = ()
     ) -> None:
         self.connection, theirs = context.Pipe()
-        ends = [each.connection for each in (self, *others)] if context.get_start_method() == "fork" else []
-        self.process: BaseProcess = context.Process(target=_begin, args=(theirs, ends, work, arguments))
+        fork = context.get_start_method() == "fork"
+        ends = [each.connection for each in (self, *others)] if fork else []
+        self.process: BaseProcess = context.Process(target=_begin, args=(theirs, ends, work, arguments), daemon=fork)
         self.process.start()
         theirs.close()  # so that its end is noticed
 
