@@ -2,49 +2,63 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
-from typing import Any, TypeVar
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin
 
 from .errors import UsageError
-from .ranges import demand_pieces
-
-Settings = TypeVar("Settings")
+from .ranges import demand_pieces, demand_ranges
 
 
 @dataclass(frozen=True)
 class Kind:
     """What the value of a choice is.
 
-    Attributes
-    ----------
-    name : str
-        What the help calls a value that has no metavar.
-    read : callable
-        The value from its text, or from the plain data of a file or request.
-    demand : callable
-        Refuses a value of Python that is not of this kind; takes the name of the choice and the value.
-    control : str
-        How it is entered on the page: "text", "number", "list", "band" or "flag".
-    many : bool
-        Whether the option is repeated, once for each part of the value.
-    write : callable, optional
-        The text from which `read` has the value, if `written` does not make it.
+    The help calls it `name` where there is no metavar; `read` makes it from text, or from the plain data of a file or a
+    request, and `demand` from the name of the choice and a value of Python: both refuse what is no such value. It is
+    entered as a `control` of the page: "text", "number", "list", "band" or "flag". The option is repeated for each of
+    `many` parts; `write` makes the text that is read, if `written` does not.
     """
 
     name: str
     read: Callable[[Any], Any]
-    demand: Callable[[str, Any], None] = lambda name, value: None
+    demand: Callable[[str, Any], Any] = lambda name, value: value
     control: str = "text"
     many: bool = False
     write: "Callable[[Any], str] | None" = None
 
 
+TYPED = Kind("value", lambda value: value)
+"""The kind that the type of the field says."""
+
+
 @dataclass(frozen=True)
 class Choice:
-    """A field that a user may set; see `choice`."""
+    """A field that a user may set.
 
-    kind: Kind
+    Attributes
+    ----------
+    metavar, help : str
+        The value in the help, and the text of the help.
+    kind : Kind
+        What its value is, by default what the type of the field says.
+    group : str
+        What it is about: "reading", "selecting", "identifying", "curve" or "showing" of a recipe.
+    flags : tuple of str
+        Names of the option, if they are not that of the field.
+    told : str, optional
+        What the help says of the default; by default the default itself, if it is a number or words.
+    parts : tuple, optional
+        The values that work where only sums of a record are kept; by default all. A choice that is not given always
+        works.
+    demand : callable, optional
+        What a value must be beyond its kind: returns the value as it is kept, or raises UsageError.
+    name, default
+        Those of the field.
+    """
+
     metavar: str = ""
     help: str = ""
+    kind: Kind = TYPED
     group: str = ""
     flags: tuple[str, ...] = ()
     told: str | None = None
@@ -59,16 +73,12 @@ class Choice:
         return self.flags or (f"--{self.name.replace('_', '-')}",)
 
     @property
-    def usual(self) -> str:
-        """What the help says of the default; empty if nothing."""
-        if self.told is not None:
-            return self.told
-        return "" if self.default is None or isinstance(self.default, bool) else written(self.default)
-
-    @property
     def text(self) -> str:
         """What the help says."""
-        return self.help + (f"  [default: {self.usual}]" if self.usual else "")
+        usual = self.told
+        if usual is None:
+            usual = "" if self.default is None or isinstance(self.default, bool) else written(self.default)
+        return self.help + (f"  [default: {usual}]" if usual else "")
 
     def read(self, data: Any) -> Any:
         """The value from its text or plain data.
@@ -92,40 +102,9 @@ class Choice:
         return [word for part in parts for word in (self.options[0], (self.kind.write or written)(part))]
 
 
-def choice(  # noqa: PLR0913 - the columns of a row
-    kind: Kind,
-    metavar: str = "",
-    help: str = "",  # noqa: A002 - the word of click
-    *,
-    default: Any = None,
-    group: str = "",
-    flags: tuple[str, ...] = (),
-    told: str | None = None,
-    parts: tuple[Any, ...] | None = None,
-    demand: Callable[[Any], Any] | None = None,
-) -> Any:
-    """A field of a dataclass that a user may set.
-
-    Parameters
-    ----------
-    kind : Kind
-        What its value is.
-    metavar, help : str
-        The value in the help, and the text of the help.
-    default : optional
-        The default, whose text the help shows unless `told` has other words, or none.
-    group : str
-        What it is about: "reading", "selecting", "identifying", "curve" or "showing" of a recipe.
-    flags : tuple of str
-        Names of the option, if they are not that of the field.
-    parts : tuple, optional
-        The values that work where only sums of a record are kept; by default all. A choice that is not given always
-        works.
-    demand : callable, optional
-        What a value must be beyond its kind: returns the value as it is kept, or raises UsageError.
-    """
-    row = Choice(kind, metavar, help, group, flags, told, parts, demand)
-    return field(default=default, metadata={"choice": row})
+def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns: Any) -> Any:  # noqa: A002 - as click
+    """A field of a dataclass that a user may set; `columns` are those of `Choice`."""
+    return field(default=default, metadata={"choice": Choice(metavar, help, **columns)})
 
 
 def choices_of(kind: type[Any]) -> dict[str, Choice]:
@@ -135,13 +114,24 @@ def choices_of(kind: type[Any]) -> dict[str, Choice]:
     --------
     >>> @dataclass
     ... class Smoothing:
-    ...     window: float = choice(NUMBER, "S", "Length of the mean.", default=60.0)
+    ...     window: float = choice("S", "Length of the mean.", default=60.0)
     >>> row = choices_of(Smoothing)["window"]
-    >>> row.options, row.usual, row.read("5"), row.words(5.0)
-    (('--window',), '60', 5.0, ['--window', '5'])
+    >>> row.options, row.text, row.read("5"), row.words(5.0)
+    (('--window',), 'Length of the mean.  [default: 60]', 5.0, ['--window', '5'])
     """
-    rows = ((f, f.metadata["choice"]) for f in fields(kind) if "choice" in f.metadata)
-    return {f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default) for f, row in rows}
+    return {
+        f.name: replace(
+            row, name=f.name, default=None if f.default is MISSING else f.default,
+            kind=_kind_of(f.type) if row.kind is TYPED else row.kind,
+        )
+        for f in fields(kind) for row in (f.metadata.get("choice"),) if row is not None
+    }  # fmt: skip
+
+
+def _kind_of(hint: Any) -> Kind:
+    """The kind of values of a type, which may be None as well."""
+    kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    return WORD if get_origin(kinds[0]) is Literal else KINDS[kinds[0]]
 
 
 def named(kind: type[Any], *groups: str) -> tuple[str, ...]:
@@ -150,15 +140,14 @@ def named(kind: type[Any], *groups: str) -> tuple[str, ...]:
 
 
 def demand_choices(settings: Any) -> None:
-    """Refuse a value that its choice does not allow, and keep the others as `Choice.demand` returns them."""
+    """Refuse a value that its choice does not allow, and keep the others as their kind and choice return them."""
     for name, row in choices_of(type(settings)).items():
         value = getattr(settings, name)
         if value is None and row.default is None:
             continue
         try:
-            row.kind.demand(name, value)
-            if row.demand is not None:
-                object.__setattr__(settings, name, row.demand(value))
+            kept = row.kind.demand(name, value)
+            object.__setattr__(settings, name, row.demand(kept) if row.demand else kept)
         except UsageError as error:
             error.choice = error.choice or name
             raise
@@ -188,29 +177,26 @@ def written(value: Any) -> str:
     return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
 
 
-def _number(value: Any) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"{value!r} is not a valid float.") from None
+def _parsed(number: type[float] | type[int]) -> Callable[[Any], Any]:
+    def read(value: Any) -> float | int:
+        try:
+            return number(value)
+        except (TypeError, ValueError):
+            raise UsageError(f"{value!r} is not a valid {'float' if number is float else 'integer'}.") from None
+
+    return read
 
 
-def _integer(value: Any) -> int:
-    try:
-        return int(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"{value!r} is not a valid integer.") from None
-
-
-def _demand_number(name: str, value: Any) -> None:
+def _demand_number(name: str, value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise UsageError(f"{name} must be a number, not {value!r}")
+    return value
 
 
-def demand_word(name: str, value: Any) -> None:
-    """Refuse what is no text."""
+def _demand_word(name: str, value: Any) -> Any:
     if not isinstance(value, str):
         raise UsageError(f"{name} must be a word, not {value!r}")
+    return value
 
 
 def separated(kind: type, name: str, count: int | None = None, example: str = "") -> Kind:
@@ -231,7 +217,7 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
 
 def pieces(unit: str) -> Kind:
     """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
-    return Kind("pieces", lambda value: demand_pieces(value, unit))
+    return Kind("pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit))
 
 
 def _table(value: Any) -> Any:
@@ -255,15 +241,6 @@ def _worth(value: Any) -> float | str:
         return str(value)
 
 
-def _demand_worth(name: str, value: Any) -> None:
-    if not isinstance(value, str):
-        _demand_number(name, value)
-
-
-def _band(value: Any) -> Any:
-    return value if value in ("auto", "all") else _FREQUENCIES.read(value)
-
-
 def _grid(value: Any) -> Any:
     try:
         return NUMBERS.read(value)
@@ -285,27 +262,27 @@ def seconds_of(text: Any) -> float:
     return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
 
 
-def _durations(value: Any) -> tuple[float, ...]:
-    return tuple(seconds_of(part) for part in (value.split(",") if isinstance(value, str) else value))
-
-
-def _listed(value: Any) -> tuple[str, ...] | None:
-    return tuple([value] if isinstance(value, str) else value) or None
-
-
-NUMBER = Kind("float", _number, _demand_number, control="number")
-INTEGER = Kind("integer", _integer, _demand_number, control="number")
-PERCENT = Kind("float", lambda value: _number(value) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
-WORD = Kind("text", str, demand_word)
+NUMBER = Kind("float", _parsed(float), _demand_number, control="number")
+INTEGER = Kind("integer", _parsed(int), _demand_number, control="number")
+PERCENT = Kind("float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
+WORD = Kind("text", str, _demand_word)
 FLAG = Kind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag")
 NAMES = separated(str, "names", example="gx,gy")
 NUMBERS = separated(float, "numbers", example="1,10,100")
 INTEGERS = separated(int, "integers", example="1,10,100")
 _FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
-BAND = Kind("band", _band, control="band")
+BAND = Kind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band")
 GRID = Kind("grid", _grid)
-RANGES = Kind("ranges", _table)
-WORTH = Kind("scale", _worth, _demand_worth)
+RANGES = Kind("ranges", _table, lambda name, value: demand_ranges(value))
+WORTH = Kind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v))
 DURATION = Kind("duration", seconds_of)
-DURATIONS = Kind("duration", _durations, control="list")
-LINES = Kind("text", _listed, control="list", many=True)
+DURATIONS = Kind(
+    "duration", lambda v: tuple(map(seconds_of, v.split(",") if isinstance(v, str) else v)), control="list"
+)
+LINES = Kind("text", lambda v: tuple([v] if isinstance(v, str) else v), control="list", many=True)
+
+KINDS: dict[Any, Kind] = {
+    float: NUMBER, int: INTEGER, str: WORD, bool: FLAG,
+    tuple[str, ...]: NAMES, tuple[float, ...]: NUMBERS, tuple[int, ...]: INTEGERS,
+}  # fmt: skip
+"""The kind that a type of a field says."""

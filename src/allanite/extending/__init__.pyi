@@ -2,12 +2,6 @@ from allanite.core.arrays import BoolArray as BoolArray
 from allanite.core.arrays import FloatArray as FloatArray
 from allanite.core.arrays import IntArray as IntArray
 from allanite.core.choices import DURATION as DURATION
-from allanite.core.choices import FLAG as FLAG
-from allanite.core.choices import INTEGER as INTEGER
-from allanite.core.choices import NAMES as NAMES
-from allanite.core.choices import NUMBER as NUMBER
-from allanite.core.choices import NUMBERS as NUMBERS
-from allanite.core.choices import WORD as WORD
 from allanite.core.choices import choice as choice
 from allanite.core.choices import separated as separated
 from allanite.core.correction import Correction as Correction
