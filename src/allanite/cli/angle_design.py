@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.core.choice_kinds import separated
 from allanite.core.choices import choices_of
 from allanite.core.errors import UsageError
 from allanite.study.settings import LengthChoices
@@ -12,12 +13,12 @@ from allanite.study.settings import LengthChoices
 from .angle_shared import ANGLES, ARCSEC, DEGREE, columns_of, deliver_study, prior_option, turn_option
 from .deliver import STDOUT, Outputs, outputs, put
 from .options import RESULTS, option_of, options
-from .types import NUMBERS, Separated
+from .types import NUMBERS, Converted
 
 if TYPE_CHECKING:
     from allanite.applications.angle import AngleSettings, Gimbals, Harmonics
 
-SWAY = Separated(float, "amplitude in deg and period in s", 2, "1,60")
+SWAY = Converted(separated(float, "amplitude in deg and period in s", 2, "1,60"))
 
 EXPERIMENT = (
     "latitude",

@@ -5,13 +5,14 @@ from typing import Any
 
 import click
 
-from allanite.core.choices import FLAG, Choice, choices_of
+from allanite.core.choice_kinds import FLAG
+from allanite.core.choices import Choice, choices_of
 from allanite.core.errors import UsageError
 from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES
 from allanite.study.recipe import READING, SELECTING, Recipe
 
-from .types import INTEGERS, NUMBERS, Converted, Duration, Threads
+from .types import DURATIONS, INTEGERS, NUMBERS, Converted, Duration, Threads
 
 Decorator = Callable[[Any], Any]
 
@@ -100,7 +101,7 @@ OPTIONS: dict[str, Decorator] = {
         help="Outliers: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
     "simulated dither": click.option("--dither", metavar="HOW",
         help="Dither added before rounding and removed after: 'random' or '400 Hz 20' (steps)."),
-    "planned durations": click.option("--durations", type=Duration(several=True), metavar="A,B,...",
+    "planned durations": click.option("--durations", type=DURATIONS, metavar="A,B,...",
         help="Record lengths.  [default: 10 min,1 h,6 h,24 h]"),
     "measuring durations": click.option("--durations", type=NUMBERS, metavar="S,...",
         help="Measuring times to compare."),

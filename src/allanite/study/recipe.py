@@ -7,7 +7,8 @@ from dataclasses import asdict, dataclass, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choices import BAND, GRID, LINES, RANGES, WORD, WORTH, Kind, choice, demand_choices, named, pieces
+from allanite.core.choice_kinds import BAND, GRID, LINES, RANGES, WORD, WORTH, Kind, pieces
+from allanite.core.choices import choice, demand_choices, named
 from allanite.core.errors import UsageError
 
 if TYPE_CHECKING:

@@ -4,7 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from allanite.core.choices import DURATION, DURATIONS, GRID, PERCENT, choice
+from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, PERCENT
+from allanite.core.choices import choice
 
 # fmt: off
 
