@@ -135,18 +135,13 @@ def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, st
     return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
 
 
-def _code(result: Any) -> int:
-    """Of many units the worst that was found."""
-    return next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0
-
-
-def _unusable(study: Any) -> int:
-    return DATA if all(channel.refusal for channel in study.channels) else 0
-
-
 TASKS: dict[str, Task] = {
-    "info": Task(_info, code=_unusable),
-    "analyze": Task(_analyze, code=_code, most=None),
+    "info": Task(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0),
+    "analyze": Task(
+        _analyze,
+        code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
+        most=None,
+    ),
     "deviation": Task(_survey, "study.survey.Deviations"),
     "spectrum": Task(_survey, "study.survey.Densities"),
     "dynamic": Task(_survey, "study.survey.Windows"),
