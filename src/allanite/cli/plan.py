@@ -10,7 +10,6 @@ from .deliver import carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
-    from allanite.study.modelled import ModelJob
     from allanite.study.modelling import Use
 
 EXCEEDED = 4
@@ -75,7 +74,7 @@ def statespace(file: str | None, **choices: Any) -> None:
     _run(StateSpaceSettings, file, choices)
 
 
-def _run(settings: "type[Use]", file: str | None, choices: dict[str, Any]) -> "ModelJob":
+def _run(settings: "type[Use]", file: str | None, choices: dict[str, Any]) -> Any:
     out = outputs(choices, [file, choices["recipe"]])
     from allanite.study.modelled import run_model_job
 
