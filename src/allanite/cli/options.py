@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from allanite.core.choice_kinds import FLAG
-from allanite.core.choices import Choice, choices_of
+from allanite.core.choices import ChoiceRow, choices_of
 from allanite.core.errors import UsageError
 from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES
@@ -50,7 +50,7 @@ FLAGS = ("lang", "force", "quiet", "strict")
 """Options about writing and the exit code, which a recipe does not hold."""
 
 
-def option_of(choice: Choice) -> Decorator:
+def option_of(choice: ChoiceRow) -> Decorator:
     """The option of a choice."""
     if choice.kind is FLAG:
         return click.option(*choice.options, choice.name, is_flag=True, default=choice.default, help=choice.text)

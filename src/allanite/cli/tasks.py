@@ -36,7 +36,7 @@ class Progressing:
 
 
 @dataclass(frozen=True)
-class Task:
+class VerbTask:
     """A row of `TASKS`.
 
     Attributes
@@ -135,17 +135,17 @@ def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, st
     return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
 
 
-TASKS: dict[str, Task] = {
-    "info": Task(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0),
-    "analyze": Task(
+TASKS: dict[str, VerbTask] = {
+    "info": VerbTask(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0),
+    "analyze": VerbTask(
         _analyze,
         code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
         most=None,
     ),
-    "deviation": Task(_survey, "study.survey.Deviations"),
-    "spectrum": Task(_survey, "study.survey.Densities"),
-    "dynamic": Task(_survey, "study.survey.Windows"),
-    "compare": Task(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None),
-    "watch": Task(_watch, "live.watching.WatchSettings"),
+    "deviation": VerbTask(_survey, "study.survey.Deviations"),
+    "spectrum": VerbTask(_survey, "study.survey.Densities"),
+    "dynamic": VerbTask(_survey, "study.survey.Windows"),
+    "compare": VerbTask(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None),
+    "watch": VerbTask(_watch, "live.watching.WatchSettings"),
 }
 """What the page can do, by the verb that does the same at the command line."""

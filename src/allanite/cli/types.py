@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core import choice_kinds
-from allanite.core.choice_kinds import Kind
+from allanite.core.choice_kinds import ChoiceKind
 from allanite.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ else:
 class Converted(ParamType):
     """The kind of a choice as a type of click."""
 
-    def __init__(self, kind: Kind) -> None:
+    def __init__(self, kind: ChoiceKind) -> None:
         self.kind, self.name = kind, kind.name
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
