@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.study.settings import CheckChoices, NoiseChoices, StateSpaceChoices
+from allanite.study.settings import CheckChoices, NoiseChoices, PlanChoices, StateSpaceChoices
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
@@ -20,12 +20,7 @@ NOISE = ("optional file", "model", "sensor", "unexplained", *RECORDING, *IDENTIF
 
 
 @click.command()
-@options(
-    *NOISE, "planned durations", "accuracy",
-    click.option("--ramp/--no-ramp", default=None,
-        help="Assume a rate ramp of unknown size.  [default: if the model has one]"),
-    *RESULTS, settings=(NoiseChoices,),
-)  # fmt: skip
+@options(*NOISE, "durations", "accuracy", "ramp", *RESULTS, settings=(NoiseChoices, PlanChoices))
 def plan(file: str | None, **choices: Any) -> None:
     """Predict accuracy against record length.
 

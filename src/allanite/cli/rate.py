@@ -93,7 +93,12 @@ def _settings(given: dict[str, Any]) -> "RateSettings":
 
     if "latitude" in given and "reference" in given and not given["horizontal"]:
         raise UsageError("the true rate is given twice: use either --latitude or --reference")
-    signals = _rates(given)
+    signals = []
+    for key in [key for key in ("reference", "bias", "allowed") if key in given]:
+        given[key], signal = _quantity(str(given[key]))
+        signals.append(signal)
+    if len({signal.name for signal in signals}) > 1:
+        raise UsageError("the true rate and the bias have units of different sensors")
     if given.pop("no_times"):
         given["durations"] = ()
     if "noise" in given:
@@ -102,18 +107,6 @@ def _settings(given: dict[str, Any]) -> "RateSettings":
     given["options"] = settings_of(EstimatorSettings, given)
     given["experiment"] = settings_of(ExperimentSettings, given)
     return RateSettings(**given, signal=signals[-1] if signals else None)
-
-
-def _rates(given: dict[str, Any]) -> "list[Signal]":
-    """Replace the texts of rates by their SI values; returns the signals that their units belong to."""
-    signals = []
-    for key in ("reference", "bias", "allowed"):
-        if key in given:
-            given[key], signal = _quantity(str(given[key]))
-            signals.append(signal)
-    if len({signal.name for signal in signals}) > 1:
-        raise UsageError("the true rate and the bias have units of different sensors")
-    return signals
 
 
 def _quantity(text: str) -> "tuple[float, Signal]":

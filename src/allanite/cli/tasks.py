@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import DATA, EXCEEDED, PARTLY
@@ -15,24 +15,12 @@ if TYPE_CHECKING:
     from allanite.study.recipe import Recipe
 
 
-class Reports(Protocol):
-    """What hears of a job while it runs."""
-
-    def tell(self, what: str, fraction: float) -> None:
-        """The job has come so far."""
-
-    def event(self, words: str, watch: Any) -> None:
-        """Something has happened in a stream that is watched."""
-
-
 @dataclass(frozen=True)
-class Progressing:
-    """Reports of a job that only progresses."""
+class Reports:
+    """What hears of a job while it runs: that it has come so far, and what happens in a stream that is watched."""
 
-    tell: "Progress"
-
-    def event(self, words: str, watch: Any) -> None:
-        """Nothing happens in a recording."""
+    tell: "Progress" = lambda what, fraction: None
+    event: Callable[[str, Any], None] = lambda words, watch: None
 
 
 @dataclass(frozen=True)
@@ -71,7 +59,7 @@ def perform(verb: str, files: Sequence[str], choices: dict[str, Any]) -> Any:
     out = outputs(choices, [*files, choices["recipe"]])
     settings = settings_of(task.kind, choices) if task.kind else None
     recipe = recipe_of(choices, **task.usual)
-    return carry_out(lambda tell: task.run(files, recipe, settings, Progressing(tell)), out)
+    return carry_out(lambda tell: task.run(files, recipe, settings, Reports(tell)), out)
 
 
 def _info(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -> Any:

@@ -46,11 +46,4 @@ class Threads(ParamType):
         return count
 
 
-def Duration() -> Converted:
-    """Seconds, or a duration with its unit."""
-    return Converted(choice_kinds.DURATION)
-
-
-NAMES, NUMBERS, INTEGERS, DURATIONS = map(
-    Converted, (choice_kinds.NAMES, choice_kinds.NUMBERS, choice_kinds.INTEGERS, choice_kinds.DURATIONS)
-)
+NAMES, NUMBERS, INTEGERS = map(Converted, (choice_kinds.NAMES, choice_kinds.NUMBERS, choice_kinds.INTEGERS))

@@ -16,6 +16,7 @@ from typing import Any
 from allanite.cli import main as allanite
 from allanite.cli.forms import encoded
 from allanite.cli.tasks import TASKS as JOBS
+from allanite.cli.tasks import Reports
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
 from allanite.phrases.wording import command_line
@@ -133,7 +134,7 @@ def run(
     held.files, held.lang = files, lang
     request = Request.of(verb, choices)
     with processes(None), opened_by(held.open):
-        value = JOBS[verb].run(paths, request.recipe, request.settings, held)
+        value = JOBS[verb].run(paths, request.recipe, request.settings, Reports(held.tell, held.event))
     held.values[job] = value, shown
     return {"json": to_json(value), "faces": faces.described(value, lang), "exit": JOBS[verb].code(value)}
 
