@@ -12,7 +12,7 @@ from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES
 from allanite.study.recipe import READING, SELECTING, Recipe
 
-from .types import INTEGERS, NUMBERS, Converted, Threads
+from .types import INTEGERS, Converted, Threads
 
 Decorator = Callable[[Any], Any]
 
@@ -73,7 +73,6 @@ OPTIONS: dict[str, Decorator] = {
         help="Processors to use at once, or auto: all of them. The results are the same."),
     "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
         help="Harmonics of the angle to estimate."),
-    "latitude": click.option("--latitude", type=float, metavar="DEG", help="Latitude of the site."),
     "report": _path("report", "Write a report: HTML, or PDF if PATH ends in .pdf."),
     "plot": _path("plot", "Write the figure: .png, .svg or .pdf."),
     "json": _path("json", "Write all results as JSON; - is standard output."),
@@ -98,8 +97,6 @@ OPTIONS: dict[str, Decorator] = {
         help="Outliers: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
     "simulated dither": click.option("--dither", metavar="HOW",
         help="Dither added before rounding and removed after: 'random' or '400 Hz 20' (steps)."),
-    "measuring durations": click.option("--durations", type=NUMBERS, metavar="S,...",
-        help="Measuring times to compare."),
     "reading interval": click.option("--interval", type=float, default=10.0, show_default=True, metavar="S",
         help="Sampling interval."),
     "reference rate": click.option("--reference", metavar="RATE",

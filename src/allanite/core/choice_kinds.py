@@ -120,6 +120,12 @@ def _grid(value: Any) -> Any:
         return value
 
 
+def _model(text: Any) -> Any:
+    from .notation import parse_model
+
+    return parse_model(str(text))
+
+
 def seconds_of(text: Any) -> float:
     """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
     from .notation import split_quantities
@@ -148,6 +154,7 @@ GRID = ChoiceKind("grid", _grid)
 RANGES = ChoiceKind("ranges", _table, lambda name, value: demand_ranges(value))
 WORTH = ChoiceKind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v))
 DURATION = ChoiceKind("duration", seconds_of)
+MODEL = ChoiceKind("model", _model)
 DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, v.split(",") if isinstance(v, str) else v)), control="list"
 )
