@@ -87,7 +87,7 @@ print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.cs
         ("extent Show the least and the greatest sample.", "least greatest", "Extents 10.0 True")),
     "choice of a recipe": ({}, (
         ("study/recipe.py", 'means over this time.", group="selecting", parts=())\n',
-         '    settle: float | None = choice(NUMBER, "", "Time to leave out.", group="selecting", parts=())\n'),
+         '    settle: float | None = choice("", "Time to leave out.", group="selecting", parts=())\n'),
         ("study/channels.py", "(recipe.exclude) if recipe.exclude else ())\n",
          "    whole = trim(whole, recipe.settle, None)\n")), """
 from allanite.web.requests import Request

@@ -1,7 +1,7 @@
 """The job of many files: each is analyzed, or its error is kept, in memory or in a folder of results."""
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
@@ -10,7 +10,7 @@ from allanite.core.version import __version__
 from allanite.phrases.phrase import Phrase
 from allanite.phrases.wording import command_line
 from allanite.study.analysis import analyzed, demand_shown
-from allanite.study.channels import Progress
+from allanite.study.channels import Progress, Source
 from allanite.study.recipe import Recipe
 
 from .batch import Batch, BatchUnit, lightened, unit_of
@@ -27,6 +27,7 @@ def analyze_files(
     *,
     limits: Specification | PathLike | None = None,
     besides: Iterable[str | None] = (),
+    opened: Callable[[str], Source] = str,
     progress: Progress | None = None,
 ) -> Batch:
     """The noise coefficients of many units, and whether they keep their limits.
@@ -41,6 +42,8 @@ def analyze_files(
         What the coefficients must not exceed; see `Specification` for the rule, and for the TOML file.
     besides : iterable of path
         Files in the folders that are not recordings.
+    opened : callable, optional
+        Gives for a file what is analyzed: its recording, if that is in memory.
     progress : callable, optional
         Called with the current step and the completed fraction.
 
@@ -88,7 +91,7 @@ def analyze_files(
     units, errors = list[BatchUnit](), list[AllaniteError]()
     for i, file in enumerate(sources.files):
         try:
-            study = analyzed(file, recipe, progress=step(i))
+            study = analyzed(opened(file), recipe, progress=step(i))
         except AllaniteError as error:
             errors.append(error)
             units.append(BatchUnit(file, error=reason_of(error, file), judged=specification is not None))

@@ -24,10 +24,8 @@ if TYPE_CHECKING:
     from allanite.core.record import Recording
     from allanite.parallel.sharing import Work
     from allanite.study.recipe import Recipe
-    from allanite.study.watching import Watch
 
 Settings = TypeVar("Settings")
-Result = TypeVar("Result")
 Progress = Callable[[str, float], None]
 
 STDOUT = "-"
@@ -84,17 +82,13 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
         if where in taken:
             raise UsageError(f"--{name} would overwrite {taken[where]} {path!r}; give another name")
         taken[where] = f"--{name}"
-        _demand_place(name, path, force=found.force)
+        if name == "plot":
+            from allanite.reporting.style import demand_figure_path
+
+            demand_figure_path(path, force=found.force)
+        else:
+            demand_writable(path, force=found.force)
     return found
-
-
-def _demand_place(name: str, path: str, *, force: bool) -> None:
-    if name == "plot":
-        from allanite.reporting.style import demand_figure_path
-
-        demand_figure_path(path, force=force)
-    else:
-        demand_writable(path, force=force)
 
 
 def demand_recording(path: str | None) -> None:
@@ -125,7 +119,7 @@ def given(choices: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in choices.items() if value is not None}
 
 
-def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra | None" = None) -> "Result":
+def carry_out(job: Callable[[Progress], Any], out: Outputs, extra: "Extra | None" = None) -> Any:
     """Run a job that reports its progress, and deliver its result."""
     from allanite.parallel.processors import FIGURES, importing, processes
 
@@ -134,17 +128,11 @@ def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra |
         with progress(out) as tell:
             found = job(tell)
         deliver(found, out, extra)
-    if out.strict:
-        _demand_explained(found)
-    return found
-
-
-def _demand_explained(found: Any) -> None:
-    """Exit with the code for bad data if a channel has no result, or no model explains its noise."""
-    if found.rejected:
+    if out.strict and found.rejected:
         names = ", ".join(name or "the record" for name in found.rejected)
         click.echo(f"not explained, or without a result: {names}", err=True)
         raise click.exceptions.Exit(DATA)
+    return found
 
 
 @contextmanager
@@ -211,11 +199,6 @@ def _work(value: Any, name: str, out: Outputs, extra: Extra) -> "Work[str | byte
     from allanite.parallel.sharing import Work
 
     return Work((), lambda _: extra.data[name](value))
-
-
-def happened(words: str, watch: "Watch") -> None:
-    """Say on stderr what happens in a stream."""
-    click.echo(words, err=True)
 
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:

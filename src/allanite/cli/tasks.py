@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import DATA, EXCEEDED, PARTLY
@@ -12,32 +12,24 @@ from .signals import stopping
 
 if TYPE_CHECKING:
     from allanite.batch.batch import Batch
-    from allanite.study.channels import Progress
+    from allanite.study.channels import Progress, Source
     from allanite.study.recipe import Recipe
 
 
-class Reports(Protocol):
-    """What hears of a job while it runs."""
+@dataclass(frozen=True)
+class Reports:
+    """What hears of a job while it runs: that it has come so far, and what happens in a stream that is watched.
 
-    def tell(self, what: str, fraction: float) -> None:
-        """The job has come so far."""
+    `source` gives for a file what is analyzed: its recording, if that is in memory.
+    """
 
-    def event(self, words: str, watch: Any) -> None:
-        """Something has happened in a stream that is watched."""
+    tell: "Progress" = lambda what, fraction: None
+    event: Callable[[str, Any], None] = lambda words, watch: None
+    source: "Callable[[str, Recipe], Source]" = lambda file, recipe: file
 
 
 @dataclass(frozen=True)
-class Progressing:
-    """Reports of a job that only progresses."""
-
-    tell: "Progress"
-
-    def event(self, words: str, watch: Any) -> None:
-        """Nothing happens in a recording."""
-
-
-@dataclass(frozen=True)
-class Task:
+class VerbTask:
     """A row of `TASKS`.
 
     Attributes
@@ -72,13 +64,13 @@ def perform(verb: str, files: Sequence[str], choices: dict[str, Any]) -> Any:
     out = outputs(choices, [*files, choices["recipe"]])
     settings = settings_of(task.kind, choices) if task.kind else None
     recipe = recipe_of(choices, **task.usual)
-    return carry_out(lambda tell: task.run(files, recipe, settings, Progressing(tell)), out)
+    return carry_out(lambda tell: task.run(files, recipe, settings, Reports(tell)), out)
 
 
 def _info(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -> Any:
     from allanite.study.analysis import examine
 
-    return examine(files[0], recipe, progress=reports.tell)
+    return examine(reports.source(files[0], recipe), recipe, progress=reports.tell)
 
 
 def _analyze(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -> Any:
@@ -87,14 +79,14 @@ def _analyze(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -
     from allanite.study.analysis import analyze
 
     if several(files):
-        return analyze_files(files, recipe, progress=reports.tell)
-    return analyze(files[0], recipe, progress=reports.tell)
+        return analyze_files(files, recipe, opened=lambda file: reports.source(file, recipe), progress=reports.tell)
+    return analyze(reports.source(files[0], recipe), recipe, progress=reports.tell)
 
 
 def _survey(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
     from allanite.study.survey import survey
 
-    return survey(files[0], settings, recipe, progress=reports.tell)
+    return survey(reports.source(files[0], recipe), settings, recipe, progress=reports.tell)
 
 
 def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
@@ -107,13 +99,14 @@ def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Rep
     if against is not None and count != 2:
         words = f"--against names channels of the second of two files, but {count} files were given"
         raise UsageError(words, choice="against")
+    sources = [reports.source(file, recipe) for file in files]
     if part is not None:
-        return comparing.truncation(files[0], part, recipe, progress=reports.tell)
+        return comparing.truncation(sources[0], part, recipe, progress=reports.tell)
     if count == 1:
-        return comparing.compare_channels(files[0], recipe, progress=reports.tell)
+        return comparing.compare_channels(sources[0], recipe, progress=reports.tell)
     if count == 2:
-        return comparing.compare(files[0], files[1], recipe, against=against, progress=reports.tell)
-    return comparing.pool(files, recipe, progress=reports.tell)
+        return comparing.compare(sources[0], sources[1], recipe, against=against, progress=reports.tell)
+    return comparing.pool(sources, recipe, progress=reports.tell)
 
 
 def _watch(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
@@ -137,22 +130,17 @@ def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, st
     return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
 
 
-def _code(result: Any) -> int:
-    """Of many units the worst that was found."""
-    return next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0
-
-
-def _unusable(study: Any) -> int:
-    return DATA if all(channel.refusal for channel in study.channels) else 0
-
-
-TASKS: dict[str, Task] = {
-    "info": Task(_info, code=_unusable),
-    "analyze": Task(_analyze, code=_code, most=None),
-    "deviation": Task(_survey, "study.survey.Deviations"),
-    "spectrum": Task(_survey, "study.survey.Densities"),
-    "dynamic": Task(_survey, "study.survey.Windows"),
-    "compare": Task(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None),
-    "watch": Task(_watch, "study.watching.WatchSettings"),
+TASKS: dict[str, VerbTask] = {
+    "info": VerbTask(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0),
+    "analyze": VerbTask(
+        _analyze,
+        code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
+        most=None,
+    ),
+    "deviation": VerbTask(_survey, "study.survey.Deviations"),
+    "spectrum": VerbTask(_survey, "study.survey.Densities"),
+    "dynamic": VerbTask(_survey, "study.survey.Windows"),
+    "compare": VerbTask(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None),
+    "watch": VerbTask(_watch, "study.watching.WatchSettings"),
 }
 """What the page can do, by the verb that does the same at the command line."""

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.core import choices
-from allanite.core.choices import Kind, separated
+from allanite.core import choice_kinds
+from allanite.core.choice_kinds import ChoiceKind
 from allanite.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ else:
 class Converted(ParamType):
     """The kind of a choice as a type of click."""
 
-    def __init__(self, kind: Kind) -> None:
+    def __init__(self, kind: ChoiceKind) -> None:
         self.kind, self.name = kind, kind.name
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -46,18 +46,4 @@ class Threads(ParamType):
         return count
 
 
-class Duration(Converted):
-    """Seconds, or a duration with its unit; several separated by commas if `several`."""
-
-    def __init__(self, several: bool = False) -> None:
-        super().__init__(choices.DURATIONS if several else choices.DURATION)
-
-
-class Separated(Converted):
-    """Words or numbers separated by commas."""
-
-    def __init__(self, kind: type, name: str, count: int | None = None, example: str = "") -> None:
-        super().__init__(separated(kind, name, count, example))
-
-
-NAMES, NUMBERS, INTEGERS = (Converted(kind) for kind in (choices.NAMES, choices.NUMBERS, choices.INTEGERS))
+NAMES, NUMBERS, INTEGERS = map(Converted, (choice_kinds.NAMES, choice_kinds.NUMBERS, choice_kinds.INTEGERS))

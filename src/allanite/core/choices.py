@@ -1,50 +1,41 @@
 """Choices: what a user may set, each stated once as a field of a dataclass, from which option, key and help follow."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import MISSING, dataclass, field, fields, replace
-from typing import Any, TypeVar
+from typing import Any
 
+from .choice_kinds import FLAG, TYPED, ChoiceKind, kind_of, written
 from .errors import UsageError
-from .ranges import demand_pieces
-
-Settings = TypeVar("Settings")
 
 
 @dataclass(frozen=True)
-class Kind:
-    """What the value of a choice is.
+class ChoiceRow:
+    """A field that a user may set.
 
     Attributes
     ----------
-    name : str
-        What the help calls a value that has no metavar.
-    read : callable
-        The value from its text, or from the plain data of a file or request.
-    demand : callable
-        Refuses a value of Python that is not of this kind; takes the name of the choice and the value.
-    control : str
-        How it is entered on the page: "text", "number", "list", "band" or "flag".
-    many : bool
-        Whether the option is repeated, once for each part of the value.
-    write : callable, optional
-        The text from which `read` has the value, if `written` does not make it.
+    metavar, help : str
+        The value in the help, and the text of the help.
+    kind : ChoiceKind
+        What its value is, by default what the type of the field says.
+    group : str
+        What it is about: "reading", "selecting", "identifying", "curve" or "showing" of a recipe.
+    flags : tuple of str
+        Names of the option, if they are not that of the field.
+    told : str, optional
+        What the help says of the default; by default the default itself, if it is a number or words.
+    parts : tuple, optional
+        The values that work where only sums of a record are kept; by default all. A choice that is not given always
+        works.
+    demand : callable, optional
+        What a value must be beyond its kind: returns the value as it is kept, or raises UsageError.
+    name, default
+        Those of the field.
     """
 
-    name: str
-    read: Callable[[Any], Any]
-    demand: Callable[[str, Any], None] = lambda name, value: None
-    control: str = "text"
-    many: bool = False
-    write: "Callable[[Any], str] | None" = None
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A field that a user may set; see `choice`."""
-
-    kind: Kind
     metavar: str = ""
     help: str = ""
+    kind: ChoiceKind = TYPED
     group: str = ""
     flags: tuple[str, ...] = ()
     told: str | None = None
@@ -59,16 +50,12 @@ class Choice:
         return self.flags or (f"--{self.name.replace('_', '-')}",)
 
     @property
-    def usual(self) -> str:
-        """What the help says of the default; empty if nothing."""
-        if self.told is not None:
-            return self.told
-        return "" if self.default is None or isinstance(self.default, bool) else written(self.default)
-
-    @property
     def text(self) -> str:
         """What the help says."""
-        return self.help + (f"  [default: {self.usual}]" if self.usual else "")
+        usual = self.told
+        if usual is None:
+            usual = "" if self.default is None or isinstance(self.default, bool) else written(self.default)
+        return self.help + (f"  [default: {usual}]" if usual else "")
 
     def read(self, data: Any) -> Any:
         """The value from its text or plain data.
@@ -92,56 +79,30 @@ class Choice:
         return [word for part in parts for word in (self.options[0], (self.kind.write or written)(part))]
 
 
-def choice(  # noqa: PLR0913 - the columns of a row
-    kind: Kind,
-    metavar: str = "",
-    help: str = "",  # noqa: A002 - the word of click
-    *,
-    default: Any = None,
-    group: str = "",
-    flags: tuple[str, ...] = (),
-    told: str | None = None,
-    parts: tuple[Any, ...] | None = None,
-    demand: Callable[[Any], Any] | None = None,
-) -> Any:
-    """A field of a dataclass that a user may set.
-
-    Parameters
-    ----------
-    kind : Kind
-        What its value is.
-    metavar, help : str
-        The value in the help, and the text of the help.
-    default : optional
-        The default, whose text the help shows unless `told` has other words, or none.
-    group : str
-        What it is about: "reading", "selecting", "identifying", "curve" or "showing" of a recipe.
-    flags : tuple of str
-        Names of the option, if they are not that of the field.
-    parts : tuple, optional
-        The values that work where only sums of a record are kept; by default all. A choice that is not given always
-        works.
-    demand : callable, optional
-        What a value must be beyond its kind: returns the value as it is kept, or raises UsageError.
-    """
-    row = Choice(kind, metavar, help, group, flags, told, parts, demand)
-    return field(default=default, metadata={"choice": row})
+def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns: Any) -> Any:  # noqa: A002 - as click
+    """A field of a dataclass that a user may set; `columns` are those of `ChoiceRow`."""
+    return field(default=default, metadata={"choice": ChoiceRow(metavar, help, **columns)})
 
 
-def choices_of(kind: type[Any]) -> dict[str, Choice]:
+def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
     """The choices of a class by the name of their field.
 
     Examples
     --------
     >>> @dataclass
     ... class Smoothing:
-    ...     window: float = choice(NUMBER, "S", "Length of the mean.", default=60.0)
+    ...     window: float = choice("S", "Length of the mean.", default=60.0)
     >>> row = choices_of(Smoothing)["window"]
-    >>> row.options, row.usual, row.read("5"), row.words(5.0)
-    (('--window',), '60', 5.0, ['--window', '5'])
+    >>> row.options, row.text, row.read("5"), row.words(5.0)
+    (('--window',), 'Length of the mean.  [default: 60]', 5.0, ['--window', '5'])
     """
-    rows = ((f, f.metadata["choice"]) for f in fields(kind) if "choice" in f.metadata)
-    return {f.name: replace(row, name=f.name, default=None if f.default is MISSING else f.default) for f, row in rows}
+    return {
+        f.name: replace(
+            row, name=f.name, default=None if f.default is MISSING else f.default,
+            kind=kind_of(f.type) if row.kind is TYPED else row.kind,
+        )
+        for f in fields(kind) for row in (f.metadata.get("choice"),) if row is not None
+    }  # fmt: skip
 
 
 def named(kind: type[Any], *groups: str) -> tuple[str, ...]:
@@ -150,162 +111,22 @@ def named(kind: type[Any], *groups: str) -> tuple[str, ...]:
 
 
 def demand_choices(settings: Any) -> None:
-    """Refuse a value that its choice does not allow, and keep the others as `Choice.demand` returns them."""
+    """Refuse a value that its choice does not allow, and keep the others as their kind and choice return them."""
     for name, row in choices_of(type(settings)).items():
         value = getattr(settings, name)
         if value is None and row.default is None:
             continue
         try:
-            row.kind.demand(name, value)
-            if row.demand is not None:
-                object.__setattr__(settings, name, row.demand(value))
+            kept = row.kind.demand(name, value)
+            object.__setattr__(settings, name, row.demand(kept) if row.demand else kept)
         except UsageError as error:
             error.choice = error.choice or name
             raise
 
 
-def needing_all(settings: Any) -> Iterator[tuple[Choice, Any]]:
+def needing_all(settings: Any) -> Iterator[tuple[ChoiceRow, Any]]:
     """The choices with their values that do not work where only sums of a record are kept."""
     for name, row in choices_of(type(settings)).items():
         value = getattr(settings, name)
         if row.parts is not None and value is not None and value not in row.parts:
             yield row, value
-
-
-def written(value: Any) -> str:
-    """A value as it is typed.
-
-    Examples
-    --------
-    >>> written((100.0, 1e-3)), written(((1, 2.5),)), written({"N": (0.1, 10)}), written({"gyro": "deg/s"})
-    ('100,0.001', '1..2.5', 'N=0.1:10', 'gyro=deg/s')
-    """
-    if isinstance(value, Mapping):
-        pairs = ((key, ":".join(map(written, v)) if isinstance(v, (list, tuple)) else v) for key, v in value.items())
-        return ",".join(f"{key}={v}" for key, v in pairs)
-    if isinstance(value, (list, tuple)):
-        return ",".join("..".join(map(written, v)) if isinstance(v, (list, tuple)) else written(v) for v in value)
-    return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
-
-
-def _number(value: Any) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"{value!r} is not a valid float.") from None
-
-
-def _integer(value: Any) -> int:
-    try:
-        return int(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"{value!r} is not a valid integer.") from None
-
-
-def _demand_number(name: str, value: Any) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise UsageError(f"{name} must be a number, not {value!r}")
-
-
-def demand_word(name: str, value: Any) -> None:
-    """Refuse what is no text."""
-    if not isinstance(value, str):
-        raise UsageError(f"{name} must be a word, not {value!r}")
-
-
-def separated(kind: type, name: str, count: int | None = None, example: str = "") -> Kind:
-    """Words or numbers separated by commas; plain data may hold a list."""
-
-    def read(value: Any) -> tuple[Any, ...]:
-        parts = value.split(",") if isinstance(value, str) else value
-        try:
-            values = tuple(kind(part.strip() if isinstance(part, str) else part) for part in parts)
-        except (TypeError, ValueError):
-            values = ()
-        if not values or (count is not None and len(values) != count):
-            raise UsageError(f"expected {name}, e.g. {example}, not {value!r}")
-        return values
-
-    return Kind(name, read, control="list")
-
-
-def pieces(unit: str) -> Kind:
-    """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
-    return Kind("pieces", lambda value: demand_pieces(value, unit))
-
-
-def _table(value: Any) -> Any:
-    if not isinstance(value, str):
-        return value
-    found = {}
-    for part in value.split(","):
-        symbol, _, numbers = part.partition("=")
-        try:
-            low, high = (float(number) for number in numbers.split(":"))
-        except ValueError:
-            raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {part!r}") from None
-        found[symbol.strip()] = (low, high)
-    return found
-
-
-def _worth(value: Any) -> float | str:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        return str(value)
-
-
-def _demand_worth(name: str, value: Any) -> None:
-    if not isinstance(value, str):
-        _demand_number(name, value)
-
-
-def _band(value: Any) -> Any:
-    return value if value in ("auto", "all") else _FREQUENCIES.read(value)
-
-
-def _grid(value: Any) -> Any:
-    try:
-        return NUMBERS.read(value)
-    except UsageError:
-        return value
-
-
-def seconds_of(text: Any) -> float:
-    """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
-    from .notation import split_quantities
-    from .units import convert
-
-    if isinstance(text, (int, float)):
-        return float(text)
-    found = split_quantities(str(text).split())
-    if len(found) != 1 or not found[0][0] > 0:
-        raise UsageError(f"a duration has the form 3600, '10 min' or 24h, not {text!r}")
-    value, unit = found[0]
-    return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
-
-
-def _durations(value: Any) -> tuple[float, ...]:
-    return tuple(seconds_of(part) for part in (value.split(",") if isinstance(value, str) else value))
-
-
-def _listed(value: Any) -> tuple[str, ...] | None:
-    return tuple([value] if isinstance(value, str) else value) or None
-
-
-NUMBER = Kind("float", _number, _demand_number, control="number")
-INTEGER = Kind("integer", _integer, _demand_number, control="number")
-PERCENT = Kind("float", lambda value: _number(value) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
-WORD = Kind("text", str, demand_word)
-FLAG = Kind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag")
-NAMES = separated(str, "names", example="gx,gy")
-NUMBERS = separated(float, "numbers", example="1,10,100")
-INTEGERS = separated(int, "integers", example="1,10,100")
-_FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
-BAND = Kind("band", _band, control="band")
-GRID = Kind("grid", _grid)
-RANGES = Kind("ranges", _table)
-WORTH = Kind("scale", _worth, _demand_worth)
-DURATION = Kind("duration", seconds_of)
-DURATIONS = Kind("duration", _durations, control="list")
-LINES = Kind("text", _listed, control="list", many=True)

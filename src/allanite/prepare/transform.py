@@ -37,8 +37,17 @@ def mark_outliers(record: Record) -> Record:
     return marked(record, outliers(record))
 
 
+MOTION = ("mark", "refuse")
+"""What can be done where the sensor moves."""
+
 PASSES = 4
 """How often motion is looked for, each time without what was found before."""
+
+
+def demand_motion(word: str) -> None:
+    """Refuse an unknown choice for motion."""
+    if word not in MOTION:
+        raise UsageError(f"motion must be {' or '.join(map(repr, MOTION))}, not {word!r}")
 
 
 def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:

@@ -4,9 +4,7 @@ Every analysis of a recording uses it, so that the same file gets the same findi
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
@@ -35,21 +33,6 @@ Source = Recording | Record | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
 Result = TypeVar("Result")
 
-Opener = Callable[[str, Mapping[str, Any], Callable[[], Recording]], Recording]
-"""(path, choices of the reader, function that reads it) -> the recording."""
-
-_opener: ContextVar[Opener | None] = ContextVar("_opener", default=None)
-
-
-@contextmanager
-def opened_by(opener: Opener) -> Iterator[None]:
-    """Within this context files are read by `opener`, which may keep what it has read for the next job."""
-    token = _opener.set(opener)
-    try:
-        yield
-    finally:
-        _opener.reset(token)
-
 
 def open_recording(
     source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None
@@ -70,7 +53,7 @@ def open_recording(
     UsageError
         An option is wrong, or a required one is missing.
     """
-    whole = _whole(source, recipe, along, progress or (lambda what, fraction: None))
+    whole = whole_recording(source, recipe, along=along, progress=progress)
     if recipe.average is not None:
         whole = averaged(whole, recipe.average)
     whole = excluded(whole, demand_pieces(recipe.exclude) if recipe.exclude else ())
@@ -82,21 +65,21 @@ def open_recording(
     return part if kept is own else replace(part, records=(*kept, *part.records[len(own) :]))
 
 
-def _whole(source: Source, recipe: Recipe, along: Sequence[str], tell: Progress) -> Recording:
+def whole_recording(
+    source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None
+) -> Recording:
+    """A recording before anything is selected; parameters and exceptions are those of `open_recording`."""
     if isinstance(source, Recording):
         return source
     if isinstance(source, Record):
         return Recording((source,))
+    tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
     options = recipe.to_dict(READING) | ({"along": tuple(along)} if along else {})
 
-    def whole() -> Recording:
-        demand_memory(source, recipe.memory, recipe.to_dict(READING))
-        # less of a job than is completed when its first channel begins
-        return read(source, **options, progress=lambda share: tell(f"reading, {100 * share:.0f} %", 0.04 * share))
-
-    opener = _opener.get()
-    return whole() if opener is None else opener(os.fspath(source), options, whole)
+    demand_memory(source, recipe.memory, recipe.to_dict(READING))
+    # less of a job than is completed when its first channel begins
+    return read(source, **options, progress=lambda share: tell(f"reading, {100 * share:.0f} %", 0.04 * share))
 
 
 def each_channel(

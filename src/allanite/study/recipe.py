@@ -4,46 +4,30 @@ import os
 import stat
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choices import (
-    BAND,
-    GRID,
-    INTEGER,
-    LINES,
-    NAMES,
-    NUMBER,
-    RANGES,
-    WORD,
-    WORTH,
-    Kind,
-    choice,
-    demand_choices,
-    demand_word,
-    named,
-    pieces,
-)
+from allanite.core.choice_kinds import BAND, GRID, LINES, RANGES, WORD, WORTH, ChoiceKind, pieces
+from allanite.core.choices import choice, demand_choices, named
 from allanite.core.errors import UsageError
-from allanite.core.ranges import demand_pieces, demand_ranges
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-# What checks a choice is imported where it is used: the help of the command line reads these rows, and loads no numpy.
 
+def _checked(where: str) -> Callable[[Any], Any]:
+    """The value, unless a function refuses it; it is imported then, since the help reads these rows and no more."""
 
-MOTION = ("mark", "refuse")
-"""What can be done where the sensor moves."""
+    def demand(value: Any) -> Any:
+        module, _, name = where.rpartition(".")
+        getattr(import_module(f"allanite.{module}"), name)(value)
+        return value
 
-
-def _unit(unit: str | Mapping[str, str]) -> str:
-    from allanite.readers.options import stated_unit
-
-    return stated_unit(unit)
+    return demand
 
 
 def _stated(key: str) -> Callable[[Any], Any]:
-    """What is stated about a file is checked where it is read, and here already."""
+    """The value, unless it is refused where a file is read."""
 
     def demand(value: Any) -> Any:
         from allanite.readers.options import Options
@@ -54,43 +38,20 @@ def _stated(key: str) -> Callable[[Any], Any]:
     return demand
 
 
-def _outliers(word: str) -> str:
-    from allanite.prepare.outliers import demand_choice
+def _unit(unit: str | Mapping[str, str]) -> str:
+    from allanite.readers.options import stated_unit
 
-    demand_choice(word)
-    return word
-
-
-def _motion(word: str) -> str:
-    if word not in MOTION:
-        raise UsageError(f"motion must be {' or '.join(map(repr, MOTION))}, not {word!r}")
-    return word
+    return str(_stated("unit")(stated_unit(unit)))
 
 
-def _memory(size: str) -> str:
-    from allanite.readers.memory import bytes_of
-
-    bytes_of(size)
-    return size
+def _demand_unit(name: str, value: Any) -> str:
+    return _unit(value if isinstance(value, Mapping) else WORD.demand(name, value))
 
 
 def _level(level: float) -> float:
     if not 0 < level < 1:
         raise UsageError(f"a confidence level must be between 0 and 1, not {level!r}")
     return level
-
-
-def _band(band: Any) -> Any:
-    from allanite.core.validity import demand_band
-
-    demand_band(band)
-    return band
-
-
-def _device(name: str) -> str:
-    from allanite.interpretation.devices import device
-
-    return device(name).name
 
 
 def _units_shown(units: tuple[str, ...]) -> tuple[str, ...]:
@@ -108,14 +69,6 @@ def _facts(lines: tuple[str, ...]) -> tuple[str, ...]:
         if not line.partition("=")[2]:
             raise UsageError(f"facts about a device are given as KEY=VALUE, e.g. serial=SN-12, not {line!r}")
     return lines
-
-
-def _demand_units(name: str, value: Any) -> None:
-    if not isinstance(value, Mapping):
-        demand_word(name, value)
-
-
-UNITS = Kind("unit", _unit, _demand_units)
 
 
 @dataclass(frozen=True)
@@ -137,73 +90,71 @@ class Recipe:
 
     # fmt: off
     rate: float | None = choice(
-        NUMBER, "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"),
-        demand=_stated("rate"))
+        "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"), demand=_stated("rate"))
     unit: str | Mapping[str, str] | None = choice(
-        UNITS, "UNIT",
-        "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
-        group="reading", demand=lambda unit: _stated("unit")(_unit(unit)))
+        "UNIT", "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
+        kind=ChoiceKind("unit", _unit, _demand_unit), group="reading")
     kind: str | None = choice(
-        WORD, "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
+        "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
     scale: float | str | None = choice(
-        WORTH, "STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", group="reading",
+        "STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", kind=WORTH, group="reading",
         demand=_stated("scale"))
     channels: tuple[str, ...] | None = choice(
-        NAMES, "A,B,...", "Columns by name or number.", told="all recognized", group="reading")
-    time: str | None = choice(WORD, "", "Column of the time stamps.", group="reading")
+        "A,B,...", "Columns by name or number.", told="all recognized", group="reading")
+    time: str | None = choice("", "Column of the time stamps.", group="reading")
     dtype: str | None = choice(
-        WORD, "TYPE", "The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins.",
+        "TYPE", "The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins.",
         group="reading")
-    columns: int | None = choice(INTEGER, "N", "Numbers per row of raw binary.", group="reading")
-    offset: int | None = choice(INTEGER, "BYTES", "Bytes before the first row of raw binary.", group="reading")
+    columns: int | None = choice("N", "Numbers per row of raw binary.", group="reading")
+    offset: int | None = choice("BYTES", "Bytes before the first row of raw binary.", group="reading")
     sincos: tuple[str, ...] | None = choice(
-        NAMES, "S,C,...", "Columns of sine and cosine, in pairs: their angle is analyzed.", group="reading")
+        "S,C,...", "Columns of sine and cosine, in pairs: their angle is analyzed.", group="reading", parts=())
     average: float | None = choice(
-        NUMBER, "S", "First of all replace the samples by means over this time.", group="selecting")
+        "S", "First of all replace the samples by means over this time.", group="selecting")
     exclude: str | tuple[tuple[float, float], ...] | None = choice(
-        pieces("s"), "S..S,...", "Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps.",
-        group="selecting", demand=demand_pieces)
+        "S..S,...", "Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps.",
+        kind=pieces("s"), group="selecting")
     start: float | None = choice(
-        NUMBER, "S", "Start of the window, s after the first sample.", group="selecting", flags=("--from",))
-    until: float | None = choice(NUMBER, "S", "End of the window, s after the first sample.", group="selecting")
+        "S", "Start of the window, s after the first sample.", group="selecting", flags=("--from",))
+    until: float | None = choice("S", "End of the window, s after the first sample.", group="selecting")
     quiet_window: float | None = choice(
-        NUMBER, "S", "Use the most stationary window of this length.", group="selecting", parts=())
+        "S", "Use the most stationary window of this length.", group="selecting", parts=())
     outliers: str | None = choice(
-        WORD, "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only",
-        group="selecting", demand=_outliers)
+        "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only", group="selecting",
+        demand=_checked("prepare.outliers.demand_choice"))
     motion: str | None = choice(
-        WORD, "WORD", "mark: leave out the seconds in which the sensor moves; refuse: no analysis beyond 2 % of them.",
-        told="refuse; of a live stream mark", group="selecting", demand=_motion)
+        "WORD", "mark: leave out the seconds in which the sensor moves; refuse: no analysis beyond 2 % of them.",
+        told="refuse; of a live stream mark", group="selecting", demand=_checked("prepare.transform.demand_motion"))
     memory: str | None = choice(
-        WORD, "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
-        told="half of what is available", group="selecting", demand=_memory)
-    statistic: str = choice(WORD, "NAME", "Statistic of the curve.", default="oadev", group="curve")
+        "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
+        told="half of what is available", group="selecting", demand=_checked("readers.memory.bytes_of"))
+    statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve")
     taus: str | tuple[float, ...] = choice(
-        GRID, "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", default="log", told="", group="curve")
-    terms: str = choice(WORD, "QNBKR", "Noise terms to look for.", default="auto", group="identifying")
+        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default="log", told="",
+        group="curve")
+    terms: str = choice("QNBKR", "Noise terms to look for.", default="auto", group="identifying")
     method: str = choice(
-        WORD, "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",
+        "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",
         group="identifying", parts=("whittle",))
     ranges: Mapping[str, tuple[float, float]] | None = choice(
-        RANGES, "N=LO:HI,...", "Averaging times through which method piecewise draws the line of each term, s.",
-        group="identifying", parts=(), demand=demand_ranges)
+        "N=LO:HI,...", "Averaging times through which method piecewise draws the line of each term, s.", kind=RANGES,
+        group="identifying", parts=())
     band: str | tuple[float, float] = choice(
-        BAND, "BAND", "Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.",
-        default="auto", group="identifying", demand=_band)
+        "BAND", "Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.", kind=BAND,
+        default="auto", group="identifying", demand=_checked("core.validity.demand_band"))
     mask: str | tuple[tuple[float, float], ...] | None = choice(
-        pieces("Hz"), "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.",
-        group="identifying", demand=lambda value: demand_pieces(value, "Hz"))
-    level: float = choice(
-        NUMBER, "", "Confidence level of intervals.", default=0.95, group="identifying", demand=_level)
+        "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.", kind=pieces("Hz"),
+        group="identifying")
+    level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying", demand=_level)
     device: str | None = choice(
-        WORD, "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.",
-        group="showing", demand=_device)
+        "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
+        demand=_checked("interpretation.devices.device"))
     to: tuple[str, ...] | None = choice(
-        NAMES, "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets",
-        group="showing", demand=_units_shown)
+        "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets", group="showing",
+        demand=_units_shown)
     about: tuple[str, ...] | None = choice(
-        LINES, "KEY=VALUE", "For the header of the report: serial, operator, date, temperature, ...", group="showing",
-        demand=_facts)
+        "KEY=VALUE", "For the header of the report: serial, operator, date, temperature, ...", kind=LINES,
+        group="showing", demand=_facts)
     # fmt: on
 
     def __post_init__(self) -> None:

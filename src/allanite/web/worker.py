@@ -22,7 +22,9 @@ from allanite.core.record import Recording
 from allanite.parallel.processes import ANSWER
 from allanite.phrases.wording import command_line
 from allanite.statistics import deviation as deviation_of
-from allanite.study.channels import opened_by
+from allanite.study.channels import whole_recording
+from allanite.study.parts import in_parts
+from allanite.study.recipe import READING, Recipe
 
 from . import faces, trace
 from .requests import Request, problem_of
@@ -78,16 +80,22 @@ class Held:
             words = words.replace(path, name)
         return problem | {"error": words}
 
-    def open(self, path: str, choices: Mapping[str, Any], read: Callable[[], Recording]) -> Recording:
-        """A recording, read unless it is in memory; its trace is written beside the upload."""
-        key = json.dumps(choices, sort_keys=True, default=str)
+    def source(self, path: str, recipe: Recipe) -> Recording | str:
+        """The recording of a file, read unless it is in memory; its path, if it does not fit into memory.
+
+        Its trace is written beside the upload.
+        """
+        with in_parts(path, recipe) as reader:
+            if reader is not None:
+                return path
+        key = json.dumps(recipe.to_dict(READING), sort_keys=True, default=str)
         if (path, key) not in self.recordings:
             while len(self.recordings) >= KEPT:
                 self.recordings.pop(next(iter(self.recordings)))
-            self.recordings[path, key] = replace(read(), source=self.files[path][2] if path in self.files else path)
+            recording = whole_recording(path, recipe, progress=self.tell)
+            self.recordings[path, key] = replace(recording, source=self.files[path][2] if path in self.files else path)
             self._traced(path, key)
-            records = self.recordings[path, key]
-            first = [partial(deviation_of, record, "oadev", taus="octave", noise=None) for record in records]
+            first = [partial(deviation_of, record, "oadev", taus="octave", noise=None) for record in recording]
             self.send("curves", {"channels": self._first(first)})
         else:
             self._traced(path, key)
@@ -132,8 +140,8 @@ def run(
 
     held.files, held.lang = files, lang
     request = Request.of(verb, choices)
-    with processes(None), opened_by(held.open):
-        value = JOBS[verb].run(paths, request.recipe, request.settings, Reports(held.tell, held.event))
+    with processes(None):
+        value = JOBS[verb].run(paths, request.recipe, request.settings, Reports(held.tell, held.event, held.source))
     held.values[job] = value, shown
     return {"json": to_json(value), "faces": faces.described(value, lang), "exit": JOBS[verb].code(value)}
 
@@ -161,7 +169,8 @@ def deviation(held: Held, job: str, channel: str, statistic: str, lang: str) -> 
 
 def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statistics: list[str], lang: str) -> Answer:
     """A channel with other terms or another band, and its curves."""
-    from allanite.study.analysis import Study, refitted
+    from allanite.study.analysis import refitted
+    from allanite.study.results import Study
 
     value, _ = held.values[job]
     if not isinstance(value, Study):
