@@ -148,11 +148,13 @@ def test_the_page_offers_what_comes_from_outside(used):
 
 
 def test_a_plugin_that_is_broken_is_named_and_left_out(sample, tmp_path):
-    (tmp_path / "theirs.py").write_text("row = object()\ndef sniff(head, suffix): return 1 / 0\n", "utf-8")
+    lines = ("from allanite.cli import Verb", "from allanite_sample.command import extent", "ROW = object()",
+             'VERB = Verb("extent", "Learn", extent)', "def sniff(head, suffix): return 1 / 0")  # fmt: skip
+    (tmp_path / "theirs.py").write_text("\n".join(lines), "utf-8")
     (tmp_path / "ending.py").write_text("raise SystemExit(3)\n", "utf-8")
     points = {
-        "allanite.statistics": {"mine": "theirs:row", "other": "theirs:absent", "ended": "ending:row"},
-        "allanite.verbs": {"info": "allanite_sample.verbs:EXTENT", "more": "no_such_module:VERB"},
+        "allanite.statistics": {"mine": "theirs:ROW", "other": "theirs:absent", "ended": "ending:row"},
+        "allanite.verbs": {"info": "theirs:VERB", "more": "no_such_module:VERB"},
         "allanite.readers": {"half": "theirs"},
     }
     script = FILES + 'print(len(al.STATISTICS), "fdev" in al.STATISTICS, len(al.read("a.tones")), len(VERBS))'

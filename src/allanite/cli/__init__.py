@@ -3,7 +3,7 @@
 import click
 
 from allanite.core.version import __version__
-from allanite.plugins import Table
+from allanite.plugins import Registry
 
 from .front import Front, Verb
 
@@ -36,7 +36,7 @@ _OWN = (
 )
 """The verbs in the order of the help, below the headings of their groups."""
 
-VERBS = Table({verb.name: verb for verb in _OWN}, "allanite.verbs", kind=Verb, key="name")
+VERBS = Registry({verb.name: verb for verb in _OWN}, "allanite.verbs", kind=Verb, key="name")
 
 
 @click.group(cls=Front, verbs=VERBS, context_settings={"help_option_names": ["-h", "--help"]})
