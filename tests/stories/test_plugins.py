@@ -5,9 +5,18 @@ import os
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
+import click
 import pytest
 from tests import ROOT
+
+import allanite as al
+from allanite.cli import VERBS, Verb
+from allanite.testing import check_reader, check_statistic, check_target, check_verb
+from allanite.web.line import JOBS
 
 SAMPLE = ROOT / "tests" / "plugin"
 SAID = "; update or remove it"
@@ -234,6 +243,63 @@ def test_the_program_says_in_one_line_what_is_left_out(tmp_path):
     assert done.returncode == 0
 
 
+# what the checks find
+
+
+def reader(**parts):
+    """A reader of numbers, a line each, with other parts."""
+
+    def read(path, options):
+        numbers = [float(word) for word in Path(path).read_text("utf-8").split()]
+        return al.Recording((al.Record([numbers[0], *numbers], 1.0, "deg/s", name="gz"),))
+
+    usual = {"TITLE": "numbers", "sniff": lambda head, suffix: suffix == ".mine", "read": read}
+    return SimpleNamespace(**usual | parts)
+
+
+KALIBR, ADEV = al.EXPORTS["kalibr"], al.STATISTICS["adev"]
+METERS = replace(KALIBR, fields=(replace(KALIBR.fields[0], unit="m"),))
+
+
+@click.command()
+@click.option("--json", "path")
+def silent(path):
+    Path(path).write_text('{"type": "Unheard of"}', "utf-8")
+
+
+@pytest.mark.parametrize(
+    ("check", "row", "words"),
+    [
+        (check_statistic, replace(ADEV, meaning=""), "statistic 'adev': meaning is empty"),
+        (check_statistic, replace(ADEV, sums=lambda x, m: 2 * ADEV.sums(x, m)), "but those of its windows"),
+        (check_statistic, replace(ADEV, order=3), r"order is 3, but t\^2 is not left out"),
+        (check_target, replace(KALIBR, forms={}), "target 'kalibr': it has no form of a file"),
+        (check_target, replace(KALIBR, fields=KALIBR.fields * 2), "fields have the same name"),
+        (check_target, METERS, "the unit m of .* is not that of N"),
+        (check_reader, SimpleNamespace(TITLE="x"), "the reader has no sniff, read"),
+        (check_reader, reader(sniff=lambda head, suffix: False), "sniff does not recognize a.mine"),
+        (check_reader, reader(read=lambda path, options: [1.0]), "read returns a list, not a Recording"),
+        (check_reader, reader(), "cut off after 0 bytes, it raises IndexError.* instead of a DataError"),
+        (check_verb, Verb("silent", "", silent), "it has no heading of the help"),
+        (check_verb, Verb("silent", "Other", silent), "it has no help"),
+    ],
+)
+def test_a_check_says_what_is_wrong(tmp_path, check, row, words):
+    (tmp_path / "a.mine").write_text("1.5\n2.5\n" * 40, "utf-8")
+    with pytest.raises(AssertionError, match=words):
+        check(row, *([tmp_path / "a.mine"] if check is check_reader else []))
+
+
+def test_a_row_that_is_tried_is_gone_afterwards_and_the_others_keep_their_places():
+    names = list(al.STATISTICS)
+    with al.STATISTICS.trying("adev", replace(ADEV, order=3)), al.STATISTICS.trying("new", ADEV):
+        assert al.STATISTICS["adev"].order == 3
+        assert "new" in al.STATISTICS
+    assert list(al.STATISTICS) == names
+    assert al.STATISTICS.get("adev") is ADEV
+    assert al.STATISTICS.get("new") is None
+
+
 # nothing is looked for before it is needed
 
 IDLE = """
@@ -251,3 +317,7 @@ def test_nothing_is_imported_with_the_package():
     code = "import sys, allanite, allanite.cli; print({'importlib.metadata', 'allanite.testing'} & {*sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "set()\n"
+
+
+def test_the_page_runs_the_verbs_that_say_so():
+    assert tuple(name for name, verb in VERBS.items() if verb.page) == JOBS
