@@ -14,9 +14,8 @@ import pytest
 from tests import ROOT
 
 import allanite as al
-from allanite.cli import VERBS, Verb
+from allanite.cli import Verb
 from allanite.testing import check_reader, check_statistic, check_target, check_verb
-from allanite.web.line import JOBS
 
 SAMPLE = ROOT / "tests" / "plugin"
 SAID = "; update or remove it"
@@ -317,7 +316,3 @@ def test_nothing_is_imported_with_the_package():
     code = "import sys, allanite, allanite.cli; print({'importlib.metadata', 'allanite.testing'} & {*sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "set()\n"
-
-
-def test_the_page_runs_the_verbs_that_say_so():
-    assert tuple(name for name, verb in VERBS.items() if verb.page) == JOBS
