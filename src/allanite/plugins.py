@@ -63,7 +63,7 @@ def leave_out(entry: "EntryPoint", why: str) -> None:
     warnings.warn(broken(entry, why), PluginWarning, stacklevel=3)
 
 
-class Table(dict[str, Row]):
+class Registry(dict[str, Row]):
     """Rows by name, and those of the plug-ins of a group, loaded when an unknown name is asked for or all are listed.
 
     A plug-in with a name that a row has already is left out, and so is one that is no row of this kind. The name is the
@@ -71,7 +71,7 @@ class Table(dict[str, Row]):
 
     Examples
     --------
-    >>> table = Table({"one": 1}, "allanite.nothing", kind=int, key="real")
+    >>> table = Registry({"one": 1}, "allanite.nothing", kind=int, key="real")
     >>> table["one"], "two" in table, list(table)
     (1, False, ['one'])
     """
@@ -97,17 +97,17 @@ class Table(dict[str, Row]):
         if self._whole:
             return
         found = plugins(self._group)
-        if self._whole or self._group not in _loaded:
+        if self._group not in _loaded:
             return
-        self._whole = True
         for entry, row in found:
             name: Any = getattr(row, self._key, None) if self._key else entry.name
             if not isinstance(row, self._kind):
                 leave_out(entry, f"it is a {type(row).__name__}, not a {self._kind.__name__}")
-            elif dict.__contains__(self, name):
+            elif super().get(name, row) is not row:  # another thread may have put it there just now
                 leave_out(entry, f"the name {name!r} exists already")
             else:
                 self[name] = cast(Row, row)
+        self._whole = True
 
     def __missing__(self, name: str) -> Row:
         self._complete()

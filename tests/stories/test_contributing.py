@@ -75,7 +75,7 @@ allanite("explain pilot")
 allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
     "verb, result": ({
         "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
-        ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent", page=True),\n'),
+        ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent"),\n'),
         ("reporting/views/__init__.py", '    "Lot": "lot.LOT",\n', '    "Extents": "extent.EXTENTS",\n')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")

@@ -5,9 +5,17 @@ import os
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
 
+import click
 import pytest
 from tests import ROOT
+
+import allanite as al
+from allanite.cli import Verb
+from allanite.testing import check_reader, check_statistic, check_target, check_verb
 
 SAMPLE = ROOT / "tests" / "plugin"
 SAID = "; update or remove it"
@@ -148,11 +156,13 @@ def test_the_page_offers_what_comes_from_outside(used):
 
 
 def test_a_plugin_that_is_broken_is_named_and_left_out(sample, tmp_path):
-    (tmp_path / "theirs.py").write_text("row = object()\ndef sniff(head, suffix): return 1 / 0\n", "utf-8")
+    lines = ("from allanite.cli import Verb", "from allanite_sample.command import extent", "ROW = object()",
+             'VERB = Verb("extent", "Learn", extent)', "def sniff(head, suffix): return 1 / 0")  # fmt: skip
+    (tmp_path / "theirs.py").write_text("\n".join(lines), "utf-8")
     (tmp_path / "ending.py").write_text("raise SystemExit(3)\n", "utf-8")
     points = {
-        "allanite.statistics": {"mine": "theirs:row", "other": "theirs:absent", "ended": "ending:row"},
-        "allanite.verbs": {"info": "allanite_sample.verbs:EXTENT", "more": "no_such_module:VERB"},
+        "allanite.statistics": {"mine": "theirs:ROW", "other": "theirs:absent", "ended": "ending:row"},
+        "allanite.verbs": {"info": "theirs:VERB", "more": "no_such_module:VERB"},
         "allanite.readers": {"half": "theirs"},
     }
     script = FILES + 'print(len(al.STATISTICS), "fdev" in al.STATISTICS, len(al.read("a.tones")), len(VERBS))'
@@ -230,6 +240,63 @@ def test_the_program_says_in_one_line_what_is_left_out(tmp_path):
     assert done.stderr == f"allanite: the verb plugin 'mine' of the package 'theirs' is broken ({why}){SAID}\n"
     assert "Analyze:" in done.stdout
     assert done.returncode == 0
+
+
+# what the checks find
+
+
+def reader(**parts):
+    """A reader of numbers, a line each, with other parts."""
+
+    def read(path, options):
+        numbers = [float(word) for word in Path(path).read_text("utf-8").split()]
+        return al.Recording((al.Record([numbers[0], *numbers], 1.0, "deg/s", name="gz"),))
+
+    usual = {"TITLE": "numbers", "sniff": lambda head, suffix: suffix == ".mine", "read": read}
+    return SimpleNamespace(**usual | parts)
+
+
+KALIBR, ADEV = al.EXPORTS["kalibr"], al.STATISTICS["adev"]
+METERS = replace(KALIBR, fields=(replace(KALIBR.fields[0], unit="m"),))
+
+
+@click.command()
+@click.option("--json", "path")
+def silent(path):
+    Path(path).write_text('{"type": "Unheard of"}', "utf-8")
+
+
+@pytest.mark.parametrize(
+    ("check", "row", "words"),
+    [
+        (check_statistic, replace(ADEV, meaning=""), "statistic 'adev': meaning is empty"),
+        (check_statistic, replace(ADEV, sums=lambda x, m: 2 * ADEV.sums(x, m)), "but those of its windows"),
+        (check_statistic, replace(ADEV, order=3), r"order is 3, but t\^2 is not left out"),
+        (check_target, replace(KALIBR, forms={}), "target 'kalibr': it has no form of a file"),
+        (check_target, replace(KALIBR, fields=KALIBR.fields * 2), "fields have the same name"),
+        (check_target, METERS, "the unit m of .* is not that of N"),
+        (check_reader, SimpleNamespace(TITLE="x"), "the reader has no sniff, read"),
+        (check_reader, reader(sniff=lambda head, suffix: False), "sniff does not recognize a.mine"),
+        (check_reader, reader(read=lambda path, options: [1.0]), "read returns a list, not a Recording"),
+        (check_reader, reader(), "cut off after 0 bytes, it raises IndexError.* instead of a DataError"),
+        (check_verb, Verb("silent", "", silent), "it has no heading of the help"),
+        (check_verb, Verb("silent", "Other", silent), "it has no help"),
+    ],
+)
+def test_a_check_says_what_is_wrong(tmp_path, check, row, words):
+    (tmp_path / "a.mine").write_text("1.5\n2.5\n" * 40, "utf-8")
+    with pytest.raises(AssertionError, match=words):
+        check(row, *([tmp_path / "a.mine"] if check is check_reader else []))
+
+
+def test_a_row_that_is_tried_is_gone_afterwards_and_the_others_keep_their_places():
+    names = list(al.STATISTICS)
+    with al.STATISTICS.trying("adev", replace(ADEV, order=3)), al.STATISTICS.trying("new", ADEV):
+        assert al.STATISTICS["adev"].order == 3
+        assert "new" in al.STATISTICS
+    assert list(al.STATISTICS) == names
+    assert al.STATISTICS.get("adev") is ADEV
+    assert al.STATISTICS.get("new") is None
 
 
 # nothing is looked for before it is needed

@@ -3,22 +3,22 @@
 import click
 
 from allanite.core.version import __version__
-from allanite.plugins import Table
+from allanite.plugins import Registry
 
 from .front import Front, Verb
 
 __all__ = ["VERBS", "Verb", "main"]
 
 _OWN = (
-    Verb("info", "Analyze", "analyze.info", page=True),
-    Verb("analyze", "Analyze", "analyze.analyze", page=True),
+    Verb("info", "Analyze", "analyze.info"),
+    Verb("analyze", "Analyze", "analyze.analyze"),
     Verb("batch", "Analyze", "batch.batch"),
     Verb("lot", "Analyze", "batch.lot"),
-    Verb("deviation", "Analyze", "curves.deviation", page=True),
-    Verb("spectrum", "Analyze", "curves.spectrum", page=True),
-    Verb("dynamic", "Analyze", "curves.dynamic", page=True),
-    Verb("compare", "Analyze", "compare.compare", page=True),
-    Verb("watch", "Analyze", "watch.watch", page=True),
+    Verb("deviation", "Analyze", "curves.deviation"),
+    Verb("spectrum", "Analyze", "curves.spectrum"),
+    Verb("dynamic", "Analyze", "curves.dynamic"),
+    Verb("compare", "Analyze", "compare.compare"),
+    Verb("watch", "Analyze", "watch.watch"),
     Verb("serve", "Analyze", "serve.serve"),
     Verb("simulate", "Simulate and plan", "simulate.simulate"),
     Verb("plan", "Simulate and plan", "plan.plan"),
@@ -36,7 +36,7 @@ _OWN = (
 )
 """The verbs in the order of the help, below the headings of their groups."""
 
-VERBS = Table({verb.name: verb for verb in _OWN}, "allanite.verbs", kind=Verb, key="name")
+VERBS = Registry({verb.name: verb for verb in _OWN}, "allanite.verbs", kind=Verb, key="name")
 
 
 @click.group(cls=Front, verbs=VERBS, context_settings={"help_option_names": ["-h", "--help"]})

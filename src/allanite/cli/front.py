@@ -56,14 +56,11 @@ class Verb:
         The heading of the help that it stands below: one of the others', or a new one.
     command : str or click.Command
         Module in `allanite.cli` and name of the command, imported when it is requested; or the command.
-    page : bool
-        Whether the page may run it.
     """
 
     name: str
     group: str
     command: str | click.Command
-    page: bool = False
 
     def imported(self) -> click.Command:
         """The command."""

@@ -1,7 +1,7 @@
 """The table of targets: a line each."""
 
 from allanite.core.errors import UsageError
-from allanite.plugins import Table
+from allanite.plugins import Registry
 
 from .target import Target
 from .targets.ardupilot import ARDUPILOT
@@ -47,7 +47,7 @@ _OWN = (
     DATASHEET,
 )
 
-EXPORTS = Table({row.name: row for row in _OWN}, "allanite.targets", kind=Target, key="name")
+EXPORTS = Registry({row.name: row for row in _OWN}, "allanite.targets", kind=Target, key="name")
 """Targets of `allanite.export` by name."""
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from allanite.core.errors import UsageError
-from allanite.plugins import Table
+from allanite.plugins import Registry
 
 from .differences import ADEV, HAAR, HDEV, MDEV, OADEV, OHDEV, TDEV
 from .extremes import MTIE, TIERMS
@@ -19,7 +19,7 @@ _OWN = (
     *(THEO1, THEOBR, THEOH, PDEV, HAAR, MTIE, TIERMS),
 )
 
-STATISTICS = Table({row.name: row for row in _OWN}, "allanite.statistics", kind=Statistic, key="name")
+STATISTICS = Registry({row.name: row for row in _OWN}, "allanite.statistics", kind=Statistic, key="name")
 
 
 def statistic_named(name: str) -> Statistic:

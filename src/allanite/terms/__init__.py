@@ -6,7 +6,7 @@ coefficient of 1 and, except `structure` and `spectrum`, for a sample interval o
 the coefficient.
 """
 
-from allanite.plugins import Table
+from allanite.plugins import Registry
 
 from .angle_flicker import ANGLE_FLICKER
 from .angle_markov import ANGLE_MARKOV
@@ -34,4 +34,4 @@ _OWN = (
     SINE,
 )
 
-TERMS = Table({row.symbol: row for row in _OWN}, "allanite.terms", kind=NoiseTerm, key="symbol")
+TERMS = Registry({row.symbol: row for row in _OWN}, "allanite.terms", kind=NoiseTerm, key="symbol")

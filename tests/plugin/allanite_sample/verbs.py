@@ -4,4 +4,4 @@ from allanite.cli import Verb
 
 from .command import extent
 
-EXTENT = Verb("extent", "Analyze", extent, page=True)
+EXTENT = Verb("extent", "Analyze", extent)

@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
-from allanite.plugins import Table
+from allanite.plugins import Registry
 from allanite.reporting.sheet import Face
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ _OWN = {
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 
-VIEWS = Table[str | View](_OWN, "allanite.views", kind=View)
+VIEWS = Registry[str | View](_OWN, "allanite.views", kind=View)
 """The same, and the views of plug-ins."""
 
 
