@@ -120,7 +120,7 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
     UsageError
         The file does not fit, and cannot be read in parts.
     """
-    from .sandbox.source import STDIN, checked, named, size_of
+    from .sandbox.source import STDIN, checked, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
         yield None
@@ -136,8 +136,6 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
         demand_memory(path, memory, choices)
     elif found.need <= limit:
         found = None
-    elif options.sincos:
-        raise UsageError(_refused(named(path, os.fspath(path)), found.need, limit, say("pairs of sine and cosine are")))
     yield found
 
 
@@ -222,7 +220,9 @@ def _parts(file: str, member: str, options: Options, limit: int) -> Parts | None
 
 
 def _reader(name: str, file: str, parts: Parts, limit: int) -> PartsReader:
-    options = replace(parts.options, sincos=None) if parts.options.sincos else parts.options
+    options = parts.options
+    if options.sincos:  # which need the whole record, whose size is all that is asked for
+        options = replace(options, sincos=None, unit="1", kind="value")
     heads = parts.head.recording(options).records
     sense = parts.head.sense(options)
     need = needed(parts.rows * len(sense.signals))
