@@ -74,6 +74,7 @@ from allanite.study.channels import demand_result as demand_result
 from allanite.study.channels import each_channel as each_channel
 from allanite.study.channels import open_recording as open_recording
 from allanite.study.channels import run as run
+from allanite.study.channels import whole_recording as whole_recording
 from allanite.study.job import Job as Job
 from allanite.study.noise import noise_of as noise_of
 from allanite.study.provenance import provenance_of as provenance_of

@@ -45,9 +45,7 @@ def _moved(carried: list[int], records: Sequence[Record | Header], qualities: Se
         return [qualities[i] for i in carried]
     # the refused axis that moves first
     worst = min(motions, key=lambda i: (not motions[i].fatal, motions[i].place or (0.0, 0.0), i))
-    same_size = len({(records[i].size, records[i].rate) for i in carried}) == 1
-    samples = [each for i in carried if isinstance(each := records[i], Record)]
-    cure = still_words(samples) if same_size and len(samples) == len(carried) else motions[worst].remedy
+    cure = still_words([records[i] for i in carried]) or motions[worst].remedy
     option = spelled("--channels", "channels=...")
     told = replace(
         motions[worst],

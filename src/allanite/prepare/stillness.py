@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
+from allanite.core.header import Header
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import between, percent, spelled, windowing
@@ -102,9 +103,12 @@ def moving_samples(record: Record) -> BoolArray:
     return moved
 
 
-def still_words(records: Sequence[Record]) -> str:
-    """The choice that selects the longest static stretch of these records."""
-    found = still_stretch(records)
+def still_words(records: Sequence[Record | Header]) -> str:
+    """The choice that selects the longest static stretch of records; empty without common samples in memory."""
+    samples = [record for record in records if isinstance(record, Record)]
+    if len(samples) < len(records) or len({(record.size, record.rate) for record in samples}) > 1:
+        return ""
+    found = still_stretch(samples)
     if found is None:
         return say("no stretch of it is static: record again with the sensor at rest")
     start, end = found

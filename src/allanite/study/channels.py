@@ -66,17 +66,21 @@ def open_recording(
 
 
 def whole_recording(
-    source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None
+    source: Source,
+    recipe: Recipe,
+    *,
+    along: Sequence[str] = (),
+    otherwise: Sequence[str] = (),
+    progress: Progress | None = None,
 ) -> Recording:
-    """A recording before anything is selected; parameters and exceptions are those of `open_recording`."""
+    """A recording before anything is selected; `otherwise` is that of `read`, the rest as for `open_recording`."""
     if isinstance(source, Recording):
         return source
     if isinstance(source, Record):
         return Recording((source,))
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
-    options = recipe.to_dict(READING) | ({"along": tuple(along)} if along else {})
-
+    options = recipe.to_dict(READING) | {"along": tuple(along) or None, "otherwise": otherwise}
     demand_memory(source, recipe.memory, recipe.to_dict(READING))
     # less of a job than is completed when its first channel begins
     return read(source, **options, progress=lambda share: tell(f"reading, {100 * share:.0f} %", 0.04 * share))

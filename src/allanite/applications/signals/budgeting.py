@@ -5,7 +5,6 @@ from functools import partial
 from typing import Any
 
 from allanite.extending import (
-    READING,
     Inspected,
     Job,
     Noise,
@@ -16,8 +15,8 @@ from allanite.extending import (
     RecordResult,
     Source,
     Value,
-    read,
     run,
+    whole_recording,
 )
 
 from .axes import Mixed, mixed
@@ -112,14 +111,12 @@ def budget_file(
     UsageError
         A constant is missing or not positive.
     """
-    recipe, whole = recipe or Recipe(), source
-    if not isinstance(source, Recording | Record):
-        whole = read(source, **recipe.to_dict(READING), otherwise=("current", "voltage"))
+    recipe = recipe or Recipe()
+    whole = whole_recording(source, recipe, otherwise=("current", "voltage"), progress=progress)
     axes: dict[str, Mixed] = {}
-    if settings.axes is not None and isinstance(whole, Recording | Record):  # the currents of both axes combined
-        currents = whole if isinstance(whole, Recording) else Recording((whole,))
-        axes = {axis.record.name: axis for axis in mixed(currents, settings.axes, settings.stages)}
-        whole = replace(currents, records=tuple(axis.record for axis in axes.values()))
+    if settings.axes is not None:  # the currents of both axes combined
+        axes = {axis.record.name: axis for axis in mixed(whole, settings.axes, settings.stages)}
+        whole = replace(whole, records=tuple(axis.record for axis in axes.values()))
 
     def work(seen: Inspected) -> BudgetChannel:
         scale: TorqueScale | float | None = settings.torquer
