@@ -75,7 +75,7 @@ allanite("explain pilot")
 allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
     "verb, result": ({
         "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
-        ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent"),\n'),
+        ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
         ("reporting/views/__init__.py", '    "Lot": "lot.LOT",\n', '    "Extents": "extent.EXTENTS",\n')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
@@ -83,17 +83,22 @@ assert "Extent of z.csv" in Path("page.html").read_text("utf-8")
 assert Path("out.csv").read_text("utf-8").startswith("channel,least,greatest")
 found = al.from_dict(json.loads(Path("out.json").read_text("utf-8")))
 al.report(found, "again.html")
+from allanite.web.requests import Request
+from allanite.web.tables import tables
+assert "extent" in tables("en")["verbs"]
+print(Request.of("extent", {"start": 10}).line(["z.csv"]))
 print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.csv")["gz"].values[10:].min())""",
-        ("extent Show the least and the greatest sample.", "least greatest", "Extents 10.0 True")),
+        ("extent Show the least and the greatest sample.", "least greatest", "allanite extent --from 10 z.csv",
+         "Extents 10.0 True")),
     "choice of a recipe": ({}, (
-        ("study/recipe.py", 'SELECTING = ("average", ', '"settle", '),
-        ("study/recipe.py", '_NUMBERS = ("rate", "scale", ', '"settle", '),
-        ("study/recipe.py", "    average: float | None = None\n", "    settle: float | None = None\n"),
-        ("cli/options.py", 'means over this time."),\n',
-         '    "settle": click.option("--settle", type=float, help="Time to leave out."),\n'),
-        ("cli/options.py", 'SELECTING = ("average", ', '"settle", '),
+        ("study/recipe.py", 'means over this time.", group="selecting", parts=())\n',
+         '    settle: float | None = choice("", "Time to leave out.", group="selecting", parts=())\n'),
         ("study/channels.py", "(recipe.exclude) if recipe.exclude else ())\n",
          "    whole = trim(whole, recipe.settle, None)\n")), """
+from allanite.web.requests import Request
+from allanite.web.tables import tables
+assert {"name": "settle", "group": "selecting", "control": "number"} in tables("en")["choices"]
+print(Request.of("analyze", {"settle": "96"}).line(["z.csv"]))
 Path("recipe.toml").write_text("settle = 96.0")
 for line in ("--settle 96", "--recipe recipe.toml"):
     allanite(f"info z.csv {line} --json out.json --force")
@@ -104,8 +109,8 @@ allanite("info --help")
 np.save("z.npy", np.zeros(4096))
 allanite("analyze z.npy --rate 1 --unit deg/h --settle 96 --memory 1kB", 2)
 allanite("plan --sensor fog --rate 1 --settle 96", 2)""",
-        ("4000 samples", "\nsamples: 4000\nsamples: 4000\n", "--settle FLOAT Time", "no --settle: omit it",
-         "--settle applies to a recording")),
+        ("allanite analyze --settle 96 z.csv", "4000 samples", "\nsamples: 4000\nsamples: 4000\n",
+         "--settle FLOAT Time", "no --settle: omit it", "--settle applies to a recording")),
     "language": ({}, (
         ("reporting/language.py", 'LANGUAGES = {"en": "English", ', '"de": "Deutsch", '),
         ("web/static/words.js", 'const ORDER = ["en", "ru", "zh"', ', "de"')), """

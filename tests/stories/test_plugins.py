@@ -149,6 +149,8 @@ def test_the_page_offers_what_comes_from_outside(used):
     page = used[0]["page"]
     assert {"name": "fdev", "title": "fourth-difference deviation"} in page["statistics"]
     assert [row["title"] for row in page["terms"] if row["symbol"] == "RR"] == ["driven relaxation"]
+    assert "extent" in page["verbs"]
+    assert "rate" in page["options"]["extent"]
     assert [row["formats"] for row in page["exports"] if row["name"] == "pilot"] == [[".cfg"]]
 
 

@@ -71,7 +71,7 @@ BANNED = (
 )
 """Regular expressions; a new text that one of them finds is to be written otherwise."""
 
-COMMANDS = {"phrases/wording.py", "study/drift.py", "readers/clock/findings.py", "web/line.py", "web/tables.py"}
+COMMANDS = {"phrases/wording.py", "study/drift.py", "readers/clock/findings.py", "web/requests.py", "web/tables.py"}
 """Files outside the command line that write an option: the rendering of both forms, and whole commands."""
 
 
@@ -110,7 +110,7 @@ def options_in(tree: ast.AST) -> list[str]:
     rendered = {
         id(part)
         for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "spelled"
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("spelled", "choice")
         for part in ast.walk(node)
     }
     strings = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))

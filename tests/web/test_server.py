@@ -11,7 +11,9 @@ import pytest
 from click.testing import CliRunner
 from tests import thinned, translated
 
+import allanite as al
 from allanite.cli import main
+from allanite.core.choices import choices_of
 from allanite.phrases.phrase import say
 
 from .served import Client, served
@@ -53,7 +55,7 @@ def printed(*arguments):
 @pytest.mark.slow("the page without a browser, in full")
 def test_the_json_is_that_of_the_command_line(client, analyzed, file):
     found = client.get(f"/api/jobs/{analyzed}").json()
-    assert found["command"] == "allanite analyze --rate 100.0 --exclude 40..60 gyro.csv"
+    assert found["command"] == "allanite analyze --rate 100 --exclude 40..60 gyro.csv"
     data = json.loads(printed("analyze", file, "--rate", "100", "--exclude", "40..60", "--json", "-"))
     ours = found["value"]
     assert ours["provenance"].pop("source") == "gyro.csv"
@@ -185,10 +187,11 @@ def test_results_are_saved(client, analyzed, form, begins):
 )
 def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, file, recipe, option):
     workspace = client.workspace()
-    job, (kind, problem) = client.run(workspace, "analyze", [client.upload(workspace, file)], recipe)
-    assert kind == "failed"
-    command = client.get(f"/api/jobs/{job}").json()["command"].split()[1:-1]
-    said = CliRunner().invoke(main, [*command, str(file)])
+    asked = {"verb": "analyze", "files": [client.upload(workspace, file)], "recipe": recipe}
+    answer = client.post(f"/api/workspaces/{workspace}/jobs", asked)
+    problem = answer.json() if answer.status_code == 400 else list(client.events(answer.json()["job"]))[-1][1]
+    words = [word for key, value in recipe.items() for word in choices_of(al.Recipe)[key].words(value)]
+    said = CliRunner().invoke(main, ["analyze", *words, str(file)])
     assert said.exit_code == problem["exit"]
     words = said.stderr.replace(str(file), "gyro.csv")
     assert "".join(words.split()).startswith("".join(f"error:{problem['error']}".split()))

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .deliver import Progress, carry_out, outputs, recipe_of
-from .front import DATA, EXCEEDED, PARTLY
+from .front import DATA
 from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .tasks import ANALYZE, INFO, ends_of_units, perform
 
 if TYPE_CHECKING:
     from allanite.batch.batch import Batch
@@ -17,11 +18,8 @@ if TYPE_CHECKING:
 @options("file", *RECORDING, "report", "json", "lang", "force", "quiet")
 def info(file: str, **choices: Any) -> None:
     """Summarize FILE and check its quality."""
-    out = outputs(choices, [file])
-    from allanite.study.analysis import examine
-
-    study = carry_out(lambda tell: examine(file, recipe_of(choices), progress=tell), out)
-    if all(channel.refusal for channel in study.channels):
+    study = perform(INFO, [file], choices)
+    if INFO.code(study):
         raise click.exceptions.Exit(DATA)
 
 
@@ -51,10 +49,7 @@ def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     if limits is not None or several(files):
         _analyze_units(files, limits, choices)
         return
-    out = outputs(choices, [*files, choices["recipe"]])
-    from allanite.study.analysis import analyze as run
-
-    carry_out(lambda tell: run(files[0], recipe_of(choices), progress=tell), out)
+    perform(ANALYZE, files, choices)
 
 
 def _analyze_units(files: tuple[str, ...], limits: str | None, choices: dict[str, Any]) -> None:
@@ -73,14 +68,8 @@ def _analyze_units(files: tuple[str, ...], limits: str | None, choices: dict[str
 
 def end_of_units(batch: "Batch", *, strict: bool) -> None:
     """End with the exit code of the worst that was found, and say on stderr which units it is."""
-    ends = (
-        (EXCEEDED, batch.exceeding, "a limit is exceeded"),
-        (PARTLY, batch.failed, "not analyzed"),
-        (DATA, batch.rejected if strict else (), "not explained, or not shown to keep a limit"),
-    )
-    for _, which, what in ends:
-        if which:
-            click.echo(f"{what}: {', '.join(which)}", err=True)
-    code = next((code for code, which, _ in ends if which), 0)
-    if code:
-        raise click.exceptions.Exit(code)
+    ends = ends_of_units(batch, strict=strict)
+    for _, words in ends:
+        click.echo(words, err=True)
+    if ends:
+        raise click.exceptions.Exit(ends[0][0])

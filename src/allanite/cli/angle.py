@@ -36,16 +36,9 @@ angle.add_command(simulate)
 @options(
     "file",
     click.option("--measured", required=True, metavar="COLUMN", help="Angle measured by the sensor under test."),
-    "reference angle",
-    "orders",
-    "angle unit",
-    "estimated sigma",
-    "angle trend",
-    "corrected angles",
-    "level",
-    "recipe",
+    "reference angle", "orders", "angle unit", "estimated sigma", "angle trend", "corrected angles", "level", "recipe",
     *RESULTS,
-)
+)  # fmt: skip
 def calibrate(file: str, **choices: Any) -> None:
     """Calibrate an encoder against a reference."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
@@ -62,40 +55,24 @@ def calibrate(file: str, **choices: Any) -> None:
 @angle.command()
 @options(
     "file",
-    click.option(
-        "--difference",
-        required=True,
-        metavar="COLUMN",
-        help="Measured minus computed cosine between the momentum vectors.",
-    ),
+    click.option("--difference", required=True, metavar="COLUMN",
+        help="Measured minus computed cosine between the momentum vectors."),
     "angle time",
-    click.option(
-        "--h", "h", default="h", show_default=True, metavar="COLUMN", help="Inner angle of the equatorial gyro."
-    ),
-    click.option(
-        "--q", "q", default="q", show_default=True, metavar="COLUMN", help="Intermediate angle of the equatorial gyro."
-    ),
+    click.option("--h", "h", default="h", show_default=True, metavar="COLUMN",
+        help="Inner angle of the equatorial gyro."),
+    click.option("--q", "q", default="q", show_default=True, metavar="COLUMN",
+        help="Intermediate angle of the equatorial gyro."),
     click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro.  [default: the latitude]"),
     click.option("--q-polar", metavar="COLUMN", help="Intermediate angle of the polar gyro.  [default: 0]"),
     "latitude",
     click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating rotation."),
     turn_option("Or the period of that rotation, which starts at time 0."),
-    "orders",
-    ANGLES,
-    click.option(
-        "--nuisance",
-        type=NAMES,
-        metavar="A,B,...",
-        help="Parameters estimated jointly with the harmonics.  [default: ax,az,A1,A2,A3]",
-    ),
-    "angle unit",
-    "estimated sigma",
-    prior_option("arcsec (arcsec/s for A3)"),
-    "corrected angles",
-    "level",
-    "recipe",
+    "orders", ANGLES,
+    click.option("--nuisance", type=NAMES, metavar="A,B,...",
+        help="Parameters estimated jointly with the harmonics.  [default: ax,az,A1,A2,A3]"),
+    "angle unit", "estimated sigma", prior_option("arcsec (arcsec/s for A3)"), "corrected angles", "level", "recipe",
     *RESULTS,
-)
+)  # fmt: skip
 def estimate(file: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))

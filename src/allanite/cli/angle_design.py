@@ -5,53 +5,38 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.core.choice_kinds import separated
+from allanite.core.choices import choices_of
 from allanite.core.errors import UsageError
+from allanite.study.settings import LengthChoices
 
 from .angle_shared import ANGLES, ARCSEC, DEGREE, columns_of, deliver_study, prior_option, turn_option
 from .deliver import STDOUT, Outputs, outputs, put
-from .options import RESULTS, options
-from .types import NUMBERS, Separated
+from .options import RESULTS, option_of, options
+from .types import NUMBERS, Converted
 
 if TYPE_CHECKING:
     from allanite.applications.angle import AngleSettings, Gimbals, Harmonics
 
-SWAY = Separated(float, "amplitude in deg and period in s", 2, "1,60")
+SWAY = Converted(separated(float, "amplitude in deg and period in s", 2, "1,60"))
 
 EXPERIMENT = (
-    "latitude",
-    "duration",
-    "reading interval",
-    click.option(
-        "--q-law",
-        default="exact",
-        show_default=True,
-        help="Motion of the outer angle: exact, or linear as printed in the paper.",
-    ),
+    "latitude", option_of(choices_of(LengthChoices)["duration"]), "reading interval",
+    click.option("--q-law", default="exact", show_default=True,
+        help="Motion of the outer angle: exact, or linear as printed in the paper."),
     turn_option("Auto-compensation.", 300.0),
-    click.option(
-        "--sway", type=SWAY, metavar="DEG,S", help="Sway of the base in roll and pitch: amplitude and period."
-    ),
-)
+    click.option("--sway", type=SWAY, metavar="DEG,S",
+        help="Sway of the base in roll and pitch: amplitude and period."),
+)  # fmt: skip
 
 
 @click.command()
 @options(
     *EXPERIMENT,
-    click.option(
-        "--start",
-        "starts",
-        type=NUMBERS,
-        metavar="S,...",
-        help="Start, in seconds after h = 0; several are compared.  [default: every five minutes]",
-    ),
-    "given sigma",
-    prior_option("in the unit of --sigma", "3,10"),
-    "orders",
-    ANGLES,
-    "level",
-    "recipe",
-    *RESULTS,
-)
+    click.option("--start", "starts", type=NUMBERS, metavar="S,...",
+        help="Start, in seconds after h = 0; several are compared.  [default: every five minutes]"),
+    "given sigma", prior_option("in the unit of --sigma", "3,10"), "orders", ANGLES, "level", "recipe", *RESULTS,
+)  # fmt: skip
 def plan(**choices: Any) -> None:
     """Predict how accurately errors can be known."""
     out = outputs(choices, [choices["recipe"]])
@@ -70,30 +55,15 @@ def plan(**choices: Any) -> None:
 @options(
     click.argument("out", type=click.Path()),
     *EXPERIMENT,
-    click.option(
-        "--start", type=float, default=0.0, show_default=True, metavar="S", help="Start, in seconds after h = 0."
-    ),
-    click.option(
-        "--error",
-        "errors",
-        multiple=True,
-        metavar="ANGLE:ORDER=S,C",
-        help="A harmonic in arcsec, e.g. h:128=3,-1.5; repeatable.",
-    ),
+    click.option("--start", type=float, default=0.0, show_default=True, metavar="S",
+        help="Start, in seconds after h = 0."),
+    click.option("--error", "errors", multiple=True, metavar="ANGLE:ORDER=S,C",
+        help="A harmonic in arcsec, e.g. h:128=3,-1.5; repeatable."),
     "given sigma",
-    click.option(
-        "--walk",
-        type=float,
-        default=0.0,
-        show_default=True,
-        metavar="ARCSEC",
-        help="Standard deviation of a step of a random walk.",
-    ),
-    "seed",
-    "plot",
-    "lang",
-    "force",
-)
+    click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC",
+        help="Standard deviation of a step of a random walk."),
+    "seed", "plot", "lang", "force",
+)  # fmt: skip
 def simulate(out: str, **choices: Any) -> None:
     """Simulate a system with known errors.
 
@@ -102,10 +72,23 @@ def simulate(out: str, **choices: Any) -> None:
     where = outputs(choices | {"csv": out}, [])
     import numpy as np
 
-    from allanite.applications.angle import readings
+    from allanite.applications.angle import Harmonics, readings
     from allanite.applications.angle import simulate as run
 
-    known = _known(choices["errors"])
+    found: dict[str, dict[int, tuple[float, float]]] = {}
+    for text in choices["errors"]:
+        try:
+            name, _, rest = text.partition(":")
+            order, _, pair = rest.partition("=")
+            s, c = (float(part) * ARCSEC for part in pair.split(","))
+            found.setdefault(name.strip(), {})[int(order)] = (s, c)
+        except ValueError:
+            raise UsageError(
+                f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
+            ) from None
+    if not found:
+        raise UsageError("give at least one --error, e.g. h:128=3,-1.5 (arcsec)")
+    known = {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
     true = _experiment(choices).gimbals(choices["start"])
     rng = np.random.default_rng(choices["seed"])
     z = run(true, known, sigma=choices["sigma"] * ARCSEC, walk=choices["walk"] * ARCSEC, rng=rng)
@@ -130,25 +113,6 @@ def _drawn(gimbals: "Gimbals", known: "Sequence[Harmonics]", where: Outputs) -> 
     path = where.paths["plot"]
     with speaking(where.lang), speaking(drawn_in(where.lang)):
         return encode(figures.plot_error_in_time(gimbals, known).printed(), demand_figure_path(path, force=where.force))
-
-
-def _known(errors: Sequence[str]) -> "dict[str, Harmonics]":
-    from allanite.applications.angle import Harmonics
-
-    found: dict[str, dict[int, tuple[float, float]]] = {}
-    for text in errors:
-        try:
-            name, _, rest = text.partition(":")
-            order, _, pair = rest.partition("=")
-            s, c = (float(part) * ARCSEC for part in pair.split(","))
-            found.setdefault(name.strip(), {})[int(order)] = (s, c)
-        except ValueError:
-            raise UsageError(
-                f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
-            ) from None
-    if not found:
-        raise UsageError("give at least one --error, e.g. h:128=3,-1.5 (arcsec)")
-    return {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
 
 
 def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":

@@ -6,16 +6,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.core.choice_kinds import separated
+
 from .deliver import Extra, Outputs, deliver
 from .options import Decorator
-from .types import NAMES, Separated
+from .types import NAMES, Converted
 
 if TYPE_CHECKING:
     from allanite.readers.columns.sheet import FileSheet
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
 
-PRIOR = Separated(float, "two standard deviations", 2, "3,10")
+PRIOR = Converted(separated(float, "two standard deviations", 2, "3,10"))
 
 
 def prior_option(words: str, default: str | None = None) -> Decorator:

@@ -14,7 +14,6 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
     from allanite.batch.executor import Executor
-    from allanite.batch.status import Resumed
 
 
 @click.command()
@@ -48,7 +47,20 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
         found = run_batch(
             source, results, recipe_of(choices), executor=_executor(workers, scheduler), besides=[recipe], progress=tell
         )
-    _end(found, results, strict=out.strict, quiet=out.quiet)
+    if not out.quiet:
+        for note in found.notes:
+            click.echo(note)
+        click.echo(
+            f"{len(found.files)} files, {len(found.failed)} failed; {found.analyzed} analyzed now, {found.before} done "
+            f"before; tables in {results}"
+        )
+    for file in found.failed:
+        click.echo(f"{file.file}: {file.error}", err=True)
+    if found.failed:
+        raise click.exceptions.Exit(PARTLY if len(found.failed) < len(found.files) else DATA)
+    if out.strict and found.rejected:
+        click.echo(f"not explained, or without a result: {'; '.join(found.rejected)}", err=True)
+        raise click.exceptions.Exit(DATA)
 
 
 @click.command()
@@ -80,21 +92,3 @@ def _executor(workers: int | None, scheduler: str | None) -> "Executor":
 
         workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return Serial() if workers == 1 else Processes(workers)
-
-
-def _end(found: "Resumed", results: str, *, strict: bool, quiet: bool) -> None:
-    """Say what was done, name the files that failed, and end with the exit code."""
-    if not quiet:
-        for note in found.notes:
-            click.echo(note)
-        click.echo(
-            f"{len(found.files)} files, {len(found.failed)} failed; {found.analyzed} analyzed now, {found.before} done "
-            f"before; tables in {results}"
-        )
-    for file in found.failed:
-        click.echo(f"{file.file}: {file.error}", err=True)
-    if found.failed:
-        raise click.exceptions.Exit(PARTLY if len(found.failed) < len(found.files) else DATA)
-    if strict and found.rejected:
-        click.echo(f"not explained, or without a result: {'; '.join(found.rejected)}", err=True)
-        raise click.exceptions.Exit(DATA)

@@ -5,9 +5,8 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -17,7 +16,7 @@ from allanite.reporting.fonts import FontWarning
 from allanite.reporting.language import ENGLISH, catalogue
 
 from .forms import text_of, work_of
-from .front import DATA
+from .front import DATA, LINE
 from .options import FLAGS
 from .streams import while_read
 
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from allanite.study.shares import Work
 
 Settings = TypeVar("Settings")
-Result = TypeVar("Result")
 Progress = Callable[[str, float], None]
 
 STDOUT = "-"
@@ -52,32 +50,6 @@ class Outputs:
     def piped(self) -> bool:
         """Whether a result is written to standard output."""
         return STDOUT in self.paths.values()
-
-
-class Receiver(Protocol):
-    """What takes the results of verbs instead of the terminal and files."""
-
-    def tell(self, what: str, fraction: float) -> None:
-        """A job has come so far."""
-
-    def event(self, words: str, watch: "Watch") -> None:
-        """Something has happened in a stream that is watched."""
-
-    def take(self, value: Any) -> None:
-        """The result of a verb."""
-
-
-_RECEIVER: ContextVar[Receiver | None] = ContextVar("_RECEIVER", default=None)
-
-
-@contextmanager
-def received_by(receiver: Receiver) -> Iterator[None]:
-    """Within this context verbs give their results to `receiver`, and print nothing."""
-    token = _RECEIVER.set(receiver)
-    try:
-        yield
-    finally:
-        _RECEIVER.reset(token)
 
 
 def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequence[str] = ()) -> Outputs:
@@ -111,17 +83,13 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
         if where in taken:
             raise UsageError(f"--{name} would overwrite {taken[where]} {path!r}; give another name")
         taken[where] = f"--{name}"
-        _demand_place(name, path, force=found.force)
+        if name == "plot":
+            from allanite.reporting.style import demand_figure_path
+
+            demand_figure_path(path, force=found.force)
+        else:
+            demand_writable(path, force=found.force)
     return found
-
-
-def _demand_place(name: str, path: str, *, force: bool) -> None:
-    if name == "plot":
-        from allanite.reporting.style import demand_figure_path
-
-        demand_figure_path(path, force=force)
-    else:
-        demand_writable(path, force=force)
 
 
 def demand_recording(path: str | None) -> None:
@@ -152,7 +120,7 @@ def given(choices: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in choices.items() if value is not None}
 
 
-def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra | None" = None) -> "Result":
+def carry_out(job: Callable[[Progress], Any], out: Outputs, extra: "Extra | None" = None) -> Any:
     """Run a job that reports its progress, and deliver its result."""
     from allanite.study.meanwhile import FIGURES, importing
     from allanite.study.shares import processes
@@ -162,26 +130,16 @@ def carry_out(job: "Callable[[Progress], Result]", out: Outputs, extra: "Extra |
         with progress(out) as tell:
             found = job(tell)
         deliver(found, out, extra)
-    if out.strict:
-        _demand_explained(found)
-    return found
-
-
-def _demand_explained(found: Any) -> None:
-    """Exit with the code for bad data if a channel has no result, or no model explains its noise."""
-    if found.rejected:
+    if out.strict and found.rejected:
         names = ", ".join(name or "the record" for name in found.rejected)
         click.echo(f"not explained, or without a result: {names}", err=True)
         raise click.exceptions.Exit(DATA)
+    return found
 
 
 @contextmanager
 def progress(out: Outputs | None = None) -> Iterator[Callable[[str, float], None]]:
     """A progress bar on stderr if it is a terminal; warnings are printed as sentences."""
-    receiver = _RECEIVER.get()
-    if receiver is not None:
-        yield receiver.tell
-        return
     from allanite.reporting.progress import bar
 
     shown = sys.stderr.isatty() and not (out is not None and out.quiet)
@@ -211,10 +169,6 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
 
     The files are written even if nobody reads standard output to its end.
     """
-    receiver = _RECEIVER.get()
-    if receiver is not None:
-        receiver.take(value)
-        return
     from allanite.study.shares import Work, done
 
     extra = extra or Extra()
@@ -241,7 +195,9 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
 def _work(value: Any, name: str, out: Outputs, extra: Extra) -> "Work[str | bytes]":
     """The making of an output."""
     if name not in extra.data:
-        return work_of(value, name, out.paths[name], out.lang)
+        context = click.get_current_context(silent=True)
+        command = "" if context is None else context.meta.get(LINE, "")
+        return work_of(value, name, out.paths[name], out.lang, command)
     from allanite.study.shares import Work
 
     return Work((), lambda _: extra.data[name](value))
@@ -249,11 +205,7 @@ def _work(value: Any, name: str, out: Outputs, extra: Extra) -> "Work[str | byte
 
 def happened(words: str, watch: "Watch") -> None:
     """Say on stderr what happens in a stream."""
-    receiver = _RECEIVER.get()
-    if receiver is None:
-        click.echo(words, err=True)
-    else:
-        receiver.event(words, watch)
+    click.echo(words, err=True)
 
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:

@@ -145,16 +145,11 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
         for line, text in zip(lines, shown, strict=True):
             if not shared["quiet"]:
                 click.echo(f"\n$ {text}")
-            _run(line, shared)
+            from . import VERBS, main
 
-
-def _run(line: list[str], shared: dict[str, Any]) -> None:
-    """Run one command as if it were typed; `shared` are the defaults of those of its options that it has."""
-    from . import VERBS, main
-
-    defaults = shared | dict.fromkeys(ANGLE, shared)
-    with main.make_context("allanite", line, default_map=dict.fromkeys(VERBS, defaults)) as context:
-        main.invoke(context)
+            defaults = shared | dict.fromkeys(ANGLE, shared)
+            with main.make_context("allanite", line, default_map=dict.fromkeys(VERBS, defaults)) as context:
+                main.invoke(context)
 
 
 ANGLE = ("calibrate", "estimate", "plan", "simulate")

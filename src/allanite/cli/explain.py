@@ -5,6 +5,7 @@ from typing import Any
 import click
 
 from allanite.core.errors import UsageError
+from allanite.study.settings import LengthChoices
 
 from .deliver import carry_out, outputs
 from .options import options
@@ -13,7 +14,7 @@ from .options import options
 @click.command()
 @options(
     click.argument("name", required=False, default=""),
-    "samples", "taus", "csv", "json", "lang", "force", "quiet",
+    "samples", "taus", "csv", "json", "lang", "force", "quiet", settings=(LengthChoices,),
 )  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
     """Explain a target or a statistic.

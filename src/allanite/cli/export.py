@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.study.settings import NoiseChoices
+
 from .deliver import Extra, carry_out, outputs, recipe_of
 from .options import IDENTIFYING, RECORDING, options
 
@@ -38,7 +40,7 @@ USUAL = "datasheet"
     "models", "unexplained",
     click.option("--from-curve", is_flag=True,
         help="Where no model explains the record, upper bounds read off the Allan deviation."),
-    *RECORDING, *IDENTIFYING, *FILE,
+    *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices,),
 )  # fmt: skip
 def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], **choices: Any) -> None:
     """Write the noise as a file of a filter.

@@ -25,13 +25,6 @@ def _quantities(text: str, option: str, example: str, *, defaults: tuple[float, 
     return [(value / 100, "") if unit == "%" else (value, unit) for value, unit in found]
 
 
-def _constant(record: "Record", text: str, _: Any, __: Any) -> "Record":
-    from allanite.simulation import faults
-
-    ((value, unit),) = _quantities(text, "constant", "10 deg/h")
-    return faults.constant(record, value, unit)
-
-
 def turning_rate(text: str | None) -> float:
     """The constant rate in deg/h; 0 if none is given."""
     from allanite.core.units import convert
@@ -42,34 +35,21 @@ def turning_rate(text: str | None) -> float:
     return convert(value, unit or "deg/h", "deg/h")
 
 
-def _low_pass(record: "Record", text: str, _: Any, __: Any) -> "Record":
+def _low_pass(record: "Record", cutoff: tuple[float, str], order: tuple[float, str]) -> "Record":
     from allanite.core.errors import UsageError
     from allanite.simulation import faults
 
-    (cutoff, _unit), (order, _unit) = _quantities(text, "low-pass", "20 Hz 4", defaults=(1.0,))
-    if not order.is_integer():
-        raise UsageError(f"the order of a filter must be an integer, not {order:g}")
-    return faults.low_pass(record, cutoff, order=int(order))
-
-
-def _noise_step(record: "Record", text: str, _: Any, __: Any) -> "Record":
-    from allanite.simulation import faults
-
-    ((factor, _unit),) = _quantities(text, "noise-step", "2")
-    return faults.noise_step(record, factor=factor)
+    if not order[0].is_integer():
+        raise UsageError(f"the order of a filter must be an integer, not {order[0]:g}")
+    return faults.low_pass(record, cutoff[0], order=int(order[0]))
 
 
 def _noise_profile(record: "Record", text: str, _: Any, __: Any) -> "Record":
-    from allanite.simulation import faults
-
-    return faults.noise_profile(record, *_profile(text))
-
-
-def _profile(text: str) -> tuple[list[float], list[float]]:
-    """Times and factors, from 'TIME:FACTOR, ...' or a file of two columns with or without a heading."""
+    # times and factors, from 'TIME:FACTOR, ...' or a file of two columns with or without a heading
     from pathlib import Path
 
     from allanite.core.errors import DataError, UsageError
+    from allanite.simulation import faults
 
     form = "'0:1, 600:3, 1200:1' (seconds and factors) or a file of two such columns"
     pairs = [part.split(":") for part in text.split(",")]
@@ -81,7 +61,7 @@ def _profile(text: str) -> tuple[list[float], list[float]]:
         kind = DataError if path.is_file() else UsageError
         raise kind(f"--noise-profile takes {form}, not {text!r}")
     times, factors = zip(*(map(float, pair) for pair in pairs), strict=True)
-    return list(times), list(factors)
+    return faults.noise_profile(record, *(list(times), list(factors)))
 
 
 def _numeric(pair: list[str]) -> bool:
@@ -90,20 +70,6 @@ def _numeric(pair: list[str]) -> bool:
         return len([float(word) for word in pair]) == 2
     except ValueError:
         return False
-
-
-def _outliers(record: "Record", text: str, rng: "np.random.Generator", _: Any) -> "Record":
-    from allanite.simulation import faults
-
-    (share, _unit), (size, unit) = _quantities(text, "outliers", "0.01% 20")
-    return faults.outliers(record, share, size, unit, rng=rng)
-
-
-def _clip(record: "Record", text: str, _: Any, __: Any) -> "Record":
-    from allanite.simulation import faults
-
-    ((value, unit),) = _quantities(text, "clip", "300 deg/s")
-    return faults.clip(record, value, unit)
 
 
 def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: dict[str, Any]) -> "Record":
@@ -141,22 +107,35 @@ def _dither(text: str) -> "Dither":
     return Dither(amplitude=amplitude, frequency=frequency)
 
 
-def _gaps(record: "Record", text: str, rng: "np.random.Generator", _: Any) -> "Record":
+def _gaps(record: "Record", rng: Any, share: tuple[float, str], length: tuple[float, str]) -> "Record":
     from allanite.core.units import convert
     from allanite.simulation import faults
 
-    (share, _unit), (length, unit) = _quantities(text, "gaps", "1% 5 s")
-    return faults.gaps(record, share, convert(length, unit or "s", "s"), rng=rng)
+    return faults.gaps(record, share[0], convert(length[0], length[1] or "s", "s"), rng=rng)
+
+
+def _simple(name: str, example: str, defaults: tuple[float, ...], make: "Callable[..., Record]") -> "Fault":
+    """A fault that is given by quantities as in the `example`, of which the last ones have `defaults`."""
+
+    def fault(record: "Record", text: str, rng: "np.random.Generator", _: dict[str, Any]) -> "Record":
+        from allanite.simulation import faults
+
+        return make(faults, record, rng, *_quantities(text, name, example, defaults=defaults))
+
+    return fault
 
 
 FAULTS: "dict[str, Fault]" = {
-    "constant": _constant,
-    "low_pass": _low_pass,
-    "noise_step": _noise_step,
+    "constant": _simple("constant", "10 deg/h", (), lambda faults, record, _, value: faults.constant(record, *value)),
+    "low_pass": _simple("low-pass", "20 Hz 4", (1.0,), lambda _, record, __, *values: _low_pass(record, *values)),
+    "noise_step": _simple(
+        "noise-step", "2", (), lambda faults, record, _, value: faults.noise_step(record, factor=value[0])),
     "noise_profile": _noise_profile,
-    "outliers": _outliers,
-    "clip": _clip,
+    "outliers": _simple(
+        "outliers", "0.01% 20", (),
+        lambda faults, record, rng, share, size: faults.outliers(record, share[0], *size, rng=rng)),
+    "clip": _simple("clip", "300 deg/s", (), lambda faults, record, _, value: faults.clip(record, *value)),
     "quantize": _quantize,
-    "gaps": _gaps,
-}
+    "gaps": _simple("gaps", "1% 5 s", (), lambda _, record, rng, *values: _gaps(record, rng, *values)),
+}  # fmt: skip
 """The function of each option, in the order in which the faults occur in a sensor and its logger."""

@@ -6,11 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from allanite.reporting.language import speaking
-
-from .front import LINE
 
 if TYPE_CHECKING:
     from allanite.study.shares import Work
@@ -31,14 +27,14 @@ def text_of(value: Any, lang: str) -> str:
     return text.encode(encoding, "backslashreplace").decode(encoding)
 
 
-def encoded(value: Any, name: str, path: str, lang: str) -> str | bytes:
-    """A result in the form that option `name` writes."""
+def encoded(value: Any, name: str, path: str, lang: str, command: str = "") -> str | bytes:
+    """A result in the form that option `name` writes; a page says the command line that made it."""
     from allanite.study.shares import made
 
-    return made(work_of(value, name, path, lang))
+    return made(work_of(value, name, path, lang, command))
 
 
-def work_of(value: Any, name: str, path: str, lang: str) -> "Work[str | bytes]":
+def work_of(value: Any, name: str, path: str, lang: str, command: str = "") -> "Work[str | bytes]":
     """The making of the same, of which processes can share a page and the results of channels."""
     from allanite import reporting
     from allanite.reporting.json import json_of
@@ -50,8 +46,6 @@ def work_of(value: Any, name: str, path: str, lang: str) -> "Work[str | bytes]":
         return Work((), lambda _: reporting.to_csv(value, coefficients=name == "coefficients"))
     if name == "plot":
         return Work((), lambda _: _drawn(value, path, lang))
-    context = click.get_current_context(silent=True)
-    command = "" if context is None else context.meta.get(LINE, "")
     if path.lower().endswith(".pdf"):
         return Work((), lambda _: reporting.document(value, command=command, lang=lang))
     return reporting.page_of(value, command=command, lang=lang)

@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.study.settings import CheckChoices, NoiseChoices, StateSpaceChoices
+
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-from .types import Duration
 
 if TYPE_CHECKING:
     from allanite.study.modelled import ModelJob
@@ -21,14 +22,11 @@ NOISE = ("optional file", "model", "sensor", "unexplained", *RECORDING, *IDENTIF
 
 @click.command()
 @options(
-    *NOISE,
-    "planned durations",
-    "accuracy",
-    click.option(
-        "--ramp/--no-ramp", default=None, help="Assume a rate ramp of unknown size.  [default: if the model has one]"
-    ),
-    *RESULTS,
-)
+    *NOISE, "planned durations", "accuracy",
+    click.option("--ramp/--no-ramp", default=None,
+        help="Assume a rate ramp of unknown size.  [default: if the model has one]"),
+    *RESULTS, settings=(NoiseChoices,),
+)  # fmt: skip
 def plan(file: str | None, **choices: Any) -> None:
     """Predict accuracy against record length.
 
@@ -42,19 +40,9 @@ def plan(file: str | None, **choices: Any) -> None:
 
 @click.command()
 @options(
-    *NOISE,
-    "duration",
-    "samples",
-    click.option("--records", type=int, metavar="N", help="Number of records to simulate.  [default: 100]"),
-    "seed",
-    click.option("--max-bias", type=float, metavar="PERCENT", help="Limit on the bias of the coefficients."),
-    click.option("--min-coverage", type=float, metavar="PERCENT", help="Limit on the coverage of the intervals."),
-    click.option(
-        "--max-false", type=float, metavar="PERCENT", help="Limit on the records in which absent terms are reported."
-    ),
-    click.option("--max-missed", type=float, metavar="PERCENT", help="Limit on the records in which terms are missed."),
-    *(option for option in RESULTS if option != "plot"),
-)
+    *NOISE, "duration", "samples", "records", "seed", "max_bias", "min_coverage", "max_false", "max_missed",
+    *(option for option in RESULTS if option != "plot"), settings=(NoiseChoices, CheckChoices),
+)  # fmt: skip
 def selfcheck(file: str | None, **choices: Any) -> None:
     """Test the identification by simulation.
 
@@ -73,19 +61,8 @@ def selfcheck(file: str | None, **choices: Any) -> None:
 
 @click.command()
 @options(
-    *NOISE,
-    click.option(
-        "--tau",
-        type=Duration(several=True),
-        metavar="LO,HI",
-        help="Averaging times between which flicker is matched.  [default: 1,1000]",
-    ),
-    click.option("--ripple", type=float, metavar="PERCENT", help="Largest deviation from flicker.  [default: 2]"),
-    click.option("--order", type=int, metavar="N", help="Or the number of Gauss-Markov processes for flicker."),
-    click.option("--turn-on", metavar="RATE", help="Standard deviation of the turn-on bias, e.g. '3 deg/h'."),
-    click.option("--measurement", metavar="NAME", help="Measurement: auto, mean (exact) or sample.  [default: auto]"),
-    *RESULTS,
-)
+    *NOISE, "tau", "ripple", "order", "turn_on", "measurement", *RESULTS, settings=(NoiseChoices, StateSpaceChoices),
+)  # fmt: skip
 def statespace(file: str | None, **choices: Any) -> None:
     """Export the noise as a state-space model.
 

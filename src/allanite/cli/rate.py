@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.applications.choices import EstimatorChoices, FitChoices, IntervalChoices
 from allanite.core.errors import UnitError, UsageError
 
 from .deliver import Extra, Outputs, carry_out, given, outputs, recipe_of, settings_of
 from .forms import encoded
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-from .types import NAMES
 
 if TYPE_CHECKING:
     from allanite.applications.rate.campaign import RateSettings, RateStudy
@@ -18,46 +18,21 @@ if TYPE_CHECKING:
 
 @click.command()
 @options(
-    "file",
-    *RECORDING,
-    "measuring interval",
-    click.option("--methods", type=NAMES, metavar="A,B,...", help="Estimators, e.g. mean,optimal.  [default: all]"),
-    click.option(
-        "--target",
-        metavar="WHAT",
-        help="What is estimated of a drifting rate: its mean, centre or start.  [default: mean]",
-    ),
-    click.option(
-        "--noise", metavar="TERMS", help="Noise model, e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'.  [default: identified]"
-    ),
-    "latitude",
-    "reference rate",
-    "known bias",
+    "file", *RECORDING, "interval", "methods", "target",
+    click.option("--noise", metavar="TERMS",
+        help="Noise model, e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'.  [default: identified]"),
+    "latitude", "reference rate", "known bias",
     click.option("--horizontal", is_flag=True, help="The axis is horizontal: find north (needs --latitude)."),
-    click.option(
-        "--second", metavar="FILE", type=click.Path(), help="The same gyro in a second position: removes the bias."
-    ),
+    click.option("--second", metavar="FILE", type=click.Path(),
+        help="The same gyro in a second position: removes the bias."),
     click.option("--turned", type=float, metavar="DEG", help="Rotation between the two positions.  [default: 180]"),
-    click.option(
-        "--near",
-        type=float,
-        metavar="DEG",
-        help="Approximate heading, which selects one of the two solutions for north.  [default: 90]",
-    ),
+    click.option("--near", type=float, metavar="DEG",
+        help="Approximate heading, which selects one of the two solutions for north.  [default: 90]"),
     click.option("--position-method", metavar="NAME", help="Estimator for north and the bias.  [default: optimal]"),
-    "dither lines",
-    "rate window",
-    click.option("--lines", type=int, metavar="N", help="Number of regression lines of the conditional estimator."),
-    click.option(
-        "--allowed", metavar="RATE", help="Largest deviation of a regression line that the conditional estimator keeps."
-    ),
-    click.option(
-        "--quantum", type=float, help="Quantization step of the angle in --unit, if the samples are not counts."
-    ),
-    click.option("--certified", is_flag=True, help="Search the staircase for the proven optimum."),
-    "split-gaps",
-    click.option("--most", type=int, metavar="N", help="Maximum number of intervals to measure."),
-    "measuring durations",
+    "dither", "window", "lines",
+    click.option("--allowed", metavar="RATE",
+        help="Largest deviation of a regression line that the conditional estimator keeps."),
+    "quantum", "certified", "split_gaps", "most", "measuring durations",
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
     *IDENTIFYING,
     click.option(
@@ -68,7 +43,7 @@ if TYPE_CHECKING:
         "--closeup", metavar="PATH", type=click.Path(),
         help="Draw the first interval: slopes of the regression lines by their start, the staircase over the counts.",
     ),
-    *RESULTS,
+    *RESULTS, settings=(IntervalChoices, EstimatorChoices, FitChoices),
 )  # fmt: skip
 def rate(file: str, second: str | None, **choices: Any) -> None:
     """Estimate the constant rate of a gyro.

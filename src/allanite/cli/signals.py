@@ -102,3 +102,30 @@ def ended_by(error: BaseException | None) -> BaseException | None:
     while error is not None and not isinstance(error, (KeyboardInterrupt, SystemExit)):
         error = error.__cause__ or error.__context__
     return error
+
+
+class Stopped:
+    """Whether a signal to end has come."""
+
+    def __init__(self) -> None:
+        self.came = False
+
+    def __call__(self) -> bool:
+        """The answer."""
+        return self.came
+
+    def catch(self, *_: object) -> None:
+        """Note the signal."""
+        self.came = True
+
+
+@contextmanager
+def stopping() -> Iterator[Stopped]:
+    """Signals that end the program are noted instead; the handlers are put back."""
+    stopped = Stopped()
+    before = {which: signal.signal(which, stopped.catch) for which in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stopped
+    finally:
+        for which, handler in before.items():
+            signal.signal(which, handler)

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.study.settings import LengthChoices, NoiseChoices
+
 from .deliver import Extra, deliver, demand_recording, outputs, progress
 from .faults import FAULTS, quantizer_unit, turning_rate
 from .options import options
@@ -21,36 +23,22 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 @click.command()
 @options(
     click.argument("out", type=click.Path()),
-    "model",
-    "sensor",
-    "simulated rate",
-    "duration",
-    "samples",
-    "simulated channels",
-    "seed",
-    "simulated unit",
+    "model", "sensor", "simulated rate", "duration", "samples", "simulated channels", "seed", "simulated unit",
     click.option("--rounding", is_flag=True, help="Generate Q by rounding the angle to steps of Q sqrt(12)."),
     click.option("--constant", metavar="RATE", help="Bias or earth rate, e.g. '10 deg/h'."),
     click.option("--low-pass", metavar="HZ", help="Low-pass filter of first order; '20 Hz 4' has order 4."),
     click.option("--noise-step", metavar="FACTOR", help="Multiply the noise of the second half by this."),
-    click.option(
-        "--noise-profile",
-        metavar="PROFILE",
+    click.option("--noise-profile", metavar="PROFILE",
         help="Multiply the noise by a factor that changes with time: '0:1, 600:3, 1200:1' (s and factor, linear "
-        "between), or a CSV file of two columns.",
-    ),
+        "between), or a CSV file of two columns."),
     "simulated outliers",
     click.option("--clip", metavar="RATE", help="Full-scale range, e.g. '300 deg/s'."),
-    click.option(
-        "--quantize", metavar="WHAT STEP", help="Quantizer: 'rate 0.01 deg/s', or 'angle 0.2 arcsec' for counts."
-    ),
+    click.option("--quantize", metavar="WHAT STEP",
+        help="Quantizer: 'rate 0.01 deg/s', or 'angle 0.2 arcsec' for counts."),
     "simulated dither",
     click.option("--gaps", metavar="SHARE LENGTH", help="Missing stretches, e.g. '1% 5 s'."),
-    "json",
-    "lang",
-    "force",
-    "quiet",
-)
+    "json", "lang", "force", "quiet", settings=(NoiseChoices, LengthChoices),
+)  # fmt: skip
 def simulate(**choices: Any) -> None:
     """Simulate a recording of known noise.
 

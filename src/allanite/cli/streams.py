@@ -6,12 +6,8 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from contextvars import ContextVar
 
 import click
-
-_LOST: ContextVar[str] = ContextVar("_LOST", default="")
-"""Why standard output took no more."""
 
 
 class _Closed(io.TextIOBase):
@@ -24,9 +20,16 @@ class _Closed(io.TextIOBase):
         raise OSError(errno.EBADF, "it is closed")
 
 
+class _Nowhere(io.TextIOWrapper):
+    """In the place of standard output that takes no more, and `why`."""
+
+    def __init__(self, why: str) -> None:
+        super().__init__(open(os.devnull, "wb"), encoding="utf-8")  # noqa: SIM115 - for as long as the program runs
+        self.why = why
+
+
 def begin() -> None:
     """Put something in the place of streams that are closed, lest the next file that is opened becomes one of them."""
-    _LOST.set("")
     for number in range(3):
         try:
             os.fstat(number)
@@ -52,18 +55,14 @@ def while_read() -> Iterator[None]:
             raise
         if error.filename is not None:
             raise
-        if error.errno != errno.EPIPE:
-            _LOST.set(error.strerror or str(error))
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        if isinstance(sys.stdout, _Closed):
-            sys.stdout = open(nowhere, "w", encoding="utf-8")  # noqa: SIM115 - for as long as the program runs
-        else:
-            os.dup2(nowhere, sys.stdout.fileno())
+        if not isinstance(sys.stdout, _Closed):  # what is left in it goes nowhere, too
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.stdout = _Nowhere("" if error.errno == errno.EPIPE else error.strerror or str(error))
 
 
 def lost() -> str:
     """Why standard output took no more; empty if it has taken all, or its reader has left."""
-    return _LOST.get()
+    return str(getattr(sys.stdout, "why", ""))
 
 
 def complain(text: str, before: str = "") -> None:

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.applications.choices import VerticalChoices
 from allanite.core.errors import UsageError
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-from .types import Duration
 
 if TYPE_CHECKING:
     from allanite.applications.attitude.trials import VerticalDesign
@@ -24,23 +24,10 @@ USUAL_DURATION = 3600.0
 @options(
     "optional file",
     *RECORDING,
-    click.option("--gyro", metavar="TERMS",
-                 help="Noise of a gyro, e.g. 'N 0.3 deg/sqrt(h), B 10 deg/h'.  [default: identified]"),
-    click.option("--accelerometer", metavar="TERMS",
-                 help="Noise of an accelerometer, e.g. 'N 100 ug/sqrt(Hz), B 50 ug'.  [default: identified]"),
-    "filter",
-    click.option("--time-constant", type=Duration(), metavar="TIME",
-                 help="Time constant of the filter.  [default: the best for the noise]"),
-    click.option("--bias-time", type=Duration(), metavar="TIME",
-                 help="Time of the bias estimate, 1 / sqrt(k2), of a filter that has one."),
-    click.option("--gate", type=float, metavar="DEG",
-                 help="Ignore the accelerometers where their tilt differs from the angle by more than this."),
+    "gyro", "accelerometer", "filter", "time_constant", "bias_time", "gate",
     click.option("--coning", "samples", type=click.IntRange(1, 4), metavar="N",
                  help="Samples of the coning correction of bortz.  [default: 2]"),
-    click.option("--axes", metavar="AXES",
-                 help="Axes of the file that are forward, sideways and vertical, right-handed, e.g. y,-x,z.  "
-                 "[default: x,y,z]"),
-    click.option("--keep-bias", is_flag=True, help="Do not subtract the mean rates of a static recording."),
+    "axes", "keep_bias",
     "horizon",
     click.option("--gyro-bias", metavar="RATE", help="Constant bias of the gyro without a recording, e.g. '10 deg/h'."),
     click.option("--accelerometer-bias", metavar="BIAS",
@@ -48,8 +35,7 @@ USUAL_DURATION = 3600.0
     click.option("--scenarios", is_flag=True,
                  help="Without a recording: simulate all filters at rest, under acceleration and in oscillation."),
     "seed",
-    *IDENTIFYING,
-    *RESULTS,
+    *IDENTIFYING, *RESULTS, settings=(VerticalChoices,),
 )  # fmt: skip
 def vertical(file: str | None, **choices: Any) -> None:
     """Find roll and pitch.

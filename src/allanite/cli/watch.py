@@ -1,14 +1,12 @@
 """A live stream: what is known so far while it lasts, and the results when it ends."""
 
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import click
 
 from .deliver import deliver, happened, outputs, recipe_of, settings_of
 from .options import RESULTS, options
+from .signals import stopping
 from .types import Duration
 
 
@@ -37,35 +35,9 @@ def watch(target: str, **choices: Any) -> None:
     out = outputs(choices, [choices["recipe"]])
     if choices["accuracy"] is not None:
         choices["accuracy"] /= 100
-    with _stopping() as stopped:
+    with stopping() as stopped:
         found = Watch(target, recipe_of(choices), settings_of(WatchSettings, choices), stopped)
         for words in found.events():
             if not out.quiet:
                 happened(words, found)
     deliver(found.study(), out)
-
-
-class _Stopped:
-    """Whether a signal to end has come."""
-
-    def __init__(self) -> None:
-        self.came = False
-
-    def __call__(self) -> bool:
-        return self.came
-
-    def catch(self, *_: Any) -> None:
-        """Note the signal."""
-        self.came = True
-
-
-@contextmanager
-def _stopping() -> Iterator[_Stopped]:
-    """Signals that end the program are noted instead; the handlers are put back."""
-    stopped = _Stopped()
-    before = {which: signal.signal(which, stopped.catch) for which in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stopped
-    finally:
-        for which, handler in before.items():
-            signal.signal(which, handler)

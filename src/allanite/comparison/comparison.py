@@ -17,6 +17,7 @@ from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say, say_count
 from allanite.phrases.wording import duration
+from allanite.study.settings import ComparisonChoices
 
 from .change import Change, holm, told
 from .together import ComparedChannel, Together, of_symbol
@@ -210,7 +211,7 @@ class Pair(ComparedChannel):
 
 
 @dataclass(frozen=True, repr=False)
-class ComparisonSettings(Value):
+class ComparisonSettings(ComparisonChoices, Value):
     """What is held against what.
 
     Attributes
@@ -220,9 +221,6 @@ class ComparisonSettings(Value):
     part : float, optional
         Length of the beginning of one recording that is held against the rest, s.
     """
-
-    against: tuple[str, ...] | None = None
-    part: float | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,9 +2,16 @@
 
 
 class AllaniteError(ValueError):
-    """The input cannot be used; the message says what to do. `exit_code` is that of the command line."""
+    """The input cannot be used; the message says what to do. `exit_code` is that of the command line.
+
+    `choice` is the name of the choice that cures it, as it stands in a recipe or settings; empty if none does alone.
+    """
 
     exit_code = 3
+
+    def __init__(self, *words: object, choice: str = "") -> None:
+        super().__init__(*words)
+        self.choice = choice
 
 
 class UsageError(AllaniteError):

@@ -158,7 +158,7 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
         return _by_channel(source, lambda record: identify(record, method, **same))
     name = method or ("whittle" if isinstance(source, Record) else "gls")
     if name not in METHODS:
-        raise UsageError(f"unknown method {name!r}; known methods: {', '.join(METHODS)}")
+        raise UsageError(f"unknown method {name!r}; known methods: {', '.join(METHODS)}", choice="method")
     robust.demand_choice(outliers)
     if band is not None:
         demand_band(band)

@@ -71,8 +71,8 @@ def symbols_of(terms: str) -> tuple[str, ...]:
     while rest := rest.lstrip(", "):
         symbol = next(filter(rest.startswith, known), None)
         if symbol is None:
-            raise UsageError(f"unknown term {rest[0]!r} in {terms!r}; known terms: {', '.join(TERMS)}")
+            raise UsageError(f"unknown term {rest[0]!r} in {terms!r}; known terms: {', '.join(TERMS)}", choice="terms")
         symbols, rest = (*symbols, symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):
-        raise UsageError(f"terms must name each symbol once, and at least one noise, unlike {terms!r}")
+        raise UsageError(f"terms must name each symbol once, and at least one noise, unlike {terms!r}", choice="terms")
     return symbols

@@ -21,6 +21,7 @@ from allanite.study.channels import demand_result
 from allanite.study.noise import Noise
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
+from allanite.study.settings import WatchChoices
 
 from .lines import Lines, places
 from .monitor import Monitor
@@ -34,17 +35,11 @@ JITTER = 1.5
 
 
 @dataclass(frozen=True)
-class WatchSettings:
+class WatchSettings(WatchChoices):
     """How to watch: seconds between reports, until the end, and without data until the end; baud rate; accuracy wanted.
 
     `duration` and `idle` are infinite by default: it is the user who ends.
     """
-
-    every: float = 10.0
-    duration: float = math.inf
-    idle: float = math.inf
-    baud: int = 115200
-    accuracy: float = 0.2
 
 
 @dataclass

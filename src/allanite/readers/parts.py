@@ -192,7 +192,7 @@ def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> Parts
         parts = _parts(file, member, options, limit)
         return None if parts is None else _reader(os.fspath(path), file, parts, limit)
     except AllaniteError as error:
-        raise type(error)(join(": ", (os.fspath(path), str(error)))) from None
+        raise type(error)(join(": ", (os.fspath(path), str(error))), choice=error.choice) from None
 
 
 def _parts(file: str, member: str, options: Options, limit: int) -> Parts | None:

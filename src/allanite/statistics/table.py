@@ -25,7 +25,7 @@ STATISTICS = Registry({row.name: row for row in _OWN}, "allanite.statistics", ki
 def statistic_named(name: str) -> Statistic:
     """The row of `STATISTICS`; an unknown name is an error that lists the known ones."""
     if name not in STATISTICS:
-        raise UsageError(f"unknown statistic {name!r}; known statistics: {', '.join(STATISTICS)}")
+        raise UsageError(f"unknown statistic {name!r}; known statistics: {', '.join(STATISTICS)}", choice="statistic")
     return STATISTICS[name]
 
 

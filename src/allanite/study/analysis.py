@@ -172,7 +172,9 @@ def demand_shown(recipe: Recipe, channels: Iterable[Channel]) -> None:
         if not any(signal.name in signals for signal in showing(unit)):
             units = ", ".join(signal.sheet[0] for signal in signals.values())
             wanted = spelled("--to", "to=")
-            raise UsageError(f"no channel has a coefficient in {unit!r} ({wanted}); the channels are in {units}")
+            raise UsageError(
+                f"no channel has a coefficient in {unit!r} ({wanted}); the channels are in {units}", choice="to"
+            )
 
 
 def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -> Study:

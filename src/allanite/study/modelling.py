@@ -13,10 +13,11 @@ from allanite.planning.plan import DURATIONS
 from allanite.planning.sensors import sensor as typical
 
 from .recipe import IDENTIFYING, READING, SELECTING
+from .settings import CheckChoices, NoiseChoices, StateSpaceChoices
 
 
 @dataclass(frozen=True, repr=False)
-class NoiseSettings(Value):
+class NoiseSettings(NoiseChoices, Value):
     """The source of the noise if there is no recording.
 
     Attributes
@@ -31,10 +32,6 @@ class NoiseSettings(Value):
 
     identifies: ClassVar[bool] = False
     """Whether the options of the identification also apply to a given model."""
-
-    model: str | None = None
-    sensor: str | None = None
-    unexplained: bool = False
 
     def given(self) -> Model | None:
         """The given model, or that of the sensor; None if there is neither.
@@ -72,7 +69,7 @@ class PlanSettings(NoiseSettings):
 
 
 @dataclass(frozen=True, repr=False)
-class SelfCheckSettings(NoiseSettings):
+class SelfCheckSettings(CheckChoices, NoiseSettings):
     """Choices of a check.
 
     Attributes
@@ -87,15 +84,6 @@ class SelfCheckSettings(NoiseSettings):
 
     identifies: ClassVar[bool] = True
 
-    duration: float | None = None
-    samples: int | None = None
-    records: int = 100
-    seed: int = 1
-    max_bias: float | None = None
-    min_coverage: float | None = None
-    max_false: float | None = None
-    max_missed: float | None = None
-
     @property
     def limits(self) -> dict[str, float]:
         """The given limits, as shares, by the names used by `SelfCheck.exceeded`."""
@@ -106,14 +94,8 @@ class SelfCheckSettings(NoiseSettings):
 
 
 @dataclass(frozen=True, repr=False)
-class StateSpaceSettings(NoiseSettings):
+class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
     """Choices of a state space: `ripple` in percent, `turn_on` with its unit, others as for `state_space`."""
-
-    tau: tuple[float, ...] = (1.0, 1000.0)
-    ripple: float = 2.0
-    order: int | None = None
-    turn_on: str | None = None
-    measurement: str = "auto"
 
     def __post_init__(self) -> None:
         if len(self.tau) != 2:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray, IntArray
+from allanite.core.choices import needing_all
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Quality
 from allanite.core.header import Header
@@ -24,12 +25,9 @@ from .channels import Progress, Source, demand_result
 from .gathering import WHOLE, Gathering
 from .inspection import BLOCK, Inspection
 from .provenance import provenance_of
-from .recipe import READING, SELECTING, Recipe
+from .recipe import READING, Recipe
 
 Result = TypeVar("Result")
-
-TAKEN = ("start", "until", "outliers", "memory")
-"""Keys that select samples and are done here too; the others need the whole record."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,17 +59,12 @@ def in_parts(source: Source, recipe: Recipe) -> Iterator[PartsReader | None]:
 
 def _demand_choices(recipe: Recipe) -> None:
     """Refuse what needs the whole record."""
-    for name in (*(key for key in SELECTING if key not in TAKEN), "ranges"):
-        if getattr(recipe, name) is not None:
-            option = f"--{name.replace('_', '-')}"
-            raise UsageError(
-                f"{WHOLE} no {spelled(option, name)}: omit it, or allow more memory with "
-                f"{spelled('--memory', 'memory=')}"
-            )
-    if recipe.method != "whittle":
+    for row, value in needing_all(recipe):
+        wrong = f" {value!r}: only {', '.join(map(repr, row.parts))}" if row.parts else ": omit it"
         raise UsageError(
-            f"{WHOLE} no {spelled('--method', 'method')} {recipe.method!r}: only 'whittle', or allow more memory with "
-            f"{spelled('--memory', 'memory=')}"
+            f"{WHOLE} no {spelled(row.options[0], row.name)}{wrong}, or allow more memory with "
+            f"{spelled('--memory', 'memory=')}",
+            choice=row.name,
         )
 
 

@@ -2,39 +2,73 @@
 
 import os
 import stat
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.display_units import showing
+from allanite.core.choice_kinds import BAND, GRID, LINES, RANGES, WORD, WORTH, Kind, pieces
+from allanite.core.choices import choice, demand_choices, named
 from allanite.core.errors import UsageError
-from allanite.core.ranges import demand_pieces, demand_ranges
-from allanite.core.validity import Band, demand_band
-from allanite.interpretation.devices import device
-from allanite.prepare.outliers import demand_choice
-from allanite.readers.memory import bytes_of
-from allanite.readers.options import stated_unit
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-READING = ("rate", "unit", "kind", "scale", "channels", "time", "dtype", "columns", "offset", "sincos")
-"""Keys that describe the contents of the file."""
 
-SELECTING = ("average", "exclude", "start", "until", "quiet_window", "outliers", "memory")
-"""Keys that select samples, and whether all of them are in memory."""
+def _checked(where: str) -> Callable[[Any], Any]:
+    """The value, unless a function refuses it; it is imported then, since the help reads these rows and no more."""
 
-IDENTIFYING = ("terms", "method", "ranges", "band", "mask", "level")
-"""Keys of the identification."""
+    def demand(value: Any) -> Any:
+        module, _, name = where.rpartition(".")
+        getattr(import_module(f"allanite.{module}"), name)(value)
+        return value
 
-CURVE = ("statistic", "taus")
-"""Keys of the curve of a study."""
+    return demand
 
-SHOWING = ("device", "to", "about")
-"""Keys of how a study is shown: likely causes in a device, units, and facts for the header."""
 
-_NUMBERS = ("rate", "scale", "average", "start", "until", "quiet_window", "level", "columns", "offset")
-_WORDS = ("unit", "kind", "time", "dtype", "statistic", "terms", "method", "outliers", "memory", "device")
+def _stated(key: str) -> Callable[[Any], Any]:
+    """The value, unless it is refused where a file is read."""
+
+    def demand(value: Any) -> Any:
+        from allanite.readers.options import Options
+
+        Options(**{key: value})
+        return value
+
+    return demand
+
+
+def _unit(unit: str | Mapping[str, str]) -> str:
+    from allanite.readers.options import stated_unit
+
+    return str(_stated("unit")(stated_unit(unit)))
+
+
+def _demand_unit(name: str, value: Any) -> str:
+    return _unit(value if isinstance(value, Mapping) else WORD.demand(name, value))
+
+
+def _level(level: float) -> float:
+    if not 0 < level < 1:
+        raise UsageError(f"a confidence level must be between 0 and 1, not {level!r}")
+    return level
+
+
+def _units_shown(units: tuple[str, ...]) -> tuple[str, ...]:
+    from allanite.core.display_units import showing
+
+    for unit in units:
+        if not showing(unit):
+            raise UsageError(f"no noise coefficient has the unit {unit!r}; give one of the signal, as deg/s or m/s^2, "
+                             "or of a coefficient, as deg/s/sqrt(Hz)")  # fmt: skip
+    return units
+
+
+def _facts(lines: tuple[str, ...]) -> tuple[str, ...]:
+    for line in lines:
+        if not line.partition("=")[2]:
+            raise UsageError(f"facts about a device are given as KEY=VALUE, e.g. serial=SN-12, not {line!r}")
+    return lines
 
 
 @dataclass(frozen=True)
@@ -52,75 +86,74 @@ class Recipe:
     `DEVICES`, whose likely causes of each term are shown.
     """
 
-    rate: float | None = None
-    unit: str | Mapping[str, str] | None = None
-    kind: str | None = None
-    scale: float | str | None = None
-    channels: tuple[str, ...] | None = None
-    time: str | None = None
-    dtype: str | None = None
-    columns: int | None = None
-    offset: int | None = None
-    sincos: tuple[str, ...] | None = None
-    average: float | None = None
-    exclude: str | tuple[tuple[float, float], ...] | None = None
-    start: float | None = None
-    until: float | None = None
-    quiet_window: float | None = None
-    outliers: str | None = None
-    memory: str | None = None
-    statistic: str = "oadev"
-    taus: str | tuple[float, ...] = "log"
-    terms: str = "auto"
-    method: str = "whittle"
-    ranges: Mapping[str, tuple[float, float]] | None = None
-    band: Band = "auto"
-    mask: str | tuple[tuple[float, float], ...] | None = None
-    level: float = 0.95
-    device: str | None = None
-    to: tuple[str, ...] | None = None
-    about: tuple[str, ...] | None = None
+    # fmt: off
+    rate: float | None = choice(
+        "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"), demand=_stated("rate"))
+    unit: str | Mapping[str, str] | None = choice(
+        "UNIT", "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
+        kind=Kind("unit", _unit, _demand_unit), group="reading")
+    kind: str | None = choice(
+        "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
+    scale: float | str | None = choice(
+        "STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", kind=WORTH, group="reading",
+        demand=_stated("scale"))
+    channels: tuple[str, ...] | None = choice(
+        "A,B,...", "Columns by name or number.", told="all recognized", group="reading")
+    time: str | None = choice("", "Column of the time stamps.", group="reading")
+    dtype: str | None = choice(
+        "TYPE", "The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins.",
+        group="reading")
+    columns: int | None = choice("N", "Numbers per row of raw binary.", group="reading")
+    offset: int | None = choice("BYTES", "Bytes before the first row of raw binary.", group="reading")
+    sincos: tuple[str, ...] | None = choice(
+        "S,C,...", "Columns of sine and cosine, in pairs: their angle is analyzed.", group="reading")
+    average: float | None = choice(
+        "S", "First of all replace the samples by means over this time.", group="selecting", parts=())
+    exclude: str | tuple[tuple[float, float], ...] | None = choice(
+        "S..S,...", "Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps.",
+        kind=pieces("s"), group="selecting", parts=())
+    start: float | None = choice(
+        "S", "Start of the window, s after the first sample.", group="selecting", flags=("--from",))
+    until: float | None = choice("S", "End of the window, s after the first sample.", group="selecting")
+    quiet_window: float | None = choice(
+        "S", "Use the most stationary window of this length.", group="selecting", parts=())
+    outliers: str | None = choice(
+        "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only", group="selecting",
+        demand=_checked("prepare.outliers.demand_choice"))
+    memory: str | None = choice(
+        "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
+        told="half of what is available", group="selecting", demand=_checked("readers.memory.bytes_of"))
+    statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve")
+    taus: str | tuple[float, ...] = choice(
+        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default="log", told="",
+        group="curve")
+    terms: str = choice("QNBKR", "Noise terms to look for.", default="auto", group="identifying")
+    method: str = choice(
+        "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",
+        group="identifying", parts=("whittle",))
+    ranges: Mapping[str, tuple[float, float]] | None = choice(
+        "N=LO:HI,...", "Averaging times through which method piecewise draws the line of each term, s.", kind=RANGES,
+        group="identifying", parts=())
+    band: str | tuple[float, float] = choice(
+        "BAND", "Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.", kind=BAND,
+        default="auto", group="identifying", demand=_checked("core.validity.demand_band"))
+    mask: str | tuple[tuple[float, float], ...] | None = choice(
+        "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.", kind=pieces("Hz"),
+        group="identifying")
+    level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying", demand=_level)
+    device: str | None = choice(
+        "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
+        demand=_checked("interpretation.devices.device"))
+    to: tuple[str, ...] | None = choice(
+        "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets", group="showing",
+        demand=_units_shown)
+    about: tuple[str, ...] | None = choice(
+        "KEY=VALUE", "For the header of the report: serial, operator, date, temperature, ...", kind=LINES,
+        group="showing", demand=_facts)
+    # fmt: on
 
     def __post_init__(self) -> None:
-        if isinstance(self.unit, Mapping):
-            object.__setattr__(self, "unit", stated_unit(self.unit))
-        for key in _NUMBERS:
-            value = getattr(self, key)
-            fine = isinstance(value, (int, float)) or (key == "scale" and isinstance(value, str))
-            if value is not None and (isinstance(value, bool) or not fine):
-                raise UsageError(f"{key} must be a number, not {value!r}")
-        for key in _WORDS:
-            value = getattr(self, key)
-            if value is not None and not isinstance(value, str):
-                raise UsageError(f"{key} must be a word, not {value!r}")
-        if self.outliers is not None:
-            demand_choice(self.outliers)
-        self._demand_selecting()
-        if not 0 < self.level < 1:
-            raise UsageError(f"a confidence level must be between 0 and 1, not {self.level!r}")
-        demand_band(self.band)
-        if self.mask is not None:
-            object.__setattr__(self, "mask", demand_pieces(self.mask, "Hz"))
-        if self.ranges is not None:
-            object.__setattr__(self, "ranges", demand_ranges(self.ranges))
-        self._demand_showing()
-
-    def _demand_selecting(self) -> None:
-        """Refuse pieces or a size of memory that cannot be read."""
-        if self.exclude is not None:
-            object.__setattr__(self, "exclude", demand_pieces(self.exclude))
-        if self.memory is not None:
-            bytes_of(self.memory)
-
-    def _demand_showing(self) -> None:
-        """Refuse a device, a unit or a fact that cannot be shown."""
-        if self.device is not None:
-            device(self.device)
-        for unit in self.to or ():
-            _demand_shown(unit)
-        for line in self.about or ():
-            if not line.partition("=")[2]:
-                raise UsageError(f"facts about a device are given as KEY=VALUE, e.g. serial=SN-12, not {line!r}")
+        demand_choices(self)
 
     @property
     def labels(self) -> dict[str, str]:
@@ -128,9 +161,9 @@ class Recipe:
         lines = (line.partition("=") for line in self.about or ())
         return {key.strip(): value.strip() for key, _, value in lines}
 
-    def to_dict(self, keys: tuple[str, ...] = (*READING, *SELECTING, *CURVE, *IDENTIFYING, *SHOWING)) -> dict[str, Any]:
-        """Plain data of these keys; those not given are omitted."""
-        return {key: value for key, value in chosen(self).items() if key in keys}
+    def to_dict(self, keys: tuple[str, ...] | None = None) -> dict[str, Any]:
+        """Plain data of these keys, by default all; those not given are omitted."""
+        return {key: value for key, value in chosen(self).items() if keys is None or key in keys}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Recipe":
@@ -154,11 +187,8 @@ class Recipe:
         return cls.from_dict(load_toml(path))
 
 
-def _demand_shown(unit: str) -> None:
-    """Refuse a unit in which no coefficient can be shown."""
-    if not showing(unit):
-        raise UsageError(f"no noise coefficient has the unit {unit!r}; give one of the signal, as deg/s or m/s^2, or "
-                         "of a coefficient, as deg/s/sqrt(Hz)")  # fmt: skip
+READING, SELECTING, IDENTIFYING = (named(Recipe, group) for group in ("reading", "selecting", "identifying"))
+"""Keys that describe the contents of the file, that select samples, and of the identification."""
 
 
 def chosen(settings: "DataclassInstance") -> dict[str, Any]:

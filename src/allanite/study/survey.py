@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
@@ -32,13 +32,14 @@ from .job import Job
 from .noise import ChannelResult, Noise, noise_of
 from .parts import Passed, in_parts, run_in_parts
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
+from .settings import DensityChoices, DeviationChoices, WindowChoices
 from .shares import how_many
 
 Result = Curve | Spectrum | Surface
 
 
 @dataclass(frozen=True, repr=False)
-class Deviations(Value):
+class Deviations(DeviationChoices, Value):
     """Statistics over averaging time.
 
     Attributes
@@ -54,18 +55,6 @@ class Deviations(Value):
     to : str, optional
         Unit of the values; by default the data-sheet unit.
     """
-
-    statistic: tuple[str, ...] = ("oadev",)
-    taus: str | tuple[float, ...] = "octave"
-    m: tuple[int, ...] | None = None
-    intervals: bool = True
-    bias: Literal["exact", "published", "model", "plain"] | None = None
-    join: float = 0.2
-    divisor: int = 30
-    edf: Literal["exact", "published"] = "exact"
-    power_law: bool = False
-    threads: int = 1
-    to: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "statistic", tuple(statistic_named(name).name for name in self.statistic))
@@ -131,24 +120,12 @@ class Deviations(Value):
 
 
 @dataclass(frozen=True, repr=False)
-class Densities(Value):
+class Densities(DensityChoices, Value):
     """A power spectral density; `fit` also identifies the noise and draws its terms.
 
     With `deviation`, the name of a statistic, the deviation that the density amounts to instead. The other attributes
     are those of `spectrum` and its methods.
     """
-
-    estimator: str = "welch"
-    sides: str = "one"
-    bins: int | None = 20
-    segment: float | None = None
-    window: str | None = None
-    bandwidth: float | None = None
-    tapers: int | None = None
-    weights: str | None = None
-    fit: bool = False
-    deviation: str | None = None
-    to: str | None = None
 
     def __post_init__(self) -> None:
         side_factor(self.sides)
@@ -198,15 +175,8 @@ class Densities(Value):
 
 
 @dataclass(frozen=True, repr=False)
-class Windows(Value):
+class Windows(WindowChoices, Value):
     """A statistic in sliding windows of the record; attributes as for `dynamic`."""
-
-    statistic: str = "oadev"
-    window: float | None = None
-    step: float | None = None
-    taus: str | tuple[float, ...] = "octave"
-    m: tuple[int, ...] | None = None
-    to: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "statistic", statistic_named(self.statistic).name)

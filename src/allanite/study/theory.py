@@ -11,15 +11,13 @@ from .channels import Source
 from .modelled import demand_no_recording
 from .modelling import NoiseSettings
 from .recipe import Recipe
+from .settings import LengthChoices
 from .survey import Deviations
 
 
 @dataclass(frozen=True, repr=False)
-class TheorySettings(NoiseSettings):
+class TheorySettings(LengthChoices, NoiseSettings):
     """A model, and the length of a record for which its curves are expected: `duration` in s, or `samples`."""
-
-    duration: float | None = None
-    samples: int | None = None
 
     @property
     def asked(self) -> bool:

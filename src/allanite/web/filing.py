@@ -44,10 +44,6 @@ def workspace(request: Request, name: str) -> dict[str, Any]:
     """A workspace as it is; jobs that a server left unfinished are begun once more."""
     state = request.app.state.store.state(name)
     request.app.state.jobs.resume(state)
-    return _public(state)
-
-
-def _public(state: dict[str, Any]) -> dict[str, Any]:
     found = [{k: v for k, v in file.items() if k != "path" or not file["own"]} for file in state["files"].values()]
     return {"id": state["id"], "files": found, "jobs": list(state["jobs"].values()), "choices": state["choices"]}
 

@@ -11,7 +11,7 @@ from allanite.core.errors import UsageError
 from allanite.core.files import write
 from allanite.phrases.wording import command_line
 
-from .line import line_of, problem_of, shown_line
+from .requests import Request, problem_of
 from .store import MissingError, State, Store, known
 from .workers import ProblemError, Worker, Workers
 
@@ -62,12 +62,15 @@ class Jobs:
         target = asked.get("target")
         names = [target] if isinstance(target, str) and target else [file["name"] for file in files]
         verb, recipe, lang = str(asked.get("verb")), dict(choices), str(asked.get("lang") or "en")
-        shown = shown_line(verb, names, recipe, lang)
-        if verb == "watch" and not target and not files:
+        with command_line():
+            request = Request.of(verb, recipe)
+        if verb == "watch" and not names:
             raise UsageError("a stream has an address: give a file, a port, or udp://127.0.0.1:9000 as target")
+        request.demand_files(names)
         job = {
             "id": f"{state['id']}-{secrets.token_hex(8)}", "verb": verb, "files": [file["id"] for file in files],
-            "target": target, "recipe": recipe, "lang": lang, "command": shown, "state": "waiting", "problem": None,
+            "target": target, "recipe": recipe, "lang": lang, "command": request.line(names, lang), "state": "waiting",
+            "problem": None,
         }  # fmt: skip
         with self.store.changed(workspace) as state:
             state["jobs"][job["id"]] = job
@@ -113,8 +116,8 @@ class Jobs:
             raise UsageError("the job has no result: run it again")
         worker = self.workers.of(_lane(job))
         if not worker.ask("has", {"job": name})["there"]:
-            worker.ask("run", self._arguments(job), told=(job["verb"], job["recipe"]))
-        return worker.ask(task, {"job": name, **arguments}, told=(job["verb"], job["recipe"]))
+            worker.ask("run", self._arguments(job))
+        return worker.ask(task, {"job": name, **arguments})
 
     def warm(self) -> None:
         """Have the process ready from which workers are started."""
@@ -142,13 +145,13 @@ class Jobs:
         except ProblemError as problem:
             self._fail(job, live, problem.data)
         except Exception as error:
-            self._fail(job, live, problem_of(error, job["verb"], job["recipe"]))
+            self._fail(job, live, problem_of(error))
         else:
             self._set(job, "done")
             live.tell("done", {"exit": found["exit"]})
 
     def _done(self, worker: Worker, job: State, tell: Callable[[str, dict[str, Any]], None]) -> dict[str, Any]:
-        found = worker.ask("run", self._arguments(job), told=(job["verb"], job["recipe"]), tell=tell)
+        found = worker.ask("run", self._arguments(job), tell=tell)
         value, shown = self._paths(job["id"])
         write(value, found["json"].encode(), force=True)
         write(shown, json.dumps(found["faces"] | {"exit": found["exit"]}).encode(), force=True)
@@ -171,14 +174,21 @@ class Jobs:
 
     def _arguments(self, job: State) -> dict[str, Any]:
         files = [self.store.file(name) for name in job["files"]]
-        paths = [job["target"]] if job["target"] else [file["path"] for file in files]
         return {
             "job": job["id"],
-            "line": line_of(job["verb"], paths, job["recipe"], job["lang"]),
+            "verb": job["verb"],
+            "paths": [job["target"]] if job["target"] else [file["path"] for file in files],
+            "choices": job["recipe"],
             "shown": job["command"],
             "lang": job["lang"],
-            "names": {file["path"]: file["name"] for file in files if file["own"]},
-            "folders": {file["path"]: (file["id"], str(self.store.place(file["id"]))) for file in files},
+            "files": {
+                file["path"]: (
+                    file["id"],
+                    str(self.store.place(file["id"])),
+                    file["name"] if file["own"] else file["path"],
+                )
+                for file in files
+            },
         }
 
     def _paths(self, name: str) -> tuple[Path, Path]:

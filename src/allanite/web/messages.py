@@ -10,7 +10,7 @@ from starlette.responses import JSONResponse
 
 from allanite.core.errors import AllaniteError, UsageError
 
-from .line import problem_of
+from .requests import problem_of
 from .store import FullError, MissingError
 from .workers import ProblemError
 

@@ -181,12 +181,14 @@ class Store:
         if size > self.limit:
             raise FullError(
                 f"the file is larger than {size_in_words(self.limit)}, the limit of an upload: open it by its path, or "
-                f"raise the limit with {spelled('--limit', 'limit')}"
+                f"raise the limit with {spelled('--limit', 'limit')}",
+                choice="limit",
             )
         if used + size > self.quota:
             raise FullError(
                 f"the files of the page would take more than {size_in_words(self.quota)}: delete some of them, open "
-                f"the file by its path, or allow more with {spelled('--quota', 'quota')}"
+                f"the file by its path, or allow more with {spelled('--quota', 'quota')}",
+                choice="quota",
             )
 
 

@@ -4,6 +4,8 @@ import math
 import shlex
 from typing import Any
 
+from allanite.cli.tasks import jobs
+from allanite.core.choices import choices_of
 from allanite.core.kinds import KIND_WORDS, KINDS
 from allanite.core.units import SIGNALS
 from allanite.core.version import __version__
@@ -15,9 +17,10 @@ from allanite.planning.sensors import SENSORS
 from allanite.reporting import words
 from allanite.reporting.language import LANGUAGES, speaking, tr
 from allanite.statistics import STATISTICS
+from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
-from .line import JOBS, parameters
+from .requests import accepted
 
 UNITS = {
     "gyro": ("deg/s", "rad/s", "deg/h", "mdeg/s", "arcsec/s", "deg", "rad", "arcsec"),
@@ -72,6 +75,8 @@ def tables(lang: str) -> dict[str, Any]:
             "outliers": [{"name": "", "title": tr(say("exclude from the fit only"))},
                          {"name": "mark", "title": tr(say("exclude everywhere"))},
                          {"name": "keep", "title": tr(say("use everywhere"))}],
-            "verbs": list(JOBS),
-            "options": {verb: {key: option.help or "" for key, option in parameters(verb).items()} for verb in JOBS},
+            "verbs": jobs(),
+            "options": {verb: {name: row.text for name, row in accepted(verb).items()} for verb in jobs()},
+            "choices": [{"name": name, "group": row.group, "control": row.kind.control}
+                        for name, row in choices_of(Recipe).items()],
         }  # fmt: skip

@@ -1,4 +1,4 @@
-"""The process that does the work: runs command lines, keeps what it has read, and answers questions about results."""
+"""The process that does the work: does jobs, keeps what it has read, and answers questions about results."""
 
 import json
 import os
@@ -13,10 +13,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-import click
-
 from allanite.cli import main as allanite
-from allanite.cli.deliver import received_by
 from allanite.cli.forms import encoded
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
@@ -25,7 +22,7 @@ from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import opened_by
 
 from . import faces, trace
-from .line import problem_of
+from .requests import Request, problem_of
 
 KEPT = 2
 """Recordings that stay in memory."""
@@ -49,10 +46,8 @@ class Held:
         self.connection = connection
         self.values: dict[str, Any] = {}
         self.recordings: dict[tuple[str, str], Recording] = {}
-        self.names: Mapping[str, str] = {}
-        self.folders: Mapping[str, tuple[str, str]] = {}
+        self.files: Mapping[str, tuple[str, str, str]] = {}
         self.drawn: dict[tuple[Any, ...], Any] = {}
-        self.taken: list[Any] = []
         self.said = self.seen = 0.0
         self.lang = "en"
 
@@ -79,13 +74,9 @@ class Held:
     def named(self, problem: Answer) -> Answer:
         """A problem with the names of files instead of where they are kept."""
         words = problem["error"]
-        for path, name in self.names.items():
+        for path, (_, _, name) in self.files.items():
             words = words.replace(path, name)
         return problem | {"error": words}
-
-    def take(self, value: Any) -> None:
-        """The result of the verb."""
-        self.taken.append(value)
 
     def open(self, path: str, choices: Mapping[str, Any], read: Callable[[], Recording]) -> Recording:
         """A recording, read unless it is in memory; its trace is written beside the upload."""
@@ -93,7 +84,7 @@ class Held:
         if (path, key) not in self.recordings:
             while len(self.recordings) >= KEPT:
                 self.recordings.pop(next(iter(self.recordings)))
-            self.recordings[path, key] = replace(read(), source=self.names.get(path, path))
+            self.recordings[path, key] = replace(read(), source=self.files[path][2] if path in self.files else path)
             self._traced(path, key)
             self.send(
                 "curves", {"channels": [one for record in self.recordings[path, key] for one in self._first(record)]}
@@ -103,8 +94,8 @@ class Held:
         return self.recordings[path, key]
 
     def _traced(self, path: str, key: str) -> None:
-        if path in self.folders:
-            file, folder = self.folders[path]
+        if path in self.files:
+            file, folder, _ = self.files[path]
             trace.build(Path(folder), self.recordings[path, key], key)
             self.send("trace", {"file": file})
 
@@ -127,26 +118,23 @@ def run(
     held: Held,
     job: str,
     *,
-    line: list[str],
+    verb: str,
+    paths: list[str],
+    choices: dict[str, Any],
     shown: str,
     lang: str,
-    names: dict[str, str],
-    folders: dict[str, tuple[str, str]],
+    files: dict[str, tuple[str, str, str]],
 ) -> Answer:
-    """Run a command line; its result as JSON, and as it is shown."""
-    held.taken, held.names, held.folders, held.lang = [], names, folders, lang
-    code = 0
-    with received_by(held), opened_by(held.open):
-        try:
-            with allanite.make_context("allanite", line) as context:
-                allanite.invoke(context)
-        except click.exceptions.Exit as end:
-            code = end.exit_code
-    value = held.taken[-1]
-    held.values[job] = value, shown
+    """Do a job; its result as JSON, and as it is shown. `files` are id, folder and name of each path."""
     from allanite.reporting.json import to_json
+    from allanite.study.shares import processes
 
-    return {"json": to_json(value), "faces": faces.described(value, lang), "exit": code}
+    held.files, held.lang = files, lang
+    request = Request.of(verb, choices)
+    with processes(None), opened_by(held.open):
+        value = request.task.run(paths, request.recipe, request.settings, held)
+    held.values[job] = value, shown
+    return {"json": to_json(value), "faces": faces.described(value, lang), "exit": request.task.code(value)}
 
 
 def example(held: Held, line: list[str]) -> Answer:
@@ -224,11 +212,7 @@ def save(held: Held, job: str, form: str, lang: str, dark: bool = False) -> Answ
     """A file as the command line writes it; a `dark` figure is for a dark ground."""
     value, shown = held.values[job]
     name, path, _ = FORMS[form]
-    with click.Context(allanite) as context:
-        from allanite.cli.front import LINE
-
-        context.meta[LINE] = shown
-        data = encoded(value, name, path, lang)
+    data = encoded(value, name, path, lang, shown)
     if dark and isinstance(data, bytes):
         data = _HEX.sub(lambda found: _dark().get(found[0].lower(), found[0]), data)
     return {"data": data.encode() if isinstance(data, str) else data}

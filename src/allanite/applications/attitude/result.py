@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from allanite.applications.choices import VerticalChoices
 from allanite.extending import (
     ChannelResult,
     DataError,
@@ -40,7 +41,7 @@ SLOWER = 5.0
 
 
 @dataclass(frozen=True, repr=False)
-class VerticalSettings(Value):
+class VerticalSettings(VerticalChoices, Value):
     """Choices of a gyro-vertical.
 
     Attributes
@@ -63,16 +64,6 @@ class VerticalSettings(Value):
         Axes of the file that are forward, sideways and vertical, such as "y,-x,z"; by default "x,y,z", and a recording
         with gravity along another axis than z is refused.
     """
-
-    method: str = "complementary"
-    time_constant: float | None = None
-    bias_time: float | None = None
-    gyro: str | None = None
-    accelerometer: str | None = None
-    gate: float | None = None
-    samples: int = 2
-    keep_bias: bool = False
-    axes: str | None = None
 
     def __post_init__(self) -> None:
         filter_named(self.method)

@@ -118,7 +118,7 @@ def compensate(
                 least=SHORTEST,
             )
         )
-    wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(derivative_of), trend, settings)
+    wanted = CompensationSettings(tuple(regressors), degree, tuple(lags), tuple(derivative_of), trend, fit=settings)
     whole = design(record, beside, wanted)
     left = whole.y - whole.X @ _plain(whole)
     size, rest = (max(float(np.ptp(y[a:b])) for a, b in whole.stretches) for y in (whole.y, left))

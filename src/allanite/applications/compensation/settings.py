@@ -4,6 +4,7 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from allanite.applications.choices import CompensationChoices, FitChoices
 from allanite.extending import TERMS, UsageError, Value, spelled
 
 from .regressor import TREND
@@ -13,7 +14,7 @@ ORDINARY = "QNBK"
 
 
 @dataclass(frozen=True, repr=False)
-class FitSettings(Value):
+class FitSettings(FitChoices, Value):
     """How a regression is made.
 
     Attributes
@@ -31,13 +32,6 @@ class FitSettings(Value):
     least : float
         Effective samples required per regressor.
     """
-
-    terms: str = "auto"
-    smooth: float = 60.0
-    blocks: int = 5
-    every: bool = False
-    split_gaps: bool = False
-    least: float = 10.0
 
     def __post_init__(self) -> None:
         symbols = self.symbols
@@ -59,7 +53,7 @@ class FitSettings(Value):
 
 
 @dataclass(frozen=True, repr=False)
-class CompensationSettings(Value):
+class CompensationSettings(CompensationChoices, Value):
     """The regressors and the settings of the fit.
 
     Attributes
@@ -84,15 +78,7 @@ class CompensationSettings(Value):
         A saved regression, used instead of a new fit.
     """
 
-    regressors: tuple[str, ...] = ()
-    degree: int = 1
-    lags: tuple[float, ...] = ()
-    derivative_of: tuple[str, ...] = ()
-    trend: bool = True
     fit: FitSettings = field(default_factory=FitSettings)
-    beside: str | None = None
-    interpolate: bool = False
-    use: str | None = None
 
     def __post_init__(self) -> None:
         named = self.regressors or self.derivative_of

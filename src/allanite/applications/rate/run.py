@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from allanite.applications.choices import IntervalChoices
 from allanite.extending import (
     KINDS,
     DataError,
@@ -30,7 +31,7 @@ MOST = 100
 
 
 @dataclass(frozen=True, repr=False)
-class ExperimentSettings(Value):
+class ExperimentSettings(IntervalChoices, Value):
     """Choices of an experiment.
 
     Attributes
@@ -51,14 +52,10 @@ class ExperimentSettings(Value):
         Whether to split the record at gaps, so that intervals contain no missing samples.
     """
 
-    interval: float = 120.0
     methods: tuple[str, ...] = tuple(RATE_ESTIMATORS)
-    target: str = "mean"
-    dither: tuple[float, ...] = ()
     options: EstimatorSettings = field(default_factory=EstimatorSettings)
     reference: float | None = None
     bias: float = 0.0
-    most: int | None = None
     gaps: str = "error"
 
     def __post_init__(self) -> None:

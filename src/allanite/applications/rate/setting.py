@@ -6,11 +6,12 @@ from functools import cached_property
 
 import numpy as np
 
+from allanite.applications.choices import EstimatorChoices
 from allanite.extending import FloatArray, Model, Term, UsageError, Value
 
 
 @dataclass(frozen=True, repr=False)
-class EstimatorSettings(Value):
+class EstimatorSettings(EstimatorChoices, Value):
     """Choices for individual estimators.
 
     Attributes
@@ -29,11 +30,7 @@ class EstimatorSettings(Value):
         For "staircase": search until no better staircase can exist, however long that takes.
     """
 
-    window: str = "hamming"
-    lines: int | None = None
     allowed: float | None = None
-    quantum: float | None = None
-    certified: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -176,7 +176,7 @@ class BinnedSpectrum(Portable):
         """Which bins lie in a band of frequencies, Hz, shape (bins,)."""
         low, high = band
         if not 0 <= low < high:
-            raise UsageError(f"a band is two frequencies in Hz, low < high, not {low:g},{high:g}")
+            raise UsageError(f"a band is two frequencies in Hz, low < high, not {low:g},{high:g}", choice="band")
         inside = (self.frequency(self.first) >= low) & (self.frequency(self.first + self.count - 1) <= high)
         if inside.sum() < FEWEST:
             raise DataError(

@@ -57,7 +57,7 @@ def find(columns: tuple[FileColumn, ...], option: str | None, chosen: tuple[File
     if not any(option.strip() in (column.name, column.header) for column in columns):
         name, _, rest = option.partition("[")
         unit = rest.strip(" ]")
-    column = lookup(columns, name)
+    column = lookup(columns, name, "time")
     if chosen is not None and column in chosen:
         raise UsageError(f"{column.label} is selected both as time and as a channel")
     if unit and not headers.is_time(unit):

@@ -79,8 +79,8 @@ def unique(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
     return tuple(result)
 
 
-def lookup(columns: tuple[FileColumn, ...], key: str) -> FileColumn:
-    """The column called `key`: by name or header, ignoring case, or by its position counted from 1."""
+def lookup(columns: tuple[FileColumn, ...], key: str, choice: str = "channels") -> FileColumn:
+    """The column called `key` by a choice: by name or header, ignoring case, or by its position counted from 1."""
     wanted = key.strip()
     exact = [column for column in columns if wanted in (column.name, column.header)]
     alike = [column for column in columns if wanted.lower() in (column.name.lower(), column.header.lower())]
@@ -88,7 +88,7 @@ def lookup(columns: tuple[FileColumn, ...], key: str) -> FileColumn:
     for column in (*exact, *alike, *placed):
         return column
     names = [f"{column.position}: {column.header or column.name}" for column in columns]
-    raise UsageError(f"no column {key!r}; columns: {some(names, 30)}")
+    raise UsageError(f"no column {key!r}; columns: {some(names, 30)}", choice=choice)
 
 
 def some(names: Sequence[str], most: int = 20) -> Phrase:

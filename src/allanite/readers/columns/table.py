@@ -122,7 +122,7 @@ class Sense:
         """Ask for what is not known."""
         questions = [*beat.questions, *self.choice.questions]
         if questions:
-            raise UsageError("; ".join((*questions, *self.choice.left)))
+            raise UsageError("; ".join((*questions, *self.choice.left)), choice="rate" if beat.questions else "unit")
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""

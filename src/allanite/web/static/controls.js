@@ -5,31 +5,18 @@ import { shown } from "./jobs.js";
 import { alter, on, recipe, state, tell } from "./state.js";
 import { t } from "./words.js";
 
-// key of the recipe, word of its label, group, kind of control
-const CONTROLS = [
-  ["rate", "rate", "reading", "number"],
-  ["unit", "unit", "reading", "text"],
-  ["kind", "kind", "reading", "kinds"],
-  ["channels", "channels", "reading", "list"],
-  ["scale", "scale", "reading-more", "text"],
-  ["time", "timecolumn", "reading-more", "text"],
-  ["dtype", "dtype", "reading-more", "text"],
-  ["columns", "columns", "reading-more", "number"],
-  ["offset", "offset", "reading-more", "number"],
-  ["sincos", "sincos", "reading-more", "list"],
-  ["start", "from", "analysis", "number"],
-  ["until", "until", "analysis", "number"],
-  ["exclude", "exclude", "analysis", "text"],
-  ["outliers", "outliers", "analysis", "outliers"],
-  ["method", "method", "analysis-more", "methods"],
-  ["terms", "terms", "analysis-more", "text"],
-  ["band", "band", "analysis-more", "band"],
-  ["level", "level", "analysis-more", "number"],
-  ["taus", "taus", "analysis-more", "text"],
-  ["average", "average", "analysis-more", "number"],
-  ["device", "device", "analysis-more", "devices"],
-  ["to", "to", "analysis-more", "list"],
-];
+// choices that are always in sight; the others are among more options
+const FRONT = ["rate", "unit", "kind", "channels", "start", "until", "exclude", "outliers"];
+
+// choices with a label of another name, and those with a menu
+const LABELS = { start: "from", time: "timecolumn", mask: "masked" };
+const MENUS = { kind: "kinds", outliers: "outliers", method: "methods", device: "devices" };
+
+// the choices of a recipe as the server lists them; the statistic has its place above the curve
+const controls = () => (state.tables?.choices ?? []).filter((row) => row.name !== "statistic");
+
+const placeOf = (row) => `${row.group === "reading" ? "reading" : "analysis"}${FRONT.includes(row.name) ? "" : "-more"}`;
+const label = (key) => t(LABELS[key] ?? key).replaceAll("_", " ");
 
 const parts = (text) => text.split(",").map((part) => part.trim()).filter(Boolean);
 
@@ -51,8 +38,8 @@ function change(key, kind, node) {
   tell("altered", key);
 }
 
-function control([key, word, , kind]) {
-  const rows = state.tables[kind]?.filter((row) => row.name !== "");
+function control({ name: key, control: kind }) {
+  const rows = state.tables[MENUS[key]]?.filter((row) => row.name !== "");
   const shared = { id: `option-${key}`, test: `option-${key}`, "aria-describedby": `error-${key} help-${key}` };
   const node = rows
     ? el("select", shared, menu(rows, "", t("auto")))
@@ -60,15 +47,15 @@ function control([key, word, , kind]) {
   node.addEventListener("change", () => change(key, kind, node));
   const help = helpOf(key);
   return el("div", { class: "control" },
-    el("label", { for: `option-${key}` }, t(word)),
+    el("label", { for: `option-${key}` }, label(key)),
     node,
-    help && el("details", { class: "help" }, el("summary", { test: `help-${key}`, "aria-label": `${t("help")}: ${t(word)}` }, "?"), el("p", { id: `help-${key}` }, help)),
+    help && el("details", { class: "help" }, el("summary", { test: `help-${key}`, "aria-label": `${t("help")}: ${label(key)}` }, "?"), el("p", { id: `help-${key}` }, help)),
     el("p", { class: "error", id: `error-${key}`, role: "alert", test: `error-${key}`, hidden: true }));
 }
 
 export function build() {
   for (const group of ["reading", "reading-more", "analysis", "analysis-more"])
-    fill(byId(`controls-${group}`), CONTROLS.filter((row) => row[2] === group).map(control));
+    fill(byId(`controls-${group}`), controls().filter((row) => placeOf(row) === group).map(control));
   const names = Object.values(state.tables.units ?? {}).flat();
   fill(byId("units"), names.map((name) => el("option", { value: name.name ?? name })));
   refresh();
@@ -78,7 +65,7 @@ export function build() {
 export function refresh() {
   const chosen = recipe();
   const assumed = facts(shown());
-  for (const [key, , , kind] of CONTROLS) {
+  for (const { name: key, control: kind } of controls()) {
     const value = chosen[key];
     const node = input(key);
     const typing = node === document.activeElement && node.value !== (node.shown ?? "");
@@ -101,14 +88,14 @@ export function clear(key) {
 }
 
 export function clearErrors() {
-  for (const [key] of CONTROLS) clear(key);
+  for (const { name } of controls()) clear(name);
   show(byId("problem"), false);
 }
 
 /** The words of an error beside the control that cures it, else above everything. */
 export function refuse(error) {
-  const key = error.option === "from" ? "start" : error.option;
-  if (!CONTROLS.some((row) => row[0] === key)) {
+  const key = error.option;
+  if (!controls().some((row) => row.name === key)) {
     fill(byId("problem"), el("span", { test: "problem-text" }, error.message), button("×", "problem-close", () => show(byId("problem"), false), { class: "small", "aria-label": t("close") }));
     show(byId("problem"), true);
     return;

@@ -1,0 +1,172 @@
+"""What verbs do, as functions of files, a recipe and settings: the command line and the page call the same ones."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Protocol
+
+from .deliver import carry_out, outputs, recipe_of, settings_of
+from .front import DATA, EXCEEDED, PARTLY
+from .signals import stopping
+
+if TYPE_CHECKING:
+    from allanite.batch.batch import Batch
+    from allanite.study.channels import Progress
+    from allanite.study.recipe import Recipe
+
+
+class Reports(Protocol):
+    """What hears of a job while it runs."""
+
+    def tell(self, what: str, fraction: float) -> None:
+        """The job has come so far."""
+
+    def event(self, words: str, watch: Any) -> None:
+        """Something has happened in a stream that is watched."""
+
+
+@dataclass(frozen=True)
+class Progressing:
+    """Reports of a job that only progresses."""
+
+    tell: "Progress"
+
+    def event(self, words: str, watch: Any) -> None:
+        """Nothing happens in a recording."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a verb does, beside its command in the row of `VERBS`.
+
+    Attributes
+    ----------
+    run : (files, recipe, settings, reports) -> result
+    settings : str
+        Module in `allanite` and name of the class of the settings; empty if there are none.
+    usual : mapping
+        Defaults of the recipe that are not its own.
+    code : result -> int
+        The exit code, unless it is strict.
+    most : int, optional
+        Number of files at most.
+    """
+
+    run: "Callable[[Sequence[str], Recipe, Any, Reports], Any]"
+    settings: str = ""
+    usual: Mapping[str, Any] = field(default_factory=dict)
+    code: Callable[[Any], int] = lambda result: 0
+    most: int | None = 1
+
+    @property
+    def kind(self) -> type[Any] | None:
+        """The class of the settings, imported now."""
+        module, _, name = self.settings.rpartition(".")
+        return getattr(import_module(f"allanite.{module}"), name) if name else None
+
+
+def jobs() -> list[str]:
+    """The verbs that the page can run."""
+    from . import VERBS
+
+    return [name for name, verb in VERBS.items() if verb.task]
+
+
+def task_of(verb: str) -> Task:
+    """The task of a verb.
+
+    Raises
+    ------
+    UsageError
+        The page has no such job.
+    """
+    from allanite.core.errors import UsageError
+
+    from . import VERBS
+
+    if verb not in VERBS or not VERBS[verb].task:
+        raise UsageError(f"unknown job {verb!r}; jobs of the page: {', '.join(jobs())}")
+    task: Task = VERBS[verb].imported("task")
+    return task
+
+
+def perform(task: Task, files: Sequence[str], choices: dict[str, Any]) -> Any:
+    """Do a task with the options given, and deliver the result."""
+    out = outputs(choices, [*files, choices["recipe"]])
+    settings = settings_of(task.kind, choices) if task.kind else None
+    recipe = recipe_of(choices, **task.usual)
+    return carry_out(lambda tell: task.run(files, recipe, settings, Progressing(tell)), out)
+
+
+def _info(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -> Any:
+    from allanite.study.analysis import examine
+
+    return examine(files[0], recipe, progress=reports.tell)
+
+
+def _analyze(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -> Any:
+    from allanite.batch.job import analyze_files
+    from allanite.batch.sources import several
+    from allanite.study.analysis import analyze
+
+    if several(files):
+        return analyze_files(files, recipe, progress=reports.tell)
+    return analyze(files[0], recipe, progress=reports.tell)
+
+
+def _survey(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
+    from allanite.study.survey import survey
+
+    return survey(files[0], settings, recipe, progress=reports.tell)
+
+
+def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
+    from allanite.comparison import comparing
+    from allanite.core.errors import UsageError
+
+    against, part, count = settings.against, settings.part, len(files)
+    if part is not None and count > 1:
+        raise UsageError(f"--part splits a single file, but {count} files were given", choice="part")
+    if against is not None and count != 2:
+        words = f"--against names channels of the second of two files, but {count} files were given"
+        raise UsageError(words, choice="against")
+    if part is not None:
+        return comparing.truncation(files[0], part, recipe, progress=reports.tell)
+    if count == 1:
+        return comparing.compare_channels(files[0], recipe, progress=reports.tell)
+    if count == 2:
+        return comparing.compare(files[0], files[1], recipe, against=against, progress=reports.tell)
+    return comparing.pool(files, recipe, progress=reports.tell)
+
+
+def _watch(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
+    from allanite.live.watching import Watch
+
+    with stopping() as stopped:
+        watch = Watch(files[0], recipe, settings, stopped)
+        for words in watch.events():
+            reports.event(words, watch)
+    return watch.study()
+
+
+def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, str]]:
+    """The exit codes of what was found in many units, and the words for it; the worst comes first."""
+    ends = (
+        (EXCEEDED, batch.exceeding, "a limit is exceeded"),
+        (PARTLY, batch.failed, "not analyzed"),
+        (DATA, batch.rejected if strict else (), "not explained, or not shown to keep a limit"),
+    )
+    return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
+
+
+INFO = Task(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0)
+ANALYZE = Task(
+    _analyze,
+    code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
+    most=None,
+)
+DEVIATION = Task(_survey, "study.survey.Deviations")
+SPECTRUM = Task(_survey, "study.survey.Densities")
+DYNAMIC = Task(_survey, "study.survey.Windows")
+COMPARE = Task(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None)
+WATCH = Task(_watch, "live.watching.WatchSettings")

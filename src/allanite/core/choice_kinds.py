@@ -1,0 +1,164 @@
+"""Kinds of choices: how text becomes a value, what a value of Python must be, and how the page asks for it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+from .errors import UsageError
+from .ranges import demand_pieces, demand_ranges
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What the value of a choice is.
+
+    The help calls it `name` where there is no metavar; `read` makes it from text, or from the plain data of a file or a
+    request, and `demand` from the name of the choice and a value of Python: both refuse what is no such value. It is
+    entered as a `control` of the page: "text", "number", "list", "band" or "flag". The option is repeated for each of
+    `many` parts; `write` makes the text that is read, if `written` does not.
+    """
+
+    name: str
+    read: Callable[[Any], Any]
+    demand: Callable[[str, Any], Any] = lambda name, value: value
+    control: str = "text"
+    many: bool = False
+    write: "Callable[[Any], str] | None" = None
+
+
+TYPED = Kind("value", lambda value: value)
+"""The kind that the type of the field says."""
+
+
+def written(value: Any) -> str:
+    """A value as it is typed.
+
+    Examples
+    --------
+    >>> written((100.0, 1e-3)), written(((1, 2.5),)), written({"N": (0.1, 10)}), written({"gyro": "deg/s"})
+    ('100,0.001', '1..2.5', 'N=0.1:10', 'gyro=deg/s')
+    """
+    if isinstance(value, Mapping):
+        pairs = ((key, ":".join(map(written, v)) if isinstance(v, (list, tuple)) else v) for key, v in value.items())
+        return ",".join(f"{key}={v}" for key, v in pairs)
+    if isinstance(value, (list, tuple)):
+        return ",".join("..".join(map(written, v)) if isinstance(v, (list, tuple)) else written(v) for v in value)
+    return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
+
+
+def _parsed(number: type[float] | type[int]) -> Callable[[Any], Any]:
+    def read(value: Any) -> float | int:
+        try:
+            return number(value)
+        except (TypeError, ValueError):
+            raise UsageError(f"{value!r} is not a valid {'float' if number is float else 'integer'}.") from None
+
+    return read
+
+
+def _demand_number(name: str, value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise UsageError(f"{name} must be a number, not {value!r}")
+    return value
+
+
+def _demand_word(name: str, value: Any) -> Any:
+    if not isinstance(value, str):
+        raise UsageError(f"{name} must be a word, not {value!r}")
+    return value
+
+
+def separated(kind: type, name: str, count: int | None = None, example: str = "") -> Kind:
+    """Words or numbers separated by commas; plain data may hold a list."""
+
+    def read(value: Any) -> tuple[Any, ...]:
+        parts = value.split(",") if isinstance(value, str) else value
+        try:
+            values = tuple(kind(part.strip() if isinstance(part, str) else part) for part in parts)
+        except (TypeError, ValueError):
+            values = ()
+        if not values or (count is not None and len(values) != count):
+            raise UsageError(f"expected {name}, e.g. {example}, not {value!r}")
+        return values
+
+    return Kind(name, read, control="list")
+
+
+def pieces(unit: str) -> Kind:
+    """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
+    return Kind("pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit))
+
+
+def _table(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    found = {}
+    for part in value.split(","):
+        symbol, _, numbers = part.partition("=")
+        try:
+            low, high = (float(number) for number in numbers.split(":"))
+        except ValueError:
+            raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {part!r}") from None
+        found[symbol.strip()] = (low, high)
+    return found
+
+
+def _worth(value: Any) -> float | str:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return str(value)
+
+
+def _grid(value: Any) -> Any:
+    try:
+        return NUMBERS.read(value)
+    except UsageError:
+        return value
+
+
+def seconds_of(text: Any) -> float:
+    """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
+    from .notation import split_quantities
+    from .units import convert
+
+    if isinstance(text, (int, float)):
+        return float(text)
+    found = split_quantities(str(text).split())
+    if len(found) != 1 or not found[0][0] > 0:
+        raise UsageError(f"a duration has the form 3600, '10 min' or 24h, not {text!r}")
+    value, unit = found[0]
+    return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
+
+
+NUMBER = Kind("float", _parsed(float), _demand_number, control="number")
+INTEGER = Kind("integer", _parsed(int), _demand_number, control="number")
+PERCENT = Kind("float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
+WORD = Kind("text", str, _demand_word)
+FLAG = Kind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag")
+NAMES = separated(str, "names", example="gx,gy")
+NUMBERS = separated(float, "numbers", example="1,10,100")
+INTEGERS = separated(int, "integers", example="1,10,100")
+_FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
+BAND = Kind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band")
+GRID = Kind("grid", _grid)
+RANGES = Kind("ranges", _table, lambda name, value: demand_ranges(value))
+WORTH = Kind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v))
+DURATION = Kind("duration", seconds_of)
+DURATIONS = Kind(
+    "duration", lambda v: tuple(map(seconds_of, v.split(",") if isinstance(v, str) else v)), control="list"
+)
+LINES = Kind("text", lambda v: tuple([v] if isinstance(v, str) else v), control="list", many=True)
+
+KINDS: dict[Any, Kind] = {
+    float: NUMBER, int: INTEGER, str: WORD, bool: FLAG,
+    tuple[str, ...]: NAMES, tuple[float, ...]: NUMBERS, tuple[int, ...]: INTEGERS,
+}  # fmt: skip
+"""The kind that a type of a field says."""
+
+
+def kind_of(hint: Any) -> Kind:
+    """The kind of values of a type, which may be None as well."""
+    kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    return WORD if get_origin(kinds[0]) is Literal else KINDS[kinds[0]]

@@ -1,0 +1,134 @@
+"""Choices of jobs beside the recipe, without what the jobs need: the help of the command line reads these rows."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, PERCENT
+from allanite.core.choices import choice
+
+# fmt: off
+
+
+@dataclass(frozen=True, repr=False)
+class DeviationChoices:
+    """The choices of `Deviations`."""
+
+    statistic: tuple[str, ...] = choice("A,B,...", "Statistics.", default=("oadev",))
+    taus: str | tuple[float, ...] = choice(
+        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default="octave", told="")
+    m: tuple[int, ...] | None = choice("A,B,...", "Averaging factors, instead of --taus.")
+    intervals: bool = choice(
+        "", "Confidence intervals; without them no noise is identified.", default=True,
+        flags=("--intervals/--no-intervals",))
+    bias: Literal["exact", "published", "model", "plain"] | None = choice(
+        "WORD",
+        "Correct the bias: exact or published (theo1, totdev, mtotdev, ...), model (theobr, theoh); plain: none.",
+        told="model for theobr and theoh if the noise is identified, else plain", parts=("plain",))
+    join: float = choice(
+        "SHARE", "Share of the record up to which theoh is the overlapping Allan deviation.", default=0.2)
+    divisor: int = choice(
+        "N", "Divisor of the length for the number of bias ratios of theobr and theoh; 6 as in Stable32.", default=30)
+    edf: Literal["exact", "published"] = choice(
+        "WORD", "Degrees of freedom of the intervals: exact, or published, for the power law found at each time.",
+        default="exact", parts=("exact",))
+    power_law: bool = choice(
+        "", "Show the exponent of the power law that the noise follows at each averaging time.", default=False,
+        parts=(False,))
+    threads: int = 1
+    to: str | None = choice("UNIT", "Unit of the result.", told="deg/h, ug")
+
+
+@dataclass(frozen=True, repr=False)
+class DensityChoices:
+    """The choices of `Densities`."""
+
+    estimator: str = choice("NAME", "Estimator: welch or multitaper.", default="welch")
+    sides: str = choice("NAME", "One- or two-sided power spectral density.", default="one")
+    bins: int | None = choice("", "Values per decade; 0 keeps all frequencies.", default=20)
+    segment: float | None = choice("S", "Length of Welch's segments.", told="an eighth of the record")
+    window: str | None = choice("NAME", "Window of the Welch estimator.", told="hann")
+    bandwidth: float | None = choice("NW", "Time-half-bandwidth product NW of the tapers.", told="4")
+    tapers: int | None = choice("K", "Number of tapers.", told="2 NW - 3")
+    weights: str | None = choice("NAME", "Weights of the tapers: eigen or equal.", told="eigen")
+    fit: bool = choice("", "Identify the noise and draw its terms in the figure.", default=False)
+    deviation: str | None = choice("NAME", "Integrate the density to this deviation: oadev, mdev, ohdev ...")
+    to: str | None = choice("UNIT", "Unit of the result.", told="deg/h, ug")
+
+
+@dataclass(frozen=True, repr=False)
+class WindowChoices:
+    """The choices of `Windows`."""
+
+    statistic: str = choice("NAME", "Statistic.", default="oadev")
+    window: float | None = choice("S", "Length of a window.", told="a tenth of the record")
+    step: float | None = choice("S", "Distance between windows.", told="an eighth of a window")
+    taus: str | tuple[float, ...] = choice(
+        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default="octave", told="")
+    m: tuple[int, ...] | None = choice("A,B,...", "Averaging factors, instead of --taus.")
+    to: str | None = choice("UNIT", "Unit of the result.", told="deg/h, ug")
+
+
+@dataclass(frozen=True, repr=False)
+class NoiseChoices:
+    """The choices of `NoiseSettings`."""
+
+    model: str | None = choice("TERMS", "Noise model, e.g. 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'.")
+    sensor: str | None = choice(
+        "NAME", "Or a typical gyro: mems, fog or rlg; or a ring laser that counts: gl1 or gl1-smooth.")
+    unexplained: bool = choice("", "Use the coefficients of channels that no model explains, too.", default=False)
+
+
+@dataclass(frozen=True, repr=False)
+class LengthChoices:
+    """The length of a record, given by one of the two."""
+
+    duration: float | None = choice("TIME", "Length: 3600, '10 min', 24h.", kind=DURATION)
+    samples: int | None = choice("N", "Number of samples.")
+
+
+@dataclass(frozen=True, repr=False)
+class CheckChoices(LengthChoices):
+    """The choices of `SelfCheckSettings`."""
+
+    records: int = choice("N", "Number of records to simulate.", default=100)
+    seed: int = 1
+    max_bias: float | None = choice("PERCENT", "Limit on the bias of the coefficients.")
+    min_coverage: float | None = choice("PERCENT", "Limit on the coverage of the intervals.")
+    max_false: float | None = choice("PERCENT", "Limit on the records in which absent terms are reported.")
+    max_missed: float | None = choice("PERCENT", "Limit on the records in which terms are missed.")
+
+
+@dataclass(frozen=True, repr=False)
+class StateSpaceChoices:
+    """The choices of `StateSpaceSettings`."""
+
+    tau: tuple[float, ...] = choice(
+        "LO,HI", "Averaging times between which flicker is matched.", kind=DURATIONS, default=(1.0, 1000.0))
+    ripple: float = choice("PERCENT", "Largest deviation from flicker.", default=2.0)
+    order: int | None = choice("N", "Or the number of Gauss-Markov processes for flicker.")
+    turn_on: str | None = choice("RATE", "Standard deviation of the turn-on bias, e.g. '3 deg/h'.")
+    measurement: str = choice("NAME", "Measurement: auto, mean (exact) or sample.", default="auto")
+
+
+@dataclass(frozen=True, repr=False)
+class ComparisonChoices:
+    """The choices of `ComparisonSettings`."""
+
+    against: tuple[str, ...] | None = choice("A,B,...", "Channels of the second file to compare with --channels.")
+    part: float | None = choice("S", "Compare the first S seconds of a file with the rest.")
+
+
+@dataclass(frozen=True, repr=False)
+class WatchChoices:
+    """The choices of `WatchSettings`."""
+
+    every: float = choice(
+        "TIME", "Time between reports.", kind=DURATION, default=10.0, told="10 s", flags=("--refresh",))
+    duration: float = choice(
+        "TIME", "Stop after this time.", kind=DURATION, default=math.inf, told="never", flags=("--for",))
+    idle: float = choice("TIME", "Stop after this time without data.", kind=DURATION, default=math.inf, told="never")
+    baud: int = choice("N", "Baud rate of a serial port.", default=115200)
+    accuracy: float = choice(
+        "PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.2,
+        told="10; of a live stream 20")

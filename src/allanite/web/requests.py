@@ -1,0 +1,104 @@
+"""Requests of the page: the choices of a job as a recipe and settings, and the command line that repeats it."""
+
+import shlex
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import click
+
+from allanite.cli import main
+from allanite.cli.front import DEFECT, Failure
+from allanite.cli.tasks import Task, task_of
+from allanite.core.choices import Choice, choices_of
+from allanite.core.errors import AllaniteError, UsageError
+from allanite.reporting.language import ENGLISH
+from allanite.study.recipe import Recipe
+
+
+def accepted(verb: str) -> dict[str, Choice]:
+    """The choices of a verb that the page may set: those of the recipe and of the settings that its command has.
+
+    Raises
+    ------
+    UsageError
+        The page has no such job.
+    """
+    kind = task_of(verb).kind
+    with click.Context(main) as context:
+        command = main.get_command(context, verb)
+    assert command is not None  # noqa: S101 - every task is that of a verb
+    rows = choices_of(Recipe) | (choices_of(kind) if kind else {})
+    return {str(param.name): rows[param.name] for param in command.params if param.name in rows}
+
+
+@dataclass(frozen=True)
+class Request:
+    """A job that the page asks for."""
+
+    verb: str
+    recipe: Recipe
+    settings: Any = None
+
+    @property
+    def task(self) -> Task:
+        """What does it."""
+        return task_of(self.verb)
+
+    @classmethod
+    def of(cls, verb: str, data: Mapping[str, Any]) -> "Request":
+        """The job with these choices, as plain data; what is empty is not given.
+
+        Raises
+        ------
+        UsageError
+            A key is unknown, or a value is not one of its choice, whose name the error has.
+        """
+        rows, task = accepted(verb), task_of(verb)
+        for key in data:
+            if key not in rows:
+                raise UsageError(f"unknown key {key!r} in the recipe; known keys: {', '.join(sorted(rows))}")
+        given = {key: rows[key].read(value) for key, value in data.items() if value not in (None, "", [])}
+        own = choices_of(task.kind) if task.kind else {}
+        recipe = Recipe(**{**task.usual, **{key: value for key, value in given.items() if key not in own}})
+        kind = task.kind
+        return cls(verb, recipe, kind and kind(**{key: value for key, value in given.items() if key in own}))
+
+    def words(self, files: Sequence[str], lang: str = ENGLISH) -> list[str]:
+        """The words of the command line after ``allanite`` that does the same."""
+        usual, words = self.task.usual, [self.verb]
+        for values, defaults in ((self.recipe, usual), (self.settings, {})):
+            for name, row in choices_of(type(values)).items() if values is not None else ():
+                value = getattr(values, name)
+                if value != defaults.get(name, row.default):
+                    words += row.words(value)
+        words += ["--lang", lang] if lang != ENGLISH else []
+        return [*words, *(["--"] if any(name.startswith("-") for name in files) else []), *files]
+
+    def line(self, files: Sequence[str], lang: str = ENGLISH) -> str:
+        """The command line as it can be typed.
+
+        Examples
+        --------
+        >>> Request.of("dynamic", {"rate": 100, "exclude": [[40, 60]], "window": 50.0}).line(["my gyro.csv"])
+        "allanite dynamic --rate 100 --exclude 40..60 --window 50 'my gyro.csv'"
+        """
+        return shlex.join(["allanite", *self.words(files, lang)])
+
+    def demand_files(self, files: Sequence[str]) -> None:
+        """Refuse a number of files that the job does not take."""
+        most = self.task.most
+        if not files:
+            raise UsageError(f"{self.verb} needs a file: give one")
+        if most is not None and len(files) > most:
+            raise UsageError(f"{self.verb} takes one file, but {len(files)} files were given")
+
+
+def problem_of(error: Exception) -> dict[str, Any]:
+    """An error as the page shows it: the sentence of the command line, the choice that cures it, the exit code."""
+    if isinstance(error, click.ClickException):
+        code = error.status if isinstance(error, Failure) else error.exit_code
+        return {"error": error.format_message(), "option": None, "exit": code}
+    if isinstance(error, AllaniteError):
+        return {"error": str(error), "option": error.choice or None, "exit": error.exit_code}
+    return {"error": f"internal error ({type(error).__name__}: {error})", "option": None, "exit": DEFECT}
