@@ -11,12 +11,6 @@ from .units import convert
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 
 
-def _fillers() -> set[str]:
-    """Words of a printed model that carry no information."""
-    titles = [f"{p.name} {p.title}" for row in TERMS.values() for p in row.parameters]
-    return {"with", *" ".join(titles).replace("_", " ").split()}
-
-
 def parse_model(text: str) -> Model:
     """The model that a text describes.
 
@@ -39,7 +33,8 @@ def parse_model(text: str) -> Model:
     N = 0.003 deg/sqrt(h), Q = 0.2 arcsec, GM = 0.1 deg/h with time constant 120 s
     """
     parts: list[list[str]] = []
-    fillers = _fillers()
+    titles = (f"{p.name} {p.title}" for row in TERMS.values() for p in row.parameters)
+    fillers = {"with", *" ".join(titles).replace("_", " ").split()}  # words that carry no information
     for part in text.split(","):
         words = [word for word in part.replace("=", " ").split() if word not in fillers]
         if parts and words and _NUMBER.match(words[0]):  # the previous term has another parameter

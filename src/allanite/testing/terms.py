@@ -1,6 +1,6 @@
 """A noise term against itself: its structure function, increments, spectrum, transform, states and simulation."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -43,7 +43,15 @@ def sampled(row: NoiseTerm, rates: Sequence[float] = RATES) -> dict[str, NoiseTe
     """A row, or those of its shapes, by name."""
     if row.shaped is None:
         return {row.symbol: row}
-    return {f"{row.symbol} {shape} {rate:g}": row.shaped(shape, rate) for shape in _shapes(row) for rate in rates}
+    typical = tuple(p.typical for p in row.parameters)
+    # what is no time changes the form of the functions
+    others = (
+        (*typical[:i], value, *typical[i + 1 :])
+        for i, p in enumerate(row.parameters)
+        if not p.time
+        for value in (0.6, 1.5)
+    )
+    return {f"{row.symbol} {shape} {rate:g}": row.shaped(shape, rate) for shape in (typical, *others) for rate in rates}
 
 
 def demand(check: Callable[[NoiseTerm], None], row: NoiseTerm, name: str) -> None:
@@ -56,12 +64,3 @@ def demand(check: Callable[[NoiseTerm], None], row: NoiseTerm, name: str) -> Non
         raise AssertionError(
             f"noise term {name}: this does not hold: {what} {type(error).__name__}: {error}"
         ) from error
-
-
-def _shapes(row: NoiseTerm) -> Iterator[tuple[float, ...]]:
-    """The typical shape, and what else changes the form of the functions: other values of what is no time."""
-    typical = tuple(p.typical for p in row.parameters)
-    yield typical
-    for i, p in enumerate(row.parameters):
-        if not p.time:
-            yield from ((*typical[:i], value, *typical[i + 1 :]) for value in (0.6, 1.5))
