@@ -1,8 +1,9 @@
 """Choices of the applications, without what the applications need: the help of the command line reads these rows."""
 
 from dataclasses import dataclass
+from typing import Any
 
-from allanite.extending import DURATION, choice, separated
+from allanite.extending import DURATION, MODEL, choice, separated
 
 SECONDS = separated(float, "seconds", example="60,300")
 
@@ -78,3 +79,20 @@ class EstimatorChoices:
     lines: int | None = choice("N", "Number of regression lines of the conditional estimator.")
     quantum: float | None = choice("", "Quantization step of the angle in --unit, if the samples are not counts.")
     certified: bool = choice("", "Search the staircase for the proven optimum.", default=False)
+
+
+@dataclass(frozen=True, repr=False)
+class RateChoices:
+    """The choices of `RateSettings`, in the order of its fields."""
+
+    experiment: Any = None
+    noise: Any = choice(  # noqa: RUF009 - it is a field
+        "TERMS", "Noise model, e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'.", kind=MODEL, told="identified")
+    signal: Any = None
+    latitude: float | None = choice("DEG", "Latitude of the site.")
+    horizontal: bool = choice("", "The axis is horizontal: find north (needs --latitude).", default=False)
+    turned: float = choice("DEG", "Rotation between the two positions.", default=180.0)
+    near: float = choice(
+        "DEG", "Approximate heading, which selects one of the two solutions for north.", default=90.0)
+    position_method: str = choice("NAME", "Estimator for north and the bias.", default="optimal")
+    durations: tuple[float, ...] = choice("S,...", "Measuring times to compare.", default=(), told="")

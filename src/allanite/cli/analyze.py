@@ -25,7 +25,7 @@ def info(file: str, **choices: Any) -> None:
 
 @click.command()
 @options(
-    "files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "shown in", "about",
+    "files", *RECORDING, "statistic", "taus", *IDENTIFYING, "device", "limits file", "to", "about",
     "coefficients", *RESULTS,
 )  # fmt: skip
 def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:

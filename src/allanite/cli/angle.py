@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.applications.choices import RateChoices
 from allanite.core.errors import UsageError
 
 from .angle_design import plan, simulate
@@ -71,7 +72,7 @@ def calibrate(file: str, **choices: Any) -> None:
     click.option("--nuisance", type=NAMES, metavar="A,B,...",
         help="Parameters estimated jointly with the harmonics.  [default: ax,az,A1,A2,A3]"),
     "angle unit", "estimated sigma", prior_option("arcsec (arcsec/s for A3)"), "corrected angles", "level", "recipe",
-    *RESULTS,
+    *RESULTS, settings=(RateChoices,),
 )  # fmt: skip
 def estimate(file: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors."""

@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from allanite.applications.choices import RateChoices
 from allanite.core.choice_kinds import separated
-from allanite.core.choices import choices_of
 from allanite.core.errors import UsageError
 from allanite.study.settings import LengthChoices
 
 from .angle_shared import ANGLES, ARCSEC, DEGREE, columns_of, deliver_study, prior_option, turn_option
 from .deliver import STDOUT, Outputs, outputs, put
-from .options import RESULTS, option_of, options
+from .options import RESULTS, options
 from .types import NUMBERS, Converted
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SWAY = Converted(separated(float, "amplitude in deg and period in s", 2, "1,60"))
 
 EXPERIMENT = (
-    "latitude", option_of(choices_of(LengthChoices)["duration"]), "reading interval",
+    "latitude", "duration", "reading interval",
     click.option("--q-law", default="exact", show_default=True,
         help="Motion of the outer angle: exact, or linear as printed in the paper."),
     turn_option("Auto-compensation.", 300.0),
@@ -36,6 +36,7 @@ EXPERIMENT = (
     click.option("--start", "starts", type=NUMBERS, metavar="S,...",
         help="Start, in seconds after h = 0; several are compared.  [default: every five minutes]"),
     "given sigma", prior_option("in the unit of --sigma", "3,10"), "orders", ANGLES, "level", "recipe", *RESULTS,
+    settings=(LengthChoices, RateChoices),
 )  # fmt: skip
 def plan(**choices: Any) -> None:
     """Predict how accurately errors can be known."""
@@ -62,7 +63,7 @@ def plan(**choices: Any) -> None:
     "given sigma",
     click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC",
         help="Standard deviation of a step of a random walk."),
-    "seed", "plot", "lang", "force",
+    "seed", "plot", "lang", "force", settings=(LengthChoices, RateChoices),
 )  # fmt: skip
 def simulate(out: str, **choices: Any) -> None:
     """Simulate a system with known errors.

@@ -22,7 +22,6 @@ from .streams import while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
-    from allanite.live.watching import Watch
     from allanite.study.recipe import Recipe
     from allanite.study.shares import Work
 
@@ -201,11 +200,6 @@ def _work(value: Any, name: str, out: Outputs, extra: Extra) -> "Work[str | byte
     from allanite.study.shares import Work
 
     return Work((), lambda _: extra.data[name](value))
-
-
-def happened(words: str, watch: "Watch") -> None:
-    """Say on stderr what happens in a stream."""
-    click.echo(words, err=True)
 
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:

@@ -22,7 +22,7 @@ from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
 
 if TYPE_CHECKING:
-    from .tasks import Task
+    from .tasks import VerbTask
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -59,14 +59,14 @@ class Verb:
         The heading of the help that it stands below: one of the others', or a new one.
     command : str or click.Command
         The command; or module in `allanite.cli` and name of it, imported when it is requested.
-    task : str or Task
+    task : str or VerbTask
         Likewise what the page runs; empty if it does not.
     """
 
     name: str
     group: str
     command: str | click.Command
-    task: "str | Task" = ""
+    task: "str | VerbTask" = ""
 
     def imported(self, part: str = "command") -> Any:
         """The command, or the task."""

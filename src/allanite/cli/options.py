@@ -5,14 +5,14 @@ from typing import Any
 
 import click
 
-from allanite.core.choice_kinds import FLAG
-from allanite.core.choices import Choice, choices_of
+from allanite.core.choice_kinds import DURATION, FLAG
+from allanite.core.choices import ChoiceRow, choices_of
 from allanite.core.errors import UsageError
 from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES
 from allanite.study.recipe import READING, SELECTING, Recipe
 
-from .types import DURATIONS, INTEGERS, NUMBERS, Converted, Duration, Threads
+from .types import INTEGERS, Converted, Threads
 
 Decorator = Callable[[Any], Any]
 
@@ -50,7 +50,7 @@ FLAGS = ("lang", "force", "quiet", "strict")
 """Options about writing and the exit code, which a recipe does not hold."""
 
 
-def option_of(choice: Choice) -> Decorator:
+def option_of(choice: ChoiceRow) -> Decorator:
     """The option of a choice."""
     if choice.kind is FLAG:
         return click.option(*choice.options, choice.name, is_flag=True, default=choice.default, help=choice.text)
@@ -65,18 +65,14 @@ OPTIONS: dict[str, Decorator] = {
     "optional file": click.argument("file", required=False, type=click.Path()),
     "some files": click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE]..."),
     "files": click.argument("files", nargs=-1, required=True, type=click.Path(), metavar="FILE..."),
-    "shown in": option_of(choices_of(Recipe)["to"]),
     "recipe": click.option("--recipe", metavar="TOML", type=click.Path(), is_eager=True, callback=_load_recipe,
         help="Read options from a file; the command line overrides them."),
     "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,
         help="Seed of the random number generator."),
-    "accuracy": click.option("--accuracy", type=float, metavar="PERCENT",
-        help="Relative standard error of a coefficient to reach.  [default: 10; of a live stream 20]"),
     "threads": click.option("--threads", type=Threads(), default="auto", show_default=True, metavar="N",
         help="Processors to use at once, or auto: all of them. The results are the same."),
     "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
         help="Harmonics of the angle to estimate."),
-    "latitude": click.option("--latitude", type=float, metavar="DEG", help="Latitude of the site."),
     "report": _path("report", "Write a report: HTML, or PDF if PATH ends in .pdf."),
     "plot": _path("plot", "Write the figure: .png, .svg or .pdf."),
     "json": _path("json", "Write all results as JSON; - is standard output."),
@@ -101,10 +97,6 @@ OPTIONS: dict[str, Decorator] = {
         help="Outliers: '0.01% 20' (sigma) or '0.01% 50 deg/h'."),
     "simulated dither": click.option("--dither", metavar="HOW",
         help="Dither added before rounding and removed after: 'random' or '400 Hz 20' (steps)."),
-    "planned durations": click.option("--durations", type=DURATIONS, metavar="A,B,...",
-        help="Record lengths.  [default: 10 min,1 h,6 h,24 h]"),
-    "measuring durations": click.option("--durations", type=NUMBERS, metavar="S,...",
-        help="Measuring times to compare."),
     "reading interval": click.option("--interval", type=float, default=10.0, show_default=True, metavar="S",
         help="Sampling interval."),
     "reference rate": click.option("--reference", metavar="RATE",
@@ -122,7 +114,7 @@ OPTIONS: dict[str, Decorator] = {
     "filter": click.option("--filter", "filter_name", metavar="NAME",
         help="complementary, second-order, kalman, mahony, madgwick, bortz or accelerometer.  "
         "[default: complementary]"),
-    "horizon": click.option("--duration", type=Duration(), metavar="TIME",
+    "horizon": click.option("--duration", type=Converted(DURATION), metavar="TIME",
         help="Horizon without a recording.  [default: 1 h]"),
     "estimated sigma": click.option("--sigma", type=float, metavar="ARCSEC",
         help="Noise of a sample.  [default: estimated]"),

@@ -4,13 +4,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.study.settings import CheckChoices, NoiseChoices, StateSpaceChoices
+from allanite.study.settings import CheckChoices, NoiseChoices, PlanChoices, StateSpaceChoices
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
-    from allanite.study.modelled import ModelJob
     from allanite.study.modelling import Use
 
 EXCEEDED = 4
@@ -21,12 +20,7 @@ NOISE = ("optional file", "model", "sensor", "unexplained", *RECORDING, *IDENTIF
 
 
 @click.command()
-@options(
-    *NOISE, "planned durations", "accuracy",
-    click.option("--ramp/--no-ramp", default=None,
-        help="Assume a rate ramp of unknown size.  [default: if the model has one]"),
-    *RESULTS, settings=(NoiseChoices,),
-)  # fmt: skip
+@options(*NOISE, "durations", "accuracy", "ramp", *RESULTS, settings=(NoiseChoices, PlanChoices))
 def plan(file: str | None, **choices: Any) -> None:
     """Predict accuracy against record length.
 
@@ -75,7 +69,7 @@ def statespace(file: str | None, **choices: Any) -> None:
     _run(StateSpaceSettings, file, choices)
 
 
-def _run(settings: "type[Use]", file: str | None, choices: dict[str, Any]) -> "ModelJob":
+def _run(settings: "type[Use]", file: str | None, choices: dict[str, Any]) -> Any:
     out = outputs(choices, [file, choices["recipe"]])
     from allanite.study.modelled import run_model_job
 

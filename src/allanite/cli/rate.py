@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.applications.choices import EstimatorChoices, FitChoices, IntervalChoices
+from allanite.applications.choices import EstimatorChoices, FitChoices, IntervalChoices, RateChoices
 from allanite.core.errors import UnitError, UsageError
 
 from .deliver import Extra, Outputs, carry_out, given, outputs, recipe_of, settings_of
@@ -19,20 +19,14 @@ if TYPE_CHECKING:
 @click.command()
 @options(
     "file", *RECORDING, "interval", "methods", "target",
-    click.option("--noise", metavar="TERMS",
-        help="Noise model, e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'.  [default: identified]"),
-    "latitude", "reference rate", "known bias",
-    click.option("--horizontal", is_flag=True, help="The axis is horizontal: find north (needs --latitude)."),
+    "noise", "latitude", "reference rate", "known bias", "horizontal",
     click.option("--second", metavar="FILE", type=click.Path(),
         help="The same gyro in a second position: removes the bias."),
-    click.option("--turned", type=float, metavar="DEG", help="Rotation between the two positions.  [default: 180]"),
-    click.option("--near", type=float, metavar="DEG",
-        help="Approximate heading, which selects one of the two solutions for north.  [default: 90]"),
-    click.option("--position-method", metavar="NAME", help="Estimator for north and the bias.  [default: optimal]"),
+    "turned", "near", "position_method",
     "dither", "window", "lines",
     click.option("--allowed", metavar="RATE",
         help="Largest deviation of a regression line that the conditional estimator keeps."),
-    "quantum", "certified", "split_gaps", "most", "measuring durations",
+    "quantum", "certified", "split_gaps", "most", "durations",
     click.option("--no-times", is_flag=True, help="Do not compare measuring times."),
     *IDENTIFYING,
     click.option(
@@ -43,7 +37,7 @@ if TYPE_CHECKING:
         "--closeup", metavar="PATH", type=click.Path(),
         help="Draw the first interval: slopes of the regression lines by their start, the staircase over the counts.",
     ),
-    *RESULTS, settings=(IntervalChoices, EstimatorChoices, FitChoices),
+    *RESULTS, settings=(IntervalChoices, EstimatorChoices, FitChoices, RateChoices),
 )  # fmt: skip
 def rate(file: str, second: str | None, **choices: Any) -> None:
     """Estimate the constant rate of a gyro.
@@ -89,31 +83,21 @@ def _settings(given: dict[str, Any]) -> "RateSettings":
     """The settings of a study from the options given, which are taken out of `given`."""
     from allanite.applications.rate import EstimatorSettings, ExperimentSettings
     from allanite.applications.rate.campaign import RateSettings
-    from allanite.core.notation import parse_model
 
     if "latitude" in given and "reference" in given and not given["horizontal"]:
         raise UsageError("the true rate is given twice: use either --latitude or --reference")
-    signals = _rates(given)
+    signals = []
+    for key in [key for key in ("reference", "bias", "allowed") if key in given]:
+        given[key], signal = _quantity(str(given[key]))
+        signals.append(signal)
+    if len({signal.name for signal in signals}) > 1:
+        raise UsageError("the true rate and the bias have units of different sensors")
     if given.pop("no_times"):
         given["durations"] = ()
-    if "noise" in given:
-        given["noise"] = parse_model(given["noise"])
     given["gaps"] = "split" if given.pop("split_gaps") else "error"
     given["options"] = settings_of(EstimatorSettings, given)
     given["experiment"] = settings_of(ExperimentSettings, given)
     return RateSettings(**given, signal=signals[-1] if signals else None)
-
-
-def _rates(given: dict[str, Any]) -> "list[Signal]":
-    """Replace the texts of rates by their SI values; returns the signals that their units belong to."""
-    signals = []
-    for key in ("reference", "bias", "allowed"):
-        if key in given:
-            given[key], signal = _quantity(str(given[key]))
-            signals.append(signal)
-    if len({signal.name for signal in signals}) > 1:
-        raise UsageError("the true rate and the bias have units of different sensors")
-    return signals
 
 
 def _quantity(text: str) -> "tuple[float, Signal]":

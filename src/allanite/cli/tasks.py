@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .front import DATA, EXCEEDED, PARTLY
@@ -15,35 +15,23 @@ if TYPE_CHECKING:
     from allanite.study.recipe import Recipe
 
 
-class Reports(Protocol):
-    """What hears of a job while it runs."""
+@dataclass(frozen=True)
+class Reports:
+    """What hears of a job while it runs: that it has come so far, and what happens in a stream that is watched."""
 
-    def tell(self, what: str, fraction: float) -> None:
-        """The job has come so far."""
-
-    def event(self, words: str, watch: Any) -> None:
-        """Something has happened in a stream that is watched."""
+    tell: "Progress" = lambda what, fraction: None
+    event: Callable[[str, Any], None] = lambda words, watch: None
 
 
 @dataclass(frozen=True)
-class Progressing:
-    """Reports of a job that only progresses."""
-
-    tell: "Progress"
-
-    def event(self, words: str, watch: Any) -> None:
-        """Nothing happens in a recording."""
-
-
-@dataclass(frozen=True)
-class Task:
+class VerbTask:
     """What a verb does, beside its command in the row of `VERBS`.
 
     Attributes
     ----------
     run : (files, recipe, settings, reports) -> result
-    settings : str
-        Module in `allanite` and name of the class of the settings; empty if there are none.
+    settings : str or type
+        The class of the settings; or module in `allanite` and name of it; empty if there are none.
     usual : mapping
         Defaults of the recipe that are not its own.
     code : result -> int
@@ -53,7 +41,7 @@ class Task:
     """
 
     run: "Callable[[Sequence[str], Recipe, Any, Reports], Any]"
-    settings: str = ""
+    settings: str | type[Any] = ""
     usual: Mapping[str, Any] = field(default_factory=dict)
     code: Callable[[Any], int] = lambda result: 0
     most: int | None = 1
@@ -61,6 +49,8 @@ class Task:
     @property
     def kind(self) -> type[Any] | None:
         """The class of the settings, imported now."""
+        if not isinstance(self.settings, str):
+            return self.settings
         module, _, name = self.settings.rpartition(".")
         return getattr(import_module(f"allanite.{module}"), name) if name else None
 
@@ -72,7 +62,7 @@ def jobs() -> list[str]:
     return [name for name, verb in VERBS.items() if verb.task]
 
 
-def task_of(verb: str) -> Task:
+def task_of(verb: str) -> VerbTask:
     """The task of a verb.
 
     Raises
@@ -86,16 +76,16 @@ def task_of(verb: str) -> Task:
 
     if verb not in VERBS or not VERBS[verb].task:
         raise UsageError(f"unknown job {verb!r}; jobs of the page: {', '.join(jobs())}")
-    task: Task = VERBS[verb].imported("task")
+    task: VerbTask = VERBS[verb].imported("task")
     return task
 
 
-def perform(task: Task, files: Sequence[str], choices: dict[str, Any]) -> Any:
+def perform(task: VerbTask, files: Sequence[str], choices: dict[str, Any]) -> Any:
     """Do a task with the options given, and deliver the result."""
     out = outputs(choices, [*files, choices["recipe"]])
     settings = settings_of(task.kind, choices) if task.kind else None
     recipe = recipe_of(choices, **task.usual)
-    return carry_out(lambda tell: task.run(files, recipe, settings, Progressing(tell)), out)
+    return carry_out(lambda tell: task.run(files, recipe, settings, Reports(tell)), out)
 
 
 def _info(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -> Any:
@@ -159,14 +149,14 @@ def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, st
     return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
 
 
-INFO = Task(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0)
-ANALYZE = Task(
+INFO = VerbTask(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0)
+ANALYZE = VerbTask(
     _analyze,
     code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
     most=None,
 )
-DEVIATION = Task(_survey, "study.survey.Deviations")
-SPECTRUM = Task(_survey, "study.survey.Densities")
-DYNAMIC = Task(_survey, "study.survey.Windows")
-COMPARE = Task(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None)
-WATCH = Task(_watch, "live.watching.WatchSettings")
+DEVIATION = VerbTask(_survey, "study.survey.Deviations")
+SPECTRUM = VerbTask(_survey, "study.survey.Densities")
+DYNAMIC = VerbTask(_survey, "study.survey.Windows")
+COMPARE = VerbTask(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None)
+WATCH = VerbTask(_watch, "live.watching.WatchSettings")

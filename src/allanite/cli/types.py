@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from allanite.core import choice_kinds
-from allanite.core.choice_kinds import Kind
+from allanite.core.choice_kinds import ChoiceKind
 from allanite.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ else:
 class Converted(ParamType):
     """The kind of a choice as a type of click."""
 
-    def __init__(self, kind: Kind) -> None:
+    def __init__(self, kind: ChoiceKind) -> None:
         self.kind, self.name = kind, kind.name
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -46,11 +46,4 @@ class Threads(ParamType):
         return count
 
 
-def Duration() -> Converted:
-    """Seconds, or a duration with its unit."""
-    return Converted(choice_kinds.DURATION)
-
-
-NAMES, NUMBERS, INTEGERS, DURATIONS = map(
-    Converted, (choice_kinds.NAMES, choice_kinds.NUMBERS, choice_kinds.INTEGERS, choice_kinds.DURATIONS)
-)
+NAMES, NUMBERS, INTEGERS = map(Converted, (choice_kinds.NAMES, choice_kinds.NUMBERS, choice_kinds.INTEGERS))

@@ -4,22 +4,18 @@ from typing import Any
 
 import click
 
-from .deliver import deliver, happened, outputs, recipe_of, settings_of
+from allanite.study.settings import WatchChoices
+
+from .deliver import deliver, outputs, recipe_of, settings_of
 from .options import RESULTS, options
-from .signals import stopping
-from .types import Duration
+from .tasks import WATCH, Reports
 
 
 @click.command()
 @options(
     click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"),
     "rate", "unit", "kind", "scale", "channels", "time", "recipe", "statistic", "terms", "band", "level",
-    click.option("--refresh", "every", type=Duration(), metavar="TIME", help="Time between reports.  [default: 10 s]"),
-    click.option("--for", "duration", type=Duration(), metavar="TIME", help="Stop after this time.  [default: never]"),
-    click.option("--idle", type=Duration(), metavar="TIME", help="Stop after this time without data.  "
-        "[default: never]"),
-    click.option("--baud", type=int, metavar="N", help="Baud rate of a serial port.  [default: 115200]"),
-    "accuracy", "shown in", "coefficients", *RESULTS,
+    "every", "duration", "idle", "baud", "accuracy", "to", "coefficients", *RESULTS, settings=(WatchChoices,),
 )  # fmt: skip
 def watch(target: str, **choices: Any) -> None:
     """Watch a live stream.
@@ -30,14 +26,9 @@ def watch(target: str, **choices: Any) -> None:
     its mean jumps; and that an outlier came, which is replaced. Ctrl-C, SIGTERM, --for or --idle end it, and the
     results of 'allanite analyze' are printed and written.
     """
-    from allanite.live.watching import Watch, WatchSettings
+    from allanite.live.watching import WatchSettings
 
     out = outputs(choices, [choices["recipe"]])
-    if choices["accuracy"] is not None:
-        choices["accuracy"] /= 100
-    with stopping() as stopped:
-        found = Watch(target, recipe_of(choices), settings_of(WatchSettings, choices), stopped)
-        for words in found.events():
-            if not out.quiet:
-                happened(words, found)
-    deliver(found.study(), out)
+    settings, recipe = settings_of(WatchSettings, choices), recipe_of(choices)
+    reports = Reports(event=lambda words, _: None if out.quiet else click.echo(words, err=True))
+    deliver(WATCH.run([target], recipe, settings, reports), out)

@@ -10,7 +10,7 @@ from .ranges import demand_pieces, demand_ranges
 
 
 @dataclass(frozen=True)
-class Kind:
+class ChoiceKind:
     """What the value of a choice is.
 
     The help calls it `name` where there is no metavar; `read` makes it from text, or from the plain data of a file or a
@@ -27,7 +27,7 @@ class Kind:
     write: "Callable[[Any], str] | None" = None
 
 
-TYPED = Kind("value", lambda value: value)
+TYPED = ChoiceKind("value", lambda value: value)
 """The kind that the type of the field says."""
 
 
@@ -69,7 +69,7 @@ def _demand_word(name: str, value: Any) -> Any:
     return value
 
 
-def separated(kind: type, name: str, count: int | None = None, example: str = "") -> Kind:
+def separated(kind: type, name: str, count: int | None = None, example: str = "") -> ChoiceKind:
     """Words or numbers separated by commas; plain data may hold a list."""
 
     def read(value: Any) -> tuple[Any, ...]:
@@ -82,12 +82,14 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
             raise UsageError(f"expected {name}, e.g. {example}, not {value!r}")
         return values
 
-    return Kind(name, read, control="list")
+    return ChoiceKind(name, read, control="list")
 
 
-def pieces(unit: str) -> Kind:
+def pieces(unit: str) -> ChoiceKind:
     """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
-    return Kind("pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit))
+    return ChoiceKind(
+        "pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit)
+    )
 
 
 def _table(value: Any) -> Any:
@@ -118,6 +120,12 @@ def _grid(value: Any) -> Any:
         return value
 
 
+def _model(text: Any) -> Any:
+    from .notation import parse_model
+
+    return parse_model(str(text))
+
+
 def seconds_of(text: Any) -> float:
     """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
     from .notation import split_quantities
@@ -132,33 +140,34 @@ def seconds_of(text: Any) -> float:
     return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
 
 
-NUMBER = Kind("float", _parsed(float), _demand_number, control="number")
-INTEGER = Kind("integer", _parsed(int), _demand_number, control="number")
-PERCENT = Kind("float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
-WORD = Kind("text", str, _demand_word)
-FLAG = Kind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag")
+NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number")
+INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number")
+PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
+WORD = ChoiceKind("text", str, _demand_word)
+FLAG = ChoiceKind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag")
 NAMES = separated(str, "names", example="gx,gy")
 NUMBERS = separated(float, "numbers", example="1,10,100")
 INTEGERS = separated(int, "integers", example="1,10,100")
 _FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
-BAND = Kind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band")
-GRID = Kind("grid", _grid)
-RANGES = Kind("ranges", _table, lambda name, value: demand_ranges(value))
-WORTH = Kind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v))
-DURATION = Kind("duration", seconds_of)
-DURATIONS = Kind(
+BAND = ChoiceKind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band")
+GRID = ChoiceKind("grid", _grid)
+RANGES = ChoiceKind("ranges", _table, lambda name, value: demand_ranges(value))
+WORTH = ChoiceKind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v))
+DURATION = ChoiceKind("duration", seconds_of)
+MODEL = ChoiceKind("model", _model)
+DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, v.split(",") if isinstance(v, str) else v)), control="list"
 )
-LINES = Kind("text", lambda v: tuple([v] if isinstance(v, str) else v), control="list", many=True)
+LINES = ChoiceKind("text", lambda v: tuple([v] if isinstance(v, str) else v), control="list", many=True)
 
-KINDS: dict[Any, Kind] = {
+KINDS: dict[Any, ChoiceKind] = {
     float: NUMBER, int: INTEGER, str: WORD, bool: FLAG,
     tuple[str, ...]: NAMES, tuple[float, ...]: NUMBERS, tuple[int, ...]: INTEGERS,
 }  # fmt: skip
 """The kind that a type of a field says."""
 
 
-def kind_of(hint: Any) -> Kind:
+def kind_of(hint: Any) -> ChoiceKind:
     """The kind of values of a type, which may be None as well."""
     kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     return WORD if get_origin(kinds[0]) is Literal else KINDS[kinds[0]]

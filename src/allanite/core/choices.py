@@ -4,19 +4,19 @@ from collections.abc import Callable, Iterator
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
-from .choice_kinds import FLAG, TYPED, Kind, kind_of, written
+from .choice_kinds import FLAG, TYPED, ChoiceKind, kind_of, written
 from .errors import UsageError
 
 
 @dataclass(frozen=True)
-class Choice:
+class ChoiceRow:
     """A field that a user may set.
 
     Attributes
     ----------
     metavar, help : str
         The value in the help, and the text of the help.
-    kind : Kind
+    kind : ChoiceKind
         What its value is, by default what the type of the field says.
     group : str
         What it is about: "reading", "selecting", "identifying", "curve" or "showing" of a recipe.
@@ -35,7 +35,7 @@ class Choice:
 
     metavar: str = ""
     help: str = ""
-    kind: Kind = TYPED
+    kind: ChoiceKind = TYPED
     group: str = ""
     flags: tuple[str, ...] = ()
     told: str | None = None
@@ -80,11 +80,11 @@ class Choice:
 
 
 def choice(metavar: str = "", help: str = "", *, default: Any = None, **columns: Any) -> Any:  # noqa: A002 - as click
-    """A field of a dataclass that a user may set; `columns` are those of `Choice`."""
-    return field(default=default, metadata={"choice": Choice(metavar, help, **columns)})
+    """A field of a dataclass that a user may set; `columns` are those of `ChoiceRow`."""
+    return field(default=default, metadata={"choice": ChoiceRow(metavar, help, **columns)})
 
 
-def choices_of(kind: type[Any]) -> dict[str, Choice]:
+def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
     """The choices of a class by the name of their field.
 
     Examples
@@ -124,7 +124,7 @@ def demand_choices(settings: Any) -> None:
             raise
 
 
-def needing_all(settings: Any) -> Iterator[tuple[Choice, Any]]:
+def needing_all(settings: Any) -> Iterator[tuple[ChoiceRow, Any]]:
     """The choices with their values that do not work where only sums of a record are kept."""
     for name, row in choices_of(type(settings)).items():
         value = getattr(settings, name)

@@ -13,7 +13,7 @@ from allanite.planning.plan import DURATIONS
 from allanite.planning.sensors import sensor as typical
 
 from .recipe import IDENTIFYING, READING, SELECTING
-from .settings import CheckChoices, NoiseChoices, StateSpaceChoices
+from .settings import CheckChoices, NoiseChoices, PlanChoices, StateSpaceChoices
 
 
 @dataclass(frozen=True, repr=False)
@@ -60,12 +60,10 @@ class NoiseSettings(NoiseChoices, Value):
 
 
 @dataclass(frozen=True, repr=False)
-class PlanSettings(NoiseSettings):
+class PlanSettings(PlanChoices, NoiseSettings):
     """Choices of a plan: `durations` in s, `accuracy` in percent, `ramp` as for `plan`."""
 
     durations: tuple[float, ...] = DURATIONS
-    accuracy: float = 10.0
-    ramp: bool | None = None
 
 
 @dataclass(frozen=True, repr=False)

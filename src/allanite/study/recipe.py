@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choice_kinds import BAND, GRID, LINES, RANGES, WORD, WORTH, Kind, pieces
+from allanite.core.choice_kinds import BAND, GRID, LINES, RANGES, WORD, WORTH, ChoiceKind, pieces
 from allanite.core.choices import choice, demand_choices, named
 from allanite.core.errors import UsageError
 
@@ -91,7 +91,7 @@ class Recipe:
         "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"), demand=_stated("rate"))
     unit: str | Mapping[str, str] | None = choice(
         "UNIT", "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
-        kind=Kind("unit", _unit, _demand_unit), group="reading")
+        kind=ChoiceKind("unit", _unit, _demand_unit), group="reading")
     kind: str | None = choice(
         "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
     scale: float | str | None = choice(

@@ -88,6 +88,18 @@ class LengthChoices:
 
 
 @dataclass(frozen=True, repr=False)
+class PlanChoices:
+    """The choices of `PlanSettings`, which has the usual durations."""
+
+    durations: tuple[float, ...] = choice(
+        "A,B,...", "Record lengths.", kind=DURATIONS, default=(), told="10 min,1 h,6 h,24 h")
+    accuracy: float = choice(
+        "PERCENT", "Relative standard error of a coefficient to reach.", default=10.0, told="10; of a live stream 20")
+    ramp: bool | None = choice(
+        "", "Assume a rate ramp of unknown size.", told="if the model has one", flags=("--ramp/--no-ramp",))
+
+
+@dataclass(frozen=True, repr=False)
 class CheckChoices(LengthChoices):
     """The choices of `SelfCheckSettings`."""
 

@@ -8,7 +8,7 @@ from starlette.staticfiles import StaticFiles
 
 from . import filing, running, showing
 from .jobs import Jobs
-from .messages import ANSWERS
+from .messages import ANSWERED, answered
 from .store import MissingError, Store
 
 
@@ -19,8 +19,8 @@ def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
         docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False, telemetry={"auto_configure": False}
     )
     app.state.store, app.state.jobs, app.state.first = store, jobs, first
-    for kind, answer in ANSWERS.items():
-        app.add_exception_handler(kind, answer)
+    for kind in ANSWERED:
+        app.add_exception_handler(kind, answered)
     for path, (method, endpoint) in ROUTES.items():
         app.add_api_route(path.partition(" ")[2], endpoint, methods=[method], response_model=None)
     app.mount("/", StaticFiles(directory=str(files("allanite.web") / "static"), html=True))

@@ -62,10 +62,9 @@ def _finding(finding: Any) -> dict[str, Any]:
     }
 
 
-def panel_of(curve: Curve, fit: Any, wanted: str = "") -> CurvePanel:
+def panel_of(curve: Curve, fit: Any = None) -> CurvePanel:
     """What is drawn of a curve."""
-    found = panels_of(curve, fit)[0]
-    return found._replace(wanted=wanted) if wanted else found
+    return panels_of(curve, fit)[0]
 
 
 def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
@@ -131,20 +130,20 @@ def _guides(panel: CurvePanel, tau: Any) -> list[dict[str, Any]]:
     return found
 
 
-def curve_of(value: Any, channel: str, statistic: str) -> tuple[Curve, Any, bool]:
-    """The curve of a channel in a result, its fit, and whether the result had it; else it is computed."""
+def curve_of(value: Any, channel: str, statistic: str) -> tuple[Curve, Any]:
+    """The curve of a channel and its fit; a curve that the result does not have is computed."""
     one = value[channel]
     fit = getattr(one, "fit", None)
     curves = [*getattr(one, "curves", ()), *(v for v in getattr(one, "values", ()) if isinstance(v, Curve))]
     for curve in curves:
         if curve.statistic == statistic:
-            return curve, fit, True
+            return curve, fit
     from allanite.core.record import Record
     from allanite.statistics import deviation
 
     if not isinstance(one.record, Record):
         raise UsageError(f"the samples of {channel!r} are not in memory: compute {statistic!r} as a job of its own")
-    return deviation(one.record, statistic, taus="log", noise=fit or "auto"), fit, False
+    return deviation(one.record, statistic, taus="log", noise=fit or "auto"), fit
 
 
 def listed(values: Any) -> list[float | None]:

@@ -13,11 +13,12 @@ from allanite.core.errors import DataError, UsageError
 
 from .messages import body_of
 from .store import CHOICES, MissingError, Store
-from .tables import EXAMPLES, simulation, tables
 
 
 def menus(request: Request, lang: str = "") -> dict[str, Any]:
     """The menus, and what the page opens with."""
+    from .tables import tables
+
     first = request.app.state.first
     return tables(lang or first["lang"]) | {"first": first}
 
@@ -100,6 +101,8 @@ def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
 
 async def example(request: Request, name: str) -> dict[str, Any]:
     """Simulate a recording to play with."""
+    from .tables import EXAMPLES, simulation
+
     which = str((await body_of(request)).get("name") or next(iter(EXAMPLES)))
     if which not in EXAMPLES:
         raise UsageError(f"unknown example {which!r}; examples: {', '.join(EXAMPLES)}")

@@ -3,7 +3,6 @@
 import json
 import secrets
 import threading
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from allanite.phrases.wording import command_line
 
 from .requests import Request, problem_of
 from .store import MissingError, State, Store, known
-from .workers import ProblemError, Worker, Workers
+from .workers import ProblemError, Workers
 
 WARM = "warm"
 """Lane of a worker that nobody uses: the first one that is started waits until everything is loaded."""
@@ -26,15 +25,12 @@ class Live:
 
     def __init__(self) -> None:
         self.events: list[tuple[str, dict[str, Any]]] = []
-        self.changed = threading.Condition()
         self.over = False
 
     def tell(self, kind: str, data: dict[str, Any]) -> None:
         """Add a report; of progress only the last one matters."""
-        with self.changed:
-            self.events.append((kind, data))
-            self.over = self.over or kind in ("done", "failed")
-            self.changed.notify_all()
+        self.events.append((kind, data))
+        self.over = self.over or kind in ("done", "failed")
 
 
 class Jobs:
@@ -141,7 +137,10 @@ class Jobs:
 
         try:
             with command_line():
-                found = self._done(self.workers.of(_lane(job)), job, tell)
+                found = self.workers.of(_lane(job)).ask("run", self._arguments(job), tell=tell)
+            value, shown = self._paths(job["id"])
+            write(value, found["json"].encode(), force=True)
+            write(shown, json.dumps(found["faces"] | {"exit": found["exit"]}).encode(), force=True)
         except ProblemError as problem:
             self._fail(job, live, problem.data)
         except Exception as error:
@@ -149,13 +148,6 @@ class Jobs:
         else:
             self._set(job, "done")
             live.tell("done", {"exit": found["exit"]})
-
-    def _done(self, worker: Worker, job: State, tell: Callable[[str, dict[str, Any]], None]) -> dict[str, Any]:
-        found = worker.ask("run", self._arguments(job), tell=tell)
-        value, shown = self._paths(job["id"])
-        write(value, found["json"].encode(), force=True)
-        write(shown, json.dumps(found["faces"] | {"exit": found["exit"]}).encode(), force=True)
-        return found
 
     def _fail(self, job: State, live: Live, problem: dict[str, Any]) -> None:
         if job["state"] == "cancelled":
@@ -175,21 +167,10 @@ class Jobs:
     def _arguments(self, job: State) -> dict[str, Any]:
         files = [self.store.file(name) for name in job["files"]]
         return {
-            "job": job["id"],
-            "verb": job["verb"],
-            "paths": [job["target"]] if job["target"] else [file["path"] for file in files],
-            "choices": job["recipe"],
-            "shown": job["command"],
-            "lang": job["lang"],
-            "files": {
-                file["path"]: (
-                    file["id"],
-                    str(self.store.place(file["id"])),
-                    file["name"] if file["own"] else file["path"],
-                )
-                for file in files
-            },
-        }
+            "job": job["id"], "verb": job["verb"], "choices": job["recipe"], "shown": job["command"],
+            "lang": job["lang"], "paths": [job["target"]] if job["target"] else [file["path"] for file in files],
+            "files": {file["path"]: (file["id"], str(self.store.place(file["id"])), file["name"]) for file in files},
+        }  # fmt: skip
 
     def _paths(self, name: str) -> tuple[Path, Path]:
         workspace, _, own = name.partition("-")

@@ -34,33 +34,17 @@ async def body_of(request: Request, most: int = LONGEST) -> dict[str, Any]:
     return found
 
 
-def _refused(request: Request, error: Exception) -> JSONResponse:
-    status = 404 if isinstance(error, MissingError) else 413 if isinstance(error, FullError) else 400
-    return JSONResponse(problem_of(error), status)
+ANSWERED: tuple[Any, ...] = (AllaniteError, ProblemError, RequestValidationError, HTTPException, Exception)
+"""Kinds of errors that are answered."""
 
 
-def _problem(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, ProblemError)  # noqa: S101 - the table says so
-    return JSONResponse(error.data, 500 if error.data["exit"] == 1 else 400)
-
-
-def _invalid(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, RequestValidationError)  # noqa: S101 - the table says so
-    words = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors())
-    return JSONResponse({"error": words, "option": None, "exit": 2}, 400)
-
-
-def _http(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, HTTPException)  # noqa: S101 - the table says so
-    return JSONResponse({"error": str(error.detail), "option": None, "exit": 2}, error.status_code)
-
-
-def _defect(request: Request, error: Exception) -> JSONResponse:
-    return JSONResponse(problem_of(error), 500)
-
-
-ANSWERS: dict[Any, Any] = {
-    AllaniteError: _refused, ProblemError: _problem, RequestValidationError: _invalid, HTTPException: _http,
-    Exception: _defect,
-}  # fmt: skip
-"""Kind of an error: what is answered."""
+def answered(request: Request, error: Exception) -> JSONResponse:
+    """What is answered to an error."""
+    if isinstance(error, ProblemError):
+        return JSONResponse(error.data, 500 if error.data["exit"] == 1 else 400)
+    if isinstance(error, HTTPException):
+        return JSONResponse(problem_of(UsageError(str(error.detail))), error.status_code)
+    if isinstance(error, RequestValidationError):
+        error = UsageError("; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors()))
+    statuses = ((MissingError, 404), (FullError, 413), (AllaniteError, 400), (Exception, 500))
+    return JSONResponse(problem_of(error), next(status for kind, status in statuses if isinstance(error, kind)))

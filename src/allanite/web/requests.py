@@ -9,14 +9,14 @@ import click
 
 from allanite.cli import main
 from allanite.cli.front import DEFECT, Failure
-from allanite.cli.tasks import Task, task_of
-from allanite.core.choices import Choice, choices_of
+from allanite.cli.tasks import VerbTask, task_of
+from allanite.core.choices import ChoiceRow, choices_of
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.reporting.language import ENGLISH
 from allanite.study.recipe import Recipe
 
 
-def accepted(verb: str) -> dict[str, Choice]:
+def accepted(verb: str) -> dict[str, ChoiceRow]:
     """The choices of a verb that the page may set: those of the recipe and of the settings that its command has.
 
     Raises
@@ -41,7 +41,7 @@ class Request:
     settings: Any = None
 
     @property
-    def task(self) -> Task:
+    def task(self) -> VerbTask:
         """What does it."""
         return task_of(self.verb)
 

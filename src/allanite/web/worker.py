@@ -5,18 +5,20 @@ import os
 import re
 import signal
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 from allanite.cli import main as allanite
 from allanite.cli.forms import encoded
+from allanite.cli.tasks import Reports
+from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.record import Record, Recording
+from allanite.core.record import Recording
 from allanite.phrases.wording import command_line
 from allanite.statistics import deviation as deviation_of
 from allanite.study.channels import opened_by
@@ -64,12 +66,7 @@ class Held:
         now = time.monotonic()
         if now - self.seen >= SEEN:
             self.seen = now
-            self.send("live", {"channels": [one for m in watch.monitors.values() for one in self._live(m)]})
-
-    def _live(self, monitor: Any) -> list[Answer]:
-        with suppress(DataError):
-            return [faces.drawn(faces.panel_of(monitor.stream.curve(), None), 0.95, self.lang)]
-        return []
+            self.send("live", {"channels": self._first(monitor.stream.curve for monitor in watch.monitors.values())})
 
     def named(self, problem: Answer) -> Answer:
         """A problem with the names of files instead of where they are kept."""
@@ -86,9 +83,9 @@ class Held:
                 self.recordings.pop(next(iter(self.recordings)))
             self.recordings[path, key] = replace(read(), source=self.files[path][2] if path in self.files else path)
             self._traced(path, key)
-            self.send(
-                "curves", {"channels": [one for record in self.recordings[path, key] for one in self._first(record)]}
-            )
+            records = self.recordings[path, key]
+            first = [partial(deviation_of, record, "oadev", taus="octave", noise=None) for record in records]
+            self.send("curves", {"channels": self._first(first)})
         else:
             self._traced(path, key)
         return self.recordings[path, key]
@@ -99,12 +96,13 @@ class Held:
             trace.build(Path(folder), self.recordings[path, key], key)
             self.send("trace", {"file": file})
 
-    def _first(self, record: Record) -> list[Answer]:
-        """The curve of a record without its band, which takes longer."""
-        with suppress(DataError):
-            curve = deviation_of(record, "oadev", taus="octave", noise=None)
-            return [faces.drawn(faces.panel_of(curve, None), 0.95, self.lang)]
-        return []
+    def _first(self, curves: Iterable[Callable[[], Curve]]) -> list[Answer]:
+        """The curves, as far as there are, without their bands, which take longer."""
+        drawn = []
+        for curve in curves:
+            with suppress(DataError):
+                drawn.append(faces.drawn(faces.panel_of(curve()), 0.95, self.lang))
+        return drawn
 
     def send(self, kind: str, data: Answer) -> None:
         """Report to the server; without one there is nothing to go on for."""
@@ -132,7 +130,7 @@ def run(
     held.files, held.lang = files, lang
     request = Request.of(verb, choices)
     with processes(None), opened_by(held.open):
-        value = request.task.run(paths, request.recipe, request.settings, held)
+        value = request.task.run(paths, request.recipe, request.settings, Reports(held.tell, held.event))
     held.values[job] = value, shown
     return {"json": to_json(value), "faces": faces.described(value, lang), "exit": request.task.code(value)}
 
@@ -154,8 +152,7 @@ def deviation(held: Held, job: str, channel: str, statistic: str, lang: str) -> 
     value, _ = held.values[job]
     key = (job, channel, statistic)
     if key not in held.drawn:
-        curve, fit, _ = faces.curve_of(value, channel, statistic)
-        held.drawn[key] = faces.panel_of(curve, fit)
+        held.drawn[key] = faces.panel_of(*faces.curve_of(value, channel, statistic))
     return faces.drawn(held.drawn[key], value.recipe.level, lang)
 
 
@@ -174,7 +171,7 @@ def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statis
     assert found.fit is not None  # noqa: S101 - `refitted` raises else
     return {
         "fit": replace(found.fit, curve=None).to_dict(recipe.level),
-        "curve": [faces.drawn(faces.panel_of(curve, fit), recipe.level, lang) for curve, fit, _ in curves],
+        "curve": [faces.drawn(faces.panel_of(curve, fit), recipe.level, lang) for curve, fit in curves],
         **faces.described(shown, lang)["channels"][0],
     }
 

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from allanite.cli.options import RECORDING, options
-from allanite.cli.tasks import Reports, Task, perform
+from allanite.cli.tasks import Reports, VerbTask, perform
 from allanite.study.recipe import Recipe
 
 
@@ -16,7 +16,7 @@ def _run(files: Sequence[str], recipe: Recipe, _: Any, reports: Reports) -> Any:
     return extents(files[0], recipe, progress=reports.tell)
 
 
-EXTENT = Task(_run)
+EXTENT = VerbTask(_run)
 
 
 @click.command()

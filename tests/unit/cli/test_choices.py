@@ -30,7 +30,7 @@ REQUESTS = [
     ("dynamic", {"rate": "50", "window": 600, "step": 60.5, "taus": [1.5, 3], "level": 0.9}),
     ("compare", {"against": ["gz"], "channels": "gx", "taus": "log"}),
     ("compare", {"part": 80, "taus": "octave"}),
-    ("watch", {"rate": 100, "unit": "deg/h", "every": "1 min", "duration": 3600, "baud": 9600}),
+    ("watch", {"rate": 100, "unit": "deg/h", "every": "1 min", "duration": 3600, "baud": 9600, "accuracy": 7}),
 ]
 
 
@@ -43,8 +43,6 @@ def test_the_line_of_a_request_is_parsed_back_to_equal_values(verb, data):
     with command.make_context(verb, words[1:], parent=above) as context:
         choices = dict(context.params)
     task = task_of(verb)
-    if verb == "watch":
-        choices["accuracy"] = request.settings.accuracy
     settings = settings_of(task.kind, choices) if task.kind else None
     assert (settings, recipe_of(choices, **task.usual)) == (request.settings, request.recipe)
     assert choices["lang"] == "ru"

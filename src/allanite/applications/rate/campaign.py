@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
+from allanite.applications.choices import RateChoices
 from allanite.applications.rate import (
     Experiment,
     ExperimentSettings,
@@ -49,7 +50,7 @@ FEWEST = 20
 
 
 @dataclass(frozen=True, repr=False)
-class RateSettings(Value):
+class RateSettings(RateChoices, Value):
     """What is measured of a recording.
 
     Attributes
@@ -75,11 +76,6 @@ class RateSettings(Value):
     experiment: ExperimentSettings = field(default_factory=ExperimentSettings)
     noise: Model | None = None
     signal: Signal | None = None
-    latitude: float | None = None
-    horizontal: bool = False
-    turned: float = 180.0
-    near: float = 90.0
-    position_method: str = "optimal"
     durations: tuple[float, ...] = DURATIONS
 
     def __post_init__(self) -> None:
