@@ -10,7 +10,7 @@ import click
 from allanite.cli import main
 from allanite.cli.front import DEFECT, Failure
 from allanite.cli.tasks import VerbTask, task_of
-from allanite.core.choices import ChoiceRow, choices_of
+from allanite.core.choices import ChoiceRow, choices_of, read_given
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.reporting.language import ENGLISH
 from allanite.study.recipe import Recipe
@@ -58,7 +58,7 @@ class Request:
         for key in data:
             if key not in rows:
                 raise UsageError(f"unknown key {key!r} in the recipe; known keys: {', '.join(sorted(rows))}")
-        given = {key: rows[key].read(value) for key, value in data.items() if value not in (None, "", [])}
+        given = read_given(rows, data)
         own = choices_of(task.kind) if task.kind else {}
         recipe = Recipe(**{**task.usual, **{key: value for key, value in given.items() if key not in own}})
         kind = task.kind

@@ -16,6 +16,7 @@ from typing import Any
 from allanite.cli import main as allanite
 from allanite.cli.forms import encoded
 from allanite.cli.tasks import Reports
+from allanite.core.choices import choices_of, read_given
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
@@ -182,8 +183,7 @@ def export(held: Held, job: str, *, channels: list[str], target: str, choices: d
     from allanite.exporting.fields import How
 
     value, _ = held.values[job]
-    how = How(choices.get("axis") or "worst", float(choices.get("inflate") or 1.0), None,
-              choices.get("filter_rate"), bool(choices.get("unexplained")))  # fmt: skip
+    how = How(**read_given(choices_of(How), choices))
     row, suffix = prepared(target, how, form)
     chosen = replace(value, channels=tuple(value[name] for name in channels)) if channels else value
     made = exported(row, chosen, how, suffix)
