@@ -75,7 +75,7 @@ allanite("explain pilot")
 allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
     "verb, result": ({
         "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
-        ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent"),\n'),
+        ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
         ("reporting/views/__init__.py", '    "Lot": "lot.LOT",\n', '    "Extents": "extent.EXTENTS",\n')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
@@ -83,8 +83,13 @@ assert "Extent of z.csv" in Path("page.html").read_text("utf-8")
 assert Path("out.csv").read_text("utf-8").startswith("channel,least,greatest")
 found = al.from_dict(json.loads(Path("out.json").read_text("utf-8")))
 al.report(found, "again.html")
+from allanite.web.requests import Request
+from allanite.web.tables import tables
+assert "extent" in tables("en")["verbs"]
+print(Request.of("extent", {"start": 10}).line(["z.csv"]))
 print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.csv")["gz"].values[10:].min())""",
-        ("extent Show the least and the greatest sample.", "least greatest", "Extents 10.0 True")),
+        ("extent Show the least and the greatest sample.", "least greatest", "allanite extent --from 10 z.csv",
+         "Extents 10.0 True")),
     "choice of a recipe": ({}, (
         ("study/recipe.py", 'means over this time.", group="selecting", parts=())\n',
          '    settle: float | None = choice("", "Time to leave out.", group="selecting", parts=())\n'),

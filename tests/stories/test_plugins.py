@@ -81,6 +81,8 @@ def test_the_sample_passes_the_public_checks(sample, tmp_path):
 USED = (
     FILES
     + """
+from allanite.cli.tasks import Reports
+from allanite.web.requests import Request
 from allanite.web.tables import tables
 shown = {"help": allanite("--help"), "info": allanite("info a.tones"), "list": allanite("explain")}
 shown["statistic"], shown["target"] = allanite("explain fdev"), allanite("explain pilot")
@@ -96,6 +98,9 @@ al.report(result, "again.html")
 shown["low"] = [result["gz"].low, float(al.read("a.tones")["gz"].values.min())]
 shown["term"] = str(al.RR(1, "rad/s^2.5"))
 shown["page"] = tables("en")
+request = Request.of("extent", {"start": 10})
+shown["line"] = request.line(["a.tones"])
+shown["done"] = request.task.run(["a.tones"], request.recipe, request.settings, Reports())["gz"].record.size
 print(json.dumps(shown))
 """
 )
@@ -149,6 +154,9 @@ def test_the_page_offers_what_comes_from_outside(used):
     page = used[0]["page"]
     assert {"name": "fdev", "title": "fourth-difference deviation"} in page["statistics"]
     assert [row["title"] for row in page["terms"] if row["symbol"] == "RR"] == ["driven relaxation"]
+    assert "extent" in page["verbs"]
+    assert (used[0]["line"], used[0]["done"]) == ("allanite extent --from 10 a.tones", 4096 - 500)
+    assert "rate" in page["options"]["extent"]
     assert [row["formats"] for row in page["exports"] if row["name"] == "pilot"] == [[".cfg"]]
 
 

@@ -10,15 +10,15 @@ from .front import Front, Verb
 __all__ = ["VERBS", "Verb", "main"]
 
 _OWN = (
-    Verb("info", "Analyze", "analyze.info"),
-    Verb("analyze", "Analyze", "analyze.analyze"),
+    Verb("info", "Analyze", "analyze.info", "tasks.INFO"),
+    Verb("analyze", "Analyze", "analyze.analyze", "tasks.ANALYZE"),
     Verb("batch", "Analyze", "batch.batch"),
     Verb("lot", "Analyze", "batch.lot"),
-    Verb("deviation", "Analyze", "curves.deviation"),
-    Verb("spectrum", "Analyze", "curves.spectrum"),
-    Verb("dynamic", "Analyze", "curves.dynamic"),
-    Verb("compare", "Analyze", "compare.compare"),
-    Verb("watch", "Analyze", "watch.watch"),
+    Verb("deviation", "Analyze", "curves.deviation", "tasks.DEVIATION"),
+    Verb("spectrum", "Analyze", "curves.spectrum", "tasks.SPECTRUM"),
+    Verb("dynamic", "Analyze", "curves.dynamic", "tasks.DYNAMIC"),
+    Verb("compare", "Analyze", "compare.compare", "tasks.COMPARE"),
+    Verb("watch", "Analyze", "watch.watch", "tasks.WATCH"),
     Verb("serve", "Analyze", "serve.serve"),
     Verb("simulate", "Simulate and plan", "simulate.simulate"),
     Verb("plan", "Simulate and plan", "plan.plan"),

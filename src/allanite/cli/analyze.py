@@ -8,7 +8,7 @@ import click
 from .deliver import Progress, carry_out, outputs, recipe_of
 from .front import DATA
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-from .tasks import TASKS, ends_of_units, perform
+from .tasks import ANALYZE, INFO, ends_of_units, perform
 
 if TYPE_CHECKING:
     from allanite.batch.batch import Batch
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 @options("file", *RECORDING, "report", "json", "lang", "force", "quiet")
 def info(file: str, **choices: Any) -> None:
     """Summarize FILE and check its quality."""
-    study = perform("info", [file], choices)
-    if TASKS["info"].code(study):
+    study = perform(INFO, [file], choices)
+    if INFO.code(study):
         raise click.exceptions.Exit(DATA)
 
 
@@ -49,7 +49,7 @@ def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     if limits is not None or several(files):
         _analyze_units(files, limits, choices)
         return
-    perform("analyze", files, choices)
+    perform(ANALYZE, files, choices)
 
 
 def _analyze_units(files: tuple[str, ...], limits: str | None, choices: dict[str, Any]) -> None:

@@ -7,7 +7,7 @@ import click
 from allanite.study.settings import ComparisonChoices
 
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-from .tasks import perform
+from .tasks import COMPARE, perform
 
 
 @click.command()
@@ -20,4 +20,4 @@ def compare(files: tuple[str, ...], **choices: Any) -> None:
     Two files: before and after. One file: its channels with each other, or with --part its beginning with the rest.
     Three or more files (or channels of one file): their common noise, and which of them differs.
     """
-    perform("compare", files, choices)
+    perform(COMPARE, files, choices)

@@ -8,7 +8,7 @@ from allanite.study.settings import DensityChoices, DeviationChoices, LengthChoi
 
 from .deliver import deliver, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-from .tasks import perform
+from .tasks import DEVIATION, DYNAMIC, SPECTRUM, perform
 
 
 @click.command()
@@ -28,7 +28,7 @@ def deviation(file: str | None, **choices: Any) -> None:
 
     theory = settings_of(TheorySettings, choices)
     if file is not None and not theory.asked:
-        perform("deviation", [file], choices)
+        perform(DEVIATION, [file], choices)
         return
     out = outputs(choices, [file, choices["recipe"]])
     deliver(expected_curves(file, theory, settings_of(Deviations, choices), recipe_of(choices)), out)
@@ -44,7 +44,7 @@ def spectrum(file: str, **choices: Any) -> None:
 
     N of IEEE 952 is the square root of the two-sided power spectral density of white noise.
     """
-    perform("spectrum", [file], choices)
+    perform(SPECTRUM, [file], choices)
 
 
 @click.command()
@@ -56,4 +56,4 @@ def dynamic(file: str, **choices: Any) -> None:
 
     Shows how the noise of FILE changes with time.
     """
-    perform("dynamic", [file], choices)
+    perform(DYNAMIC, [file], choices)

@@ -2,24 +2,14 @@
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from allanite.study.settings import NoiseChoices
+from allanite.study.settings import ExportChoices
 
-from .deliver import Extra, carry_out, outputs, recipe_of
+from .deliver import Extra, carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, options
-
-if TYPE_CHECKING:
-    from allanite.exporting.fields import How
-
-CHOICES = (
-    click.option("--axis", default="worst", show_default=True, metavar="WORD",
-        help="Whose coefficients: worst, median, x, y, z, or each if the target takes one for each axis."),
-    click.option("--inflate", type=float, default=1.0, show_default=True, metavar="FACTOR",
-        help="Factor on all coefficients; it is written into the file."),
-)  # fmt: skip
 
 FILE = (
     click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
@@ -34,13 +24,8 @@ USUAL = "datasheet"
 
 @click.command()
 @options(
-    "some files", "target", *CHOICES,
-    click.option("--filter-rate", type=float, metavar="HZ",
-        help="Rate of the filter's steps.  [default: the target's own, or the sampling rate]"),
-    "models", "unexplained",
-    click.option("--from-curve", is_flag=True,
-        help="Where no model explains the record, upper bounds read off the Allan deviation."),
-    *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices,),
+    "some files", "target", "axis", "inflate", "filter_rate", "models", "unexplained", "from_curve",
+    *RECORDING, *IDENTIFYING, *FILE, settings=(ExportChoices,),
 )  # fmt: skip
 def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], **choices: Any) -> None:
     """Write the noise as a file of a filter.
@@ -52,12 +37,12 @@ def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], 
     from allanite.core.errors import UsageError
     from allanite.exporting.conversion import load
     from allanite.exporting.export import exported, prepared
+    from allanite.exporting.fields import How
 
     if not files and not models:
         raise UsageError("give a recording, a result of analyze in JSON, or the noise with --model")
     out = outputs(choices, [*files, choices["recipe"]], also=("output",))
-    how = _how(choices, filter_rate=choices.pop("filter_rate"), unexplained=choices.pop("unexplained"),
-               from_curve=choices.pop("from_curve"))  # fmt: skip
+    how = settings_of(How, dict(choices))
     row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
     recipe = recipe_of(choices)
     carry_out(lambda tell: exported(row, load(files, recipe, models, tell), how, suffix), out, _EXTRA)
@@ -67,7 +52,7 @@ def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], 
 @options(
     click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target",
     "origin", "rate",
-    *CHOICES, *FILE,
+    "axis", "inflate", *FILE, settings=(ExportChoices,),
 )  # fmt: skip
 def convert(values: tuple[str, ...], target: str | None, origin: str | None, **choices: Any) -> None:
     """Convert values of a data sheet to fields.
@@ -78,6 +63,7 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
     """
     from allanite.exporting.conversion import models_of
     from allanite.exporting.export import exported, prepared
+    from allanite.exporting.fields import How
     from allanite.exporting.imported import read_noise
 
     out = outputs(choices, values if origin else [], also=("output",))
@@ -88,19 +74,13 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
             carry_out(lambda _, found=found: found, out)  # type: ignore[misc]  # bound in the loop
         return
     stated = next((found.rate for found in read), None)
-    how = _how({**choices, "rate": rate or stated}, partial="output" not in out.paths)
+    how = settings_of(How, {**choices, "rate": rate or stated, "partial": "output" not in out.paths})
     row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
     models = [model for found in read for model in found.models] if origin else models_of(values)
     carry_out(lambda _: exported(row, models, how, suffix), out, _EXTRA)
 
 
 _EXTRA = Extra(data={"output": lambda made: made.data})
-
-
-def _how(choices: dict[str, Any], **more: Any) -> "How":
-    from allanite.exporting.fields import How
-
-    return How(choices.pop("axis"), choices.pop("inflate"), choices["rate"], **more)
 
 
 def _suffix(paths: Mapping[str, str]) -> str:

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,6 +20,9 @@ from allanite.plugins import PluginWarning
 
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
+
+if TYPE_CHECKING:
+    from .tasks import VerbTask
 
 DEFECT, DATA, EXCEEDED, PARTLY, INTERRUPTED = 1, 3, 4, 5, 130
 BLAS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -55,20 +58,23 @@ class Verb:
     group : str
         The heading of the help that it stands below: one of the others', or a new one.
     command : str or click.Command
-        Module in `allanite.cli` and name of the command, imported when it is requested; or the command.
+        The command; or module in `allanite.cli` and name of it, imported when it is requested.
+    task : str or VerbTask
+        Likewise what the page runs; empty if it does not.
     """
 
     name: str
     group: str
     command: str | click.Command
+    task: "str | VerbTask" = ""
 
-    def imported(self) -> click.Command:
-        """The command."""
-        if isinstance(self.command, click.Command):
-            return self.command
-        module, _, name = self.command.partition(".")
-        command: click.Command = getattr(import_module(f"allanite.cli.{module}"), name)
-        return command
+    def imported(self, part: str = "command") -> Any:
+        """The command, or the task."""
+        found = getattr(self, part)
+        if not isinstance(found, str):
+            return found
+        module, _, name = found.partition(".")
+        return getattr(import_module(f"allanite.cli.{module}"), name)
 
 
 class Front(click.Group):
@@ -84,7 +90,8 @@ class Front(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The command of a verb, whose module is imported now."""
-        return self.verbs[cmd_name].imported() if cmd_name in self.verbs else None
+        command: click.Command | None = self.verbs[cmd_name].imported() if cmd_name in self.verbs else None
+        return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the verbs below the headings of their groups."""

@@ -30,13 +30,13 @@ class Reports:
 
 @dataclass(frozen=True)
 class VerbTask:
-    """A row of `TASKS`.
+    """What a verb does, beside its command in the row of `VERBS`.
 
     Attributes
     ----------
     run : (files, recipe, settings, reports) -> result
-    settings : str
-        Module in `allanite` and name of the class of the settings; empty if there are none.
+    settings : str or type
+        The class of the settings; or module in `allanite` and name of it; empty if there are none.
     usual : mapping
         Defaults of the recipe that are not its own.
     code : result -> int
@@ -46,7 +46,7 @@ class VerbTask:
     """
 
     run: "Callable[[Sequence[str], Recipe, Any, Reports], Any]"
-    settings: str = ""
+    settings: str | type[Any] = ""
     usual: Mapping[str, Any] = field(default_factory=dict)
     code: Callable[[Any], int] = lambda result: 0
     most: int | None = 1
@@ -54,13 +54,39 @@ class VerbTask:
     @property
     def kind(self) -> type[Any] | None:
         """The class of the settings, imported now."""
+        if not isinstance(self.settings, str):
+            return self.settings
         module, _, name = self.settings.rpartition(".")
         return getattr(import_module(f"allanite.{module}"), name) if name else None
 
 
-def perform(verb: str, files: Sequence[str], choices: dict[str, Any]) -> Any:
-    """Do what a verb of `TASKS` does with the options given, and deliver the result."""
-    task = TASKS[verb]
+def jobs() -> list[str]:
+    """The verbs that the page can run."""
+    from . import VERBS
+
+    return [name for name, verb in VERBS.items() if verb.task]
+
+
+def task_of(verb: str) -> VerbTask:
+    """The task of a verb.
+
+    Raises
+    ------
+    UsageError
+        The page has no such job.
+    """
+    from allanite.core.errors import UsageError
+
+    from . import VERBS
+
+    if verb not in VERBS or not VERBS[verb].task:
+        raise UsageError(f"unknown job {verb!r}; jobs of the page: {', '.join(jobs())}")
+    task: VerbTask = VERBS[verb].imported("task")
+    return task
+
+
+def perform(task: VerbTask, files: Sequence[str], choices: dict[str, Any]) -> Any:
+    """Do a task with the options given, and deliver the result."""
     out = outputs(choices, [*files, choices["recipe"]])
     settings = settings_of(task.kind, choices) if task.kind else None
     recipe = recipe_of(choices, **task.usual)
@@ -130,17 +156,14 @@ def ends_of_units(batch: "Batch", *, strict: bool = False) -> list[tuple[int, st
     return [(code, f"{what}: {', '.join(units)}") for code, units, what in ends if units]
 
 
-TASKS: dict[str, VerbTask] = {
-    "info": VerbTask(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0),
-    "analyze": VerbTask(
-        _analyze,
-        code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
-        most=None,
-    ),
-    "deviation": VerbTask(_survey, "study.survey.Deviations"),
-    "spectrum": VerbTask(_survey, "study.survey.Densities"),
-    "dynamic": VerbTask(_survey, "study.survey.Windows"),
-    "compare": VerbTask(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None),
-    "watch": VerbTask(_watch, "study.watching.WatchSettings"),
-}
-"""What the page can do, by the verb that does the same at the command line."""
+INFO = VerbTask(_info, code=lambda study: DATA if all(channel.refusal for channel in study.channels) else 0)
+ANALYZE = VerbTask(
+    _analyze,
+    code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
+    most=None,
+)
+DEVIATION = VerbTask(_survey, "study.survey.Deviations")
+SPECTRUM = VerbTask(_survey, "study.survey.Densities")
+DYNAMIC = VerbTask(_survey, "study.survey.Windows")
+COMPARE = VerbTask(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None)
+WATCH = VerbTask(_watch, "study.watching.WatchSettings")

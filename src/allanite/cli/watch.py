@@ -10,7 +10,7 @@ from allanite.study.settings import WatchChoices
 
 from .deliver import deliver, outputs, recipe_of, settings_of
 from .options import RESULTS, options
-from .tasks import TASKS, Reports
+from .tasks import WATCH, Reports
 
 BINARY = ("dtype", "columns", "offset")
 """Choices of a file that has no lines."""
@@ -37,4 +37,4 @@ def watch(target: str, **choices: Any) -> None:
     out = outputs(choices, [choices["recipe"], target, choices["record"]])
     settings, recipe = settings_of(WatchSettings, choices), recipe_of(choices)
     reports = Reports(event=lambda words, _: None if out.quiet else click.echo(words, err=True))
-    deliver(TASKS["watch"].run([target], recipe, settings, reports), out)
+    deliver(WATCH.run([target], recipe, settings, reports), out)

@@ -1,6 +1,6 @@
 """Choices: what a user may set, each stated once as a field of a dataclass, from which option, key and help follow."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
@@ -103,6 +103,11 @@ def choices_of(kind: type[Any]) -> dict[str, ChoiceRow]:
         )
         for f in fields(kind) for row in (f.metadata.get("choice"),) if row is not None
     }  # fmt: skip
+
+
+def read_given(rows: Mapping[str, ChoiceRow], data: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of these choices in plain data; what is empty is not given."""
+    return {key: row.read(data[key]) for key, row in rows.items() if data.get(key) not in (None, "", [])}
 
 
 def named(kind: type[Any], *groups: str) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.study.results import rejected
+from allanite.study.settings import ExportChoices
 
 from .bounds import remedy
 from .choice import POLICIES, AxisCoefficient, Found, coefficients, selected
@@ -16,7 +17,7 @@ from .target import Target, TargetField, demand_rate
 
 
 @dataclass(frozen=True)
-class How:
+class How(ExportChoices):
     """Choices of an export.
 
     Attributes
@@ -36,12 +37,6 @@ class How:
         Whether fields may be missing that the target needs.
     """
 
-    axis: str = "worst"
-    inflate: float = 1.0
-    rate: float | None = None
-    filter_rate: float | None = None
-    unexplained: bool = False
-    from_curve: bool = False
     partial: bool = False
 
 

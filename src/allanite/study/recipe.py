@@ -7,9 +7,11 @@ from dataclasses import asdict, dataclass, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choice_kinds import BAND, GRID, LINES, RANGES, WORD, WORTH, ChoiceKind, pieces
+from allanite.core.choice_kinds import BAND, LINES, RANGES, WORD, WORTH, ChoiceKind, pieces
 from allanite.core.choices import choice, demand_choices, named
 from allanite.core.errors import UsageError
+
+from .settings import grid
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -129,9 +131,7 @@ class Recipe:
         "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
         told="half of what is available", group="selecting", demand=_checked("readers.memory.bytes_of"))
     statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve")
-    taus: str | tuple[float, ...] = choice(
-        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default="log", told="",
-        group="curve")
+    taus: str | tuple[float, ...] = grid("log")
     terms: str = choice("QNBKR", "Noise terms to look for.", default="auto", group="identifying")
     method: str = choice(
         "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",

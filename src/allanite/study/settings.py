@@ -2,12 +2,30 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, PERCENT
 from allanite.core.choices import choice
 
 # fmt: off
+
+def grid(default: str) -> Any:
+    """Averaging times."""
+    return choice(
+        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default=default, told="",
+        group="curve")
+
+
+def _factors() -> Any:
+    return choice("A,B,...", "Averaging factors, instead of --taus.")
+
+
+def _unit() -> Any:
+    return choice("UNIT", "Unit of the result.", told="deg/h, ug")
+
+
+def _unexplained() -> Any:
+    return choice("", "Use the coefficients of channels that no model explains, too.", default=False)
 
 
 @dataclass(frozen=True, repr=False)
@@ -15,9 +33,8 @@ class DeviationChoices:
     """The choices of `Deviations`."""
 
     statistic: tuple[str, ...] = choice("A,B,...", "Statistics.", default=("oadev",))
-    taus: str | tuple[float, ...] = choice(
-        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default="octave", told="")
-    m: tuple[int, ...] | None = choice("A,B,...", "Averaging factors, instead of --taus.")
+    taus: str | tuple[float, ...] = grid("octave")
+    m: tuple[int, ...] | None = _factors()
     intervals: bool = choice(
         "", "Confidence intervals; without them no noise is identified.", default=True,
         flags=("--intervals/--no-intervals",))
@@ -36,7 +53,7 @@ class DeviationChoices:
         "", "Show the exponent of the power law that the noise follows at each averaging time.", default=False,
         parts=(False,))
     threads: int = 1
-    to: str | None = choice("UNIT", "Unit of the result.", told="deg/h, ug")
+    to: str | None = _unit()
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,7 +70,7 @@ class DensityChoices:
     weights: str | None = choice("NAME", "Weights of the tapers: eigen or equal.", told="eigen")
     fit: bool = choice("", "Identify the noise and draw its terms in the figure.", default=False)
     deviation: str | None = choice("NAME", "Integrate the density to this deviation: oadev, mdev, ohdev ...")
-    to: str | None = choice("UNIT", "Unit of the result.", told="deg/h, ug")
+    to: str | None = _unit()
 
 
 @dataclass(frozen=True, repr=False)
@@ -63,10 +80,9 @@ class WindowChoices:
     statistic: str = choice("NAME", "Statistic.", default="oadev")
     window: float | None = choice("S", "Length of a window.", told="a tenth of the record")
     step: float | None = choice("S", "Distance between windows.", told="an eighth of a window")
-    taus: str | tuple[float, ...] = choice(
-        "GRID", "octave, decade, log, all, or seconds, e.g. 1,10,100.", kind=GRID, default="octave", told="")
-    m: tuple[int, ...] | None = choice("A,B,...", "Averaging factors, instead of --taus.")
-    to: str | None = choice("UNIT", "Unit of the result.", told="deg/h, ug")
+    taus: str | tuple[float, ...] = grid("octave")
+    m: tuple[int, ...] | None = _factors()
+    to: str | None = _unit()
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,7 +92,7 @@ class NoiseChoices:
     model: str | None = choice("TERMS", "Noise model, e.g. 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'.")
     sensor: str | None = choice(
         "NAME", "Or a typical gyro: mems, fog or rlg; or a ring laser that counts: gl1 or gl1-smooth.")
-    unexplained: bool = choice("", "Use the coefficients of channels that no model explains, too.", default=False)
+    unexplained: bool = _unexplained()
 
 
 @dataclass(frozen=True, repr=False)
@@ -145,3 +161,20 @@ class WatchChoices:
         "PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.2,
         told="10; of a live stream 20")
     record: str | None = choice("PATH", "Keep the lines that come in this file.")
+
+
+@dataclass(frozen=True, repr=False)
+class ExportChoices:
+    """The choices of an export."""
+
+    axis: str = choice(
+        "WORD", "Whose coefficients: worst, median, x, y, z, or each if the target takes one for each axis.",
+        default="worst")
+    inflate: float = choice(
+        "FACTOR", "Factor on all coefficients; it is written into the file.", default=1.0, told="1.0")
+    rate: float | None = None
+    filter_rate: float | None = choice(
+        "HZ", "Rate of the filter's steps.", told="the target's own, or the sampling rate")
+    unexplained: bool = _unexplained()
+    from_curve: bool = choice(
+        "", "Where no model explains the record, upper bounds read off the Allan deviation.", default=False)

@@ -9,8 +9,8 @@ import click
 
 from allanite.cli import main
 from allanite.cli.front import DEFECT, Failure
-from allanite.cli.tasks import TASKS
-from allanite.core.choices import ChoiceRow, choices_of
+from allanite.cli.tasks import VerbTask, task_of
+from allanite.core.choices import ChoiceRow, choices_of, read_given
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.reporting.language import ENGLISH
 from allanite.study.recipe import Recipe
@@ -24,9 +24,7 @@ def accepted(verb: str) -> dict[str, ChoiceRow]:
     UsageError
         The page has no such job.
     """
-    if verb not in TASKS:
-        raise UsageError(f"unknown job {verb!r}; jobs of the page: {', '.join(TASKS)}")
-    kind = TASKS[verb].kind
+    kind = task_of(verb).kind
     with click.Context(main) as context:
         command = main.get_command(context, verb)
     assert command is not None  # noqa: S101 - every task is that of a verb
@@ -42,6 +40,11 @@ class Request:
     recipe: Recipe
     settings: Any = None
 
+    @property
+    def task(self) -> VerbTask:
+        """What does it."""
+        return task_of(self.verb)
+
     @classmethod
     def of(cls, verb: str, data: Mapping[str, Any]) -> "Request":
         """The job with these choices, as plain data; what is empty is not given.
@@ -51,11 +54,11 @@ class Request:
         UsageError
             A key is unknown, or a value is not one of its choice, whose name the error has.
         """
-        rows, task = accepted(verb), TASKS[verb]
+        rows, task = accepted(verb), task_of(verb)
         for key in data:
             if key not in rows:
                 raise UsageError(f"unknown key {key!r} in the recipe; known keys: {', '.join(sorted(rows))}")
-        given = {key: rows[key].read(value) for key, value in data.items() if value not in (None, "", [])}
+        given = read_given(rows, data)
         own = choices_of(task.kind) if task.kind else {}
         recipe = Recipe(**{**task.usual, **{key: value for key, value in given.items() if key not in own}})
         kind = task.kind
@@ -63,7 +66,7 @@ class Request:
 
     def words(self, files: Sequence[str], lang: str = ENGLISH) -> list[str]:
         """The words of the command line after ``allanite`` that does the same."""
-        usual, words = TASKS[self.verb].usual, [self.verb]
+        usual, words = self.task.usual, [self.verb]
         for values, defaults in ((self.recipe, usual), (self.settings, {})):
             for name, row in choices_of(type(values)).items() if values is not None else ():
                 value = getattr(values, name)
@@ -84,7 +87,7 @@ class Request:
 
     def demand_files(self, files: Sequence[str]) -> None:
         """Refuse a number of files that the job does not take."""
-        most = TASKS[self.verb].most
+        most = self.task.most
         if not files:
             raise UsageError(f"{self.verb} needs a file: give one")
         if most is not None and len(files) > most:

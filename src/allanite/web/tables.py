@@ -4,7 +4,7 @@ import math
 import shlex
 from typing import Any
 
-from allanite.cli.tasks import TASKS
+from allanite.cli.tasks import jobs
 from allanite.core.choices import choices_of
 from allanite.core.kinds import KIND_WORDS, KINDS
 from allanite.core.units import SIGNALS
@@ -75,8 +75,8 @@ def tables(lang: str) -> dict[str, Any]:
             "outliers": [{"name": "", "title": tr(say("exclude from the fit only"))},
                          {"name": "mark", "title": tr(say("exclude everywhere"))},
                          {"name": "keep", "title": tr(say("use everywhere"))}],
-            "verbs": list(TASKS),
-            "options": {verb: {name: row.text for name, row in accepted(verb).items()} for verb in TASKS},
+            "verbs": jobs(),
+            "options": {verb: {name: row.text for name, row in accepted(verb).items()} for verb in jobs()},
             "choices": [{"name": name, "group": row.group, "control": row.kind.control}
                         for name, row in choices_of(Recipe).items()],
         }  # fmt: skip

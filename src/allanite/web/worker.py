@@ -14,8 +14,8 @@ from typing import Any
 
 from allanite.cli import main as allanite
 from allanite.cli.forms import encoded
-from allanite.cli.tasks import TASKS as JOBS
 from allanite.cli.tasks import Reports
+from allanite.core.choices import choices_of, read_given
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
@@ -141,9 +141,9 @@ def run(
     held.files, held.lang = files, lang
     request = Request.of(verb, choices)
     with processes(None):
-        value = JOBS[verb].run(paths, request.recipe, request.settings, Reports(held.tell, held.event, held.source))
+        value = request.task.run(paths, request.recipe, request.settings, Reports(held.tell, held.event, held.source))
     held.values[job] = value, shown
-    return {"json": to_json(value), "faces": faces.described(value, lang), "exit": JOBS[verb].code(value)}
+    return {"json": to_json(value), "faces": faces.described(value, lang), "exit": request.task.code(value)}
 
 
 def example(held: Held, line: list[str]) -> Answer:
@@ -194,8 +194,7 @@ def export(held: Held, job: str, *, channels: list[str], target: str, choices: d
     from allanite.exporting.fields import How
 
     value, _ = held.values[job]
-    how = How(choices.get("axis") or "worst", float(choices.get("inflate") or 1.0), None,
-              choices.get("filter_rate"), bool(choices.get("unexplained")))  # fmt: skip
+    how = How(**read_given(choices_of(How), choices))
     row, suffix = prepared(target, how, form)
     chosen = replace(value, channels=tuple(value[name] for name in channels)) if channels else value
     made = exported(row, chosen, how, suffix)

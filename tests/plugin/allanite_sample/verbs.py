@@ -2,6 +2,6 @@
 
 from allanite.cli import Verb
 
-from .command import extent
+from .command import EXTENT, extent
 
-EXTENT = Verb("extent", "Analyze", extent)
+VERB = Verb("extent", "Analyze", extent, EXTENT)

@@ -8,7 +8,7 @@ import pytest
 import allanite as al
 from allanite.cli import main
 from allanite.cli.deliver import recipe_of, settings_of
-from allanite.cli.tasks import TASKS
+from allanite.cli.tasks import jobs, task_of
 from allanite.core.choices import choices_of
 from allanite.study.recipe import Recipe
 from allanite.study.settings import DensityChoices, DeviationChoices
@@ -42,14 +42,14 @@ def test_the_line_of_a_request_is_parsed_back_to_equal_values(verb, data):
         command = main.get_command(above, verb)
     with command.make_context(verb, words[1:], parent=above) as context:
         choices = dict(context.params)
-    task = TASKS[verb]
+    task = task_of(verb)
     settings = settings_of(task.kind, choices) if task.kind else None
     assert (settings, recipe_of(choices, **task.usual)) == (request.settings, request.recipe)
     assert choices["lang"] == "ru"
     assert "-my file.csv" in str(context.params.values())
 
 
-@pytest.mark.parametrize("verb", TASKS)
+@pytest.mark.parametrize("verb", jobs())
 def test_what_is_usual_is_not_said(verb):
     assert Request.of(verb, dict.fromkeys(accepted(verb), "")).line(["x.csv"]) == f"allanite {verb} x.csv"
 

@@ -265,7 +265,7 @@ def test_each_option_is_declared_in_one_file():
     for path in sorted((ROOT / "src" / "allanite" / "cli").glob("*.py")):
         for name in re.findall(r'(?:click\.option\(\s*"--|_path\(")([a-z-]+)', path.read_text(encoding="utf-8")):
             declared.setdefault(name, set()).add(path.name)
-    assert {"lang", "window", "corrected"} < set(declared)
+    assert {"lang", "model", "corrected"} < set(declared)
     assert {name: files for name, files in declared.items() if len(files) > 1} == {}
 
 
