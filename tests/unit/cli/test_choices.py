@@ -38,7 +38,7 @@ REQUESTS = [
 def test_the_line_of_a_request_is_parsed_back_to_equal_values(verb, data):
     request = Request.of(verb, data)
     _, *words = shlex.split(request.line(["-my file.csv"], "ru"))
-    with click.Context(main) as above:
+    with click.Context(main, **main.context_settings) as above:
         command = main.get_command(above, verb)
     with command.make_context(verb, words[1:], parent=above) as context:
         choices = dict(context.params)
