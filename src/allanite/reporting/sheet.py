@@ -255,15 +255,6 @@ def known(form: str, otherwise: str = "", unit: str = "") -> Callable[[float | N
     return lambda value: otherwise if value is None or not math.isfinite(value) else f"{value:{form}}{unit}"
 
 
-def columns(*headings: str, left: int = 1, form: Form = "") -> tuple[Column, ...]:
-    """Columns of numbers, the first `left` of names; "unit" is a unit, and an interval is known by its name."""
-    usual: list[Kind] = [*["name"] * left, *["number"] * (len(headings) - left)]  # type: ignore[list-item]
-    return tuple(
-        Column(h, "unit" if h == "unit" else "interval" if h.endswith(("interval", "limits")) else kind, form=form)
-        for h, kind in zip(headings, usual, strict=True)
-    )
-
-
 def header_of(provenance: dict[str, str], notes: Iterable[str], method: str = "") -> list[tuple[str, str]]:
     """The first lines of a result: its file, what was assumed, its digest, what made it."""
     lines: list[tuple[str, str]] = [(say("file"), provenance.get("source") or say("(data in memory)"))]

@@ -125,6 +125,14 @@ def limit(estimate: Estimate, unit: str) -> Digits | None:
     return digits(estimate.upper / coefficient_factor(estimate.symbol, unit, estimate.signal), figures=2)
 
 
+def brief(estimate: Estimate, level: float) -> str:
+    """A coefficient to its significant digits, in brackets if it is not valid, or its upper limit."""
+    number, most = shown(estimate, estimate.sheet_unit, level), limit(estimate, estimate.sheet_unit)
+    if number is not None:
+        return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
+    return f"< {most.plain()[0]}" if most else "-"
+
+
 def below(estimate: Estimate, most: str) -> Phrase:
     """A limit with the word before it: a ramp has a sign, its size is limited."""
     return say("size below {limit}", limit=most) if _ramp(estimate) else say("below {limit}", limit=most)

@@ -112,21 +112,18 @@ class LineMark:
 
     def draw(self, place: Place) -> str:
         """See `Mark`."""
-        x, y = place(self.x, self.y, self.meaning)
-        line = (
-            ink.element(ink.path(x, y), ink.stroke(self.color, self.width, self.dash, self.alpha)) if self.drawn else ""
-        )
-        return line + (self.marker.at(x, y) if self.marker else "")
+        points = place(self.x, self.y, self.meaning)
+        return self._through(points, points)
 
     def key(self, x: float, y: float, width: float, size: float) -> str:
         """See `Mark`."""
         ends = np.array([x, x + width]), np.array([y, y])
-        line = (
-            ink.element(ink.path(*ends), ink.stroke(self.color, self.width, self.dash, self.alpha))
-            if self.drawn
-            else ""
-        )
-        return line + (self.marker.at(np.array([x + width / 2]), np.array([y])) if self.marker else "")
+        return self._through(ends, (np.array([x + width / 2]), np.array([y])))
+
+    def _through(self, points: Points, marked: Points) -> str:
+        look = ink.stroke(self.color, self.width, self.dash, self.alpha)
+        line = ink.element(ink.path(*points), look) if self.drawn else ""
+        return line + (self.marker.at(*marked) if self.marker else "")
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, worst_of
-from allanite.batch.summary import Across, power_of
+from allanite.batch.summary import power_of
 from allanite.core.fit import Fit
 from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal, convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
+from allanite.reporting.digits import digits, rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, toml
 from allanite.study.analysis import Channel
 
@@ -88,13 +88,25 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     for signal in signals.values():
         yield _main(batch, signal, level)
+    yield _across_table(batch)
+
+
+def _across_table(batch: Batch) -> Table:
+    """The values of all units in which a term was identified."""
     heads = (
         Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
-        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("file"), "name"),
-        Column(say("others below")), Column("", "unit"),
+        Column(say("mean")), Column(say("standard deviation")), Column(say("worst"), form=rounded),
+        Column(say("file"), "name"), Column(say("others below"), form=rounded), Column("", "unit"),
     )  # fmt: skip
-    rows = [_spread(batch, found) for found in batch.across]
-    yield Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
+    rows = []
+    for channel, symbol, units, count, *spread, worst, file, below, unit in (found.row() for found in batch.across):
+        share = say("{identified} of {units}", identified=count, units=units)
+        shown: list[str] = [rounded(value) for value in spread]
+        if count < units:
+            shown = [number and say("{number} (of {count})", number=number, count=count) for number in shown]
+        label = batch.label(batch[file]) if file else ""
+        rows.append([channel, symbol_of(symbol), share, *shown, worst, label, below, unit])
+    return Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
 
 
 def _summary(batch: Batch) -> Note:
@@ -161,8 +173,15 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
     heads += [Column(f"{s} [{signal.sheet[power_of(s)]}]") for s in symbols]
     heads += [Column(join(" ", (LOWEST, f"[{signal.sheet[0]}]"))), Column(say("model"), "name")]
     heads += [Column(say("result"), "name")] if batch.specification else []
-    cells = [_row(batch, unit, channel, symbols, level) for unit, channel in _of(batch, signal)]
-    marks = [MARKS.get(_outcome(unit, channel), "") for unit, channel in _of(batch, signal)]
+    cells, marks = [], []
+    for unit, channel in _of(batch, signal):
+        usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
+        terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols]
+        grade = say("no result") if channel.refusal else GRADE_WORDS[channel.noise.validity] if channel.noise else ""
+        outcome = _outcome(unit, channel)
+        last = [_minimum(channel, level), grade, *([OUTCOME_WORDS[outcome]] if batch.specification else [])]
+        cells.append([batch.label(unit), channel.record.name, *terms, *last])
+        marks.append(MARKS.get(outcome, ""))
     title = say("units: {sensor}", sensor=signal.sensor)
     return Table(heads, cells, title, marks, MAIN, most=EVERY)
 
@@ -177,23 +196,6 @@ def _outcome(unit: BatchUnit, channel: Channel) -> str:
     return worst_of([j.outcome for j in unit.judgements if j.channel == channel.record.name])
 
 
-def _row(batch: Batch, unit: BatchUnit, channel: Channel, symbols: Sequence[str], level: float) -> list[str]:
-    found = {e.symbol: e for e in channel.fit or ()}
-    cells = []
-    for symbol in symbols:
-        e = found.get(symbol)
-        known = e is not None and e.row.usable
-        number = words.shown(e, e.sheet_unit, level) if e is not None and known else None
-        most = words.limit(e, e.sheet_unit) if e is not None and known else None
-        cells.append(number.plain()[0] if number else f"< {most.plain()[0]}" if most else "-")
-    last = [
-        _minimum(channel, level),
-        say("no result") if channel.refusal else GRADE_WORDS[channel.noise.validity] if channel.noise else "",
-    ]
-    result = [OUTCOME_WORDS[_outcome(unit, channel)]] if batch.specification else []
-    return [batch.label(unit), channel.record.name, *cells, *last, *result]
-
-
 def _minimum(channel: Channel, level: float) -> str:
     """The minimum of the curve; its upper limit where the record does not reach it."""
     readings = channel.readings
@@ -204,28 +206,6 @@ def _minimum(channel: Channel, level: float) -> str:
     if not readings.inside:
         return f"< {digits(high, figures=2).plain()[0]}"
     return digits(readings.minimum.deviation * scale, low, high).plain()[0]
-
-
-def _spread(batch: Batch, found: Across) -> list[str]:
-    channel, symbol, units, count, mean, deviation, worst, file, below, unit = found.row()
-    share = say("{identified} of {units}", identified=count, units=units)
-    numbers = [_number(v) for v in (mean, deviation)]
-    if count < units:
-        numbers = [say("{number} (of {count})", number=number, count=count) if number else "" for number in numbers]
-    return [
-        channel,
-        symbol_of(symbol),
-        share,
-        *numbers,
-        _number(worst),
-        batch.label(batch[file]) if file else "",
-        _number(below),
-        unit,
-    ]
-
-
-def _number(value: float) -> str:
-    return digits(value).plain()[0] if value == value else ""  # noqa: PLR0124 - NaN is no value
 
 
 def _details(batch: Batch, level: float) -> Iterator[Part]:

@@ -1,7 +1,6 @@
 """How a budget is shown."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from allanite.applications.signals import Budget, StageNoise, TorqueScale
@@ -88,8 +87,8 @@ def _face(study: BudgetStudy, level: float) -> Face:
     elif scale is not None:
         notes = (say("K_i = {factor:.6g} rad/s per A, as given", factor=scale), *notes)
     title = say("Rounding in {source}", source=source_of(study))
-    face = job_face(study, (title, BRAND), [_sheet(channel) for channel in study])
-    return replace(face, header=header_of(study.provenance, notes), how=[*map(Note, HOW)], notes=notes)
+    sheets, header = [_sheet(channel) for channel in study], header_of(study.provenance, notes)
+    return job_face(study, (title, BRAND), sheets, header=header, how=[*map(Note, HOW)], notes=notes)
 
 
 def _sheet(channel: BudgetChannel) -> Sheet:

@@ -2,14 +2,12 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import Any
 
 from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.display_units import readable_unit
-from allanite.core.estimate import Estimate
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
@@ -66,14 +64,15 @@ def _compared_face(value: Comparison, level: float) -> Face:
     met = {change.outcome for change in value.terms}
     meanings = [[OUTCOME_WORDS[outcome], meaning] for outcome, meaning in OUTCOMES.items()]
     outcomes = Table((Column(say("outcome"), "name"), Column(say("meaning"), "text")), meanings)
-    face = face_of(value, any(pair.ratios is not None for pair in value), level)
     sheets = []
     for pair in value:
         tables = [_changes_table(pair, value, level)] if pair.changes else []
         tables += [_ratios_table(pair.ratios, value, (level, pair.alpha))] if pair.ratios is not None else []
         sheets.append(sheet_of(pair, value.names, not all(pair.explained), tables))
-    return replace(
-        face,
+    return face_of(
+        value,
+        any(pair.ratios is not None for pair in value),
+        level,
         title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]),
         sheets=sheets,
         close=[
@@ -85,8 +84,8 @@ def _compared_face(value: Comparison, level: float) -> Face:
     )
 
 
-def face_of(value: Value, drawn: bool, level: float) -> Face:
-    """What both have."""
+def face_of(value: Value, drawn: bool, level: float, **own: Any) -> Face:
+    """What both have, and what is their `own`."""
     source = value.provenance.get("source", "")
     header: list[tuple[str, str]] = [(say("file"), source)] if source and "source 2" not in value.provenance else []
     header += [(say("with") if i else say("compared"), name) for i, name in enumerate(value.names)]
@@ -100,9 +99,8 @@ def face_of(value: Value, drawn: bool, level: float) -> Face:
     drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
     count = say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
     names = count, say("what has changed")
-    return replace(
-        job_face(value, names, (), [drawing] if drawn else []), header=[*header, header_of(value.provenance, ())[-1]]
-    )
+    shown = {"header": [*header, header_of(value.provenance, ())[-1]], **own}
+    return job_face(value, names, (), [drawing] if drawn else [], **shown)
 
 
 def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
@@ -134,22 +132,14 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     )  # fmt: skip
     rows = []
     for c in pair.changes:
-        values = [value_of(c.before, level), value_of(c.after, level)]
+        values = [words.brief(c.before, level), words.brief(c.after, level)]
         if pair.whole is not None:
-            values.append("-" if c.frequency is not None else value_of(pair.whole[c.symbol], level))
+            values.append("-" if c.frequency is not None else words.brief(pair.whole[c.symbol], level))
         rows.append([
             c.symbol, c.named(words.title(c.symbol, c.signal)), *values, c.before.sheet_unit,
             *change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
         ])  # fmt: skip
     return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
-
-
-def value_of(estimate: Estimate, level: float) -> str:
-    """A coefficient to its significant digits, or its upper limit."""
-    number, most = words.shown(estimate, estimate.sheet_unit, level), words.limit(estimate, estimate.sheet_unit)
-    if number is not None:
-        return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
-    return f"< {most.plain()[0]}" if most else "-"
 
 
 def change_of(change: Change, level: float) -> tuple[str, str]:

@@ -238,15 +238,13 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
 
 
 STUDY = View(
-    lambda study, level: replace(
-        job_face(
-            study,
-            (say("Compensation of {source}", source=source_of(study)), BRAND),
-            [
-                *(_sheet(channel, level) for channel in study.channels),
-                *(_sheet(channel, level, study.provenance.get("applied to", "")) for channel in study.applied),
-            ],
-        ),
+    lambda study, level: job_face(
+        study,
+        (say("Compensation of {source}", source=source_of(study)), BRAND),
+        [
+            *(_sheet(channel, level) for channel in study.channels),
+            *(_sheet(channel, level, study.provenance.get("applied to", "")) for channel in study.applied),
+        ],
         how=[*map(Note, HOW)],
     ),
     lambda values, fit, level: _draw(

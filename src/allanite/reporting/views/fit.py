@@ -13,7 +13,7 @@ from allanite.core.residuals import Residuals, statement
 from allanite.core.titles import meaning_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Note, Part, Table, columns, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Note, Part, Table, one_sheet
 from allanite.terms import TERMS
 
 from . import View
@@ -138,7 +138,9 @@ def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
 
 def model_table(model: Model) -> Table:
     """The terms of a model, in the units of data sheets."""
-    heads = columns("", say("term"), say("value"), say("unit"), left=2, form=".6g")
+    heads = (
+        Column("", "name"), Column(say("term"), "name"), Column(say("value"), form=".6g"), Column(say("unit"), "unit"),
+    )  # fmt: skip
     sheets = [(t, t.signal.sheet[t.row.power]) for t in model]
     return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), t.to(u), u] for t, u in sheets])
 

@@ -49,11 +49,13 @@ def source_of(job: Job[Any]) -> str:
     return PurePath(job.provenance.get("source", "")).name or say("data in memory")
 
 
-def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], parts: Iterable[Part] = ()) -> Face:
-    """The face of a job: its title and brand, its findings and other parts, its sheets, and how it came about."""
+def job_face(
+    job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], parts: Iterable[Part] = (), **more: Any
+) -> Face:
+    """The face of a job: title and brand, findings and other parts, sheets, how it came about; `more` fields."""
     title, brand = names
     once, kept = told_once(sheets)
-    return Face(
+    face = Face(
         title,
         brand,
         kept,
@@ -63,6 +65,7 @@ def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], par
         provenance=job.provenance,
         notes=job.notes,
     )
+    return replace(face, **more)
 
 
 def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:

@@ -10,7 +10,7 @@ from allanite.batch.manifest import DATE
 from allanite.batch.scatter import DAY, FEWEST, detectable
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import figures
-from allanite.reporting.digits import digits
+from allanite.reporting.digits import rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
 from .batch import BATCH, EVERY, symbol_of
@@ -40,12 +40,12 @@ def _parts(lot: Lot) -> Iterator[Part]:
         for one in lot.distributions if one.values.size >= FEWEST
     ]  # fmt: skip
     if rows:
-        shares = (Column(f"{share} %", form=_number) for share in (10, 50, 90))
+        shares = (Column(f"{share} %", form=rounded) for share in (10, 50, 90))
         title = say("quantiles of the units in which the term was identified")
         yield Table((*term, Column(say("units")), *shares, unit), rows, title, most=EVERY)
     if lot.trends:
         heads = (
-            *term, Column(say("against"), "name"), Column(say("units")), Column(say("slope"), form=_number),
+            *term, Column(say("against"), "name"), Column(say("units")), Column(say("slope"), form=rounded),
             Column(say("interval"), "interval"), unit,
         )  # fmt: skip
         marks: list[Mark] = ["alarm" if trend.shown else "" for trend in lot.trends]
@@ -54,12 +54,12 @@ def _parts(lot: Lot) -> Iterator[Part]:
             slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
             along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
             per = say("{unit} per {step}", unit=one.sheet_unit, step=each)
-            interval = f"{_number(low)} .. {_number(high)}"
+            interval = f"{rounded(low)} .. {rounded(high)}"
             rows.append([one.channel, symbol_of(one.symbol), along, one.values.size, slope, interval, per])
         yield Table(heads, rows, say("trends"), marks, TREND_KEY, most=EVERY)
     if lot.outlying:
-        outlying = (Column(say("file"), "name"), *term, Column(say("value"), form=_number),
-                 Column(say("median"), form=_number), unit)  # fmt: skip
+        outlying = (Column(say("file"), "name"), *term, Column(say("value"), form=rounded),
+                 Column(say("median"), form=rounded), unit)  # fmt: skip
         rows = [
             [lot.batch.label(lot.batch[one.file]), one.channel, symbol_of(one.symbol), one.value / one.factor,
              one.median / one.factor, one.sheet_unit]
@@ -108,10 +108,6 @@ def _drawn(lot: Lot) -> "list[figures.LotRow]":
         if values.size > 1:
             found.append(figures.LotRow(one.channel, symbol, one.sheet_unit, values, courses))
     return found
-
-
-def _number(value: float) -> str:
-    return digits(value).plain()[0]
 
 
 def _face(lot: Lot, level: float) -> Face:

@@ -1,7 +1,6 @@
 """What the views of results have in common that follow from a noise model, given or found in a recording."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from allanite.phrases.phrase import join, say
@@ -59,8 +58,8 @@ def job_face(form: ModelledForm) -> Callable[["ModelJob", float], Face]:
             if channel.result is not None:
                 parts += form.parts(channel.result, channel)
             sheets.append(Sheet(channel.name or form.name, about, parts))
-        found = jobs.job_face(job, names, sheets, limits)
-        return replace(found, header=header, close=_legend(form), how=(Note(form.key),))
+        shown = {"header": header, "close": _legend(form), "how": (Note(form.key),)}
+        return jobs.job_face(job, names, sheets, limits, **shown)
 
     return face
 

@@ -1,7 +1,6 @@
 """How pools are shown."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 from allanite.comparison.pooled import Pool, PooledChannel
@@ -13,7 +12,7 @@ from allanite.reporting.sheet import Column, Face, Mark, Note, Table, known
 from allanite.statistics import STATISTICS
 
 from . import Rows, View
-from .comparison import face_of, sheet_of, value_of
+from .comparison import face_of, sheet_of
 
 POOLED = (
     say(
@@ -46,8 +45,8 @@ def _pooled_face(value: Pool, level: float) -> Face:
             tables.append(_curve_table(channel, level))
         doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
         sheets.append(sheet_of(channel, value.names, doubt, tables))
-    face = face_of(value, any(channel.curve is not None for channel in value), level)
-    return replace(face, brand=say("what runs have in common"), sheets=sheets, how=[*map(Note, POOLED)])
+    own = {"brand": say("what runs have in common"), "sheets": sheets, "how": [*map(Note, POOLED)]}
+    return face_of(value, any(channel.curve is not None for channel in value), level, **own)
 
 
 _SCATTER = known(".3g", "-", " %")
@@ -76,7 +75,7 @@ def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
         Column(say("apart, p"), form=lambda p: "" if p is None else words.probability(p)),
     )  # fmt: skip
     rows = [
-        [name, *(value_of(fit[term.symbol], level) for term in channel.terms), channel.apart.get(name)]
+        [name, *(words.brief(fit[term.symbol], level) for term in channel.terms), channel.apart.get(name)]
         for name, fit in zip(whole.names, channel.fits, strict=True)
     ]
     marks: list[Mark] = ["alarm" if name in channel.apart else "" for name in whole.names]

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, RateEstimate, closeup
@@ -13,7 +12,7 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, columns, known, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, known, one_sheet
 
 from . import Rows, View
 from .jobs import channel_sheet, job_face, source_of
@@ -49,7 +48,7 @@ def _face(study: RateStudy, level: float) -> Face:
         doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
     title = say("Rate of {source}", source=source_of(study))
-    return replace(job_face(study, (title, BRAND), sheets), how=[METHODS])
+    return job_face(study, (title, BRAND), sheets, how=[METHODS])
 
 
 def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterator[Part]:
@@ -169,11 +168,10 @@ RANKING = View(
             Note(told(ranking), "strong"),
             Note(say("noise: {model}", model=str(ranking.model))),
             Table(
-                columns(
-                    say("method"),
-                    say("standard error, {unit}", unit=ranking.signal.sheet[0]),
-                    say("over the bound"),
-                    form=known(".4g"),
+                (
+                    Column(say("method"), "name"),
+                    Column(say("standard error, {unit}", unit=ranking.signal.sheet[0]), form=known(".4g")),
+                    Column(say("over the bound"), form=known(".4g")),
                 ),
                 ranking.rows()[1],
             ),

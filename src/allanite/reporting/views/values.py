@@ -13,8 +13,8 @@ from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Sheet, Table, Where
+from allanite.reporting.digits import digits, rounded
+from allanite.reporting.sheet import Column, Drawing, Face, Sheet, Table, Where, one_sheet
 from allanite.reporting.text import spread
 from allanite.statistics import STATISTICS
 
@@ -41,9 +41,12 @@ class NumbersForm(NamedTuple):
 
 def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
     """The numbers of a curve, spectrum or surface; folded away on a page."""
-    form = FORMS[type(value)]
-    said = join("; ", filter(None, (title or form.title(value), _supposed(value))))
-    return Table(*form.table(value, level), said, details=True, where=where)
+    said = join("; ", filter(None, (title or _title(value), _supposed(value))))
+    return Table(*FORMS[type(value)].table(value, level), said, details=True, where=where)
+
+
+def _title(value: Any) -> str:
+    return FORMS[type(value)].title(value)
 
 
 def _supposed(value: Any) -> str:
@@ -61,7 +64,7 @@ def _curve_table(curve: Curve, level: float) -> tuple[Sequence[Column], list[lis
     heads = [Column("m"), Column("tau [s]", form=".6g"), Column(f"[{curve.unit}]")]
     numbers = zip(curve.m, curve.tau, curve.deviation, strict=True)
     if curve.law is None:
-        rows = [[m, tau, _number(value)] for m, tau, value in numbers]
+        rows = [[m, tau, rounded(value)] for m, tau, value in numbers]
     else:
         heads += [Column(words.interval(level), "interval"), Column("edf", form=".4g")]
         limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
@@ -92,11 +95,7 @@ def _surface_table(surface: Surface, _: float) -> tuple[Sequence[Column], list[l
     kept = spread(surface.tau.size, MOST_COLUMNS)
     heads = (Column(say("time [s]"), form=".6g"), *(Column(f"{surface.tau[j]:.4g} s") for j in kept))
     numbers = zip(surface.time, surface.deviation[:, kept].tolist(), strict=True)
-    return heads, [[time, *(_number(value) or "-" for value in row)] for time, row in numbers]
-
-
-def _number(value: float) -> str:
-    return digits(value).plain()[0] if np.isfinite(value) else ""
+    return heads, [[time, *(rounded(value) or "-" for value in row)] for time, row in numbers]
 
 
 FORMS: dict[type, NumbersForm] = {
@@ -156,16 +155,6 @@ FORMS: dict[type, NumbersForm] = {
 }
 
 
-def _one_face(value: Any, level: float) -> Face:
-    form = FORMS[type(value)]
-    title = form.title(value)
-    if value.name:
-        title = say("{channel}: {statistic}", channel=value.name, statistic=title)
-    drawing = Drawing(lambda: form.plot([value], {}, level), form.title(value), _supposed(value))
-    sheet = Sheet(value.name or say("channel"), tuple(value.history), (drawing, numbers_table(value, level)))
-    return Face(title, BRAND, (sheet,))
-
-
 def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     kinds = {type(value) for value in values}
     if len(kinds) > 1:
@@ -176,7 +165,20 @@ def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     return FORMS[type(values[0])].plot(values, fits, level)
 
 
-CURVE = SPECTRUM = SURFACE = View(_one_face, _plot_one, lambda value, level: rows_of([value], level))
+CURVE = SPECTRUM = SURFACE = View(
+    lambda value, level: one_sheet(
+        say("{channel}: {statistic}", channel=value.name, statistic=_title(value)) if value.name else _title(value),
+        BRAND,
+        value.name or say("channel"),
+        (
+            Drawing(lambda: FORMS[type(value)].plot([value], {}, level), _title(value), _supposed(value)),
+            numbers_table(value, level),
+        ),
+        about=tuple(value.history),
+    ),
+    _plot_one,
+    lambda value, level: rows_of([value], level),
+)
 
 
 READINGS_KEY = say(
