@@ -13,20 +13,10 @@ from allanite.core.validity import APPROXIMATE
 from allanite.identification.front import METHODS
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import (
-    Column,
-    Drawing,
-    Face,
-    Fold,
-    Note,
-    Part,
-    Sheet,
-    Table,
-    header_of,
-)
+from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Sheet, Table, header_of
 from allanite.study.analysis import Channel, Study
 
-from . import Rows, View
+from . import Rows, view
 from .datasheet import alternative, card_of, data_sheet_table
 from .details import details, over_time, overlay
 from .fit import coefficients, definitions, plot_curves
@@ -78,35 +68,6 @@ SHARED = say(
     "Correlation of the residuals of two channels: sample by sample, and of means over 64 segments of the record. In "
     "independent channels the second lies within +-0.25 with 95 % probability."
 )
-
-
-def _face(study: Study, level: float) -> Face:
-    fitted = any(channel.fit for channel in study.channels)
-    panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
-    sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
-    method = say(", method {method}", method=study.recipe.method)
-    # sensors, sampling rate, length and program in a line
-    records = [channel.record for channel in study.channels]
-    sensors = Counter(record.signal.a_sensor for record in records)
-    counted = [
-        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=sensor)
-        for sensor, n in sensors.items()
-    ]
-    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
-    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
-    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
-    digest = study.provenance.get("sha256", "")
-    return job_face(
-        study,
-        (say("Noise of {source}", source=source_of(study)), BRAND),
-        sheets,
-        overlay(list(panels.values()), level),
-        header=header_of(study.provenance, study.notes, method if fitted else ""),
-        close=[*meanings(study), *_close(study)],
-        how=list(_how(study)),
-        device=study.recipe.labels,
-        facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,
-    )
 
 
 def _sheet(channel: Channel, level: float, panel: "figures.CurvePanel | None" = None) -> Sheet:
@@ -210,14 +171,44 @@ def _coefficients(study: Study, level: float) -> Rows:
     return heads, rows
 
 
-STUDY = View(
-    _face,
+@view(
     plot_curves,
     lambda study, level: rows_of(
         [c.curve.to(readable_unit(c.curve.unit)) for c in study.channels if c.curve is not None], level
     ),
     _coefficients,
 )
-CHANNEL = View(
-    lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)), plot_curves
-)
+def study_view(study: Study, level: float) -> Face:
+    """A study: its channels, with what their coefficients mean."""
+    fitted = any(channel.fit for channel in study.channels)
+    panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
+    sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
+    method = say(", method {method}", method=study.recipe.method)
+    # sensors, sampling rate, length and program in a line
+    records = [channel.record for channel in study.channels]
+    sensors = Counter(record.signal.a_sensor for record in records)
+    counted = [
+        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=sensor)
+        for sensor, n in sensors.items()
+    ]
+    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
+    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
+    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
+    digest = study.provenance.get("sha256", "")
+    return job_face(
+        study,
+        (say("Noise of {source}", source=source_of(study)), BRAND),
+        sheets,
+        overlay(list(panels.values()), level),
+        header=header_of(study.provenance, study.notes, method if fitted else ""),
+        close=[*meanings(study), *_close(study)],
+        how=list(_how(study)),
+        device=study.recipe.labels,
+        facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,
+    )
+
+
+@view(plot_curves)
+def channel_view(channel: Channel, level: float) -> Face:
+    """One channel of a study."""
+    return Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),))

@@ -1,11 +1,11 @@
 """How many units are shown: one row for each channel of a unit, and what they have in common."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, worst_of
-from allanite.batch.summary import power_of
+from allanite.batch.summary import Across, power_of
 from allanite.core.fit import Fit
 from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal, convert
@@ -16,8 +16,8 @@ from allanite.reporting.digits import digits, rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, toml
 from allanite.study.analysis import Channel
 
-from . import Rows, View
-from .analysis import STUDY
+from . import Rows, view
+from .analysis import study_view
 from .fit import definitions, terms_table
 from .meaning import causes_of
 
@@ -31,12 +31,7 @@ MARKS: dict[str, Any] = {FAIL: "alarm", NOT_SHOWN: "weak", "": ""}
 """Mark of a row by its outcome."""
 
 OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_SHOWN: say("not shown"), "": ""}
-GRADE_WORDS = {
-    EXPLAINED: say("explained"),
-    APPROXIMATE: say("approximate"),
-    UNEXPLAINED: say("unexplained"),
-    "": "",
-}
+GRADE_WORDS = {EXPLAINED: say("explained"), APPROXIMATE: say("approximate"), UNEXPLAINED: say("unexplained"), "": ""}
 LOWEST = say("minimum")
 
 RULE = say(
@@ -53,27 +48,6 @@ SPREAD = say(
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
 
 
-def _face(batch: Batch, level: float) -> Face:
-    fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
-    files: str = str(len(batch))
-    if batch.folder:
-        files = say("{files} in {folder}", files=files, folder=batch.folder)
-    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
-    if batch.specification is not None:
-        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
-    return Face(
-        say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
-        say("noise coefficients of inertial sensors"),
-        header=[*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
-        parts=list(_parts(batch, level)),
-        close=list(_details(batch, level)),
-        how=(definitions(fits),),
-        choices=toml(batch.choices),
-        provenance=batch.provenance,
-        notes=batch.notes,
-    )
-
-
 def _parts(batch: Batch, level: float) -> Iterator[Part]:
     yield _summary(batch)
     for unit in batch:
@@ -88,10 +62,10 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     for signal in signals.values():
         yield _main(batch, signal, level)
-    yield _across_table(batch)
+    yield _across_table(batch, batch.across)
 
 
-def _across_table(batch: Batch) -> Table:
+def _across_table(batch: Batch, across: Iterable[Across]) -> Table:
     """The values of all units in which a term was identified."""
     heads = (
         Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
@@ -99,7 +73,7 @@ def _across_table(batch: Batch) -> Table:
         Column(say("file"), "name"), Column(say("others below"), form=rounded), Column("", "unit"),
     )  # fmt: skip
     rows = []
-    for channel, symbol, units, count, *spread, worst, file, below, unit in (found.row() for found in batch.across):
+    for channel, symbol, units, count, *spread, worst, file, below, unit in (found.row() for found in across):
         share = say("{identified} of {units}", identified=count, units=units)
         shown: list[str] = [rounded(value) for value in spread]
         if count < units:
@@ -245,7 +219,7 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
 
 
 def _rows(batch: Batch, level: float) -> Rows:
-    found = [(unit.file, STUDY.rows(unit.study, level)) for unit in batch if unit.study and STUDY.rows]
+    found = [(unit.file, study_view.rows(unit.study, level)) for unit in batch if unit.study and study_view.rows]
     heads = found[0][1][0]
     return ("file", *heads), [[file, *row] for file, (_, rows) in found for row in rows]
 
@@ -256,9 +230,9 @@ def _coefficients(batch: Batch, level: float) -> Rows:
     rows: list[list[Any]] = []
     for unit in batch:
         judged = {(j.channel, j.limit.symbol): j for j in unit.judgements}
-        if unit.study is None or STUDY.coefficients is None:
+        if unit.study is None or study_view.coefficients is None:
             continue
-        heads, found = STUDY.coefficients(unit.study, level)
+        heads, found = study_view.coefficients(unit.study, level)
         for row in found:
             judgement = judged.get((row[0], row[1]))
             limit = ("", "") if judgement is None else (judgement.limit.words(), judgement.outcome)
@@ -269,4 +243,24 @@ def _coefficients(batch: Batch, level: float) -> Rows:
     return ("file", *heads, "limit", "result"), rows
 
 
-BATCH = View(_face, _plot, _rows, _coefficients)
+@view(_plot, _rows, _coefficients)
+def batch_view(batch: Batch, level: float) -> Face:
+    """The units, what they have in common, and which of them pass."""
+    fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
+    files: str = str(len(batch))
+    if batch.folder:
+        files = say("{files} in {folder}", files=files, folder=batch.folder)
+    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
+    if batch.specification is not None:
+        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
+    return Face(
+        say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
+        say("noise coefficients of inertial sensors"),
+        header=[*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
+        parts=list(_parts(batch, level)),
+        close=list(_details(batch, level)),
+        how=(definitions(fits),),
+        choices=toml(batch.choices),
+        provenance=batch.provenance,
+        notes=batch.notes,
+    )

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from allanite.comparison.change import OUTCOMES, Change
@@ -16,7 +17,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sh
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
-from . import Rows, View
+from . import Rows, view
 from .jobs import job_face
 
 Value = Comparison | Pool
@@ -60,30 +61,6 @@ PAIRS = ("channel", "quantity", "tau_s", "before", "after", "unit", "change_perc
 """The change of a deviation and its interval refer to the deviation; its square is the ratio of the variances."""
 
 
-def _compared_face(value: Comparison, level: float) -> Face:
-    met = {change.outcome for change in value.terms}
-    meanings = [[OUTCOME_WORDS[outcome], meaning] for outcome, meaning in OUTCOMES.items()]
-    outcomes = Table((Column(say("outcome"), "name"), Column(say("meaning"), "text")), meanings)
-    sheets = []
-    for pair in value:
-        tables = [_changes_table(pair, value, level)] if pair.changes else []
-        tables += [_ratios_table(pair.ratios, value, (level, pair.alpha))] if pair.ratios is not None else []
-        sheets.append(sheet_of(pair, value.names, not all(pair.explained), tables))
-    return face_of(
-        value,
-        any(pair.ratios is not None for pair in value),
-        level,
-        title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]),
-        sheets=sheets,
-        close=[
-            Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
-            for outcome, meaning in OUTCOMES.items()
-            if outcome in met
-        ],
-        how=[*map(Note, COMPARED), outcomes],
-    )
-
-
 def face_of(value: Value, drawn: bool, level: float, **own: Any) -> Face:
     """What both have, and what is their `own`."""
     source = value.provenance.get("source", "")
@@ -99,8 +76,8 @@ def face_of(value: Value, drawn: bool, level: float, **own: Any) -> Face:
     drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
     count = say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
     names = count, say("what has changed")
-    shown = {"header": [*header, header_of(value.provenance, ())[-1]], **own}
-    return job_face(value, names, (), [drawing] if drawn else [], **shown)
+    header.append(header_of(value.provenance, ())[-1])
+    return replace(job_face(value, names, (), [drawing] if drawn else [], header=header), **own)
 
 
 def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
@@ -196,4 +173,27 @@ def _compared_rows(value: Comparison, level: float) -> Rows:
     return PAIRS, rows
 
 
-COMPARISON = View(_compared_face, lambda values, fit, level: figures.plot_comparison(values, level), _compared_rows)
+@view(lambda values, fit, level: figures.plot_comparison(values, level), _compared_rows)
+def comparison_view(value: Comparison, level: float) -> Face:
+    """What has changed in each channel."""
+    met = {change.outcome for change in value.terms}
+    meanings = [[OUTCOME_WORDS[outcome], meaning] for outcome, meaning in OUTCOMES.items()]
+    outcomes = Table((Column(say("outcome"), "name"), Column(say("meaning"), "text")), meanings)
+    sheets = []
+    for pair in value:
+        tables = [_changes_table(pair, value, level)] if pair.changes else []
+        tables += [_ratios_table(pair.ratios, value, (level, pair.alpha))] if pair.ratios is not None else []
+        sheets.append(sheet_of(pair, value.names, not all(pair.explained), tables))
+    return face_of(
+        value,
+        any(pair.ratios is not None for pair in value),
+        level,
+        title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]),
+        sheets=sheets,
+        close=[
+            Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
+            for outcome, meaning in OUTCOMES.items()
+            if outcome in met
+        ],
+        how=[*map(Note, COMPARED), outcomes],
+    )

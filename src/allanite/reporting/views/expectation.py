@@ -10,10 +10,11 @@ from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table, one_sheet, toml
+from allanite.simulation.recording import Simulation
 from allanite.statistics import STATISTICS, Expectation, expectation
 from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
-from . import View
+from . import view
 from .fit import model_table
 
 if TYPE_CHECKING:
@@ -25,21 +26,6 @@ CAPTION = say(
     "What is expected of the model, without data: the whole in black, each term alone in its color, with its slope and "
     "its coefficient where that is read off."
 )
-
-
-def _face(found: Expectation, _: float) -> Face:
-    drawing = Drawing(lambda: _plot([found], None, 0.95), say("expected deviation of the model"), CAPTION)
-    parts: list[Part] = [model_table(found.model), drawing]
-    # the whole and each term, in the unit of data sheets
-    terms = [Column(t.symbol, aside=True, form=".4g") for t in found.model]
-    for curve in found.curves:
-        unit = readable_unit(curve.unit)
-        factor = convert(1.0, curve.unit, unit)
-        heads = (Column("tau [s]", form=".5g"), Column(say("expected [{unit}]", unit=unit), form=".4g"), *terms)
-        rows = [[tau, *(v * factor for v in row)] for tau, *row in _numbers(found, curve)]
-        title = say("expected {statistic}", statistic=STATISTICS[curve.statistic].title)
-        parts.append(Table(heads, rows, title, details=True))
-    return one_sheet(str(found.model), BRAND, found.name or say("model"), parts)
 
 
 def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
@@ -56,8 +42,7 @@ def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
     return figures.plot_panels(panels, level=level)
 
 
-EXPECTATION = View(
-    _face,
+@view(
     _plot,
     # the deviations, SI, with a column for each term
     lambda found, _: (
@@ -65,15 +50,32 @@ EXPECTATION = View(
         [[curve.statistic, *row, curve.unit] for curve in found.curves for row in _numbers(found, curve)],
     ),
 )
-MODEL = EXPECTATION.through(lambda model: expectation(model_of(model)))
+def expectation_view(found: Expectation, _: float) -> Face:
+    """The model, and what is expected of it."""
+    drawing = Drawing(lambda: _plot([found], None, 0.95), say("expected deviation of the model"), CAPTION)
+    parts: list[Part] = [model_table(found.model), drawing]
+    # the whole and each term, in the unit of data sheets
+    terms = [Column(t.symbol, aside=True, form=".4g") for t in found.model]
+    for curve in found.curves:
+        unit = readable_unit(curve.unit)
+        factor = convert(1.0, curve.unit, unit)
+        heads = (Column("tau [s]", form=".5g"), Column(say("expected [{unit}]", unit=unit), form=".4g"), *terms)
+        rows = [[tau, *(v * factor for v in row)] for tau, *row in _numbers(found, curve)]
+        title = say("expected {statistic}", statistic=STATISTICS[curve.statistic].title)
+        parts.append(Table(heads, rows, title, details=True))
+    return one_sheet(str(found.model), BRAND, found.name or say("model"), parts)
 
 
-SIMULATION = View(
-    lambda simulation, _: Face(
+MODEL = expectation_view.through(lambda model: expectation(model_of(model)))
+
+
+@view()
+def simulation_view(simulation: Simulation, _: float) -> Face:
+    """The channels of a simulation, and the truth."""
+    return Face(
         say("Simulation of {model}", model=str(simulation.model)),
         say("a recording whose noise is known"),
         [Sheet(c.name, (words.about(c), *c.history)) for c in simulation.channels],
         close=(model_table(simulation.model),),
         choices=toml({"seed": simulation.seed}),
     )
-)

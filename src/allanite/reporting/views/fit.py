@@ -13,10 +13,10 @@ from allanite.core.residuals import Residuals, statement
 from allanite.core.titles import meaning_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Note, Part, Table, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, one_sheet
 from allanite.terms import TERMS
 
-from . import View
+from . import view
 from .jobs import statement_note
 
 if TYPE_CHECKING:
@@ -43,13 +43,7 @@ def terms_table(fit: Fit, level: float) -> Table:
         Column(interval, "interval", aside=True), Column(say("SI unit"), "unit", aside=True),
     )  # fmt: skip
     rows = [
-        [
-            words.symbol(e),
-            words.named(e, level),
-            *_cells(e, e.sheet_unit, level),
-            e.row.name,
-            *_cells(e, e.unit, level),
-        ]
+        [words.symbol(e), words.named(e, level), *_cells(e, e.sheet_unit, level), e.row.name, *_cells(e, e.unit, level)]
         for e in fit
     ]
     return Table(heads, rows, marks=[e.row.mark for e in fit])
@@ -145,20 +139,23 @@ def model_table(model: Model) -> Table:
     return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), t.to(u), u] for t, u in sheets])
 
 
-FIT = View(
-    lambda fit, level: one_sheet(
+@view(plot_curves, lambda fit, level: fit.rows(level))
+def fit_view(fit: Fit, level: float) -> Face:
+    """The coefficients, and how well they explain the record."""
+    return one_sheet(
         fit.name or say("Noise"),
         say("noise coefficients"),
         fit.name or say("noise"),
         fit_parts(fit, level),
         about=(say("method {method}", method=fit.method),),
         how=(definitions([fit]),),
-    ),
-    plot_curves,
-    lambda fit, level: fit.rows(level),
-)
-RESIDUALS = View(
-    lambda residuals, _: one_sheet(
+    )
+
+
+@view(lambda values, fit, level: figures.plot_residuals(values[0]))
+def residuals_view(residuals: Residuals, _: float) -> Face:
+    """What a model leaves over."""
+    return one_sheet(
         say("Residuals"),
         say("residuals of a noise model"),
         say("residuals"),
@@ -167,6 +164,4 @@ RESIDUALS = View(
             _checks(residuals),
             Drawing(lambda: figures.plot_residuals(residuals), say("residuals"), RESIDUALS_CAPTION),
         ),
-    ),
-    lambda values, fit, level: figures.plot_residuals(values[0]),
-)
+    )

@@ -8,9 +8,9 @@ from allanite.interpretation.causes import Meaning, meaning
 from allanite.interpretation.device import REFERENCES
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import join, say
-from allanite.reporting.sheet import Column, Note, Part, Table, one_sheet
+from allanite.reporting.sheet import Column, Face, Note, Part, Table, one_sheet
 
-from . import View
+from . import view
 
 if TYPE_CHECKING:
     from allanite.study.analysis import Channel, Study
@@ -81,11 +81,12 @@ def _causes(found: Sequence[Meaning]) -> Iterator[Part]:
         yield Table(heads, rows, title, key=join(" ", works), where="page")
 
 
-MEANING = View(
-    lambda found, _: one_sheet(
+@view()
+def meaning_view(found: Meaning, _: float) -> Face:
+    """What the coefficients of one record mean."""
+    return one_sheet(
         say("What it means"),
         say("noise coefficients of an inertial sensor"),
         found.name or say("record"),
         _parts([found]),
     )
-)

@@ -16,7 +16,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, one_sheet
 from allanite.study.modelled import Modelled, RecordingPlans
 
-from . import View
+from . import View, view
 from .modelled import ModelledForm, job_face, job_rows, one_face
 
 if TYPE_CHECKING:
@@ -54,25 +54,23 @@ def _percent(error: float) -> str:
     return "> 100 %" if error >= 1 else words.percent(error, 2) or "-"
 
 
-def _length(seconds: float) -> str:
-    if not math.isfinite(seconds):
-        return say("never")
-    return words.duration(float(f"{seconds:.2g}")) if seconds < 100 * 365.25 * 86400 else say("> 100 years")
-
-
 def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
     wanted = say("for {accuracy}", accuracy=_percent(plan.accuracy))
     heads = (
         Column("", "symbol"), Column(say("expected")), Column(say("unit"), "unit"),
-        *(Column(words.duration(d), form=_percent) for d in plan.durations), Column(wanted, form=_length),
+        *(Column(words.duration(d), form=_percent) for d in plan.durations), Column(wanted),
     )  # fmt: skip
     values = expected_values(plan.model)
     kinds = [("", plan.errors, plan.needed)]
     if not np.array_equal(plan.errors, plan.searched, equal_nan=True):  # not every term is there
         kinds = [(KNOWN, plan.errors, plan.needed), (SEARCHED, plan.searched, plan.searched_needed)]
     for title, errors, needed in kinds:
-        each = zip(plan.names, errors.tolist(), needed.tolist(), strict=True)
-        rows = [[name, *values.get(name, ("", "")), *row, least] for name, row, least in each]
+        rows = []
+        for name, row, least in zip(plan.names, errors.tolist(), needed.tolist(), strict=True):
+            length: str = say("> 100 years") if math.isfinite(least) else say("never")
+            if least < 100 * 365.25 * 86400:
+                length = words.duration(float(f"{least:.2g}"))
+            rows.append([name, *values.get(name, ("", "")), *row, length])
         yield Table(heads, rows, title)
     label = say("relative standard errors by length of the record")
     yield Drawing(lambda: _plot_plans([plan], None, 0.95), label, DRAWN)
@@ -115,36 +113,12 @@ def _with_error(measured: tuple[float, float]) -> str:
     return f"{100 * value:.{places}f} +- {100 * error:.{places}f} %"
 
 
-def _bound_face(bound: Bound, _: float) -> Face:
-    values = expected_values(bound.model)
-    rows = [[name, *values.get(name, ("", "")), bound[name]] for name in bound.names]
-    about = say_count(
-        bound.size,
-        "{count} sample at {rate:.8g} Hz ({length})",
-        "{count} samples at {rate:.8g} Hz ({length})",
-        rate=bound.rate,
-        length=words.duration(bound.size / bound.rate),
-    )
-    heads = Column("", "symbol"), Column(say("value")), Column(say("unit"), "unit"), Column(say("error"), form=_percent)
-    parts: list[Part] = [Table(heads, rows)]
-    if bound.ramp is not None:
-        allowed = say(
-            "a ramp of unknown size is allowed for; its standard error is {error:.3g} {unit}",
-            error=bound.ramp,
-            unit=bound.model.signal.si[1],
-        )
-        parts.append(Note(allowed))
-    title, brand = say("Bound: {model}", model=str(bound.model)), say("Cramer-Rao bound of noise coefficients")
-    return one_sheet(title, brand, say("bound"), parts, about=(about,), how=(Note(BOUNDED),))
-
-
 _PLAN = ModelledForm(
     say("plan"),
     say("Plan for"),
     say("how long to record"),
     lambda plan: join(
-        ", ",
-        (f"{plan.rate:.8g} Hz", say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp")),
+        ", ", (f"{plan.rate:.8g} Hz", say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp"))
     ),
     _plan_parts,
     PLANNED,
@@ -170,11 +144,34 @@ PLAN = View(one_face(_PLAN), _plot_plans, lambda plan, _: plan.rows())
 PLANS = View(job_face(_PLAN), _plot_plans, job_rows)
 CHECK = View(one_face(_CHECK), None, lambda check, _: check.rows())
 CHECKS = View(job_face(_CHECK), None, job_rows)
-BOUND = View(
-    _bound_face,
+
+
+@view(
     None,
     lambda bound, _: (
         ["parameter", "relative_error"],
         [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))],
     ),
 )
+def bound_view(bound: Bound, _: float) -> Face:
+    """Least standard errors of the parameters of a model."""
+    values = expected_values(bound.model)
+    rows = [[name, *values.get(name, ("", "")), bound[name]] for name in bound.names]
+    about = say_count(
+        bound.size,
+        "{count} sample at {rate:.8g} Hz ({length})",
+        "{count} samples at {rate:.8g} Hz ({length})",
+        rate=bound.rate,
+        length=words.duration(bound.size / bound.rate),
+    )
+    heads = Column("", "symbol"), Column(say("value")), Column(say("unit"), "unit"), Column(say("error"), form=_percent)
+    parts: list[Part] = [Table(heads, rows)]
+    if bound.ramp is not None:
+        allowed = say(
+            "a ramp of unknown size is allowed for; its standard error is {error:.3g} {unit}",
+            error=bound.ramp,
+            unit=bound.model.signal.si[1],
+        )
+        parts.append(Note(allowed))
+    title, brand = say("Bound: {model}", model=str(bound.model)), say("Cramer-Rao bound of noise coefficients")
+    return one_sheet(title, brand, say("bound"), parts, about=(about,), how=(Note(BOUNDED),))

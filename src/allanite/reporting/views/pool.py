@@ -11,7 +11,7 @@ from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Face, Mark, Note, Table, known
 from allanite.statistics import STATISTICS
 
-from . import Rows, View
+from . import Rows, view
 from .comparison import face_of, sheet_of
 
 POOLED = (
@@ -35,18 +35,6 @@ POOLED = (
 RUNS = ("channel", "quantity", "tau_s", "common", "low", "high", "unit", "between_percent", "within_percent",
         "chi_square", "dof", "p", "p_holm", "edf")  # fmt: skip
 """The runs have columns of their own, after these."""
-
-
-def _pooled_face(value: Pool, level: float) -> Face:
-    sheets = []
-    for channel in value:
-        tables = [_terms_table(channel, level), _runs_table(channel, value, level)] if channel.terms else []
-        if channel.curve is not None:
-            tables.append(_curve_table(channel, level))
-        doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
-        sheets.append(sheet_of(channel, value.names, doubt, tables))
-    own = {"brand": say("what runs have in common"), "sheets": sheets, "how": [*map(Note, POOLED)]}
-    return face_of(value, any(channel.curve is not None for channel in value), level, **own)
 
 
 _SCATTER = known(".3g", "-", " %")
@@ -125,4 +113,15 @@ def _pooled_rows(value: Pool, level: float) -> Rows:
     return (*RUNS, *value.names), rows
 
 
-POOL = View(_pooled_face, lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows)
+@view(lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows)
+def pool_view(value: Pool, level: float) -> Face:
+    """What the runs of each channel have in common."""
+    sheets = []
+    for channel in value:
+        tables = [_terms_table(channel, level), _runs_table(channel, value, level)] if channel.terms else []
+        if channel.curve is not None:
+            tables.append(_curve_table(channel, level))
+        doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
+        sheets.append(sheet_of(channel, value.names, doubt, tables))
+    own = {"brand": say("what runs have in common"), "sheets": sheets, "how": [*map(Note, POOLED)]}
+    return face_of(value, any(channel.curve is not None for channel in value), level, **own)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, RateEstimate, closeup
+from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.applications.rate.campaign import RateChannel, RateSettings, RateStudy
 from allanite.applications.rate.estimates import rate_factor
 from allanite.core.errors import UsageError
@@ -14,7 +14,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, known, one_sheet
 
-from . import Rows, View
+from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
 from .rate_experiment import (
     BRAND,
@@ -34,21 +34,6 @@ if TYPE_CHECKING:
     from allanite.reporting.style import Plot
 
 NO_ERROR = say("no standard errors: give a noise model (--noise)")
-
-
-def _face(study: RateStudy, level: float) -> Face:
-    sheets = []
-    for channel in study.channels:
-        given = study.settings.noise
-        name, found = channel.record.name, channel.experiment
-        said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-        if found is not None and found.ranking is not None:
-            said = told(found.ranking)
-        verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
-        doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
-        sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
-    title = say("Rate of {source}", source=source_of(study))
-    return job_face(study, (title, BRAND), sheets, how=[METHODS])
 
 
 def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterator[Part]:
@@ -153,14 +138,31 @@ def _series(channel: RateChannel) -> list[Experiment]:
     return [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
 
 
-STUDY = View(
-    _face,
+@view(
     lambda values, fit, level: _draw(channel for study in values for channel in study),
     _rows,
     lambda study, level: interval_rows(study),
 )
-RANKING = View(
-    lambda ranking, _: one_sheet(
+def study_view(study: RateStudy, level: float) -> Face:
+    """The rate of each channel by every method."""
+    sheets = []
+    for channel in study.channels:
+        given = study.settings.noise
+        name, found = channel.record.name, channel.experiment
+        said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
+        if found is not None and found.ranking is not None:
+            said = told(found.ranking)
+        verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
+        doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
+        sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
+    title = say("Rate of {source}", source=source_of(study))
+    return job_face(study, (title, BRAND), sheets, how=[METHODS])
+
+
+@view(rows=lambda ranking, level: ranking.rows())
+def ranking_view(ranking: Ranking, _: float) -> Face:
+    """The methods in the order of their standard errors."""
+    return one_sheet(
         say("Methods"),
         BRAND,
         say("methods"),
@@ -177,15 +179,16 @@ RANKING = View(
             ),
         ),
         how=(METHODS,),
-    ),
-    rows=lambda ranking, level: ranking.rows(),
-)
-ESTIMATE = View(
-    lambda found, level: one_sheet(
+    )
+
+
+@view()
+def estimate_view(found: RateEstimate, level: float) -> Face:
+    """One rate."""
+    return one_sheet(
         found.name or say("Rate"),
         BRAND,
         found.name or say("rate"),
         (*(Note(str(finding), "alert") for finding in found.findings), *_estimates([found], level)),
         about=found.history,
     )
-)

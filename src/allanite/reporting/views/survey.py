@@ -8,23 +8,12 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting.sheet import Drawing, Face
 from allanite.study.survey import Survey
 
-from . import View
+from . import view
 from .jobs import channel_sheet, job_face, source_of
 from .values import BRAND, FORMS, numbers_table, rows_of
 
 if TYPE_CHECKING:
     from allanite.reporting.style import Plot
-
-
-def _face(survey: Survey, level: float) -> Face:
-    sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
-    names = ", ".join(dict.fromkeys(value.name for value in survey.values if value.name))
-    titles = join("; ", dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
-    drawing = Drawing(
-        lambda: _plot([survey], None, level),
-        say("{titles}, of {channels}", titles=titles, channels=names) if names else titles,
-    )
-    return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])
 
 
 def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> "Plot":
@@ -33,4 +22,14 @@ def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> "Plot":
     return FORMS[type(shown[0])].plot(shown, fits, level)
 
 
-SURVEY = View(_face, _plot, lambda survey, level: rows_of(survey.values, level))
+@view(_plot, lambda survey, level: rows_of(survey.values, level))
+def survey_view(survey: Survey, level: float) -> Face:
+    """The statistics of each channel."""
+    sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
+    names = ", ".join(dict.fromkeys(value.name for value in survey.values if value.name))
+    titles = join("; ", dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
+    drawing = Drawing(
+        lambda: _plot([survey], None, level),
+        say("{titles}, of {channels}", titles=titles, channels=names) if names else titles,
+    )
+    return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])

@@ -18,7 +18,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Sheet, Table, Where,
 from allanite.reporting.text import spread
 from allanite.statistics import STATISTICS
 
-from . import Rows, View
+from . import Rows, view
 
 if TYPE_CHECKING:
     from allanite.reporting.style import Plot
@@ -165,8 +165,10 @@ def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     return FORMS[type(values[0])].plot(values, fits, level)
 
 
-CURVE = SPECTRUM = SURFACE = View(
-    lambda value, level: one_sheet(
+@view(_plot_one, lambda value, level: rows_of([value], level))
+def value_view(value: Curve | Spectrum | Surface, level: float) -> Face:
+    """A curve, a spectrum or a surface: its figure and its numbers."""
+    return one_sheet(
         say("{channel}: {statistic}", channel=value.name, statistic=_title(value)) if value.name else _title(value),
         BRAND,
         value.name or say("channel"),
@@ -175,10 +177,7 @@ CURVE = SPECTRUM = SURFACE = View(
             numbers_table(value, level),
         ),
         about=tuple(value.history),
-    ),
-    _plot_one,
-    lambda value, level: rows_of([value], level),
-)
+    )
 
 
 READINGS_KEY = say(
@@ -202,11 +201,11 @@ def readings_table(readings: Readings, level: float) -> Table:
     return Table(heads, rows, key=READINGS_KEY)
 
 
-READINGS = View(
-    lambda readings, level: Face(
+@view(rows=lambda readings, level: readings.rows(level))
+def readings_view(readings: Readings, level: float) -> Face:
+    """Values read off a curve."""
+    return Face(
         say("Readings"),
         say("read off the Allan deviation"),
         (Sheet(say("readings"), parts=(readings_table(readings, level),)),),
-    ),
-    rows=lambda readings, level: readings.rows(level),
-)
+    )

@@ -18,7 +18,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, one_sheet
 from allanite.study.provenance import provenance_of
 
-from . import Rows, View
+from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
 
 ARCSEC = math.pi / 648_000
@@ -132,23 +132,6 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
     yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), COMPARED)
 
 
-def _design_face(found: VerticalDesign, _: float) -> Face:
-    first = found.optimum.first
-    horizon = say("no horizon") if first.duration is None else say("over {time}", time=words.duration(first.duration))
-    sampled = say("continuous time") if first.rate is None else say("{rate:g} Hz", rate=first.rate)
-    parts = list(_optimum_parts(found.optimum))
-    if first.rate is not None:
-        parts.append(_matrices(found.optimum.best.loop, first.rate))
-    sheets = [Sheet(say("filter"), (horizon, sampled), parts)]
-    if found.scenarios is not None:
-        trial = found.scenarios.trial
-        about = say("simulated: {duration:g} s at {rate:g} Hz", duration=trial.duration, rate=trial.rate)
-        sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(found.scenarios))))
-    noise = [say("gyro: {noise}", noise=first.gyro), say("accelerometer: {noise}", noise=texts(first.accelerometer))]
-    header = [(say("noise"), noise[0]), ("", noise[1]), *header_of(provenance_of(), ())[1:]]
-    return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[METHODS], provenance=provenance_of())
-
-
 METHODS = Table(
     (Column(say("filter"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
      Column(say("source"), "text")),
@@ -181,7 +164,27 @@ def _angle_parts(angle: Angle) -> Iterator[Part]:
         yield from _optimum_parts(angle.optimum, angle.name)
 
 
-def _study_face(study: VerticalStudy, _: float) -> Face:
+BEYOND = 1.5
+"""Ratio of measured and predicted scatter from which it is mentioned."""
+
+
+def _scenario_rows(found: ScenarioErrors) -> Rows:
+    heads = ["filter", *(f"{s} {what}" for s in found.scenarios for what in ("rms", "worst"))]
+    pairs = np.degrees(np.stack([found.rms, found.worst], axis=2)).reshape(len(found.filters), -1)
+    return heads, [[name, *row] for name, row in zip(found.filters, pairs.tolist(), strict=True)]
+
+
+@view(
+    lambda values, fit, level: figures.plot_angles(values[0].angles),
+    lambda study, _: (
+        ["time", *(angle.name for angle in study.angles)],
+        np.column_stack(
+            [np.arange(1, study.roll.size + 1) / study.rate, np.degrees(study.roll), np.degrees(study.pitch)]
+        ).tolist(),
+    ),
+)
+def study_view(study: VerticalStudy, _: float) -> Face:
+    """Roll and pitch of a recording."""
     sheets = []
     for angle in study.angles:
         about = (say("{first} and {last}", first=angle.gyro, last=angle.accelerometer),)
@@ -204,34 +207,32 @@ def _study_face(study: VerticalStudy, _: float) -> Face:
     return job_face(study, names, sheets, parts, close=[_matrices(study.loop, study.rate)], how=[METHODS])
 
 
-BEYOND = 1.5
-"""Ratio of measured and predicted scatter from which it is mentioned."""
-
-
-def _scenario_rows(found: ScenarioErrors) -> Rows:
-    heads = ["filter", *(f"{s} {what}" for s in found.scenarios for what in ("rms", "worst"))]
-    pairs = np.degrees(np.stack([found.rms, found.worst], axis=2)).reshape(len(found.filters), -1)
-    return heads, [[name, *row] for name, row in zip(found.filters, pairs.tolist(), strict=True)]
-
-
-STUDY = View(
-    _study_face,
-    lambda values, fit, level: figures.plot_angles(values[0].angles),
-    lambda study, _: (
-        ["time", *(angle.name for angle in study.angles)],
-        np.column_stack(
-            [np.arange(1, study.roll.size + 1) / study.rate, np.degrees(study.roll), np.degrees(study.pitch)]
-        ).tolist(),
-    ),
-)
-DESIGN = View(
-    _design_face,
+@view(
     lambda values, fit, level: figures.plot_optima([("", v.optimum) for v in values]),
     lambda found, _: found.optimum.rows() if found.scenarios is None else _scenario_rows(found.scenarios),
 )
-OPTIMUM = DESIGN.through(VerticalDesign)
-SCENARIOS = View(
-    lambda found, level: one_sheet(say("Filters in scenarios"), BRAND, "", _scenario_parts(found)),
-    lambda values, fit, level: figures.plot_scenarios(values[0]),
-    lambda found, level: _scenario_rows(found),
-)
+def design_view(found: VerticalDesign, _: float) -> Face:
+    """The best filter for two sensors, and filters in scenarios."""
+    first = found.optimum.first
+    horizon = say("no horizon") if first.duration is None else say("over {time}", time=words.duration(first.duration))
+    sampled = say("continuous time") if first.rate is None else say("{rate:g} Hz", rate=first.rate)
+    parts = list(_optimum_parts(found.optimum))
+    if first.rate is not None:
+        parts.append(_matrices(found.optimum.best.loop, first.rate))
+    sheets = [Sheet(say("filter"), (horizon, sampled), parts)]
+    if found.scenarios is not None:
+        trial = found.scenarios.trial
+        about = say("simulated: {duration:g} s at {rate:g} Hz", duration=trial.duration, rate=trial.rate)
+        sheets.append(Sheet(say("scenarios"), (about,), tuple(_scenario_parts(found.scenarios))))
+    noise = [say("gyro: {noise}", noise=first.gyro), say("accelerometer: {noise}", noise=texts(first.accelerometer))]
+    header = [(say("noise"), noise[0]), ("", noise[1]), *header_of(provenance_of(), ())[1:]]
+    return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[METHODS], provenance=provenance_of())
+
+
+OPTIMUM = design_view.through(VerticalDesign)
+
+
+@view(lambda values, fit, level: figures.plot_scenarios(values[0]), lambda found, level: _scenario_rows(found))
+def scenarios_view(found: ScenarioErrors, level: float) -> Face:
+    """Filters in scenarios."""
+    return one_sheet(say("Filters in scenarios"), BRAND, "", _scenario_parts(found))
