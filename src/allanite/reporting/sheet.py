@@ -4,12 +4,14 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from allanite.phrases.phrase import join, say
 
 if TYPE_CHECKING:
-    from .style import Plot
+    from matplotlib.figure import Figure
+
+    from .sketch.chart import Chart
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
 Mark = Literal["", "good", "weak", "alarm", "quiet", "strong", "struck"]
@@ -92,11 +94,21 @@ class Note:
     points: Sequence[str] = ()
 
 
+class Plot(Protocol):
+    """A figure that is yet to be drawn."""
+
+    def printed(self) -> "Figure":
+        """For print, by matplotlib."""
+
+    def sketched(self) -> "Chart":
+        """For a page, by `sketch`."""
+
+
 @dataclass(frozen=True)
 class Drawing:
     """A figure that is drawn only where it is shown."""
 
-    draw: "Callable[[], Plot]"
+    draw: Callable[[], Plot]
     label: str
     caption: str = ""
     title: str = ""

@@ -6,11 +6,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
-from allanite.reporting.sheet import Face
+from allanite.reporting.sheet import Face, Plot
 
 if TYPE_CHECKING:
     from allanite.core.fit import Fit
-    from allanite.reporting.style import Plot
 
 Rows = tuple[Sequence[str], list[list[Any]]]
 

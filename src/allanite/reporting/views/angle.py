@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,13 +16,9 @@ from allanite.core.units import convert, unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Plot, Sheet, Table, header_of, toml
 
 from . import view, view_of
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
-
 
 ARCSEC = unit_of("arcsec").factor
 BRAND = say("harmonic errors of angle sensors")
@@ -164,7 +159,7 @@ def _constant(value: float, error: float) -> tuple[str, str]:
     return shown.plain()[0], digits(error, figures=2).plain()[0]
 
 
-def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Plot":
+def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> Plot:
     draw = view_of(values[0].result).plot
     if draw is None:
         raise UsageError("a plan of one start has no figure; scan all starts of the interval")

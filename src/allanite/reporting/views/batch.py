@@ -1,7 +1,7 @@
 """How many units are shown: one row for each channel of a unit, and what they have in common."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, worst_of
@@ -13,16 +13,13 @@ from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, toml
 from allanite.study.analysis import Channel
 
 from . import Rows, view
 from .analysis import study_view
 from .fit import definitions, terms_table
 from .meaning import causes_of
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
 EVERY = 1_000_000
 """Rows of a table that has all of them in a terminal, too."""
@@ -205,7 +202,7 @@ def _details(batch: Batch, level: float) -> Iterator[Part]:
                 yield Table(table.columns, table.rows, name, table.marks, details=True, where="page")
 
 
-def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> Plot:
     batch: Batch = values[0]
     curves = []
     lines: dict[str, Sequence[figures.LimitLine]] = {}

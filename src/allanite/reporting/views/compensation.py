@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from allanite.applications.compensation.compensated import Compensated, CompensationStudy
 from allanite.applications.compensation.gain import Gain
@@ -13,13 +13,10 @@ from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, printable, printed_number, printed_unit
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, known
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, known
 
 from . import view
 from .jobs import channel_sheet, job_face, source_of
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
 BRAND = say("compensation by regressors")
 KEY = say(
@@ -222,7 +219,7 @@ def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
     yield coefficients(regression, level)
 
 
-def _draw(channels: Sequence[Compensated], level: float) -> "Plot":
+def _draw(channels: Sequence[Compensated], level: float) -> Plot:
     return figures.plot_compensated([c for c in channels if c.regression is not None], level)
 
 

@@ -9,7 +9,7 @@ from allanite.core.model import model_of
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table, one_sheet, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Part, Plot, Sheet, Table, one_sheet, toml
 from allanite.simulation.recording import Simulation
 from allanite.statistics import STATISTICS, Expectation, expectation
 from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
@@ -19,7 +19,6 @@ from .fit import model_table
 
 if TYPE_CHECKING:
     from allanite.core.curve import Curve
-    from allanite.reporting.style import Plot
 
 BRAND = say("a noise model")
 CAPTION = say(
@@ -33,7 +32,7 @@ def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
     yield from (list(row) for row in zip(*(column.tolist() for column in columns), strict=True))
 
 
-def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
+def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> Plot:
     panels = [
         figures.CurvePanel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
         for found in values

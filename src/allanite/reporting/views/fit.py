@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,14 +13,11 @@ from allanite.core.residuals import Residuals, statement
 from allanite.core.titles import meaning_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, one_sheet
 from allanite.terms import TERMS
 
 from . import view
 from .jobs import statement_note
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
 GOODNESS = say(
     "Power of the record over the power expected with every term free, selected or not, in cells of frequency, and the "
@@ -83,7 +80,7 @@ def _checks(residuals: Residuals, where: Any = "") -> Table:
         Column(say("check"), "name"), Column(say("value"), form=".4g"), Column("p", "name", form=chance),
         Column(say("meaning"), "text"),
     )  # fmt: skip
-    rows = [[title, value, p, meaning] for _, title, value, p, meaning in residuals.rows()[1]]
+    rows = [row[1:] for row in residuals.rows()[1]]
     return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
 
 
@@ -125,7 +122,7 @@ def coefficients(fit: Fit, level: float) -> Iterator[Part]:
     )
 
 
-def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
+def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> Plot:
     """The figure of what has curves."""
     return figures.plot_panels(figures.panels_of(list(values), fit), level=level)
 

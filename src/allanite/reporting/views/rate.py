@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.applications.rate.campaign import RateChannel, RateSettings, RateStudy
@@ -12,7 +12,7 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, known, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, known, one_sheet
 
 from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
@@ -29,9 +29,6 @@ from .rate_experiment import (
     table_of,
     told,
 )
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
 NO_ERROR = say("no standard errors: give a noise model (--noise)")
 
@@ -112,7 +109,7 @@ def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part
         )
 
 
-def _draw(channels: Iterable[RateChannel]) -> "Plot":
+def _draw(channels: Iterable[RateChannel]) -> Plot:
     shown = [(c.experiment, c.by_duration) for c in channels if c.experiment is not None]
     if not shown:
         raise UsageError("there is nothing to draw: no channel was measured")

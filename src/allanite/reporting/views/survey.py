@@ -1,22 +1,18 @@
 """How the statistics of a recording are shown."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from allanite.core.fit import Fit
 from allanite.phrases.phrase import join, say
-from allanite.reporting.sheet import Drawing, Face
+from allanite.reporting.sheet import Drawing, Face, Plot
 from allanite.study.survey import Survey
 
 from . import view
 from .jobs import channel_sheet, job_face, source_of
 from .values import BRAND, FORMS, numbers_table, rows_of
 
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
-
-def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> "Plot":
+def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> Plot:
     shown = [value for survey in values for value in survey.values]
     fits = {name: found for survey in values for name, found in survey.fits.items()}
     return FORMS[type(shown[0])].plot(shown, fits, level)

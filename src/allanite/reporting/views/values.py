@@ -1,7 +1,7 @@
 """How curves, spectra, surfaces, and values read off a curve are shown."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,14 +14,11 @@ from allanite.core.surface import Surface
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.sheet import Column, Drawing, Face, Sheet, Table, Where, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Plot, Sheet, Table, Where, one_sheet
 from allanite.reporting.text import spread
 from allanite.statistics import STATISTICS
 
 from . import Rows, view
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
 BRAND = say("statistics of an inertial sensor")
 
@@ -36,7 +33,7 @@ class NumbersForm(NamedTuple):
     table: Callable[[Any, float], tuple[Sequence[Column], list[list[Any]]]]
     headings: tuple[str, ...]
     rows: Callable[[Any, float], list[list[Any]]]
-    plot: "Callable[[Sequence[Any], dict[str, Fit], float], Plot]"
+    plot: Callable[[Sequence[Any], dict[str, Fit], float], Plot]
 
 
 def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
@@ -83,12 +80,9 @@ def _curve_table(curve: Curve, level: float) -> tuple[Sequence[Column], list[lis
 def _curve_lines(curve: Curve, level: float) -> list[list[Any]]:
     data = curve.to_dict(level)
     none = [""] * len(data["m"])
-    known = [data["m"], data["tau"], data["deviation"], data.get("low", none), data.get("high", none)]
-    counts = data.get("edf", none), data["count"], none if curve.alpha is None else data["alpha"]
-    return [
-        [curve.name, curve.statistic, *size, curve.unit, *count]
-        for size, count in zip(zip(*known, strict=True), zip(*counts, strict=True), strict=True)
-    ]
+    keys = ("m", "tau", "deviation", "low", "high", "edf", "count", "alpha")
+    rows = zip(*(data.get(key) or none for key in keys), strict=True)
+    return [[curve.name, curve.statistic, *row[:5], curve.unit, *row[5:]] for row in rows]
 
 
 def _surface_table(surface: Surface, _: float) -> tuple[Sequence[Column], list[list[Any]]]:
@@ -155,7 +149,7 @@ FORMS: dict[type, NumbersForm] = {
 }
 
 
-def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
+def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> Plot:
     kinds = {type(value) for value in values}
     if len(kinds) > 1:
         raise UsageError(
