@@ -13,6 +13,7 @@ from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
 from allanite.core.titles import title_of
 from allanite.core.validity import UNEXPLAINED, graded
+from allanite.identification.front import METHODS
 from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
 from allanite.phrases.wording import duration as duration  # noqa: PLC0414 - of this module too
 from allanite.terms import TERMS
@@ -83,8 +84,6 @@ def symbol(estimate: Estimate) -> str:
 
 def signed(estimate: Estimate) -> bool:
     """Whether the sign of an estimate is one: that of a ramp, by a method that knows it."""
-    from allanite.identification.front import METHODS
-
     return _ramp(estimate) and METHODS[estimate.method].signed
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, Protocol, TypeGuard
+from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
 from allanite.core.record import Record
@@ -13,9 +13,7 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.job import Job
-
-if TYPE_CHECKING:
-    from allanite.study.noise import Noise
+from allanite.study.noise import Noise
 
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 """Level of the note by the grade of a model."""

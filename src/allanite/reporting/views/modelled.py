@@ -1,17 +1,15 @@
 """What the views of results have in common that follow from a noise model, given or found in a recording."""
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, one_sheet
+from allanite.study.modelled import ModelJob, Modelled
 
 from . import Rows
 from .jobs import job_face, source_of, warnings
-
-if TYPE_CHECKING:
-    from allanite.study.modelled import ModelJob, Modelled
 
 
 class ModelledForm(NamedTuple):
@@ -22,14 +20,14 @@ class ModelledForm(NamedTuple):
     brand: str
     key: str
     about: Callable[[Any], str]
-    parts: Callable[[Any, "Modelled | None"], Iterable[Part]]
+    parts: Callable[[Any, Modelled | None], Iterable[Part]]
 
     def one_face(self, result: Any, _: float) -> Face:
         """The face of a single result."""
         title, parts = join(" ", (self.title, str(result.model))), self.parts(result, None)
         return one_sheet(title, self.brand, self.name, parts, about=(self.about(result),), **self._legend())
 
-    def job_face(self, job: "ModelJob", _: float) -> Face:
+    def job_face(self, job: ModelJob, _: float) -> Face:
         """The face of the results of all channels."""
         given = job.settings.given()
         header = header_of(job.provenance, job.notes, say(", method {method}", method=job.recipe.method))
@@ -53,7 +51,7 @@ class ModelledForm(NamedTuple):
         return {"close": [Note(self.key, "quiet", where="text")], "how": [Note(self.key)]}
 
 
-def job_rows(job: "ModelJob", _: float) -> Rows:
+def job_rows(job: ModelJob, _: float) -> Rows:
     """Rows of the results of all channels, each with the name of its channel before it."""
     tables = [(c.name, *c.result.rows()) for c in job.channels if c.result is not None]
     return ["channel", *tables[0][1]], [[name, *row] for name, _, rows in tables for row in rows]
