@@ -30,6 +30,12 @@ ENCODER = {
 }
 """Parameters estimated together with the harmonics of an encoder."""
 
+OTHERS = (
+    Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
+    Column(say("meaning"), "text", aside=True),
+)  # fmt: skip
+"""What is said of those that are no harmonics."""
+
 MARKS: dict[str, Mark] = {"identified": "", "weak": "weak", "absent": "quiet"}
 STATUSES = {"identified": say("identified"), "weak": say("weak"), "absent": say("absent")}
 KEY = say(
@@ -111,11 +117,6 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
         )
     label, title = say("innovations and their autocorrelation"), say("is what is left over noise?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
-    # parameters estimated together with the harmonics
-    heads = (
-        Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
-        Column(say("meaning"), "text", aside=True),
-    )  # fmt: skip
     rows = []
     for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
         if name[0] in "SC" and name[1:2].isdigit():
@@ -124,7 +125,7 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
         si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
         factor = convert(1.0, si, unit)
         rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
-    yield Table(heads, rows, say("other estimated parameters"))
+    yield Table(OTHERS, rows, say("other estimated parameters"))
 
 
 def _harmonics(result: Result, level: float) -> Table:

@@ -50,7 +50,6 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
         condition=plan.condition,
     )
     alerts = [Note(str(finding), "alert") for finding in plan.findings]
-    heads = (Column(say("constant"), "symbol"), Column(say("expected standard deviation"), form=".4g"))
     total = say_count(
         plan.amplitudes,
         "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",
@@ -65,13 +64,14 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
             period=chosen.sway.period,
         )
         where = join("; ", (where, sway))
-    return Sheet(title, (when, where), (*alerts, Table(heads, plan.rows()[1]), Note(total)))
+    return Sheet(title, (when, where), (*alerts, Table(CONSTANTS, plan.rows()[1]), Note(total)))
 
 
 def _degrees(angle: float) -> str:
     return f"{math.degrees(angle):.2f}"
 
 
+CONSTANTS = (Column(say("constant"), "symbol"), Column(say("expected standard deviation"), form=".4g"))
 WINDOWS = (
     Column(say("start [min]"), form=lambda start: f"{start / 60:.1f}"), Column(say("h from [deg]"), form=_degrees),
     Column(say("to [deg]"), form=_degrees), Column(say("sum of deviations"), form=".4g"),

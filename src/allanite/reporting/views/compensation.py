@@ -122,15 +122,13 @@ def _found(name: str, regression: Regression, shown: Callable[[str], str] = str)
                 share=words.percent(regression.shared),
             )
         )
+    if not regression.significant and undecided:
+        return join(": ", (name, *undecided))
     if not regression.significant:
-        return (
-            join(": ", (name, *undecided))
-            if undecided
-            else say(
-                "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
-                channel=name,
-                regressors=_names(own),
-            )
+        return say(
+            "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
+            channel=name,
+            regressors=_names(own),
         )
     gain, held = regression.inside, regression.held
     also = [say("about a linear drift")] if regression.trend else []
