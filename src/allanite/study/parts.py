@@ -221,7 +221,7 @@ def _looked(
 
 def _on_body(seen: list[Inspected], channels: Sequence[_Channel]) -> list[Inspected]:
     """The channels with the findings of the others, since they are mounted on one body."""
-    records = [channel.inspector.only or one.record for channel, one in zip(channels, seen, strict=True)]
+    records = [channel.inspector.only or one.first for channel, one in zip(channels, seen, strict=True)]
     told = of_one_body(records, [one.quality for one in seen])
     return [replace(one, qualities=(quality,)) for one, quality in zip(seen, told, strict=True)]
 
