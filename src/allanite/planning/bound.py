@@ -118,7 +118,15 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]
     others = [InformationPart.of(t, rate, grid) for t in beside if t.row.waveform is None]
     found = Information(grid, reduce(operator.add, own), ramp=unknown)
-    errors = _errors(found.matrix([*parts, *others]))[: len(parts)]
+    # relative standard errors of the coefficients: half of those of their squares
+    information = found.matrix([*parts, *others])
+    size = np.sqrt(np.diag(information))
+    scaled = information / np.where(size > 0, size, math.nan) / np.where(size > 0, size, math.nan)[:, None]
+    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(size.size)))
+    known = values > 1e-13  # below that are the rounding errors of the sums
+    variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
+    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
+    errors = np.where(lost | (size == 0), math.inf, np.sqrt(variance) / np.where(size > 0, 2 * size, 1.0))[: len(parts)]
     relative = dict(zip(_names(noise, model), errors, strict=True))
     ramp_error = found.ramp if unknown else None
     relative |= dict(_deterministic(model, noise, ramp_error, n, rate))
@@ -133,17 +141,6 @@ def _beside(model: Model, terms: str) -> list[Term]:
         raise UsageError(f"terms must be 'known', 'auto' or symbols such as {AUTO!r}, not {terms!r}")
     known = {t.symbol for t in model}
     return [Term(symbol, 1.0, model.signal) for symbol in symbols if symbol not in known]
-
-
-def _errors(information: FloatArray) -> FloatArray:
-    """Relative standard errors of the coefficients: half of those of their squares."""
-    size = np.sqrt(np.diag(information))
-    scaled = information / np.where(size > 0, size, math.nan) / np.where(size > 0, size, math.nan)[:, None]
-    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(size.size)))
-    known = values > 1e-13  # below that are the rounding errors of the sums
-    variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
-    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
-    return np.where(lost | (size == 0), math.inf, np.sqrt(variance) / np.where(size > 0, 2 * size, 1.0))
 
 
 def _names(noise: list[Term], model: Model) -> list[str]:

@@ -115,7 +115,7 @@ def term_checks(truth: Model, fits: Sequence[Fit], least: Bound, level: float) -
         seen = [_seen(symbol, fit, true.get(symbol), duration) for fit in fits]
         yield _checked(true.get(symbol) or Term(symbol, 0.0, truth.signal), seen, level, least)
     for t in true.values():
-        for i in _found_shapes(t, fits):
+        for i in range(max((len(e.shape) for fit in fits for e in fit if _shaped(e, t)), default=0)):
             yield _shape_check(t, i, fits, level, least)
 
 
@@ -129,11 +129,6 @@ def compared(truth: Model) -> dict[str, Term]:
     """The terms of a model that can be told by their symbol."""
     symbols = [t.symbol for t in truth]
     return {t.symbol: t for t in truth if symbols.count(t.symbol) == 1}
-
-
-def _found_shapes(true: Term, fits: Sequence[Fit]) -> range:
-    """Which parameters of a term's shape are estimated."""
-    return range(max((len(e.shape) for fit in fits for e in fit if _shaped(e, true)), default=0))
 
 
 def _shaped(e: Estimate, true: Term) -> bool:
