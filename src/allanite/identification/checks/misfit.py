@@ -30,35 +30,26 @@ def reasons(
     spectral = fit.goodness is not None and not fit.goodness.explained
     if not spectral and all(check.passed for check in checks):
         return []
-    coarse = _undithered(record)
-    if coarse is not None:
-        return [coarse]
+    steps = record.steps[np.isfinite(record.steps)]
+    middle = max(0, (steps.size - 200_000) // 2)
+    part = np.asarray(steps[middle : middle + 200_000], dtype=np.float64)
+    found = rounding(steps, fast_noise(np.diff(part, 2)))
+    if found.sparse:  # the samples are steps of a quantizer without sufficient dither
+        how = say(
+            "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
+            size=found.step * (record.scale or 1.0), unit=record.unit, noise=found.noise,
+        )  # fmt: skip
+        what = say(
+            "quantization errors are not white: {details}", details=join(", ", filter(None, (found.counted, how)))
+        )
+        harm = say("the rounding error follows the signal, and N and Q are not meaningful")
+        remedy = say("use a finer output of the sensor, or add dither before rounding")
+        return [Finding("no dither", what, harm, remedy, fatal=True)]
     near, tails, halves, eighths = checks
     ratio = max(halves.value, 1 / halves.value, eighths.value)
     unsteady = [_unsteady(eighths, *level)] if not (halves.passed and eighths.passed) and ratio > UNSTEADY else []
     # a wrong spectrum makes neighbours correlate, a line has tails of its own, and rounding makes light tails
     return unsteady if spectral else [*unsteady, *_tailed(tails, record, kept=kept), *_kin(near, fit)]
-
-
-def _undithered(record: Record) -> Finding | None:
-    """The samples are steps of a quantizer without sufficient dither."""
-    steps = record.steps[np.isfinite(record.steps)]
-    middle = max(0, (steps.size - 200_000) // 2)
-    part = np.asarray(steps[middle : middle + 200_000], dtype=np.float64)
-    found = rounding(steps, fast_noise(np.diff(part, 2)))
-    if not found.sparse:
-        return None
-    how = say(
-        "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
-        size=found.step * (record.scale or 1.0), unit=record.unit, noise=found.noise,
-    )  # fmt: skip
-    return Finding(
-        "no dither",
-        say("quantization errors are not white: {details}", details=join(", ", filter(None, (found.counted, how)))),
-        say("the rounding error follows the signal, and N and Q are not meaningful"),
-        say("use a finer output of the sensor, or add dither before rounding"),
-        fatal=True,
-    )
 
 
 def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:

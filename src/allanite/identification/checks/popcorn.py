@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.finding import Finding
 from allanite.core.model import Model
 from allanite.core.units import Signal, convert
@@ -123,6 +123,10 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
     largest = math.sqrt(float(square[most]) / variance)
     density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
     quiet = float(np.median(square)) / MEDIAN  # bursts increase the variance, but hardly this
+    at = np.flatnonzero(square > SEEN**2 * quiet)
+    # middles of the runs that stand out; those no more than a length apart are one
+    runs = np.split(at, np.flatnonzero(np.diff(at) > length // step) + 1)
+    middles = np.array([(run[0] + run[-1]) // 2 for run in runs if run.size], dtype=at.dtype)
     return Jumps(
         size=(total.size - 1) * block,
         length=length * block,
@@ -131,17 +135,8 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
         deviate=_normal(kurtosis, 1.2 * total.size / length),
         chance=chances * largest * density,
         share=1 - quiet / variance,
-        at=(step * _apart(square > SEEN**2 * quiet, length // step) + length // 2) * block,
+        at=(step * middles + length // 2) * block,
     )
-
-
-def _apart(above: BoolArray, length: int) -> IntArray:
-    """Middles of the runs that stand out; those no more than a length apart are one."""
-    at = np.flatnonzero(above)
-    if not at.size:
-        return at
-    runs = np.split(at, np.flatnonzero(np.diff(at) > length) + 1)
-    return np.array([(run[0] + run[-1]) // 2 for run in runs])
 
 
 def _normal(kurtosis: float, n: float) -> float:

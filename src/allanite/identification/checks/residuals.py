@@ -121,8 +121,7 @@ def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...],
     checks = (
         _ljung_box(correlation, u.size),
         _kurtosis(fourth / power**2, count),
-        _halves(power, spread, count),
-        _eighths(power, spread, count),
+        *_stationarity(power, spread, count),
     )
     return checks, correlation, power, np.sqrt(power * spread / count) / 2
 
@@ -181,28 +180,21 @@ def _two_sided(z: float) -> float:
     return float(erfc(abs(z) / math.sqrt(2)))
 
 
-def _halves(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
-    half = PARTS // 2
-    first, second = (float(np.average(power[p], weights=count[p])) for p in (slice(half), slice(half, None)))
-    error = math.sqrt(float(np.mean(spread)) * 4 / float(count.sum()))
-    p = _two_sided(math.log(second / first) / error)
-    return Check(
-        "halves", say("RMS of the halves"), math.sqrt(second / first), p, say("second over first (stationarity)")
-    )
-
-
-def _eighths(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
+def _stationarity(power: FloatArray, spread: FloatArray, count: IntArray) -> tuple[Check, Check]:
+    """The power of the halves, and of the eighths."""
     from scipy.special import chdtrc
 
+    half, scatter = PARTS // 2, float(np.mean(spread))
+    first, second = (float(np.average(power[p], weights=count[p])) for p in (slice(half), slice(half, None)))
+    p = _two_sided(math.log(second / first) / math.sqrt(scatter * 4 / float(count.sum())))
     logs = np.log(power)
-    statistic = float((np.square(logs - logs.mean()) * count).sum() / np.mean(spread))
-    ratio = math.sqrt(float(power.max() / power.min()))
-    return Check(
-        "eighths",
-        say("RMS of the eighths"),
-        ratio,
-        float(chdtrc(PARTS - 1, statistic)),
-        say("largest over smallest (stationarity)"),
+    largest = math.sqrt(float(power.max() / power.min()))
+    chance = float(chdtrc(PARTS - 1, float((np.square(logs - logs.mean()) * count).sum() / np.mean(spread))))
+    return (
+        Check(
+            "halves", say("RMS of the halves"), math.sqrt(second / first), p, say("second over first (stationarity)")
+        ),
+        Check("eighths", say("RMS of the eighths"), largest, chance, say("largest over smallest (stationarity)")),
     )
 
 

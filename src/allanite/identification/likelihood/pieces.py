@@ -90,11 +90,11 @@ class PieceReading(Portable):
     @cached_property
     def bins(self) -> list[IntArray]:
         """The bin of each coefficient of the sine transform, for each length; -1 for those of the lower part."""
-        return [np.asarray(self._bins(int(L))) for L in self.length]
-
-    def _bins(self, L: int) -> IntArray:
-        at = np.searchsorted(self.edges, np.arange(1, L + 1) * (self.size / (L + 1)), side="right") - 1
-        return np.where(at < self.low, -1, np.minimum(at, self.edges.size - 2))
+        places = []
+        for L in self.length.tolist():
+            at = np.searchsorted(self.edges, np.arange(1, L + 1) * (self.size / (L + 1)), side="right") - 1
+            places.append(np.where(at < self.low, -1, np.minimum(at, self.edges.size - 2)))
+        return places
 
     def pooled(self, each: list[FloatArray]) -> FloatArray:
         """Sums over the bins of what every piece of a length has at its coefficients, shape (bins,)."""
