@@ -62,7 +62,8 @@ def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float)
         raise UsageError(f"averaging factors must be integers, not {factors.dtype}; give times in seconds as taus")
     largest, least = (row.parts or (row,))[-1].largest(size), row.step
     if largest < least:
-        raise UsageError(f"{row.name} needs at least {_least(row)} samples, but there are {size}")
+        fewest = next(n for n in range(1, 1000) if row.largest(n) >= row.step)
+        raise UsageError(f"{row.name} needs at least {fewest} samples, but there are {size}")
     outside = factors[(factors < least) | (factors > largest)]
     if outside.size or not factors.size:
         came = ", ".join(map(str, outside[:3])) or "none"
@@ -77,14 +78,6 @@ def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float)
             f"{factors[odd][0]}; the largest possible is {largest}"
         )
     return np.asarray(factors, dtype=np.int64)
-
-
-def _least(row: Statistic) -> int:
-    return next(n for n in range(1, 1000) if row.largest(n) >= row.step)
-
-
-def _octaves(largest: int) -> IntArray:
-    return 2 ** np.arange(largest.bit_length(), dtype=np.int64)
 
 
 def _decades(largest: int) -> IntArray:
@@ -105,7 +98,7 @@ def _logarithmic(largest: int, points: int = 100) -> IntArray:
 
 
 GRIDS: dict[str, Callable[[int], IntArray]] = {
-    "octave": _octaves,
+    "octave": lambda largest: 2 ** np.arange(largest.bit_length(), dtype=np.int64),
     "decade": _decades,
     "log": _logarithmic,
     "all": lambda largest: np.arange(1, largest + 1, dtype=np.int64),

@@ -145,25 +145,21 @@ def reach(model: Model) -> tuple[float, float]:
     (True, True)
     """
     tau = np.geomspace(1e-9, 1e9, 361)
-    each = np.array([_structured(term, tau) for term in model])
+    # Allan variance by the structure function, without a sampling rate
+    rows = [term.sampled(1.0) for term in model]
+    each = np.array([
+        np.asarray(term.value**2 * (4 * row.structure(tau) - row.structure(2 * tau)) / (2 * tau**2))
+        for term, row in zip(model, rows, strict=True)
+    ])  # fmt: skip
     changes = tau[1:][np.diff(each.argmax(axis=0)) != 0]
-    own = [scale for term in model for scale in _scales(term)]
+    # times that a term has of its own: a time constant, a period
+    own = [
+        value if parameter.unit == "s" else 1 / value
+        for term in model
+        for parameter, value in zip(term.row.parameters, term.shape, strict=True)
+        if parameter.unit in ("s", "Hz") and value > 0
+    ]
     found = np.array([*changes, *own])
     if not found.size:
         return ALONE
     return float(found.min()) / BESIDE, float(found.max()) * BESIDE
-
-
-def _structured(term: Term, tau: FloatArray) -> FloatArray:
-    """Allan variance by the structure function, without a sampling rate."""
-    row = term.sampled(1.0)
-    return np.asarray(term.value**2 * (4 * row.structure(tau) - row.structure(2 * tau)) / (2 * tau**2))
-
-
-def _scales(term: Term) -> list[float]:
-    """Times that a term has of its own: a time constant, a period."""
-    return [
-        value if parameter.unit == "s" else 1 / value
-        for parameter, value in zip(term.row.parameters, term.shape, strict=True)
-        if parameter.unit in ("s", "Hz") and value > 0
-    ]

@@ -87,7 +87,11 @@ def products(
 
 def _one_run(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], M: tuple[int, int]) -> FloatArray:
     period = min((term.period for term in terms if term.period), default=0.0)
-    h, weight = _overlapped(row, m, M, period) if row.overlapped else _strided(row, m, M)
+    if row.overlapped:
+        h, weight = _overlapped(row, m, M, period)
+    else:  # windows that start every m samples: the lags are few, and beyond 60 windows nothing is left
+        h = m[0] * np.arange(min(M[0], 61), dtype=np.float64)
+        weight = np.ones_like(h)
     pairs = np.minimum(min(M), sum(M) / 2 - h / (1 if row.overlapped else m[0]))
     C = np.array([_covariance(field_of(row, term), row.differences, m, h) for term in terms])
     return np.asarray((C * (weight * pairs * np.where(h > 0, 2.0, 1.0))) @ C.T)
@@ -103,12 +107,6 @@ def _overlapped(row: Statistic, m: tuple[int, int], M: tuple[int, int], period: 
         step = max(period / PANELS, 1.0)
         where |= {offset + round(k * step) for k in range(min(OSCILLATIONS * PANELS, int((end - offset) / step)))}
     return lag_nodes(sorted(k for k in where if offset <= k <= end), end + offset if end % 1 != offset else end)
-
-
-def _strided(row: Statistic, m: tuple[int, int], M: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
-    """Windows that start every m samples: the lags are few, and beyond 60 windows nothing is left."""
-    h = m[0] * np.arange(min(M[0], 61), dtype=np.float64)
-    return h, np.ones_like(h)
 
 
 def covariance_of_windows(row: Statistic, term: NoiseTerm, m: int, h: FloatArray) -> FloatArray:

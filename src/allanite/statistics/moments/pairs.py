@@ -148,19 +148,17 @@ class Pairs:
             sums = [row.norm(np.array([k]))[0] * float(k) ** 2 for row, k in zip(rows, m, strict=True)]
             E = self._profile(pair, 1.0, sampled).E / np.array(sums)[:, None]
         else:
-            E = np.array([self._responses(row, k, size) for row, k in zip(rows, m, strict=True)])
+            E = np.array([
+                np.asarray(responses(row, self.terms, np.array([k]))[:, 0]) if row.differences
+                else response(row, self.terms, k, size)
+                for row, k in zip(rows, m, strict=True)
+            ])  # fmt: skip
         scale = np.sqrt(E.prod(axis=0))
         r = self.within(pair)
         if rows[0] is rows[1] and m[0] == m[1] and rows[0].scheme.sharp and not pair.whole:
             white = np.array([white_level(term) > 0 for term in self.terms])
             r = np.where(white[:, None] | white, relative(rows[0], self.terms, m[0], int(counts[0]), size), r)
         return np.asarray(np.outer(scale, scale) * r)
-
-    def _responses(self, row: Statistic, m: int, size: int) -> FloatArray:
-        """Expected variance of each term, norm and unit sample interval as of `responses`, shape (t,)."""
-        if row.differences:
-            return np.asarray(responses(row, self.terms, np.array([m]))[:, 0])
-        return response(row, self.terms, m, size)
 
     def within(self, pair: WindowPair) -> FloatArray:
         """T_ij over the root of the terms' four expectations, shape (t, t).
