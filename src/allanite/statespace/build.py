@@ -92,18 +92,16 @@ def equivalent(model: Model, fitted: MarkovSum | None) -> Model:
 
 def blocks_of(model: Model, h: float) -> list[Block]:
     """The terms as states, in the order of `TERMS`; a term without states is a UsageError."""
-    known = list(TERMS)
-    return [_block(t, h) for t in sorted(model, key=lambda t: known.index(t.symbol))]
-
-
-def _block(t: Term, h: float) -> Block:
-    if t.row.block is None:
-        able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
-        raise UsageError(
-            f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it from the model, or replace "
-            "it by a term with a similar curve at the relevant averaging times"
-        )
-    return t.row.block(t.value, t.shape, h)
+    known, blocks = list(TERMS), []
+    for t in sorted(model, key=lambda t: known.index(t.symbol)):
+        if t.row.block is None:
+            able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
+            raise UsageError(
+                f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it from the model, or "
+                "replace it by a term with a similar curve at the relevant averaging times"
+            )
+        blocks.append(t.row.block(t.value, t.shape, h))
+    return blocks
 
 
 def states_of(blocks: list[Block], turn_on: float, h: float) -> list[Block]:

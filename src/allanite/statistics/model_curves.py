@@ -101,8 +101,18 @@ def expectation(
 
 def _curve(model: Model, row: Statistic, record: tuple[str | Sequence[float], float | None, int | None]) -> Curve:
     tau, rate, size = record
-    if rate is None:
-        m, at = np.zeros(0, np.int64), _times(model, tau)
+    m = np.zeros(0, np.int64)
+    if rate is None and isinstance(tau, str):
+        if tau != "log":
+            raise UsageError(
+                f"the averaging times {tau!r} are multiples of a sample interval: pass "
+                + spelled("--rate HZ", "rate=...")
+                + ", or the times in seconds"
+            )
+        low, high = (PER_DECADE * math.log10(end) for end in reach(model))
+        at = np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / PER_DECADE))
+    elif rate is None:
+        at = np.atleast_1d(np.asarray(tau, dtype=np.float64))
     else:
         length = size or max(8, math.ceil(4 * reach(model)[1] * rate))
         m = factors_of(tau, row, length, rate, JOIN)
@@ -119,19 +129,6 @@ def _curve(model: Model, row: Statistic, record: tuple[str | Sequence[float], fl
 def _variance(model: Model | Term, statistic: str, where: tuple[FloatArray, float, int]) -> FloatArray:
     tau, rate, size = where
     return np.maximum(expected(model, statistic, tau, rate=rate or None, size=size or None), 0.0)
-
-
-def _times(model: Model, tau: str | Sequence[float]) -> FloatArray:
-    if not isinstance(tau, str):
-        return np.atleast_1d(np.asarray(tau, dtype=np.float64))
-    if tau != "log":
-        raise UsageError(
-            f"the averaging times {tau!r} are multiples of a sample interval: pass "
-            + spelled("--rate HZ", "rate=...")
-            + ", or the times in seconds"
-        )
-    low, high = (PER_DECADE * math.log10(end) for end in reach(model))
-    return np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / PER_DECADE))
 
 
 def reach(model: Model) -> tuple[float, float]:

@@ -49,7 +49,7 @@ def reasons(
     ratio = max(halves.value, 1 / halves.value, eighths.value)
     unsteady = [_unsteady(eighths, *level)] if not (halves.passed and eighths.passed) and ratio > UNSTEADY else []
     # a wrong spectrum makes neighbours correlate, a line has tails of its own, and rounding makes light tails
-    return unsteady if spectral else [*unsteady, *_tailed(tails, record, kept=kept), *_kin(near, fit)]
+    return unsteady if spectral else [*unsteady, *_fast(near, tails, record, fit, kept=kept)]
 
 
 def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
@@ -74,24 +74,22 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     )
 
 
-def _tailed(check: Check, record: Record, *, kept: bool) -> Iterator[Finding]:
-    if not check.passed and check.value > TAILED:
+def _fast(near: Check, tails: Check, record: Record, fit: Fit, *, kept: bool) -> Iterator[Finding]:
+    """The findings about the fast noise: heavy tails, and neighbours that correlate."""
+    if not tails.passed and tails.value > TAILED:
         what = say(
             "the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or intermittent noise",
-            kurtosis=check.value,
+            kurtosis=tails.value,
         )
         effect = say("the coefficients are valid; the intervals of the fast noise are widened for them")
         cure = say("exclude the outliers ({option})", option=spelled("--outliers mark", "prepare.mark_outliers"))
         yield Finding("heavy tails", what, effect, cure if kept and outlying(record).at.size > 0 else "")
-
-
-def _kin(check: Check, fit: Fit) -> Iterator[Finding]:
     scope = fit.scope
-    if (scope is None or scope.whole) and not check.passed and abs(check.value) > KIN:
+    if (scope is None or scope.whole) and not near.passed and abs(near.value) > KIN:
         yield Finding(
             "correlation",
-            say("the residuals are not white: their autocorrelation is {correlation:.2g}", correlation=check.value),
+            say("the residuals are not white: their autocorrelation is {correlation:.2g}", correlation=near.value),
             say("the model misses fast noise, and its intervals are too narrow"),
             "" if scope is not None and scope.choice == "auto" else try_band(),
-            fatal=abs(check.value) > 5 * KIN,
+            fatal=abs(near.value) > 5 * KIN,
         )

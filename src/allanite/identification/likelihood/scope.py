@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 
 import numpy as np
 
@@ -126,12 +127,6 @@ def _quick(part: Portion, rival: bool) -> Iterator[Found]:
     """With Gauss-Markov noise as quick as the samples allow, where no filter explains what falls with frequency."""
     if rival:
         yield fitted(part, rival=rival, shortest=0.0)
-
-
-def _asked(part: Portion, rival: bool) -> Iterator[Found]:
-    """In a band that was asked for: beside resonances."""
-    yield from _quick(part, rival)
-    yield from _masked(part, rival)
 
 
 def _masked(whole: Portion, rival: bool) -> Iterator[Found]:
@@ -297,5 +292,9 @@ def _enough(part: Portion, used: BoolArray) -> bool:
     return bool(first[-1] >= first[0] * 10**DECADES)
 
 
-WAYS: dict[str, Callable[[Portion, bool], Iterator[Found]]] = {"auto": _candidates, "asked": _asked, "all": _quick}
+WAYS: dict[str, Callable[[Portion, bool], Iterator[Found]]] = {
+    "auto": _candidates,
+    "asked": lambda part, rival: chain(_quick(part, rival), _masked(part, rival)),
+    "all": _quick,
+}
 """Ways to read the spectrum, by the choice of frequencies: found, asked for, or all."""

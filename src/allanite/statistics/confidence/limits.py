@@ -188,8 +188,14 @@ def _mixture(
     angle, ramp = float(share[white].sum()), float(share[fixed].sum())
     own = float(share[white] @ r[np.ix_(white, white)] @ share[white]) / angle**2 if angle else 0.0
     between = 2 * float(share[fixed] @ r[fixed] @ share)
-    f = _stretch(lead, (mass, nu), inverse - between - angle**2 * own)
-    if f is None:
+    # f with sum (f lead)^2 + (mass - f sum lead)^2 / nu = wanted, the larger root; none if it is far from 1
+    wanted, first = inverse - between - angle**2 * own, float(lead.sum())
+    a, b, c = float(lead @ lead) + first**2 / nu, -2 * mass * first / nu, mass**2 / nu - wanted
+    root = b * b - 4 * a * c
+    if root < 0 or a == 0:
+        return None
+    f = min((-b + root**0.5) / (2 * a), mass / first)
+    if not STRETCH[0] <= f <= STRETCH[1]:
         return None
     rest = max(mass - f * float(lead.sum()), 0.0)  # where f leaves nothing, what rounding leaves may be negative
     weight = np.array([*(f * lead), rest / nu, angle * own])
@@ -197,19 +203,6 @@ def _mixture(
     # a third difference leaves of a ramp what rounding leaves
     beside = max(between / (2 * ramp), 0.0) if ramp > NOTHING else 0.0
     return ChiSquareSum(weight, dof, np.array(ramp), np.array(beside))
-
-
-def _stretch(lead: FloatArray, rest: tuple[float, float], wanted: float) -> float | None:
-    """F with ``sum (f lead)^2 + (mass - f sum lead)^2 / nu = wanted``, the larger root; None if it is far from 1."""
-    mass, nu = rest
-    a = float(lead @ lead) + float(lead.sum()) ** 2 / nu
-    b, c = -2 * mass * float(lead.sum()) / nu, mass**2 / nu - wanted
-    root = b * b - 4 * a * c
-    if root < 0 or a == 0:
-        return None
-    f = (-b + root**0.5) / (2 * a)
-    f = min(f, mass / float(lead.sum()))
-    return f if STRETCH[0] <= f <= STRETCH[1] else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from allanite.statistics.row import FloatArray, Statistic
 from allanite.terms import NoiseTerm
 
-from .compact import Structure, extrapolation, ratios, sampled, white_level
+from .compact import extrapolation, ratios, sampled, white_level
 from .lags import lag_nodes
 
 ROWS = 256
@@ -102,7 +102,13 @@ def _extrapolated(terms: Sequence[NoiseTerm], m: int, m0: int, size0: float) -> 
 def _products(terms: Sequence[NoiseTerm], m: int, size: float, step: float) -> tuple[FloatArray, FloatArray]:
     """Sums over the rows' variances (t,), over the squares of their covariances (t, t); samples are 1/step apart."""
     length = int(min(size, max(MIDDLE * m, ROWS // 4)))
-    fields = [_half_covariances(sampled(term, step), m, length) for term in terms]
+    # covariances of the rows 1 .. size/2 with the rows 1 .. size - 1: the other half mirrors them
+    fields = []
+    for term in terms:
+        D = sampled(term, step)(np.arange(length + 1.0))
+        lags = np.concatenate((D[::-1], D[1:]))
+        toeplitz = -0.5 * np.lib.stride_tricks.sliding_window_view(lags, length + 1)[::-1]
+        fields.append(_differences(_differences(toeplitz, m)[: length // 2].T, m).T)
     weight = np.full(length // 2, 2.0)
     weight[-1] = 1.0 + length % 2
     E = np.array([weight @ np.diagonal(C) for C in fields])
@@ -115,14 +121,6 @@ def _products(terms: Sequence[NoiseTerm], m: int, size: float, step: float) -> t
         E += (size - length) * middle[:, reach]
         T += (size - length) * middle @ middle.T + _distant(terms, m, (length, size), step)
     return E, T
-
-
-def _half_covariances(structure: Structure, m: int, size: int) -> FloatArray:
-    """Covariances of the rows 1 .. size/2 with the rows 1 .. size - 1: the other half mirrors them."""
-    D = structure(np.arange(size + 1.0))
-    lags = np.concatenate((D[::-1], D[1:]))
-    toeplitz = -0.5 * np.lib.stride_tricks.sliding_window_view(lags, size + 1)[::-1]
-    return _differences(_differences(toeplitz, m)[: size // 2].T, m).T
 
 
 def _differences(x: FloatArray, m: int) -> FloatArray:
