@@ -102,23 +102,19 @@ def simulate(
 
 def _noise(terms: list[Term], n: int, rate: float, rng: "np.random.Generator") -> FloatArray:
     """Rates with the covariance of the terms of noise, the first of them 0."""
-    parts, y = [(t.power(rate), t.sampled(rate)) for t in terms if t.row.waveform is None and t.value], np.zeros(n)
-    if parts:
-        y[1:] = _stationary(lambda lags: np.asarray(sum(p * row.increments(lags) for p, row in parts)), n - 1, rng)
-        np.cumsum(y, out=y)
-    return y
-
-
-def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np.random.Generator") -> FloatArray:
-    """A stationary Gaussian series with this covariance as a function of the lag, shape (n,)."""
     from scipy.fft import irfft
 
-    half, power = _embedded(covariance, n)
-    np.sqrt(np.maximum(power, 0.0, out=power), out=power)
-    noise = rng.standard_normal((half + 1, 2)).view(np.complex128)[:, 0]
-    noise[[0, half]] = noise[[0, half]].real * np.sqrt(2.0)
-    noise *= power
-    return np.asarray(irfft(noise, 2 * half)[:n] * np.sqrt(half))
+    parts, y = [(t.power(rate), t.sampled(rate)) for t in terms if t.row.waveform is None and t.value], np.zeros(n)
+    if parts:
+        # a stationary Gaussian series with the covariance of the increments
+        half, power = _embedded(lambda lags: np.asarray(sum(p * row.increments(lags) for p, row in parts)), n - 1)
+        np.sqrt(np.maximum(power, 0.0, out=power), out=power)
+        noise = rng.standard_normal((half + 1, 2)).view(np.complex128)[:, 0]
+        noise[[0, half]] = noise[[0, half]].real * np.sqrt(2.0)
+        noise *= power
+        y[1:] = irfft(noise, 2 * half)[: n - 1] * np.sqrt(half)
+        np.cumsum(y, out=y)
+    return y
 
 
 def _embedded(covariance: Callable[[FloatArray], FloatArray], n: int) -> tuple[int, FloatArray]:
