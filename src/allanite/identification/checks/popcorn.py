@@ -84,24 +84,13 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
 
     The shortest windows detect outliers and heavy tails of single samples best, not lasting jumps.
     """
+    from scipy.fft import dct, idct
+
     block = max(FINEST, -(-u.size // MOST))
     blocks = u.size // block
     if blocks < FEWEST:
         return None
-    total = np.concatenate(([0.0], np.cumsum(_weighed(u, block, model, rate))))
-    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
-    lengths = [round(SHORTEST * GROWTH**i) for i in range(count)]
-    chances = 2 * sum(blocks / length for length in lengths)
-    found = [_scored(total, length, block, chances) for length in lengths]
-    best = max(found, key=lambda one: one.weight)
-    return None if best is found[0] else best
-
-
-def _weighed(u: NDArray[np.float32], block: int, model: Model, rate: float) -> FloatArray:
-    """Sums over blocks of the record weighed by the inverse of its covariance."""
-    from scipy.fft import dct, idct
-
-    blocks = u.size // block
+    # sums over blocks of the record weighed by the inverse of its covariance
     means = (u[: blocks * block].reshape(blocks, block) @ np.full(block, 1 / block, dtype=np.float32)).astype(
         np.float64
     )
@@ -109,7 +98,13 @@ def _weighed(u: NDArray[np.float32], block: int, model: Model, rate: float) -> F
     c = dct(means, norm="ortho", overwrite_x=True)
     c[0] = 0.0
     c[1:] *= np.interp(np.arange(1, blocks), k, 1 / deviation)
-    return np.asarray(block * idct(c, norm="ortho", overwrite_x=True))
+    total = np.concatenate(([0.0], np.cumsum(block * idct(c, norm="ortho", overwrite_x=True))))
+    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
+    lengths = [round(SHORTEST * GROWTH**i) for i in range(count)]
+    chances = 2 * sum(blocks / length for length in lengths)
+    found = [_scored(total, length, block, chances) for length in lengths]
+    best = max(found, key=lambda one: one.weight)
+    return None if best is found[0] else best
 
 
 def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps:

@@ -47,9 +47,16 @@ def relative(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     """Ratios r_ij of the whole record, shape (t, t); 1/EDF = p r p with p the terms' shares of the expectation."""
     if size <= ROWS or m <= ROWS // MIDDLE:
         return ratios(*_products(terms, m, size, 1.0), terms)
-    parts = [weight * _extrapolated(terms, m, m0, size0) for m0, size0, weight in _coarse(m, size)]
-    r = np.sum(parts, axis=0)
     white = np.array([white_level(term) > 0 for term in terms])
+    parts = []
+    for m0, size0, weight in _coarse(m, size):
+        levels = []
+        for k in LEVELS:
+            E, T = _products(terms, k * m0, k * size0, k * m0 / m)
+            # where m is the whole record points fall together that do not in a longer record
+            levels.append(ratios(np.where(white, white_mean(k * m0, k * size0), E), T, terms))
+        parts.append(weight * np.tensordot(extrapolation([k * m0 for k in LEVELS], m, 1), levels, 1))
+    r = np.sum(parts, axis=0)
     r[np.outer(white, white)] = white_ratio(m, size)
     return np.asarray(r)
 
@@ -87,16 +94,6 @@ def _coarse(m: int, size: int) -> list[tuple[int, float, float]]:
     if weight[1 - near] <= CLOSE * share:
         return [(int(factors[best[near]]), int(sizes[best[near]]), 1.0)]
     return [(int(factors[k]), int(sizes[k]), float(w)) for k, w in zip(best, weight / weight.sum(), strict=True)]
-
-
-def _extrapolated(terms: Sequence[NoiseTerm], m: int, m0: int, size0: float) -> FloatArray:
-    parts = []
-    for k in LEVELS:
-        E, T = _products(terms, k * m0, k * size0, k * m0 / m)
-        # where m is the whole record points fall together that do not in a longer record
-        E = np.array([white_mean(k * m0, k * size0) if white_level(t) else e for t, e in zip(terms, E, strict=True)])
-        parts.append(ratios(E, T, terms))
-    return np.asarray(np.tensordot(extrapolation([k * m0 for k in LEVELS], m, 1), parts, 1))
 
 
 def _products(terms: Sequence[NoiseTerm], m: int, size: float, step: float) -> tuple[FloatArray, FloatArray]:
