@@ -92,7 +92,7 @@ class Assumption:
 
     @property
     def model(self) -> Model | None:
-        """The one model that stands for those that were given."""
+        """The model that represents those given."""
         return None if self.given is None else model_of(self.choice)  # type: ignore[arg-type]  # it was given
 
 
