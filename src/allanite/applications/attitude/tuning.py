@@ -118,22 +118,7 @@ def _angle(
     gyro, accelerometer = (channel.record for channel in pair)
     record = Record(np.degrees(values), gyro.rate, "deg", "angle", name=ANGLES[i], cut=getattr(gyro, "cut", 0.0))
     prediction, best = predictions[i] if predictions else None, None
-    doubts = [
-        say("no model explains the noise of {name}: no error is predicted", name=channel.record.name)
-        for channel in pair
-        if channel.noise is not None and not channel.noise.explained
-    ]
-    lacking = [join(" ", (", ".join(e.symbol for e in c.wrong), c.record.name)) for c in pair if c.wrong]
-    if lacking and prediction is not None:
-        rate, tilt = (channel.fitted for channel in pair)
-        noise = SensorNoise.of(
-            rate or prediction.gyro, tilt or prediction.accelerometer, prediction.duration, prediction.rate
-        )
-        doubts.append(
-            say("the prediction is a lower bound: it lacks terms whose coefficients are not valid ({terms}); with "
-                "these as they were fitted it would be {error:.3g} arcsec", terms=join("; ", lacking),
-                error=predict(noise, prediction.loop).to("arcsec"))
-        )  # fmt: skip
+    doubts = [*_doubts(pair, prediction)]
     try:
         best = optimum(noises[i]) if noises else None
     except UsageError as error:
@@ -142,6 +127,22 @@ def _angle(
         ANGLES[i], record, float(values.mean()), float(values.std()), prediction, best, gyro.name, accelerometer.name,
         tuple(doubts),
     )  # fmt: skip
+
+
+def _doubts(pair: Sequence[VerticalChannel], prediction: Prediction | None) -> Iterator[str]:
+    """What the noise that was identified leaves open."""
+    for channel in pair:
+        if channel.noise is not None and not channel.noise.explained:
+            yield say("no model explains the noise of {name}: no error is predicted", name=channel.record.name)
+    lacking = [join(" ", (", ".join(e.symbol for e in c.wrong), c.record.name)) for c in pair if c.wrong]
+    if lacking and prediction is not None:
+        gyro, tilt = (channel.fitted for channel in pair)
+        noise = SensorNoise.of(
+            gyro or prediction.gyro, tilt or prediction.accelerometer, prediction.duration, prediction.rate
+        )
+        yield say("the prediction is a lower bound: it lacks terms whose coefficients are not valid ({terms}); with "
+                  "these as they were fitted it would be {error:.3g} arcsec", terms=join("; ", lacking),
+                  error=predict(noise, prediction.loop).to("arcsec"))  # fmt: skip
 
 
 def _remarks(
