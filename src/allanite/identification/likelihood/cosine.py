@@ -30,11 +30,7 @@ def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
     from allanite.kernels.binned import less_ramp
     from allanite.kernels.cosine import coefficients, even_then_odd, twiddle
 
-    # rows of the matrix of n / 2 complex numbers, about as many as columns; 0 where there is no such matrix
-    half, rows = y.size // 2, 0
-    if y.size % 2 == 0 and y.size >= LONG:
-        least = math.isqrt(half // UNEVEN)
-        rows = next((P for P in range(math.isqrt(half), least, -1) if half % P == 0), 0)
+    rows = _rows(y.size)
     if not rows:
         less_ramp(y, slope)
         return np.asarray(dct(y, norm="ortho", overwrite_x=True))
@@ -45,3 +41,12 @@ def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
     z = fft(z, axis=1, overwrite_x=True)
     coefficients(z.view(np.float64), y)
     return y
+
+
+def _rows(n: int) -> int:
+    """Rows of the matrix of n / 2 complex numbers, about as many as columns; 0 where there is no such matrix."""
+    half = n // 2
+    if n % 2 or n < LONG:
+        return 0
+    least = math.isqrt(half // UNEVEN)
+    return next((P for P in range(math.isqrt(half), least, -1) if half % P == 0), 0)
