@@ -179,19 +179,15 @@ def _deterministic(
         if t.row.transient:
             yield from zip(_names([t], model), transient_errors(t, noise, n, rate), strict=True)
         elif t.row.periodic:
-            yield from zip(_names([t], model)[:2], _sinusoid_errors(t, model, n, rate), strict=True)
+            frequency, duration = t.shape[0], n / rate
+            seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
+            amplitude = abs(t.value * np.sinc(frequency / rate))
+            errors = math.inf, math.inf
+            if seen * duration >= 1 and amplitude:  # else there is no whole period
+                random = Model(tuple(part for part in model if part.row.waveform is None))
+                density = float(random.spectrum(np.array([seen]), 1 / rate)[0])
+                relative = math.sqrt(2 * density / duration) / amplitude
+                errors = relative, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)
+            yield from zip(_names([t], model)[:2], errors, strict=True)
         elif ramp is not None and t.row.waveform is not None:
             yield name_of(t, model), ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
-
-
-def _sinusoid_errors(t: Term, model: Model, n: int, rate: float) -> tuple[float, float]:
-    """Relative errors of amplitude and frequency."""
-    frequency, duration = t.shape[0], n / rate
-    seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
-    amplitude = abs(t.value * np.sinc(frequency / rate))
-    if seen * duration < 1 or not amplitude:  # no whole period
-        return math.inf, math.inf
-    noise = Model(tuple(part for part in model if part.row.waveform is None))
-    density = float(noise.spectrum(np.array([seen]), 1 / rate)[0])
-    relative = math.sqrt(2 * density / duration) / amplitude
-    return relative, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)

@@ -59,23 +59,18 @@ class Matrices:
         one = StepMatrices(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))
         found = []
         for factor in m.tolist():
-            steps = _power(one, factor)
+            # so many steps, by doubling
+            steps, doubled, left = None, one, factor
+            while left:
+                if left & 1:
+                    steps = doubled if steps is None else steps.then(doubled)
+                left >>= 1
+                doubled = doubled.then(doubled) if left else doubled
+            assert steps is not None  # noqa: S101 - the factor is at least 1
             start = steps.c @ (steps.A - np.eye(len(self.P0)))
             variance = start @ self.P0 @ start + steps.c @ steps.Qww @ steps.c - 2 * steps.c @ steps.Qwn + 2 * steps.qnn
             found.append(variance / (2 * factor**2))
         return np.array(found)
-
-
-def _power(one: StepMatrices, m: int) -> StepMatrices:
-    """So many steps, by doubling."""
-    whole, doubled = None, one
-    while m:
-        if m & 1:
-            whole = doubled if whole is None else whole.then(doubled)
-        m >>= 1
-        doubled = doubled.then(doubled) if m else doubled
-    assert whole is not None  # noqa: S101 - m is at least 1
-    return whole
 
 
 def equivalent(model: Model, fitted: MarkovSum | None) -> Model:
