@@ -85,14 +85,13 @@ def simulate(
         if (wave := t.sampled(rate).waveform) is not None:
             y += t.value * rate**t.row.power * wave(n)
     y -= y.mean()
+    history = say("simulated: {model}", model=str(model))
     if rounded is not None:
+        history = say("simulated: {model}, {symbol} by rounding", model=str(model), symbol=rounded.symbol)
         # differences of the running sum of y, from a random start, in whole steps
         step = rounded.value * math.sqrt(12) * rate
         angle = np.concatenate(([0.0], np.cumsum(y / step))) + rng.random()
         y = np.asarray(np.diff(np.rint(angle)) * step)
-    history = say("simulated: {model}", model=str(model))
-    if rounded is not None:
-        history = say("simulated: {model}, {symbol} by rounding", model=str(model), symbol=rounded.symbol)
     record = Record(y, rate, unit or model.signal.unit, model.signal.kind, name=name, history=(history,))
     if record.signal is not model.signal:
         raise UnitError(f"{unit!r} is not a unit of rates of a sensor with {model}")
