@@ -77,9 +77,11 @@ def simulate(
         raise UsageError(f"a record needs at least 2 samples, not {n}")
     if not (np.isfinite(rate) and rate > 0):
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
-    rounded = next((t for t in model if rounding and t.row.alpha == 2 and t.value), None)
-    if rounding and rounded is None:
-        raise UsageError(f"rounding generates quantization noise, but there is none in {model}: add Q to the model")
+    rounded = None
+    if rounding:
+        rounded = next((t for t in model if t.row.alpha == 2 and t.value), None)
+        if rounded is None:
+            raise UsageError(f"rounding generates quantization noise, but there is none in {model}: add Q to the model")
     y = _noise([t for t in model if t is not rounded], n, rate, rng)
     for t in model:
         if (wave := t.sampled(rate).waveform) is not None:
