@@ -76,7 +76,7 @@ allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pil
     "verb, result": ({
         "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
         ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
-        ("reporting/views/__init__.py", '    "Lot": "lot.LOT",\n', '    "Extents": "extent.EXTENTS",\n')), """
+        ("reporting/views/__init__.py", '    "Lot": "lot.lot_view",\n', '    "Extents": "extent.extents_view",\n')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
 assert "Extent of z.csv" in Path("page.html").read_text("utf-8")
@@ -91,7 +91,7 @@ print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.cs
         ("extent Show the least and the greatest sample.", "least greatest", "allanite extent --from 10 z.csv",
          "Extents 10.0 True")),
     "choice of a recipe": ({}, (
-        ("study/recipe.py", 'means over this time.", group="selecting", parts=())\n',
+        ("study/recipe.py", 'means over this time.", group="selecting")\n',
          '    settle: float | None = choice("", "Time to leave out.", group="selecting", parts=())\n'),
         ("study/channels.py", "(recipe.exclude) if recipe.exclude else ())\n",
          "    whole = trim(whole, recipe.settle, None)\n")), """

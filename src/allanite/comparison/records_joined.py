@@ -77,7 +77,15 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     """
     demand_one_kind(records)
     _demand_different(records)
-    records, notes = _without_outliers(records, recipe)
+    notes: list[str] = []
+    if recipe.outliers is None:
+        found = [outliers(record) for record in records]
+        notes = [
+            say("record {number}: {outliers}: excluded from the comparison", number=i, outliers=some.words(record))
+            for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
+            if some.at.size
+        ]
+        records = [marked(record, some) for record, some in zip(records, found, strict=True)]
     noises, shown = _identify_alike(records, replace(recipe, outliers="keep"))
     fits = [noise.fit for noise in noises]
     constants = [e.shape[0] for fit in fits for e in fit if e.shape and TERMS[e.symbol].waveform is None]
@@ -136,19 +144,6 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     if len(shown) > len(symbols):
         noises = tuple(noise_of(record, recipe, terms=",".join(shown), band=band) for record in records)
     return noises, shown
-
-
-def _without_outliers(records: Sequence[Record], recipe: Recipe) -> tuple[list[Record], list[str]]:
-    """The records with their outliers lost, unless the recipe keeps them, and notes about that."""
-    if recipe.outliers is not None:
-        return list(records), []
-    found = [outliers(record) for record in records]
-    notes: list[str] = [
-        say("record {number}: {outliers}: excluded from the comparison", number=i, outliers=some.words(record))
-        for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
-        if some.at.size
-    ]
-    return [marked(record, some) for record, some in zip(records, found, strict=True)], notes
 
 
 def _without_lines(record: Record, fit: Fit) -> Record:

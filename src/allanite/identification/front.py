@@ -146,7 +146,14 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     if outliers == "mark" and isinstance(readable, Record):
         found = robust.outliers(readable)
         with one_thread():
-            return _noted(FITS[name](robust.marked(readable, found), symbols, **options), found, readable)
+            fit = FITS[name](robust.marked(readable, found), symbols, **options)
+            if not found.at.size:
+                return fit
+            note = say(
+                "{outliers}: excluded from the fit ({option} includes them)",
+                outliers=found.words(readable), option=spelled("--outliers keep", "outliers='keep'"),
+            )  # fmt: skip
+            return replace(fit, notes=(*fit.notes, note))
     with one_thread():
         return FITS[name](readable, symbols, **options)
 
@@ -199,14 +206,3 @@ def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str,
     if not fits:
         raise DataError(join("; ", refusals))
     return fits
-
-
-def _noted(fit: Fit, found: robust.Outliers, record: Record) -> Fit:
-    """The fit with a note on the outliers that it excludes."""
-    if not found.at.size:
-        return fit
-    note = say(
-        "{outliers}: excluded from the fit ({option} includes them)",
-        outliers=found.words(record), option=spelled("--outliers keep", "outliers='keep'"),
-    )  # fmt: skip
-    return replace(fit, notes=(*fit.notes, note))

@@ -70,7 +70,12 @@ def spans(estimates: Sequence[Estimate], start: float, end: float) -> tuple[Span
     tau = np.geomspace(start, end, 2 + math.ceil(DENSE * math.log10(end / start)))
     top = np.argmax([_line(e, tau) for e in found], axis=0)
     edges = np.flatnonzero(np.diff(top)) + 1
-    bounds = [start, *(_boundary(found[top[i - 1]], found[top[i]], tau[i - 1 : i + 1]) for i in edges), end]
+    bounds = [start]
+    for i in edges:  # where one term takes over from another, between two points of the grid
+        one, other = found[top[i - 1]], found[top[i]]
+        exact = straight(one) and straight(other)
+        bounds.append(crossing(one, other) if exact else float(math.sqrt(tau[i - 1] * tau[i])))
+    bounds.append(end)
     firsts = [0, *edges.tolist()]
     return tuple(Span(found[top[i]].symbol, *pair) for i, pair in zip(firsts, pairwise(bounds), strict=True))
 
@@ -90,9 +95,3 @@ def _line(estimate: Estimate, tau: FloatArray) -> FloatArray:
         return np.asarray(height(estimate, 1.0) * tau**row.slope)
     term = Term(estimate.symbol, abs(estimate.value or 0.0), estimate.signal, estimate.shape)
     return np.sqrt(expected(term, "adev", tau))
-
-
-def _boundary(one: Estimate, other: Estimate, between: FloatArray) -> float:
-    """Where one term takes over from another, between two points of the grid."""
-    exact = straight(one) and straight(other)
-    return crossing(one, other) if exact else float(math.sqrt(between[0] * between[1]))

@@ -124,17 +124,12 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     elif flicker.upper is not None:
         below = _size(flicker.upper, flicker, 0)
         missing = say("flicker was not identified, B is below {limit}", limit=below)
-        yield _ended(join("; ", (said, missing, *_made(fit, rate, length))))
-
-
-def _made(fit: Fit, rate: float, length: float) -> Iterator[str]:
-    """The minimum that the other terms have together, if they have one within the record."""
-    lowest = least(fit.estimates, 1 / rate, length / 2)
-    if lowest is None:
-        return
-    tau, level = lowest
-    size = _size(level, fit.estimates[0], 0)
-    yield say("the other terms alone make a minimum of {minimum} at {tau}", minimum=size, tau=duration(tau))
+        parts = [said, missing]
+        lowest = least(fit.estimates, 1 / rate, length / 2)
+        if lowest is not None:  # the minimum that the other terms have together, if they have one within the record
+            size, at = _size(lowest[1], fit.estimates[0], 0), duration(lowest[0])
+            parts.append(say("the other terms alone make a minimum of {minimum} at {tau}", minimum=size, tau=at))
+        yield _ended(join("; ", parts))
 
 
 def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]:

@@ -118,7 +118,15 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]
     others = [InformationPart.of(t, rate, grid) for t in beside if t.row.waveform is None]
     found = Information(grid, reduce(operator.add, own), ramp=unknown)
-    errors = _errors(found.matrix([*parts, *others]))[: len(parts)]
+    # relative standard errors of the coefficients: half of those of their squares
+    information = found.matrix([*parts, *others])
+    size = np.sqrt(np.diag(information))
+    scaled = information / np.where(size > 0, size, math.nan) / np.where(size > 0, size, math.nan)[:, None]
+    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(size.size)))
+    known = values > 1e-13  # below that are the rounding errors of the sums
+    variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
+    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
+    errors = np.where(lost | (size == 0), math.inf, np.sqrt(variance) / np.where(size > 0, 2 * size, 1.0))[: len(parts)]
     relative = dict(zip(_names(noise, model), errors, strict=True))
     ramp_error = found.ramp if unknown else None
     relative |= dict(_deterministic(model, noise, ramp_error, n, rate))
@@ -133,17 +141,6 @@ def _beside(model: Model, terms: str) -> list[Term]:
         raise UsageError(f"terms must be 'known', 'auto' or symbols such as {AUTO!r}, not {terms!r}")
     known = {t.symbol for t in model}
     return [Term(symbol, 1.0, model.signal) for symbol in symbols if symbol not in known]
-
-
-def _errors(information: FloatArray) -> FloatArray:
-    """Relative standard errors of the coefficients: half of those of their squares."""
-    size = np.sqrt(np.diag(information))
-    scaled = information / np.where(size > 0, size, math.nan) / np.where(size > 0, size, math.nan)[:, None]
-    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(size.size)))
-    known = values > 1e-13  # below that are the rounding errors of the sums
-    variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
-    lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
-    return np.where(lost | (size == 0), math.inf, np.sqrt(variance) / np.where(size > 0, 2 * size, 1.0))
 
 
 def _names(noise: list[Term], model: Model) -> list[str]:
@@ -182,19 +179,15 @@ def _deterministic(
         if t.row.transient:
             yield from zip(_names([t], model), transient_errors(t, noise, n, rate), strict=True)
         elif t.row.periodic:
-            yield from zip(_names([t], model)[:2], _sinusoid_errors(t, model, n, rate), strict=True)
+            frequency, duration = t.shape[0], n / rate
+            seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
+            amplitude = abs(t.value * np.sinc(frequency / rate))
+            errors = math.inf, math.inf
+            if seen * duration >= 1 and amplitude:  # else there is no whole period
+                random = Model(tuple(part for part in model if part.row.waveform is None))
+                density = float(random.spectrum(np.array([seen]), 1 / rate)[0])
+                relative = math.sqrt(2 * density / duration) / amplitude
+                errors = relative, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)
+            yield from zip(_names([t], model)[:2], errors, strict=True)
         elif ramp is not None and t.row.waveform is not None:
             yield name_of(t, model), ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
-
-
-def _sinusoid_errors(t: Term, model: Model, n: int, rate: float) -> tuple[float, float]:
-    """Relative errors of amplitude and frequency."""
-    frequency, duration = t.shape[0], n / rate
-    seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
-    amplitude = abs(t.value * np.sinc(frequency / rate))
-    if seen * duration < 1 or not amplitude:  # no whole period
-        return math.inf, math.inf
-    noise = Model(tuple(part for part in model if part.row.waveform is None))
-    density = float(noise.spectrum(np.array([seen]), 1 / rate)[0])
-    relative = math.sqrt(2 * density / duration) / amplitude
-    return relative, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)

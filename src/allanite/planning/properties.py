@@ -108,22 +108,14 @@ def properties(
     symbols = tuple(symbol for symbol, term in TERMS.items() if term.alpha is not None)
     models = [Model((unit_term(symbol, SIGNALS[0]),)) for symbol in symbols]
     tau = times(row, points.m, size, JOIN)
-    ratio = [
-        _target(row.order, model, tau)
-        / expected_at(points.row, model, points.m, points.size, 1.0, join=JOIN, divisor=DIVISOR)
-        for model in models
-    ]
+    ratio = []
+    for model in models:
+        # Allan or Hadamard variance of one term at any averaging times, by differences of the angle's structure
+        # function: -sum_k (-1)^k C(2d, d + k) D(k tau) / (d! tau^2) for k = 1 .. d, the order of the differences
+        (term,) = model
+        D, d = term.sampled(1.0).structure, row.order
+        total = -sum((-1) ** k * math.comb(2 * d, d + k) * D(k * tau) for k in range(1, d + 1))
+        target = term.power(1.0) * total / (math.factorial(d) * tau**2)
+        ratio.append(target / expected_at(row, model, factors, size, 1.0, join=JOIN, divisor=DIVISOR))
     degrees = [mixtures(points, [model])[0] for model in models]
     return Properties(row.name, size, points.m, tau, symbols, np.stack(ratio, axis=1), np.stack(degrees, axis=1))
-
-
-def _target(order: int, model: Model, tau: FloatArray) -> FloatArray:
-    """Allan or Hadamard variance of one term at any averaging times, by differences of the angle's structure function.
-
-    ``-sum_k (-1)^k C(2d, d + k) D(k tau) / (d! tau^2)`` for k = 1 .. d, the order of the differences.
-    """
-    (term,) = model
-    D = term.sampled(1.0).structure
-    steps = range(1, order + 1)
-    total = -sum((-1) ** k * math.comb(2 * order, order + k) * D(k * tau) for k in steps)
-    return np.asarray(term.power(1.0) * total / (math.factorial(order) * tau**2))

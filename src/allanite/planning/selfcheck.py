@@ -89,35 +89,30 @@ class SelfCheck(Value):
         false, missed : float
             Largest shares of records in which an absent term is reported, or a present term is missed.
         """
-        return [
-            say(
-                "{term}: {what} {measured:.3g} +- {error:.2g} %, limit {limit:.3g} %",
-                term=c.symbol,
-                what=what,
-                measured=100 * measured,
-                error=100 * error,
-                limit=100 * limit,
-            )
-            for c in self.terms
-            for what, (measured, error), limit, sign in _judged(c, bias, coverage, (false, missed))
-            if sign * (measured - limit) > 2 * error
-        ]
-
-
-def _judged(
-    check: TermCheck, bias: float, coverage: float, wrong: tuple[float, float]
-) -> list[tuple[str, Measured, float, int]]:
-    """What is measured, its limit, and on which side of it (1: above, -1: below) it is wrong."""
-    found, error = check.found
-    covered = (say("coverage"), check.coverage, coverage, -1)
-    if not check.truth:
-        return [covered, (say("falsely found in"), (found, error), wrong[0], 1)]
-    size, its = check.bias
-    return [
-        covered,
-        (say("bias of the estimate"), (abs(size), its), bias, 1),
-        (say("missed in"), (1 - found, error), wrong[1], 1),
-    ]
+        sentences: list[str] = []
+        for c in self.terms:
+            found, error = c.found
+            # what is measured, its limit, and on which side of it (1: above, -1: below) it is wrong
+            judged = [(say("coverage"), c.coverage, coverage, -1)]
+            if c.truth:
+                size, its = c.bias
+                judged.append((say("bias of the estimate"), (abs(size), its), bias, 1))
+                judged.append((say("missed in"), (1 - found, error), missed, 1))
+            else:
+                judged.append((say("falsely found in"), (found, error), false, 1))
+            sentences += [
+                say(
+                    "{term}: {what} {measured:.3g} +- {error:.2g} %, limit {limit:.3g} %",
+                    term=c.symbol,
+                    what=what,
+                    measured=100 * measured,
+                    error=100 * scatter,
+                    limit=100 * limit,
+                )
+                for what, (measured, scatter), limit, sign in judged
+                if sign * (measured - limit) > 2 * scatter
+            ]
+        return sentences
 
 
 def selfcheck(  # noqa: PLR0913 - the choices of the identification among its own

@@ -113,9 +113,14 @@ def term_checks(truth: Model, fits: Sequence[Fit], least: Bound, level: float) -
     true, duration = compared(truth), least.size / least.rate
     for symbol in sought(fits):
         seen = [_seen(symbol, fit, true.get(symbol), duration) for fit in fits]
-        yield _checked(true.get(symbol) or Term(symbol, 0.0, truth.signal), seen, level, least)
+        values, intervals, claimed = zip(*seen, strict=True)
+        limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for interval in intervals])
+        own = true.get(symbol) or Term(symbol, 0.0, truth.signal)
+        known = least[symbol] if own.value else math.nan
+        found = np.array(values), limits[:, 0], limits[:, 1], np.array(claimed)
+        yield TermCheck(symbol, own.signal, own.value, known, *found)
     for t in true.values():
-        for i in _found_shapes(t, fits):
+        for i in range(max((len(e.shape) for fit in fits for e in fit if _shaped(e, t)), default=0)):
             yield _shape_check(t, i, fits, level, least)
 
 
@@ -129,11 +134,6 @@ def compared(truth: Model) -> dict[str, Term]:
     """The terms of a model that can be told by their symbol."""
     symbols = [t.symbol for t in truth]
     return {t.symbol: t for t in truth if symbols.count(t.symbol) == 1}
-
-
-def _found_shapes(true: Term, fits: Sequence[Fit]) -> range:
-    """Which parameters of a term's shape are estimated."""
-    return range(max((len(e.shape) for fit in fits for e in fit if _shaped(e, true)), default=0))
 
 
 def _shaped(e: Estimate, true: Term) -> bool:
@@ -172,11 +172,3 @@ def _seen(symbol: str, fit: Fit, true: Term | None, duration: float) -> tuple[fl
     estimate = next((e for e in fit if e.symbol == symbol), None)
     value = next((t.value for t in fit.model if t.symbol == symbol), 0.0)
     return (value, None, False) if estimate is None else (value, estimate.interval, estimate.claimed)
-
-
-def _checked(true: Term, seen: list[tuple[float, Interval | None, bool]], level: float, least: Bound) -> TermCheck:
-    values, intervals, claimed = zip(*seen, strict=True)
-    limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for interval in intervals])
-    bound = least[true.symbol] if true.value else math.nan
-    found = np.array(values), limits[:, 0], limits[:, 1], np.array(claimed)
-    return TermCheck(true.symbol, true.signal, true.value, bound, *found)

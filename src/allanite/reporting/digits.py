@@ -76,6 +76,11 @@ def digits(
     return Digits(shown[0], least, most, exponent)
 
 
+def rounded(value: float) -> str:
+    """A number without an interval as text, to four digits; empty where there is none."""
+    return digits(value).plain()[0] if math.isfinite(value) else ""
+
+
 def _order(size: float) -> int:
     return math.floor(math.log10(size))
 

@@ -27,7 +27,7 @@ FURTHER: dict[str, dict[str, str]] = {
         "WenQuanYi Micro Hei": "wqy-microhei",
         "Noto Sans CJK JP": "noto *sans *cjk",  # the first of the collection, which old versions of matplotlib read
         "Arial Unicode MS": "arial *unicode",
-    },
+    }
 }
 """By language, families with its letters, best first, and what the names of their files look like."""
 

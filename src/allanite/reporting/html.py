@@ -42,18 +42,16 @@ def render(face: Face, stored: Work[bytes]) -> Work[str]:
         from .style import DARK
 
         data, pictures = made
-        drawn = {id(drawing): picture for drawing, picture in zip(figures, pictures, strict=True)}
+        shown = {id(drawing): picture for drawing, picture in zip(figures, pictures, strict=True)}
         grounds = [{variable(c): c for c in DARK}, {variable(c): dark for c, dark in DARK.items()}]
-        shown = {"face": replace(face, data=data), "draw": drawer(drawn), "grounds": grounds, "lang": lang}
         with speaking(lang):
-            return _environment().get_template("page.html.j2").render(shown)
+            return (
+                _environment()
+                .get_template("page.html.j2")
+                .render(face=replace(face, data=data), draw=drawer(shown), grounds=grounds, lang=lang)
+            )
 
-    return stored.beside(Work([partial(_picture, drawing, lang) for drawing in figures], list)).then(page)
-
-
-def _picture(drawing: Drawing, lang: str) -> Picture:
-    with speaking(lang):
-        return drawn(drawing)
+    return stored.beside(Work([partial(drawn, drawing, lang) for drawing in figures], list)).then(page)
 
 
 def fragment(face: Face, figure: "Figure | None" = None) -> str:

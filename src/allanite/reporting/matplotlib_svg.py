@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from .digits import printable
-from .language import tr
+from .language import speaking, spoken, tr
 from .sheet import Drawing
 
 if TYPE_CHECKING:
@@ -46,16 +46,17 @@ def svg(figure: "Figure", prefix: str, label: str) -> Markup:
     return picture(figure).within(prefix, label)
 
 
-def drawn(drawing: Drawing) -> Picture:
-    """The figure of a page, by `sketch` or else by matplotlib."""
+def drawn(drawing: Drawing, lang: str = "") -> Picture:
+    """The figure of a page in a language, or the one that is spoken; by `sketch` or else by matplotlib."""
     from .sketch.limits import Unsketched
 
-    plot = drawing.draw()
-    try:
-        chart = plot.sketched()
-        return Picture(chart.svg(), chart.width)
-    except Unsketched:
-        return picture(plot.printed())
+    with speaking(lang or spoken()):
+        plot = drawing.draw()
+        try:
+            chart = plot.sketched()
+            return Picture(chart.svg(), chart.width)
+        except Unsketched:
+            return picture(plot.printed())
 
 
 def picture(figure: "Figure") -> Picture:

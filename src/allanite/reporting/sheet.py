@@ -4,12 +4,14 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from allanite.phrases.phrase import join, say
 
 if TYPE_CHECKING:
-    from .style import Plot
+    from matplotlib.figure import Figure
+
+    from .sketch.chart import Chart
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
 Mark = Literal["", "good", "weak", "alarm", "quiet", "strong", "struck"]
@@ -92,11 +94,21 @@ class Note:
     points: Sequence[str] = ()
 
 
+class Plot(Protocol):
+    """A figure that is yet to be drawn."""
+
+    def printed(self) -> "Figure":
+        """For print, by matplotlib."""
+
+    def sketched(self) -> "Chart":
+        """For a page, by `sketch`."""
+
+
 @dataclass(frozen=True)
 class Drawing:
     """A figure that is drawn only where it is shown."""
 
-    draw: "Callable[[], Plot]"
+    draw: Callable[[], Plot]
     label: str
     caption: str = ""
     title: str = ""
@@ -253,15 +265,6 @@ def one_sheet(
 def known(form: str, otherwise: str = "", unit: str = "") -> Callable[[float | None], str]:
     """The form of numbers that need not be known: where one is missing or not finite stands `otherwise`."""
     return lambda value: otherwise if value is None or not math.isfinite(value) else f"{value:{form}}{unit}"
-
-
-def columns(*headings: str, left: int = 1, form: Form = "") -> tuple[Column, ...]:
-    """Columns of numbers, the first `left` of names; "unit" is a unit, and an interval is known by its name."""
-    usual: list[Kind] = [*["name"] * left, *["number"] * (len(headings) - left)]  # type: ignore[list-item]
-    return tuple(
-        Column(h, "unit" if h == "unit" else "interval" if h.endswith(("interval", "limits")) else kind, form=form)
-        for h, kind in zip(headings, usual, strict=True)
-    )
 
 
 def header_of(provenance: dict[str, str], notes: Iterable[str], method: str = "") -> list[tuple[str, str]]:

@@ -89,7 +89,7 @@ P = ParamSpec("P")
 
 
 @dataclass(frozen=True)
-class Plot:
+class StyledPlot:
     """A figure that is yet to be drawn, on whatever `draw` is given."""
 
     draw: Callable[[NewFigure], Figure]
@@ -108,12 +108,12 @@ class Plot:
         return cast(Chart, self.draw(lambda width, height: cast(Figure, Chart(width, height, Look(INK, "#555b63")))))
 
 
-def plotted(function: Callable[Concatenate[NewFigure, P], Figure]) -> Callable[P, Plot]:
-    """A function that draws on a new figure, as one that gives a `Plot`."""
+def plotted(function: Callable[Concatenate[NewFigure, P], Figure]) -> Callable[P, StyledPlot]:
+    """A function that draws on a new figure, as one that gives a `StyledPlot`."""
 
     @wraps(function)
-    def plot(*arguments: P.args, **named: P.kwargs) -> Plot:
-        return Plot(lambda new_figure: function(new_figure, *arguments, **named))
+    def plot(*arguments: P.args, **named: P.kwargs) -> StyledPlot:
+        return StyledPlot(lambda new_figure: function(new_figure, *arguments, **named))
 
     return plot
 

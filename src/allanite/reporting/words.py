@@ -13,6 +13,7 @@ from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
 from allanite.core.titles import title_of
 from allanite.core.validity import UNEXPLAINED, graded
+from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
 from allanite.phrases.wording import duration as duration  # noqa: PLC0414 - of this module too
 from allanite.terms import TERMS
@@ -83,8 +84,6 @@ def symbol(estimate: Estimate) -> str:
 
 def signed(estimate: Estimate) -> bool:
     """Whether the sign of an estimate is one: that of a ramp, by a method that knows it."""
-    from allanite.identification.methods import METHODS
-
     return _ramp(estimate) and METHODS[estimate.method].signed
 
 
@@ -123,6 +122,14 @@ def limit(estimate: Estimate, unit: str) -> Digits | None:
     if estimate.upper is None:
         return None
     return digits(estimate.upper / coefficient_factor(estimate.symbol, unit, estimate.signal), figures=2)
+
+
+def brief(estimate: Estimate, level: float) -> str:
+    """A coefficient to its significant digits, in brackets if it is not valid, or its upper limit."""
+    number, most = shown(estimate, estimate.sheet_unit, level), limit(estimate, estimate.sheet_unit)
+    if number is not None:
+        return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
+    return f"< {most.plain()[0]}" if most else "-"
 
 
 def below(estimate: Estimate, most: str) -> Phrase:

@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 
 from allanite.core.errors import UnitError, UsageError, given
-from allanite.core.model import Model, ModelLike, Term, model_of
+from allanite.core.model import ModelLike, Term, model_of
 from allanite.core.record import Record
-from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.phrase import say
 from allanite.statistics.row import FloatArray
 
 LONGER = (1, 2, 4, 8, 16)
@@ -77,7 +77,9 @@ def simulate(
         raise UsageError(f"a record needs at least 2 samples, not {n}")
     if not (np.isfinite(rate) and rate > 0):
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
-    rounded = _quantization(model) if rounding else None
+    rounded = next((t for t in model if rounding and t.row.alpha == 2 and t.value), None)
+    if rounding and rounded is None:
+        raise UsageError(f"rounding generates quantization noise, but there is none in {model}: add Q to the model")
     y = _noise([t for t in model if t is not rounded], n, rate, rng)
     for t in model:
         if (wave := t.sampled(rate).waveform) is not None:
@@ -88,40 +90,31 @@ def simulate(
         step = rounded.value * math.sqrt(12) * rate
         angle = np.concatenate(([0.0], np.cumsum(y / step))) + rng.random()
         y = np.asarray(np.diff(np.rint(angle)) * step)
-    record = Record(y, rate, unit or model.signal.unit, model.signal.kind, name=name, history=(_story(model, rounded),))
+    history = say("simulated: {model}", model=str(model))
+    if rounded is not None:
+        history = say("simulated: {model}, {symbol} by rounding", model=str(model), symbol=rounded.symbol)
+    record = Record(y, rate, unit or model.signal.unit, model.signal.kind, name=name, history=(history,))
     if record.signal is not model.signal:
         raise UnitError(f"{unit!r} is not a unit of rates of a sensor with {model}")
     y /= record.factor
     return record
 
 
-def _quantization(model: Model) -> Term:
-    """The term that rounding makes."""
-    term = next((t for t in model if t.row.alpha == 2 and t.value), None)
-    if term is None:
-        raise UsageError(f"rounding generates quantization noise, but there is none in {model}: add Q to the model")
-    return term
-
-
 def _noise(terms: list[Term], n: int, rate: float, rng: "np.random.Generator") -> FloatArray:
     """Rates with the covariance of the terms of noise, the first of them 0."""
-    parts, y = [(t.power(rate), t.sampled(rate)) for t in terms if t.row.waveform is None and t.value], np.zeros(n)
-    if parts:
-        y[1:] = _stationary(lambda lags: np.asarray(sum(p * row.increments(lags) for p, row in parts)), n - 1, rng)
-        np.cumsum(y, out=y)
-    return y
-
-
-def _stationary(covariance: Callable[[FloatArray], FloatArray], n: int, rng: "np.random.Generator") -> FloatArray:
-    """A stationary Gaussian series with this covariance as a function of the lag, shape (n,)."""
     from scipy.fft import irfft
 
-    half, power = _embedded(covariance, n)
-    np.sqrt(np.maximum(power, 0.0, out=power), out=power)
-    noise = rng.standard_normal((half + 1, 2)).view(np.complex128)[:, 0]
-    noise[[0, half]] = noise[[0, half]].real * np.sqrt(2.0)
-    noise *= power
-    return np.asarray(irfft(noise, 2 * half)[:n] * np.sqrt(half))
+    parts, y = [(t.power(rate), t.sampled(rate)) for t in terms if t.row.waveform is None and t.value], np.zeros(n)
+    if parts:
+        # a stationary Gaussian series with the covariance of the increments
+        half, power = _embedded(lambda lags: np.asarray(sum(p * row.increments(lags) for p, row in parts)), n - 1)
+        np.sqrt(np.maximum(power, 0.0, out=power), out=power)
+        noise = rng.standard_normal((half + 1, 2)).view(np.complex128)[:, 0]
+        noise[[0, half]] = noise[[0, half]].real * np.sqrt(2.0)
+        noise *= power
+        y[1:] = irfft(noise, 2 * half)[: n - 1] * np.sqrt(half)
+        np.cumsum(y, out=y)
+    return y
 
 
 def _embedded(covariance: Callable[[FloatArray], FloatArray], n: int) -> tuple[int, FloatArray]:
@@ -173,10 +166,3 @@ def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Ge
     if walk:
         noise[1:] += walk * np.cumsum(rng.standard_normal(n - 1))
     return noise
-
-
-def _story(model: Model, rounded: Term | None) -> Phrase:
-    """What the history says of a simulated record."""
-    if rounded is None:
-        return say("simulated: {model}", model=str(model))
-    return say("simulated: {model}, {symbol} by rounding", model=str(model), symbol=rounded.symbol)

@@ -59,23 +59,18 @@ class Matrices:
         one = StepMatrices(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))
         found = []
         for factor in m.tolist():
-            steps = _power(one, factor)
+            # so many steps, by doubling
+            steps, doubled, left = None, one, factor
+            while left:
+                if left & 1:
+                    steps = doubled if steps is None else steps.then(doubled)
+                left >>= 1
+                doubled = doubled.then(doubled) if left else doubled
+            assert steps is not None  # noqa: S101 - the factor is at least 1
             start = steps.c @ (steps.A - np.eye(len(self.P0)))
             variance = start @ self.P0 @ start + steps.c @ steps.Qww @ steps.c - 2 * steps.c @ steps.Qwn + 2 * steps.qnn
             found.append(variance / (2 * factor**2))
         return np.array(found)
-
-
-def _power(one: StepMatrices, m: int) -> StepMatrices:
-    """So many steps, by doubling."""
-    whole, doubled = None, one
-    while m:
-        if m & 1:
-            whole = doubled if whole is None else whole.then(doubled)
-        m >>= 1
-        doubled = doubled.then(doubled) if m else doubled
-    assert whole is not None  # noqa: S101 - m is at least 1
-    return whole
 
 
 def equivalent(model: Model, fitted: MarkovSum | None) -> Model:
@@ -92,18 +87,16 @@ def equivalent(model: Model, fitted: MarkovSum | None) -> Model:
 
 def blocks_of(model: Model, h: float) -> list[Block]:
     """The terms as states, in the order of `TERMS`; a term without states is a UsageError."""
-    known = list(TERMS)
-    return [_block(t, h) for t in sorted(model, key=lambda t: known.index(t.symbol))]
-
-
-def _block(t: Term, h: float) -> Block:
-    if t.row.block is None:
-        able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
-        raise UsageError(
-            f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it from the model, or replace "
-            "it by a term with a similar curve at the relevant averaging times"
-        )
-    return t.row.block(t.value, t.shape, h)
+    known, blocks = list(TERMS), []
+    for t in sorted(model, key=lambda t: known.index(t.symbol)):
+        if t.row.block is None:
+            able = ", ".join(symbol for symbol, row in TERMS.items() if row.block or row.substitute)
+            raise UsageError(
+                f"{t.symbol} ({t.row.title}) has no states in a filter, {able} have: omit it from the model, or "
+                "replace it by a term with a similar curve at the relevant averaging times"
+            )
+        blocks.append(t.row.block(t.value, t.shape, h))
+    return blocks
 
 
 def states_of(blocks: list[Block], turn_on: float, h: float) -> list[Block]:

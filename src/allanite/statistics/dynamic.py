@@ -80,7 +80,11 @@ def dynamic(
         raise UsageError(f"the number of threads must be at least 1, not {threads!r}")
     record.demand_range()
     samples, stride = _samples(record, window, step)
-    first = deviation(_complete(record, samples), row.name, taus=taus, m=m, noise=noise)
+    # any window without missing samples: its curve has the grid, the counts and the law of all windows
+    flawless = np.sin(np.arange(samples) ** 2.0)
+    unit, kind = record.signal.unit, record.signal.kind
+    window_of_all = Record(flawless, record.rate, unit, kind, name=record.name)
+    first = deviation(window_of_all, row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
     if row.sliding and complete(record.values):
         from allanite.kernels.dynamic import windowed
@@ -91,7 +95,14 @@ def dynamic(
         shape = variance.shape
         found = WindowMeans(variance, np.broadcast_to(first.count, shape), np.broadcast_to(first.factor, shape))
     else:
-        parts = [_part(record, int(start), samples) for start in starts]
+        points = samples + KINDS[record.kind][1]
+        parts = [
+            record.with_values(
+                record.values[start : start + points],
+                say("window of {count} samples at sample {start}", count=samples, start=start),
+            )
+            for start in starts.tolist()
+        ]
         shape = (len(parts), first.m.size)
         found = WindowMeans(np.full(shape, np.nan), np.zeros(shape, dtype=np.int64), np.full(shape, np.nan))
         reason: DataError | None = None
@@ -141,20 +152,6 @@ def _samples(record: Record, window: float | None, step: float | None) -> tuple[
             f"long, and the minimum of {FEWEST} samples is {FEWEST / record.rate:g} s"
         )
     return samples, max(1, samples // 8 if step is None else round(step * record.rate))
-
-
-def _part(record: Record, start: int, samples: int) -> Record:
-    stop = start + samples + KINDS[record.kind][1]
-    return record.with_values(
-        record.values[start:stop], say("window of {count} samples at sample {start}", count=samples, start=start)
-    )
-
-
-def _complete(record: Record, samples: int) -> Record:
-    """Any window without missing samples: its curve has the grid, the counts and the law of all windows."""
-    return Record(
-        np.sin(np.arange(samples) ** 2.0), record.rate, record.signal.unit, record.signal.kind, name=record.name
-    )
 
 
 def _one(part: Record, row: Statistic, first: Curve) -> WindowMeans | DataError:

@@ -54,7 +54,21 @@ def integrated(record: Record, order: int) -> AngleRecord:
     record without two neighbouring samples that are finite is a DataError.
     """
     record.demand_range()
-    pieces = _angles(record) if record.kind == "angle" else _integrals(record, record.constant if order > 1 else 0)
+    values = record.values
+    if record.kind == "angle":
+        pieces = [Piece(a, (values[a:b] - values[a]).astype(np.float64)) for a, b in stretches(values)]
+    else:
+        from allanite.kernels.allan import integrate
+
+        constant = record.constant if order > 1 else 0
+        whole = integrate(values, constant)
+        # the last sum tells whether there are gaps: what is not finite stays in it
+        complete = np.isfinite(whole[-1])
+        pieces = (
+            [Piece(0, whole)]
+            if complete
+            else [Piece(a, integrate(values[a:b], constant)) for a, b in stretches(values)]
+        )
     long = tuple(piece for piece in pieces if piece.x.size > 2)
     if not long:
         raise DataError(
@@ -64,21 +78,6 @@ def integrated(record: Record, order: int) -> AngleRecord:
             )
         )
     return AngleRecord(long, record.size, record.factor * (1.0 if record.integrated else record.interval))
-
-
-def _angles(record: Record) -> list[Piece]:
-    values = record.values
-    return [Piece(a, (values[a:b] - values[a]).astype(np.float64)) for a, b in stretches(values)]
-
-
-def _integrals(record: Record, constant: float) -> list[Piece]:
-    """The last sum tells whether there are gaps: what is not finite stays in it."""
-    from allanite.kernels.allan import integrate
-
-    whole = integrate(record.values, constant)
-    if np.isfinite(whole[-1]):
-        return [Piece(0, whole)]
-    return [Piece(a, integrate(record.values[a:b], constant)) for a, b in stretches(record.values)]
 
 
 def stretches(values: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> list[tuple[int, int]]:
@@ -141,7 +140,13 @@ def windows(row: Statistic, angle: AngleRecord, m: IntArray, threads: int = 1) -
         return WindowMeans(variance[back], number[back], factor[back])
     sums, count = np.zeros(m.size), np.zeros(m.size, np.int64)
     for start, x in angle.pieces:
-        found, number = _piece(row, Piece(start, x), m, threads)
+        if row.overlapped or start == 0:
+            found, number = _sums(row, x, m, threads), row.count(x.size - 1, m)
+        else:  # windows that do not overlap start at multiples of m of the record
+            skip = -start % m
+            each = [row.sums(x[s:], m[i : i + 1])[0] if s < x.size - 1 else 0.0 for i, s in enumerate(skip)]
+            found = np.array(each)
+            number = np.array([row.count(x.size - 1 - int(s), k) for s, k in zip(skip, m, strict=True)])
         sums = np.maximum(sums, found) if row.extreme else sums + found
         count += number
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -164,16 +169,6 @@ def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMea
     for i in taken:
         variance[i], number[i] = variance_of(row, int(m[i]), where, x)
     return WindowMeans(variance, number, plain.factor)
-
-
-def _piece(row: Statistic, piece: Piece, m: IntArray, threads: int) -> tuple[FloatArray, IntArray]:
-    """Sums and numbers of windows of one piece; windows that do not overlap start at multiples of m of the record."""
-    start, x = piece
-    if row.overlapped or start == 0:
-        return _sums(row, x, m, threads), row.count(x.size - 1, m)
-    skip = -start % m
-    sums = [row.sums(x[s:], m[i : i + 1])[0] if s < x.size - 1 else 0.0 for i, s in enumerate(skip)]
-    return np.array(sums), np.array([row.count(x.size - 1 - int(s), k) for s, k in zip(skip, m, strict=True)])
 
 
 def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArray:

@@ -22,37 +22,30 @@ def part_of(row: Statistic, m: IntArray, size: int, join: float) -> IntArray:
 
 def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: float, join: float) -> IntArray:
     """Averaging factors of a named grid or of times in seconds, which are never rounded to a multiple."""
+    parts = row.parts or (row,)
     if not isinstance(taus, str):
-        return _of_seconds(np.atleast_1d(np.asarray(taus, dtype=np.float64)), row, (size, rate), join)
+        asked = np.atleast_1d(np.asarray(taus, dtype=np.float64))
+        part = [parts[-1] if len(parts) > 1 and tau * rate > join * size else parts[0] for tau in asked]
+        factor, step = np.array([p.tau_factor for p in part]), np.array([p.step for p in part])
+        wanted = asked * rate / factor
+        m = np.rint(wanted / step) * step
+        off = ~(np.abs(m - wanted) <= 1e-6 * np.maximum(np.abs(wanted), 1))
+        if off.any():
+            i = int(off.argmax())
+            unit, near = step[i] * factor[i] / rate, m[i] * factor[i] / rate
+            raise UsageError(
+                f"tau = {asked[i]:g} s is not a multiple of {unit:g} s, which {row.name} needs at {rate:g} Hz; the "
+                f"nearest is {max(near, unit):g} s"
+            )
+        return np.asarray(m, dtype=np.int64)
     if taus not in GRIDS:
         raise UsageError(f"unknown grid of averaging times {taus!r}; known grids: {', '.join(GRIDS)}, or give seconds")
-    parts = row.parts or (row,)
     made = [GRIDS[taus](part.largest(size) // part.step) * part.step for part in parts if part.largest(size)]
     if len(made) < 2:
         return made[0] if made else np.empty(0, np.int64)
     early = made[0][made[0] <= join * size]
     late = made[1][(made[1] > join * size) & (made[1] * parts[1].tau_factor > early[-1:].sum())]
     return np.concatenate((early, late))
-
-
-def _of_seconds(taus: FloatArray, row: Statistic, clock: tuple[int, float], join: float) -> IntArray:
-    size, rate = clock
-    parts = row.parts or (row,)
-    part = np.array([parts[-1] if len(parts) > 1 and tau * rate > join * size else parts[0] for tau in taus])
-    factor = np.array([p.tau_factor for p in part])
-    step = np.array([p.step for p in part])
-    wanted = taus * rate / factor
-    m = np.rint(wanted / step) * step
-    off = ~(np.abs(m - wanted) <= 1e-6 * np.maximum(np.abs(wanted), 1))
-    if off.any():
-        i = int(off.argmax())
-        unit = step[i] * factor[i] / rate
-        near = m[i] * factor[i] / rate
-        raise UsageError(
-            f"tau = {taus[i]:g} s is not a multiple of {unit:g} s, which {row.name} needs at {rate:g} Hz; the "
-            f"nearest is {max(near, unit):g} s"
-        )
-    return np.asarray(m, dtype=np.int64)
 
 
 def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float) -> IntArray:
@@ -62,7 +55,8 @@ def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float)
         raise UsageError(f"averaging factors must be integers, not {factors.dtype}; give times in seconds as taus")
     largest, least = (row.parts or (row,))[-1].largest(size), row.step
     if largest < least:
-        raise UsageError(f"{row.name} needs at least {_least(row)} samples, but there are {size}")
+        fewest = next(n for n in range(1, 1000) if row.largest(n) >= row.step)
+        raise UsageError(f"{row.name} needs at least {fewest} samples, but there are {size}")
     outside = factors[(factors < least) | (factors > largest)]
     if outside.size or not factors.size:
         came = ", ".join(map(str, outside[:3])) or "none"
@@ -77,14 +71,6 @@ def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float)
             f"{factors[odd][0]}; the largest possible is {largest}"
         )
     return np.asarray(factors, dtype=np.int64)
-
-
-def _least(row: Statistic) -> int:
-    return next(n for n in range(1, 1000) if row.largest(n) >= row.step)
-
-
-def _octaves(largest: int) -> IntArray:
-    return 2 ** np.arange(largest.bit_length(), dtype=np.int64)
 
 
 def _decades(largest: int) -> IntArray:
@@ -105,7 +91,7 @@ def _logarithmic(largest: int, points: int = 100) -> IntArray:
 
 
 GRIDS: dict[str, Callable[[int], IntArray]] = {
-    "octave": _octaves,
+    "octave": lambda largest: 2 ** np.arange(largest.bit_length(), dtype=np.int64),
     "decade": _decades,
     "log": _logarithmic,
     "all": lambda largest: np.arange(1, largest + 1, dtype=np.int64),

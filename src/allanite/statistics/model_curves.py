@@ -101,8 +101,18 @@ def expectation(
 
 def _curve(model: Model, row: Statistic, record: tuple[str | Sequence[float], float | None, int | None]) -> Curve:
     tau, rate, size = record
-    if rate is None:
-        m, at = np.zeros(0, np.int64), _times(model, tau)
+    m = np.zeros(0, np.int64)
+    if rate is None and isinstance(tau, str):
+        if tau != "log":
+            raise UsageError(
+                f"the averaging times {tau!r} are multiples of a sample interval: pass "
+                + spelled("--rate HZ", "rate=...")
+                + ", or the times in seconds"
+            )
+        low, high = (PER_DECADE * math.log10(end) for end in reach(model))
+        at = np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / PER_DECADE))
+    elif rate is None:
+        at = np.atleast_1d(np.asarray(tau, dtype=np.float64))
     else:
         length = size or max(8, math.ceil(4 * reach(model)[1] * rate))
         m = factors_of(tau, row, length, rate, JOIN)
@@ -121,19 +131,6 @@ def _variance(model: Model | Term, statistic: str, where: tuple[FloatArray, floa
     return np.maximum(expected(model, statistic, tau, rate=rate or None, size=size or None), 0.0)
 
 
-def _times(model: Model, tau: str | Sequence[float]) -> FloatArray:
-    if not isinstance(tau, str):
-        return np.atleast_1d(np.asarray(tau, dtype=np.float64))
-    if tau != "log":
-        raise UsageError(
-            f"the averaging times {tau!r} are multiples of a sample interval: pass "
-            + spelled("--rate HZ", "rate=...")
-            + ", or the times in seconds"
-        )
-    low, high = (PER_DECADE * math.log10(end) for end in reach(model))
-    return np.asarray(10 ** (np.arange(math.floor(low), math.ceil(high) + 1) / PER_DECADE))
-
-
 def reach(model: Model) -> tuple[float, float]:
     """Averaging times from where one term alone matters to where another alone does, s.
 
@@ -145,25 +142,21 @@ def reach(model: Model) -> tuple[float, float]:
     (True, True)
     """
     tau = np.geomspace(1e-9, 1e9, 361)
-    each = np.array([_structured(term, tau) for term in model])
+    # Allan variance by the structure function, without a sampling rate
+    rows = [term.sampled(1.0) for term in model]
+    each = np.array([
+        np.asarray(term.value**2 * (4 * row.structure(tau) - row.structure(2 * tau)) / (2 * tau**2))
+        for term, row in zip(model, rows, strict=True)
+    ])  # fmt: skip
     changes = tau[1:][np.diff(each.argmax(axis=0)) != 0]
-    own = [scale for term in model for scale in _scales(term)]
+    # times that a term has of its own: a time constant, a period
+    own = [
+        value if parameter.unit == "s" else 1 / value
+        for term in model
+        for parameter, value in zip(term.row.parameters, term.shape, strict=True)
+        if parameter.unit in ("s", "Hz") and value > 0
+    ]
     found = np.array([*changes, *own])
     if not found.size:
         return ALONE
     return float(found.min()) / BESIDE, float(found.max()) * BESIDE
-
-
-def _structured(term: Term, tau: FloatArray) -> FloatArray:
-    """Allan variance by the structure function, without a sampling rate."""
-    row = term.sampled(1.0)
-    return np.asarray(term.value**2 * (4 * row.structure(tau) - row.structure(2 * tau)) / (2 * tau**2))
-
-
-def _scales(term: Term) -> list[float]:
-    """Times that a term has of its own: a time constant, a period."""
-    return [
-        value if parameter.unit == "s" else 1 / value
-        for parameter, value in zip(term.row.parameters, term.shape, strict=True)
-        if parameter.unit in ("s", "Hz") and value > 0
-    ]

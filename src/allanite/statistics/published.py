@@ -41,15 +41,16 @@ def _angle(t: FloatArray, alpha: int) -> FloatArray:
     return np.asarray(sign * (power if alpha % 2 == 0 else power * np.log(np.where(t > 0, t, 1.0))))
 
 
-def _averaged(t: FloatArray, F: float, alpha: int) -> FloatArray:
-    if math.isinf(F):
-        return _angle(t, alpha + 2)
-    return F**2 * (2 * _angle(t, alpha) - _angle(t - 1 / F, alpha) - _angle(t + 1 / F, alpha))
-
-
 def _differences(t: FloatArray, F: float, law: tuple[int, int]) -> FloatArray:
     alpha, d = law
-    terms = [(-1.0) ** k * math.comb(2 * d, d + k) * _averaged(t + k, F, alpha) for k in range(-d, d + 1)]
+    terms = []
+    for k in range(-d, d + 1):
+        s = t + k
+        if math.isinf(F):
+            mean = _angle(s, alpha + 2)
+        else:
+            mean = F**2 * (2 * _angle(s, alpha) - _angle(s - 1 / F, alpha) - _angle(s + 1 / F, alpha))
+        terms.append((-1.0) ** k * math.comb(2 * d, d + k) * mean)
     return np.asarray(np.sum(terms, axis=0))
 
 

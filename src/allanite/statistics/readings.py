@@ -72,7 +72,12 @@ def readings(record: Record, curve: Curve | None = None) -> Readings:
     lowest = int(wide.deviation[known].argmin()) if factors else 0
     usual = min(max(round(USUAL * record.rate), 1), max(factors, default=1))
     around = max(round(usual / 3), 1), min(3 * usual, int(wide.m.max()))
-    marks = _decades(record.rate, factors)
+    marks: list[int] = []
+    if factors:  # that bound the ranges of slopes: the first, those of 10^k seconds, the last that is known
+        start, end = factors[0], factors[-1]
+        powers = range(math.floor(math.log10(start / record.rate)), math.ceil(math.log10(end / record.rate)) + 1)
+        tens = (round(10.0**k * record.rate) for k in powers)
+        marks = [start, *(m for m in tens if WIDE * start <= m <= end / WIDE), end]
     least = factors[lowest : lowest + 1]
     points = _Points(deviation(record, "oadev", m=sorted({usual, *around, *marks, *least}), omit=True))
     slopes = (points.slope(first, last) for first, last in pairwise(marks))
@@ -110,16 +115,6 @@ class _Points:
         # as if the two were independent: correlation can only reduce the scatter of their ratio
         error = math.sqrt(float((2 / edf).sum())) / 2 / ratio
         return Slope(float(tau[0]), float(tau[1]), math.log(variance[1] / variance[0]) / 2 / ratio, error)
-
-
-def _decades(rate: float, known: list[int]) -> list[int]:
-    """Averaging factors that bound the ranges of slopes: the first, those of 10^k seconds, the last that is known."""
-    if not known:
-        return []
-    first, last = known[0], known[-1]
-    powers = range(math.floor(math.log10(first / rate)), math.ceil(math.log10(last / rate)) + 1)
-    tens = (round(10.0**k * rate) for k in powers)
-    return [first, *(m for m in tens if WIDE * first <= m <= last / WIDE), last]
 
 
 def _means(record: Record) -> Iterator[Means]:

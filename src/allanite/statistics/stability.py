@@ -1,13 +1,13 @@
 """N-second stability of a record, and the minimum of a curve."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
-from allanite.core.model import Model, ModelLike, model_of
+from allanite.core.model import ModelLike, model_of
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 
@@ -76,9 +76,30 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
     means, whole = means_of(record, m)
     blocks = int(whole.sum())
     if blocks < FEWEST:
-        raise DataError(_too_few(record, seconds, blocks, gaps=blocks < whole.size))
+        names: dict[str, Any] = {"channel": record.name, "blocks": blocks, "seconds": seconds}
+        if blocks < whole.size:
+            raise DataError(
+                say(
+                    "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed, and a mean that "
+                    "touches a gap is not complete; choose a shorter time",
+                    **names,
+                )
+            )
+        raise DataError(
+            say(
+                "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
+                "possible time is {longest:g} s",
+                **names, longest=record.duration / 2,
+            )
+        )  # fmt: skip
     value = scatter(means[whole])
-    expected = None if model is None else math.sqrt(_variance(model_of(model), seconds, whole))
+    expected = None
+    if model is not None:  # of successive means that are whole
+        size, lag, D = 2 * whole.size, np.arange(1.0, whole.size), model_of(model).structure
+        pairs = np.rint(np.fft.irfft(np.abs(np.fft.rfft(whole, size)) ** 2, size)[1 : whole.size])
+        squares = 2 * D(np.full_like(lag, seconds)) + 2 * D(lag * seconds)
+        squares = squares - D((lag + 1) * seconds) - D((lag - 1) * seconds)
+        expected = math.sqrt(float(pairs @ squares / (blocks * (blocks - 1)) / seconds**2))
     return Stability(value, seconds, blocks, record.duration, record.signal.si[0.0], expected)
 
 
@@ -92,30 +113,6 @@ def means_of(record: Record, m: int) -> tuple[FloatArray, BoolArray]:
 def scatter(means: FloatArray) -> float:
     """Standard deviation of at least two means."""
     return float(np.std(means, ddof=1))
-
-
-def _too_few(record: Record, seconds: float, blocks: int, *, gaps: bool) -> str:
-    if gaps:
-        return say(
-            "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed, and a mean that touches a "
-            "gap is not complete; choose a shorter time",
-            **{"channel": record.name, "blocks": blocks, "seconds": seconds},
-        )
-    return say(
-        "{channel!r} has {blocks} complete means over {seconds:g} s, but 2 are needed; the longest "
-        "possible time is {longest:g} s",
-        **{"channel": record.name, "blocks": blocks, "seconds": seconds, "longest": record.duration / 2},
-    )
-
-
-def _variance(model: Model, tau: float, whole: BoolArray) -> float:
-    """Expected variance of those of successive means over tau that are `whole`."""
-    size = 2 * whole.size
-    pairs = np.rint(np.fft.irfft(np.abs(np.fft.rfft(whole, size)) ** 2, size)[1 : whole.size])
-    lag, D = np.arange(1.0, whole.size), model.structure
-    squares = 2 * D(np.full_like(lag, tau)) + 2 * D(lag * tau) - D((lag + 1) * tau) - D((lag - 1) * tau)
-    blocks = int(whole.sum())
-    return float(pairs @ squares / (blocks * (blocks - 1)) / tau**2)
 
 
 def minimum(curve: Curve) -> Minimum:

@@ -62,10 +62,6 @@ def _ramp(m: int) -> FloatArray:
     return np.asarray(g - place @ g * _slope(3 * m))
 
 
-def _window(m: int) -> Window:
-    return np.full(6 * m, 1 / (6 * m)), folding(m)
-
-
 def _rate_window(m: int) -> Window:
     if m == 1:
         return np.ones(1), np.array([[-1.0, 3.0, -3.0, 1.0]])
@@ -121,7 +117,7 @@ MTOTDEV = Statistic(
     span=(3, -1),
     sums=_modified_total,
     pace=40.0,
-    window=_window,
+    window=lambda m: (np.full(6 * m, 1 / (6 * m)), folding(m)),
     target="mdev",
     published=PublishedBias(
         reference="D. A. Howe & F. Vernotte, PTTI 1999; NIST SP 1065 section 5.2.12",

@@ -55,21 +55,18 @@ def _dct(k: FloatArray, n: int) -> FloatArray:
     half = (0.5 * math.pi / n) * k
     turn = np.exp(1j * half)
     whole = 0.5 * np.log(np.abs(1 / np.tan(half / 2))) + 0.25j * math.pi  # artanh(turn)
-    tail = _tail(half, n) * (1 - 2 * (k % 2))
+    # the sum over h >= n of exp(i omega (h + 1/2 - n)) / (2h + 1), omega = 2 half, as an integral over exp(-x)
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    width = np.diff(PANELS) / 2
+    x = (PANELS[:-1, None] + width[:, None] * (1 + nodes)).ravel()
+    w = (width[:, None] * weights).ravel() * np.exp(-x) / (4 * n)
+    tail = np.array([np.sum(w / np.sinh(x / (2 * n) - 1j * a)) for a in np.atleast_1d(half)]).reshape(np.shape(half))
+    tail = tail * (1 - 2 * (k % 2))
     plus = (whole - turn - tail) / turn
     minus = (whole - tail - (1 - 2 * (k % 2)) / turn / (2 * n - 1)) * turn
     plain, weighted = 2 / math.pi * (plus - minus), -(plus + minus) / math.pi
     ends = weighted.real + plain.imag / np.sin(2 * half)
     return np.asarray(4 / math.pi + 2 * plain.real - 2 / n * ends)
-
-
-def _tail(half: FloatArray, n: int) -> FloatArray:
-    """Sum over h >= n of exp(i omega (h + 1/2 - n)) / (2h + 1), omega = 2 half, as an integral over exp(-x)."""
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    width = np.diff(PANELS) / 2
-    x = (PANELS[:-1, None] + width[:, None] * (1 + nodes)).ravel()
-    w = (width[:, None] * weights).ravel() * np.exp(-x) / (4 * n)
-    return np.array([np.sum(w / np.sinh(x / (2 * n) - 1j * a)) for a in np.atleast_1d(half)]).reshape(np.shape(half))
 
 
 ANGLE_FLICKER = NoiseTerm(

@@ -56,7 +56,12 @@ def markov_block(size: float, T: float, h: float) -> Block:
     """Gauss-Markov noise of RMS `size` and time constant `T`."""
     u = h / T
     loss = -math.expm1(-u)
-    var_mean = size**2 * _mean_variance(u)
+    # (2u - 3 + 4 exp(-u) - exp(-2u)) / u^2, without cancellation: what the noise within the interval adds
+    var_mean = size**2 * (
+        (2 * u - 3 + 4 * math.exp(-u) - math.exp(-2 * u)) / u**2
+        if u > 0.3
+        else math.fsum((-1) ** k * (4 - 2.0**k) / math.factorial(k) * u ** (k - 2) for k in range(3, 20))
+    )
     Q = np.array([[-math.expm1(-2 * u) * size**2, size**2 * loss**2 / u], [size**2 * loss**2 / u, var_mean]])
     return Block(
         names=((say("Gauss-Markov rate, T = {time:.6g} s", time=T), 0),),
@@ -68,13 +73,6 @@ def markov_block(size: float, T: float, h: float) -> Block:
         P0=np.array([[size**2]]),
         output=np.ones(1),
     )
-
-
-def _mean_variance(u: float) -> float:
-    """(2u - 3 + 4 exp(-u) - exp(-2u)) / u^2, without cancellation: what the noise within the interval adds."""
-    if u > 0.3:
-        return (2 * u - 3 + 4 * math.exp(-u) - math.exp(-2 * u)) / u**2
-    return math.fsum((-1) ** k * (4 - 2.0**k) / math.factorial(k) * u ** (k - 2) for k in range(3, 20))
 
 
 GAUSS_MARKOV = gauss_markov(1.0)

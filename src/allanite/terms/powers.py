@@ -39,10 +39,6 @@ def ramp_coefficients(k: FloatArray, n: int) -> FloatArray:
     return np.asarray(-math.sqrt(2.0 / n) * odd * np.cos(half) / (2 * np.sin(half) ** 2))
 
 
-def _ramp(n: int) -> FloatArray:
-    return np.arange(n, dtype=np.float64) - (n - 1) / 2
-
-
 def white_noise(N: float, h: float) -> Block:
     """White rate noise: no state, only measurement noise."""
     nothing, one = np.zeros((0, 0)), np.zeros(0)
@@ -241,7 +237,7 @@ RAMP = NoiseTerm(
     increments=_at_small_lags(0.0),
     spectrum=lambda f, tau0: np.zeros_like(f),
     dct=lambda k, _: np.zeros_like(k),
-    waveform=_ramp,
+    waveform=lambda n: np.arange(n, dtype=np.float64) - (n - 1) / 2,
     origin="A steady change during the record: warm-up, ageing, a fading light source, an accelerating platform. It is "
     "not a noise, and the next record may have a different one.",
     advice="Slope +1; |R| is the value of the line at tau = sqrt(2). A curve has no sign, so that R is estimated from "

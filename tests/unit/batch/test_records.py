@@ -17,7 +17,6 @@ from allanite.batch.executor import Processes, Serial
 from allanite.batch.job import run_batch
 from allanite.batch.sources import manifest_of
 from allanite.cli import main
-from allanite.core import files
 
 
 @pytest.fixture(scope="module")
@@ -147,16 +146,16 @@ def test_a_failure_that_another_run_may_not_have_is_not_kept(units, tmp_path, mo
 
 
 def test_a_full_disk_ends_the_batch_in_words_and_keeps_what_is_stored(units, tmp_path, monkeypatch):
-    real, calls = files._flush, []
+    real, calls = os.fsync, []
 
-    def full(part):
-        calls.append(part)
+    def full(number):
+        calls.append(number)
         if len(calls) == 4:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        real(part)
+        real(number)
 
     with monkeypatch.context() as patch:
-        patch.setattr(files, "_flush", full)
+        patch.setattr(os, "fsync", full)
         with pytest.raises(al.UsageError, match="No space left on device"):
             run_batch(units, tmp_path / "r")
     assert len(list((tmp_path / "r" / "parts").iterdir())) == 2

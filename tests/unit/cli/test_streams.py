@@ -68,7 +68,7 @@ def test_too_small_an_address_space_is_named_before_the_work(file, megabytes):
 def test_a_file_that_does_not_fit_is_refused_before_it_is_read(tmp_path):
     large = tmp_path / "large.npy"
     np.lib.format.open_memmap(large, mode="w+", shape=(107_374_182,))  # a hole: it takes no room on the disk
-    done = shell(f"ulimit -v 3000000; {PROGRAM} dynamic {large} --rate 100 --unit deg/h")
+    done = shell(f"ulimit -v 3000000; {PROGRAM} rate {large} --rate 100 --unit deg/h")
     assert done.returncode == 2
     assert re.search(r"the record may take 7\.73 GB of memory, of which [\d.]+ [GM]B may be used", done.stderr)
 

@@ -22,7 +22,7 @@ from allanite.core.record import Record
 from allanite.core.units import signal_named
 from allanite.reporting import page, plot, report, table, to_csv
 from allanite.reporting.digits import printed_unit
-from allanite.reporting.figures.goodness import plot_goodness
+from allanite.reporting.figures.residuals import plot_goodness
 from allanite.reporting.json import to_json
 from allanite.reporting.sheet import toml
 from allanite.reporting.style import encode

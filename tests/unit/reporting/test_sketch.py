@@ -21,7 +21,7 @@ from allanite.reporting.sketch.axis import Side, plain
 from allanite.reporting.sketch.chart import Chart, Look
 from allanite.reporting.sketch.limits import Unsketched
 from allanite.reporting.sketch.panel import place_in
-from allanite.reporting.sketch.text_width import wide
+from allanite.reporting.sketch.svg import wide
 from allanite.reporting.views import view_of
 
 SVG = "{http://www.w3.org/2000/svg}"

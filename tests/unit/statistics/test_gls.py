@@ -7,7 +7,8 @@ from scipy.linalg import toeplitz
 from tests import thinned
 
 import allanite as al
-from allanite.statistics.moments.gls import FAR, Covariance, autocovariance
+from allanite.statistics.moments.gls import Covariance, autocovariance
+from allanite.statistics.moments.lags import FAR
 
 TERMS = {
     "Q": al.Q(0.3, "arcsec"),

@@ -159,7 +159,10 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("recipe", "words"),
     [
-        ({"ranges": {"N": (0.1, 1.0)}, "method": "piecewise"}, "no ranges: omit it, or allow more memory with memory="),
+        (
+            {"ranges": {"N": (0.1, 1.0)}, "method": "piecewise"},
+            "no method 'piecewise': only 'whittle', or allow more memory with memory=",
+        ),
         ({"quiet_window": 100.0}, "no quiet_window: omit it"),
         ({"method": "gls"}, "no method 'gls': only 'whittle'"),
         ({"statistic": "theo1"}, "no 'theo1': choose one of oadev, mdev, tdev, ohdev, haar"),
@@ -178,8 +181,8 @@ def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
     [
         (Deviations(("adev",)), "no 'adev'"),
         (Deviations(m=(100,)), "no averaging factor 100; .* the nearest 96 and 104"),
-        (Deviations(edf="published"), "no edf= published"),
-        (Deviations(power_law=True), "no power_law= True"),
+        (Deviations(edf="published"), "no edf 'published': only 'exact'"),
+        (Deviations(power_law=True), "no power_law: omit it"),
         (Densities("multitaper"), "no estimator 'multitaper': choose welch"),
         (Windows(), "no sliding windows"),
     ],

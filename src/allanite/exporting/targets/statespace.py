@@ -9,7 +9,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.model import Model
-from allanite.exporting.content import Axis, Content, number
+from allanite.exporting.content import Content, number
 from allanite.exporting.target import Target
 from allanite.phrases.phrase import say
 from allanite.statespace import state_space
@@ -21,7 +21,10 @@ MATRICES = ("Phi", "Qd", "H", "R", "P0")
 def spaces(content: Content) -> Iterator[tuple[str, dict[str, FloatArray], list[str]]]:
     """Name, matrices and remarks of each channel; of white noise only R."""
     for i, axis in enumerate(content.axes, 1):
-        model = _model(axis, content.inflate)
+        noise = (axis.fit.valid or axis.fit.model).noise
+        if noise is None:
+            raise DataError(f"{axis.name}: no noise was identified")
+        model = Model(tuple(replace(t, value=t.value * content.inflate) for t in noise))
         rate = content.rate or axis.rate
         assert rate is not None  # noqa: S101 - the target is rated
         name = re.sub(r"\W", "_", axis.name).strip("_") or f"axis{i}"
@@ -34,13 +37,6 @@ def spaces(content: Content) -> Iterator[tuple[str, dict[str, FloatArray], list[
             f"{i}: {state} ({unit})" for i, (state, unit) in enumerate(zip(space.states, space.units, strict=True))
         ]
         yield name, {label: getattr(space, label) for label in MATRICES}, [*remarks, *space.notes]
-
-
-def _model(axis: Axis, inflate: float) -> Model:
-    model = (axis.fit.valid or axis.fit.model).noise
-    if model is None:
-        raise DataError(f"{axis.name}: no noise was identified")
-    return Model(tuple(replace(t, value=t.value * inflate) for t in model))
 
 
 def numpy_file(content: Content) -> bytes:

@@ -51,7 +51,17 @@ def contradictions(fit: Fit, record: Record) -> dict[str, str]:
     above &= np.isin(curve.m, limited.m)
     upper = limited.upper(SURE) if above.any() else np.empty(0)
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
-    return {s: _words(ratio, curve.tau[above]) for s, ratio in excess.items() if (ratio > 1).any()} | found
+    contradicted = {
+        symbol: say(
+            "at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times the "
+            "upper limit of the measured one",
+            tau=curve.tau[above][ratio.argmax()],
+            excess=ratio.max(),
+        )
+        for symbol, ratio in excess.items()
+        if (ratio > 1).any()
+    }
+    return contradicted | found
 
 
 def _limited(record: Record, fit: Fit, m: IntArray) -> Curve:
@@ -107,13 +117,3 @@ def _alone(estimate: Estimate, curve: Curve) -> FloatArray | None:
         return None
     model = Model((Term(estimate.symbol, low, estimate.signal, estimate.shape),))
     return np.sqrt(expected(model, "oadev", curve.tau, rate=curve.rate, size=curve.size))
-
-
-def _words(excess: FloatArray, tau: FloatArray) -> str:
-    at = int(excess.argmax())
-    return say(
-        "at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times the "
-        "upper limit of the measured one",
-        tau=tau[at],
-        excess=excess[at],
-    )

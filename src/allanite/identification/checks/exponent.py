@@ -110,18 +110,12 @@ def _refined(found: Found, around: float, kept: BoolArray, best: float) -> Expon
     )
     p = goodness(found.seen, subset.likelihood, subset.theta, found.used).p
     law = Exponent(a, low, high, best - _aic(subset), p=p)
-    return _beside_white(law, found, subset, kept) if "N" in found.noise else law
-
-
-def _aic(subset: Subset) -> float:
-    """Akaike's criterion; the exponent is one number more."""
-    return subset.aic + AKAIKE
-
-
-def _beside_white(law: Exponent, found: Found, subset: Subset, kept: BoolArray) -> Exponent:
-    """The same, together with the angle random walk, whose error allows for the unknown exponent."""
-    which, at = flicker_in(found.noise), found.noise.index("N")
-    white, size = float(subset.theta[at]), float(subset.theta[which or 0])
+    which = flicker_in(found.noise)
+    if "N" not in found.noise or which is None:
+        return law
+    # together with the angle random walk, whose error allows for the unknown exponent
+    at = found.noise.index("N")
+    white, size = float(subset.theta[at]), float(subset.theta[which])
     if white <= 0 or size <= 0:
         return law
     up, down = (_with(found, law.a + step, kept).likelihood.S[:, which] for step in (0.01, -0.01))
@@ -130,6 +124,11 @@ def _beside_white(law: Exponent, found: Found, subset: Subset, kept: BoolArray) 
     root = math.sqrt(white)
     corner = found.seen.rate * (size / white) ** (1 / law.a)
     return replace(law, corner=corner, N=(scale * root, scale * error / (2 * root)))
+
+
+def _aic(subset: Subset) -> float:
+    """Akaike's criterion; the exponent is one number more."""
+    return subset.aic + AKAIKE
 
 
 def _with(found: Found, a: float, kept: BoolArray) -> Subset:

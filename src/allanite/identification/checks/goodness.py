@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.fit import EXPLAINED, Goodness, Line
 from allanite.identification.likelihood.cells import CELLS, surroundings
 from allanite.identification.likelihood.likelihood import Likelihood
@@ -33,7 +32,9 @@ def goodness(
 
     power, m, _, count = (part[: used.sum()] for part in likelihood.completed(theta))
     first = spectrum.first[used]
-    cell, edges = _cells(first, spectrum)
+    bounds = np.geomspace(first[0], spectrum.size if first[-1] == spectrum.first[-1] else first[-1] + 1, CELLS + 1)
+    cell = np.clip(np.searchsorted(bounds, first, side="right") - 1, 0, CELLS - 1)
+    edges = spectrum.frequency(bounds)
     nu, total = (np.bincount(cell, w, edges.size - 1).astype(np.float64) for w in (count, count * power / m))
     filled = nu > 0
     z = _normal(total[filled], nu[filled])
@@ -46,22 +47,14 @@ def goodness(
         moving = (z > 5) & (ratio > 2)  # excess first: a strong one lifts the model everywhere else
         named = _roll_off(spectrum, used) + _where(bounds, ratio, z * moving)
         reasons += named or _where(bounds, ratio, z)
-    return Goodness(bounds, ratio, z, p, tuple(reasons), _remarks(taken))
-
-
-def _remarks(taken: tuple[Line, ...]) -> tuple[str, ...]:
-    if not taken:
-        return ()
-    where = join(", ", (line.words() for line in taken))
-    if len(taken) > 1:
-        return (say("sinusoids were removed first, at {where}: vibration, sway or interference", where=where),)
-    return (say("a sinusoid was removed first, at {where}: vibration, sway or interference", where=where),)
-
-
-def _cells(first: IntArray, spectrum: BinnedSpectrum) -> tuple[NDArray[np.intp], FloatArray]:
-    bounds = np.geomspace(first[0], spectrum.size if first[-1] == spectrum.first[-1] else first[-1] + 1, CELLS + 1)
-    cell = np.clip(np.searchsorted(bounds, first, side="right") - 1, 0, CELLS - 1)
-    return cell, spectrum.frequency(bounds)
+    remarks: tuple[str, ...] = ()
+    if taken:
+        where = join(", ", (line.words() for line in taken))
+        remark = say("a sinusoid was removed first, at {where}: vibration, sway or interference", where=where)
+        if len(taken) > 1:
+            remark = say("sinusoids were removed first, at {where}: vibration, sway or interference", where=where)
+        remarks = (remark,)
+    return Goodness(bounds, ratio, z, p, tuple(reasons), remarks)
 
 
 def _normal(total: FloatArray, nu: FloatArray) -> FloatArray:

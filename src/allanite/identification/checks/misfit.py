@@ -30,35 +30,26 @@ def reasons(
     spectral = fit.goodness is not None and not fit.goodness.explained
     if not spectral and all(check.passed for check in checks):
         return []
-    coarse = _undithered(record)
-    if coarse is not None:
-        return [coarse]
-    near, tails, halves, eighths = checks
-    ratio = max(halves.value, 1 / halves.value, eighths.value)
-    unsteady = [_unsteady(eighths, *level)] if not (halves.passed and eighths.passed) and ratio > UNSTEADY else []
-    # a wrong spectrum makes neighbours correlate, a line has tails of its own, and rounding makes light tails
-    return unsteady if spectral else [*unsteady, *_tailed(tails, record, kept=kept), *_kin(near, fit)]
-
-
-def _undithered(record: Record) -> Finding | None:
-    """The samples are steps of a quantizer without sufficient dither."""
     steps = record.steps[np.isfinite(record.steps)]
     middle = max(0, (steps.size - 200_000) // 2)
     part = np.asarray(steps[middle : middle + 200_000], dtype=np.float64)
     found = rounding(steps, fast_noise(np.diff(part, 2)))
-    if not found.sparse:
-        return None
-    how = say(
-        "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
-        size=found.step * (record.scale or 1.0), unit=record.unit, noise=found.noise,
-    )  # fmt: skip
-    return Finding(
-        "no dither",
-        say("quantization errors are not white: {details}", details=join(", ", filter(None, (found.counted, how)))),
-        say("the rounding error follows the signal, and N and Q are not meaningful"),
-        say("use a finer output of the sensor, or add dither before rounding"),
-        fatal=True,
-    )
+    if found.sparse:  # the samples are steps of a quantizer without sufficient dither
+        how = say(
+            "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
+            size=found.step * (record.scale or 1.0), unit=record.unit, noise=found.noise,
+        )  # fmt: skip
+        what = say(
+            "quantization errors are not white: {details}", details=join(", ", filter(None, (found.counted, how)))
+        )
+        harm = say("the rounding error follows the signal, and N and Q are not meaningful")
+        remedy = say("use a finer output of the sensor, or add dither before rounding")
+        return [Finding("no dither", what, harm, remedy, fatal=True)]
+    near, tails, halves, eighths = checks
+    ratio = max(halves.value, 1 / halves.value, eighths.value)
+    unsteady = [_unsteady(eighths, *level)] if not (halves.passed and eighths.passed) and ratio > UNSTEADY else []
+    # a wrong spectrum makes neighbours correlate, a line has tails of its own, and rounding makes light tails
+    return unsteady if spectral else [*unsteady, *_fast(near, tails, record, fit, kept=kept)]
 
 
 def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
@@ -83,24 +74,22 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     )
 
 
-def _tailed(check: Check, record: Record, *, kept: bool) -> Iterator[Finding]:
-    if not check.passed and check.value > TAILED:
+def _fast(near: Check, tails: Check, record: Record, fit: Fit, *, kept: bool) -> Iterator[Finding]:
+    """The findings about the fast noise: heavy tails, and neighbours that correlate."""
+    if not tails.passed and tails.value > TAILED:
         what = say(
             "the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or intermittent noise",
-            kurtosis=check.value,
+            kurtosis=tails.value,
         )
         effect = say("the coefficients are valid; the intervals of the fast noise are widened for them")
         cure = say("exclude the outliers ({option})", option=spelled("--outliers mark", "prepare.mark_outliers"))
         yield Finding("heavy tails", what, effect, cure if kept and outlying(record).at.size > 0 else "")
-
-
-def _kin(check: Check, fit: Fit) -> Iterator[Finding]:
     scope = fit.scope
-    if (scope is None or scope.whole) and not check.passed and abs(check.value) > KIN:
+    if (scope is None or scope.whole) and not near.passed and abs(near.value) > KIN:
         yield Finding(
             "correlation",
-            say("the residuals are not white: their autocorrelation is {correlation:.2g}", correlation=check.value),
+            say("the residuals are not white: their autocorrelation is {correlation:.2g}", correlation=near.value),
             say("the model misses fast noise, and its intervals are too narrow"),
             "" if scope is not None and scope.choice == "auto" else try_band(),
-            fatal=abs(check.value) > 5 * KIN,
+            fatal=abs(near.value) > 5 * KIN,
         )

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.finding import Finding
 from allanite.core.model import Model
 from allanite.core.units import Signal, convert
@@ -84,24 +84,13 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
 
     The shortest windows detect outliers and heavy tails of single samples best, not lasting jumps.
     """
+    from scipy.fft import dct, idct
+
     block = max(FINEST, -(-u.size // MOST))
     blocks = u.size // block
     if blocks < FEWEST:
         return None
-    total = np.concatenate(([0.0], np.cumsum(_weighed(u, block, model, rate))))
-    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
-    lengths = [round(SHORTEST * GROWTH**i) for i in range(count)]
-    chances = 2 * sum(blocks / length for length in lengths)
-    found = [_scored(total, length, block, chances) for length in lengths]
-    best = max(found, key=lambda one: one.weight)
-    return None if best is found[0] else best
-
-
-def _weighed(u: NDArray[np.float32], block: int, model: Model, rate: float) -> FloatArray:
-    """Sums over blocks of the record weighed by the inverse of its covariance."""
-    from scipy.fft import dct, idct
-
-    blocks = u.size // block
+    # sums over blocks of the record weighed by the inverse of its covariance
     means = (u[: blocks * block].reshape(blocks, block) @ np.full(block, 1 / block, dtype=np.float32)).astype(
         np.float64
     )
@@ -109,7 +98,13 @@ def _weighed(u: NDArray[np.float32], block: int, model: Model, rate: float) -> F
     c = dct(means, norm="ortho", overwrite_x=True)
     c[0] = 0.0
     c[1:] *= np.interp(np.arange(1, blocks), k, 1 / deviation)
-    return np.asarray(block * idct(c, norm="ortho", overwrite_x=True))
+    total = np.concatenate(([0.0], np.cumsum(block * idct(c, norm="ortho", overwrite_x=True))))
+    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
+    lengths = [round(SHORTEST * GROWTH**i) for i in range(count)]
+    chances = 2 * sum(blocks / length for length in lengths)
+    found = [_scored(total, length, block, chances) for length in lengths]
+    best = max(found, key=lambda one: one.weight)
+    return None if best is found[0] else best
 
 
 def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps:
@@ -123,6 +118,10 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
     largest = math.sqrt(float(square[most]) / variance)
     density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
     quiet = float(np.median(square)) / MEDIAN  # bursts increase the variance, but hardly this
+    at = np.flatnonzero(square > SEEN**2 * quiet)
+    # middles of the runs that stand out; those no more than a length apart are one
+    runs = np.split(at, np.flatnonzero(np.diff(at) > length // step) + 1)
+    middles = np.array([(run[0] + run[-1]) // 2 for run in runs if run.size], dtype=at.dtype)
     return Jumps(
         size=(total.size - 1) * block,
         length=length * block,
@@ -131,17 +130,8 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
         deviate=_normal(kurtosis, 1.2 * total.size / length),
         chance=chances * largest * density,
         share=1 - quiet / variance,
-        at=(step * _apart(square > SEEN**2 * quiet, length // step) + length // 2) * block,
+        at=(step * middles + length // 2) * block,
     )
-
-
-def _apart(above: BoolArray, length: int) -> IntArray:
-    """Middles of the runs that stand out; those no more than a length apart are one."""
-    at = np.flatnonzero(above)
-    if not at.size:
-        return at
-    runs = np.split(at, np.flatnonzero(np.diff(at) > length) + 1)
-    return np.array([(run[0] + run[-1]) // 2 for run in runs])
 
 
 def _normal(kurtosis: float, n: float) -> float:

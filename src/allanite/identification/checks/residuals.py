@@ -112,17 +112,28 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
 
 def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...], FloatArray, FloatArray, FloatArray]:
     """The checks, the autocorrelation, and the power of each part with the standard error of its RMS."""
+    from scipy.special import chdtrc
+
     count = np.diff(parts)
     sums = np.array([_sums(u, a, b) for a, b in pairwise(parts.tolist())])
     power, fourth = sums[:, 0] / count, sums[:, 1] / count
     correlation = sums[:, 2:].sum(axis=0) / sums[:, 0].sum()
     # variance of u^2 relative to its mean, 2 for Gaussian residuals; correlation increases that of a mean
     spread = (fourth / power**2 - 1) * (1 + 2 * float(correlation @ correlation))
+    # sum of squared autocorrelations: chi-square, as the terms are fitted to far more frequencies than 20 lags
+    h, size = np.arange(1, LAGS + 1), u.size
+    box = float(chdtrc(LAGS, float(size * (size + 2.0) * (correlation**2 / (size - h)).sum())))
+    largest = float(correlation[np.abs(correlation).argmax()])
+    # mean fourth power over squared power, part by part, so that a changing level makes no tails
+    n = int(count.sum())
+    kurtosis = float((fourth / power**2) @ count / n) - 3 + 6 * count.size / n
+    tails = _two_sided(kurtosis * math.sqrt(n / 24))
     checks = (
-        _ljung_box(correlation, u.size),
-        _kurtosis(fourth / power**2, count),
-        _halves(power, spread, count),
-        _eighths(power, spread, count),
+        Check("correlation", say("autocorrelation"), largest, box, say("largest of lags 1 to {lag}", lag=LAGS)),
+        Check(
+            "kurtosis", say("excess kurtosis"), kurtosis, tails, say("0 for Gaussian noise, positive for heavy tails")
+        ),
+        *_stationarity(power, spread, count),
     )
     return checks, correlation, power, np.sqrt(power * spread / count) / 2
 
@@ -155,25 +166,6 @@ def _sums(u: NDArray[np.float32], first: int, last: int) -> list[float]:
     return list(total)
 
 
-def _ljung_box(r: FloatArray, n: int) -> Check:
-    """Sum of squared autocorrelations: chi-square, as the terms are fitted to far more frequencies than 20 lags."""
-    from scipy.special import chdtrc
-
-    h = np.arange(1, LAGS + 1)
-    statistic = float(n * (n + 2.0) * (r**2 / (n - h)).sum())
-    largest = float(r[np.abs(r).argmax()])
-    p = float(chdtrc(LAGS, statistic))
-    return Check("correlation", say("autocorrelation"), largest, p, say("largest of lags 1 to {lag}", lag=LAGS))
-
-
-def _kurtosis(ratio: FloatArray, count: IntArray) -> Check:
-    """Mean fourth power over squared power, part by part, so that a changing level makes no tails."""
-    n = int(count.sum())
-    value = float(ratio @ count / n) - 3 + 6 * count.size / n
-    p = _two_sided(value * math.sqrt(n / 24))
-    return Check("kurtosis", say("excess kurtosis"), value, p, say("0 for Gaussian noise, positive for heavy tails"))
-
-
 def _two_sided(z: float) -> float:
     """Two-sided p-value of a standard normal deviate."""
     from scipy.special import erfc
@@ -181,28 +173,21 @@ def _two_sided(z: float) -> float:
     return float(erfc(abs(z) / math.sqrt(2)))
 
 
-def _halves(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
-    half = PARTS // 2
-    first, second = (float(np.average(power[p], weights=count[p])) for p in (slice(half), slice(half, None)))
-    error = math.sqrt(float(np.mean(spread)) * 4 / float(count.sum()))
-    p = _two_sided(math.log(second / first) / error)
-    return Check(
-        "halves", say("RMS of the halves"), math.sqrt(second / first), p, say("second over first (stationarity)")
-    )
-
-
-def _eighths(power: FloatArray, spread: FloatArray, count: IntArray) -> Check:
+def _stationarity(power: FloatArray, spread: FloatArray, count: IntArray) -> tuple[Check, Check]:
+    """The power of the halves, and of the eighths."""
     from scipy.special import chdtrc
 
+    half, scatter = PARTS // 2, float(np.mean(spread))
+    first, second = (float(np.average(power[p], weights=count[p])) for p in (slice(half), slice(half, None)))
+    p = _two_sided(math.log(second / first) / math.sqrt(scatter * 4 / float(count.sum())))
     logs = np.log(power)
-    statistic = float((np.square(logs - logs.mean()) * count).sum() / np.mean(spread))
-    ratio = math.sqrt(float(power.max() / power.min()))
-    return Check(
-        "eighths",
-        say("RMS of the eighths"),
-        ratio,
-        float(chdtrc(PARTS - 1, statistic)),
-        say("largest over smallest (stationarity)"),
+    largest = math.sqrt(float(power.max() / power.min()))
+    chance = float(chdtrc(PARTS - 1, float((np.square(logs - logs.mean()) * count).sum() / np.mean(spread))))
+    return (
+        Check(
+            "halves", say("RMS of the halves"), math.sqrt(second / first), p, say("second over first (stationarity)")
+        ),
+        Check("eighths", say("RMS of the eighths"), largest, chance, say("largest over smallest (stationarity)")),
     )
 
 

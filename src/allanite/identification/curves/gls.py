@@ -130,17 +130,25 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     m, symbols = curve.m[which], tuple(symbols)
     rows = rows_of(curve)
     names = tuple(rows[i].name for i in which.tolist())
-    moments = _with_gaps(moments_of(names, symbols, tuple(m.tolist()), curve.size, curve.rate), curve, which)
+    moments = moments_of(names, symbols, tuple(m.tolist()), curve.size, curve.rate)
+    complete = np.array([row.count(curve.size, m[None])[0] for row, m in zip(rows, curve.m, strict=True)])
+    # points with missing windows scatter more, roughly in proportion
+    more = np.sqrt(complete[which] / curve.count[which])
+    moments = Moments(moments.columns, moments.products * np.outer(more, more)[:, :, None, None])
     variance = plain(curve)[which]
     theta, covariance = iterated(moments, variance)
     model = Model(tuple(Term(s, sqrt(v), signal) for s, v in zip(symbols, theta.tolist(), strict=True) if v > 0))
-    notes = [_read_from(curve, which), *blind(curve.statistic, signal, symbols, moments.columns), *_gaps(curve)]
+    notes = [_read_from(curve, which), *blind(curve.statistic, signal, symbols, moments.columns)]
+    if np.any(curve.count < complete):
+        notes.append(
+            say("the record has gaps: the covariance is that of a complete record, scaled by the missing windows")
+        )
     estimates = _estimates(symbols, moments, variance, (theta, covariance), signal)
     notes.append(_goodness(moments.columns, variance, theta, covariance))
     notes += [
-        (say("{symbol} is given without its sign, which a curve does not determine", symbol=e.symbol))
+        say("{symbol} is given without its sign, which a curve does not determine", symbol=e.symbol)
         for e in estimates
-        if _unsigned(e)
+        if TERMS[e.symbol].waveform is not None and e.value
     ]
     return result(curve, estimates, "gls", notes=notes, model=model)
 
@@ -159,25 +167,6 @@ def reach(curve: Curve) -> float:
     return max(REACH, STATISTICS[curve.statistic].longest / 2)
 
 
-def _with_gaps(moments: Moments, curve: Curve, which: IntArray) -> Moments:
-    """Points with missing windows scatter more, roughly in proportion."""
-    more = np.sqrt(_complete(curve)[which] / curve.count[which])
-    return Moments(moments.columns, moments.products * np.outer(more, more)[:, :, None, None])
-
-
-def _complete(curve: Curve) -> IntArray:
-    """Windows of each point if the record had no gaps."""
-    points = zip(rows_of(curve), curve.m, strict=True)
-    return np.array([row.count(curve.size, m[None])[0] for row, m in points])
-
-
-def _gaps(curve: Curve) -> list[str]:
-    lost = bool(np.any(curve.count < _complete(curve)))
-    return [
-        say("the record has gaps: the covariance is that of a complete record, scaled by the missing windows")
-    ] * lost
-
-
 def _read_from(curve: Curve, which: IntArray) -> str:
     left = int(early(curve, reach(curve)).sum()) - which.size
     tau = curve.tau[which]
@@ -193,7 +182,8 @@ def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance
     from scipy.special import chdtrc
 
     freedom = variance.size - np.count_nonzero(theta)
-    square = _misfit(X, variance, theta, covariance)
+    A, b = whitened(X, variance, covariance)
+    square = float(((b - A @ theta) ** 2).sum())
     p = f"p = {chdtrc(freedom, square):.2g}" if freedom else say("no degrees of freedom left for a test")
     return say(
         "goodness of fit: chi-square {square:.1f} with {count} degrees of freedom, {p}",
@@ -201,15 +191,6 @@ def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance
         count=freedom,
         p=p,
     )
-
-
-def _misfit(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance: FloatArray) -> float:
-    A, b = whitened(X, variance, covariance)
-    return float(((b - A @ theta) ** 2).sum())
-
-
-def _unsigned(estimate: Estimate) -> bool:
-    return bool(TERMS[estimate.symbol].waveform is not None and estimate.value)
 
 
 def _estimates(
@@ -220,10 +201,18 @@ def _estimates(
     seen = [i for i in range(len(symbols)) if isfinite(error[i])]
     slow = sorted(seen, key=lambda i: TERMS[symbols[i]].slope)[-SLOW:]
     ratios = RatioLimits(moments.columns, moments.products, variance, theta, error, tuple(slow))
-    return [
-        _estimate(symbol, signal, (float(theta[i]), float(error[i])), Inverted(ratios, i))
-        for i, symbol in enumerate(symbols)
-    ]
+    estimates = []
+    for i, (symbol, square, spread) in enumerate(zip(symbols, theta.tolist(), error.tolist(), strict=True)):
+        limits = Inverted(ratios, i)
+        upper, both = Remembered(limits.upper), Remembered(limits)
+        highest = upper(0.95) if isfinite(spread) else None
+        if not square or limits.evidence <= CLAIM:
+            estimates.append(Estimate(symbol, signal, None, None, "absent", highest, "gls", both, both))
+            continue
+        value = sqrt(square)
+        status = "identified" if spread <= 2 * square * WEAK else "weak"
+        estimates.append(Estimate(symbol, signal, value, spread / (2 * value), status, highest, "gls", both, both))
+    return estimates
 
 
 def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:
@@ -235,14 +224,3 @@ def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray)
     error = np.full(size.shape, inf)
     error[seen] = np.sqrt(np.diag(np.linalg.inv(A.T @ A))) / size[seen]
     return error
-
-
-def _estimate(symbol: str, signal: Signal, square: tuple[float, float], limits: Inverted) -> Estimate:
-    theta, error = square
-    upper, both = Remembered(limits.upper), Remembered(limits)
-    highest = upper(0.95) if isfinite(error) else None
-    if not theta or limits.evidence <= CLAIM:
-        return Estimate(symbol, signal, None, None, "absent", highest, "gls", both, both)
-    value = sqrt(theta)
-    status = "identified" if error <= 2 * theta * WEAK else "weak"
-    return Estimate(symbol, signal, value, error / (2 * value), status, highest, "gls", both, both)

@@ -163,7 +163,9 @@ class RatioLimits(Portable):
         # likelihood at squares of slow terms, shape (terms, nodes), over its maximum, the others profiled
         slow = list(axes)
         squares = at**2
-        best, H = self.best[0], 2 * self._information(self.best[0])
+        best = self.best[0]
+        covariance = np.einsum("ijab,a,b", self.products, best, best)
+        H = 2 * np.asarray(self.columns.T @ np.linalg.solve(covariance, self.columns))
         rest = [i for i in np.flatnonzero(np.isfinite(self.error)).tolist() if i not in slow]
         inner, follow = H[np.ix_(rest, rest)], -np.linalg.solve(H[np.ix_(rest, rest)], H[np.ix_(rest, slow)])
         cost, theta = np.empty(squares.shape[1]), best.copy()
@@ -185,11 +187,6 @@ class RatioLimits(Portable):
                     along = np.tensordot(along, other, (axis, 0))
             found[i] = signed(root, along)
         return found
-
-    def _information(self, theta: FloatArray) -> FloatArray:
-        """X' C^-1 X, shape (t, t)."""
-        covariance = np.einsum("ijab,a,b", self.products, theta, theta)
-        return np.asarray(self.columns.T @ np.linalg.solve(covariance, self.columns))
 
 
 def signed(root: FloatArray, likelihood: FloatArray) -> tuple[FloatArray, FloatArray]:

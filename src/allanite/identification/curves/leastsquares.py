@@ -8,7 +8,6 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.units import Signal
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
@@ -32,7 +31,11 @@ def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
     columns = np.column_stack([TERMS[s].level * curve.tau ** (2 * TERMS[s].slope) for s in symbols])
     size = np.abs(columns).max(axis=0)
     squares = np.linalg.lstsq(columns / size, curve.variance, rcond=None)[0] / size
-    estimates = [_of_square(s, signal, float(square)) for s, square in zip(symbols, squares, strict=True)]
+    roots = np.copysign(np.sqrt(np.abs(squares)), squares).tolist()
+    estimates = [
+        Estimate(s, signal, root, None, "reported" if square >= 0 else "negative", None, "ls")
+        for s, root, square in zip(symbols, roots, squares, strict=True)
+    ]
     notes = [
         say(
             "the least-squares fit gives a negative {symbol}^2, which has no physical meaning and shows that "
@@ -68,8 +71,3 @@ def slopes(curve: Curve, symbols: Sequence[str]) -> Fit:
                 )
             )
     return result(curve, estimates, "slopes", notes=notes)
-
-
-def _of_square(symbol: str, signal: Signal, square: float) -> Estimate:
-    status = "reported" if square >= 0 else "negative"
-    return Estimate(symbol, signal, math.copysign(math.sqrt(abs(square)), square), None, status, None, "ls")

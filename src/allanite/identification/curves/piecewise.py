@@ -42,7 +42,16 @@ def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[f
     estimates, notes = [], []
     for symbol in symbols:
         row = TERMS[symbol]
-        which = _within(curve, symbol, given[symbol]) if symbol in given else stretch(curve, row.slope)
+        if symbol in given:
+            low, high = given[symbol]
+            which = np.flatnonzero((curve.tau >= low * (1 - 1e-9)) & (curve.tau <= high * (1 + 1e-9)))
+            if not which.size:
+                raise UsageError(
+                    f"no point of the curve lies in the range {low:g} to {high:g} s of {symbol}; the points extend "
+                    f"from {curve.tau[0]:g} to {curve.tau[-1]:g} s"
+                )
+        else:
+            which = stretch(curve, row.slope)
         if not which.size:
             estimates.append(Estimate(symbol, signal, None, None, "absent", None, "piecewise"))
             notes.append(
@@ -61,17 +70,6 @@ def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[f
             )
         )
     return result(curve, estimates, "piecewise", notes=notes)
-
-
-def _within(curve: Curve, symbol: str, limits: tuple[float, float]) -> IntArray:
-    low, high = limits
-    which = np.flatnonzero((curve.tau >= low * (1 - 1e-9)) & (curve.tau <= high * (1 + 1e-9)))
-    if not which.size:
-        raise UsageError(
-            f"no point of the curve lies in the range {low:g} to {high:g} s of {symbol}; the points extend from "
-            f"{curve.tau[0]:g} to {curve.tau[-1]:g} s"
-        )
-    return which
 
 
 def stretch(curve: Curve, slope: float) -> IntArray:

@@ -116,7 +116,13 @@ def noise_estimate(symbol: str, which: int, found: Found, scale: CoefficientScal
     plain = Estimate(
         symbol, scale.signal, median, median * relative, status, upper(0.95), "whittle", limits, limits, median
     )
-    return _with_constant(plain, found, scale) if TERMS[symbol].parameters else plain
+    if not TERMS[symbol].parameters:
+        return plain
+    # with its shape, and the profile interval of that
+    search, constants = found.search, found.chosen.constants
+    assert search is not None and constants  # noqa: S101, PT018 - the term was chosen
+    shape_limits = Remembered(ConstantLimits(search, constants, scale))
+    return replace(plain, shape=scale.shape(symbol, constants), shape_limits=shape_limits)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,14 +142,6 @@ class ConstantLimits:
         return tuple(zip(self.scale.shape(symbol, low), self.scale.shape(symbol, high), strict=True))
 
 
-def _with_constant(estimate: Estimate, found: Found, scale: CoefficientScale) -> Estimate:
-    """The estimate with its shape, and the profile interval of that."""
-    search, chosen = found.search, found.chosen
-    assert search is not None and chosen.constants  # noqa: S101, PT018 - the term was chosen
-    limits = Remembered(ConstantLimits(search, chosen.constants, scale))
-    return replace(estimate, shape=scale.shape(estimate.symbol, chosen.constants), shape_limits=limits)
-
-
 def _absent(
     symbol: str, scale: CoefficientScale, upper: Callable[[float], float], limits: Limits, median: float | None = None
 ) -> Estimate:
@@ -153,7 +151,12 @@ def _absent(
 
 def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scope, scale: CoefficientScale) -> Estimate:
     """The estimate, or why the term is not observable with the data used."""
-    edge, visible = TERMS[symbol].edge, estimate is not None and _dominates(symbol, found)
+    edge, visible = TERMS[symbol].edge, False
+    if estimate is not None and symbol in found.noise:
+        # whether it makes most of the power at the highest frequency that is read
+        which, chosen = found.noise.index(symbol), found.chosen
+        share = chosen.likelihood.S[-1] * chosen.theta
+        visible = bool(share[which] > 0.5 * share.sum())
     limited = bool(edge) and (bool(scope.filter) or scope.band[1] < HIDDEN * found.seen.rate / 2)
     reason = "" if limited and visible else _unseen(estimate, scope, limited=limited)
     if reason or estimate is None:
@@ -178,15 +181,6 @@ def _unseen(estimate: Estimate | None, scope: Scope, *, limited: bool) -> str:
             "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible", frequency=low
         )
     return ""
-
-
-def _dominates(symbol: str, found: Found) -> bool:
-    """Whether a term makes most of the power at the highest frequency that is read."""
-    if symbol not in found.noise:
-        return False
-    which, chosen = found.noise.index(symbol), found.chosen
-    share = chosen.likelihood.S[-1] * chosen.theta
-    return bool(share[which] > 0.5 * share.sum())
 
 
 def ramp_estimate(symbol: str, found: Found, scale: CoefficientScale) -> Estimate:

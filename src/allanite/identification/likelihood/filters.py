@@ -104,11 +104,6 @@ def _moving_average(f: FloatArray, cutoff: float) -> FloatArray:
     return _from_lags(1 - h / length)(f)
 
 
-def _averaged_twice(f: FloatArray, cutoff: float) -> FloatArray:
-    """Two moving averages of samples, one behind the other, each over `TWICE` / cut-off of them."""
-    return _moving_average(f, AVERAGED / TWICE * cutoff) ** 2
-
-
 def _bartlett(f: FloatArray, cutoff: float) -> FloatArray:
     """Two moving averages, one behind the other: a triangular window."""
     length = TWICE / cutoff
@@ -124,7 +119,11 @@ FILTERS: dict[str, Filter] = {
     "bilinear 1": Filter(say("digital 1st-order low-pass"), _digital(1), _octaves(0.45)),
     "bilinear 2": Filter(say("digital 2nd-order low-pass"), _digital(2), _octaves(0.45)),
     "average": Filter(say("moving average"), _moving_average, AVERAGED / np.arange(1.0, 33.0)),
-    "average twice": Filter(say("moving average of a moving average"), _averaged_twice, TWICE / np.arange(1.0, 33.0)),
+    "average twice": Filter(
+        say("moving average of a moving average"),
+        lambda f, cutoff: _moving_average(f, AVERAGED / TWICE * cutoff) ** 2,
+        TWICE / np.arange(1.0, 33.0),
+    ),
     "bartlett": Filter(say("continuous moving average of a moving average (Bartlett window)"), _bartlett),
 }
 """Filters that are tried; the cut-off frequency of each is the only unknown."""

@@ -158,23 +158,19 @@ class RampLimits:
 
     def __call__(self, level: float) -> tuple[float, float]:
         """Two-sided limits."""
-        low, high = (
-            _mixture_quantile(p, self.centre, self.spread, self.weight) for p in ((1 - level) / 2, (1 + level) / 2)
-        )
-        return low, high
+        return self.quantile((1 - level) / 2), self.quantile((1 + level) / 2)
+
+    def quantile(self, p: float) -> float:
+        """The value below which the ramp lies with probability p, by bisection."""
+        from scipy.special import ndtr
+
+        low, high = float((self.centre - 40 * self.spread).min()), float((self.centre + 40 * self.spread).max())
+        for _ in range(60):
+            middle = (low + high) / 2
+            below = self.weight @ ndtr((middle - self.centre) / self.spread) < p
+            low, high = (middle, high) if below else (low, middle)
+        return (low + high) / 2
 
     def upper(self, level: float) -> float:
         """One-sided limit of the size."""
         return max(abs(limit) for limit in self(2 * level - 1))
-
-
-def _mixture_quantile(p: float, centre: FloatArray, spread: FloatArray, weight: FloatArray) -> float:
-    """Quantile of a mixture of normal distributions, by bisection."""
-    from scipy.special import ndtr
-
-    low, high = float((centre - 40 * spread).min()), float((centre + 40 * spread).max())
-    for _ in range(60):
-        middle = (low + high) / 2
-        below = weight @ ndtr((middle - centre) / spread) < p
-        low, high = (middle, high) if below else (low, middle)
-    return (low + high) / 2

@@ -98,16 +98,14 @@ class Periodogram:
         above = np.flatnonzero(used & (self.power > threshold))
         kept: list[int] = []
         for k in above[np.argsort(self.power[above])[::-1]].tolist():
-            if all(abs(k - other) > 3 for other in kept) and self.power[k] > threshold * self._around(k):
-                kept.append(k)
+            if all(abs(k - other) > 3 for other in kept):
+                # level of the neighbours over that of the noise, if it is higher: on a resonance nothing is a line
+                near = self.power[max(k - round(COMPANY), 0) : k + round(COMPANY) + 1]
+                if self.power[k] > threshold * max(float(np.median(near)) / math.log(2), 1.0):
+                    kept.append(k)
             if len(kept) == MOST:
                 break
         return np.array(kept, dtype=np.int64)
-
-    def _around(self, k: int) -> float:
-        """Level of the neighbours over that of the noise, if it is higher: on a resonance nothing is a line."""
-        near = self.power[max(k - round(COMPANY), 0) : k + round(COMPANY) + 1]
-        return max(float(np.median(near)) / math.log(2), 1.0)
 
     def wave(self, k: int) -> Wave:
         """The sinusoid at the peak k: where the periodogram is highest between its frequencies."""

@@ -151,14 +151,10 @@ class Found(Portable):
         """
         found = AKAIKE * np.array([1.0 + len(TERMS[symbol].parameters) for symbol in self.noise])
         if self.search is not None and not self.search.asked and self.markov is not None:
-            found[-1] += EVIDENCE * self._displaced
+            # whether noise slower than flicker is in the best model without a Gauss-Markov term, but not beside it
+            slower = np.array([TERMS[symbol].slope > 0 for symbol in self.noise])
+            found[-1] += EVIDENCE * bool((slower & (self.plain.theta > 0) & (self.markov.theta == 0)).any())
         return found
-
-    @property
-    def _displaced(self) -> bool:
-        """Whether noise slower than flicker is in the best model without a Gauss-Markov term, but not beside it."""
-        slower = np.array([TERMS[symbol].slope > 0 for symbol in self.noise])
-        return bool((slower & (self.plain.theta > 0) & (self.markov.theta == 0)).any()) if self.markov else False
 
     @property
     def schwarz(self) -> FloatArray:

@@ -90,11 +90,11 @@ class PieceReading(Portable):
     @cached_property
     def bins(self) -> list[IntArray]:
         """The bin of each coefficient of the sine transform, for each length; -1 for those of the lower part."""
-        return [np.asarray(self._bins(int(L))) for L in self.length]
-
-    def _bins(self, L: int) -> IntArray:
-        at = np.searchsorted(self.edges, np.arange(1, L + 1) * (self.size / (L + 1)), side="right") - 1
-        return np.where(at < self.low, -1, np.minimum(at, self.edges.size - 2))
+        places = []
+        for L in self.length.tolist():
+            at = np.searchsorted(self.edges, np.arange(1, L + 1) * (self.size / (L + 1)), side="right") - 1
+            places.append(np.where(at < self.low, -1, np.minimum(at, self.edges.size - 2)))
+        return places
 
     def pooled(self, each: list[FloatArray]) -> FloatArray:
         """Sums over the bins of what every piece of a length has at its coefficients, shape (bins,)."""
@@ -142,7 +142,13 @@ class PieceReading(Portable):
         What is neither white rate nor white angle noise is little here: a few lengths represent all.
         """
         if term.edge or term.slope == WHITE:
-            return self.mean([self._white_variances(term, i) for i in range(self.length.size)], mean)
+            # the same as `_variances` where C is T or 1, so that S'CS is diagonal
+            each = []
+            for L, (w, u) in zip(self.length.tolist(), self._rates, strict=True):
+                diagonal = term.edge * angle_power(L) if term.edge else np.ones(L)
+                Sw = sine(w)
+                each.append(np.asarray(diagonal - 2 * u * diagonal * Sw + u**2 * float(Sw @ (diagonal * Sw))))
+            return self.mean(each, mean)
         some = self._some
         c = second_difference(term, int(some.length.max())) / 2
         return some.mean([some._variances(c, i) for i in range(some.length.size)], mean)
@@ -171,13 +177,6 @@ class PieceReading(Portable):
         (w, u), c = self._rates[i], c[: self.length[i]]
         Cw = toeplitz(c, w)
         return np.asarray(sine_variances(c) - 2 * u * sine(Cw) + u**2 * float(w @ Cw))
-
-    def _white_variances(self, term: NoiseTerm, i: int) -> FloatArray:
-        """The same where C is T or 1, so that S'CS is diagonal."""
-        (w, u), L = self._rates[i], int(self.length[i])
-        diagonal = term.edge * angle_power(L) if term.edge else np.ones(L)
-        Sw = sine(w)
-        return np.asarray(diagonal - 2 * u * diagonal * Sw + u**2 * float(Sw @ (diagonal * Sw)))
 
     @cached_property
     def _lower(self) -> tuple[FloatArray, FloatArray, FloatArray]:

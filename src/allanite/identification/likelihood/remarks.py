@@ -29,30 +29,31 @@ STANDS_OUT = 1.5
 def scope_of(found: Found, choice: str, asked: tuple[float, float] | None = None) -> Scope:
     """The scope of a fit; `asked` is a band that was given."""
     # the gain of the filter, with what is added, where the fit reads; elsewhere what was observed, smoothed
-    ratio = found.seen.power / found.expected_power
-    around = surroundings(ratio * found.seen.count).sum(axis=1) / surroundings(found.seen.count).sum(axis=1)
-    known = np.where(found.seen.count > WELL_KNOWN, ratio, around)
-    seen, level = found.seen, np.where(found.used, found.part.passed + found.part.added / found.expected_power, known)
-    band = asked or _band(found)
+    seen, used, part = found.seen, found.used, found.shaped
+    ratio = seen.power / found.expected_power
+    around = surroundings(ratio * seen.count).sum(axis=1) / surroundings(seen.count).sum(axis=1)
+    known = np.where(seen.count > WELL_KNOWN, ratio, around)
+    level = np.where(used, found.part.passed + found.part.added / found.expected_power, known)
+    # the limits of the frequencies used, Hz; 0 and half the sampling rate if nothing is excluded
+    first, last = np.flatnonzero(used)[[0, -1]]
+    low = float(seen.frequency(seen.first[first])) if first else 0.0
+    high = seen.first[last] + seen.count[last] - 0.5
+    band = asked or (low, seen.rate / 2 if last == used.size - 1 else float(seen.frequency(high)))
+    low_pass = None
+    if part.filter is not None:
+        row, rate, ends = part.filter.row, seen.rate, limits(part, part.filter, CONFIDENT)
+        low_pass = LowPass(row, FILTERS[row].title, part.filter.cutoff * rate, ends[0] * rate, ends[1] * rate, rate)
     return Scope(
         choice=choice,
         band=band,
         masks=_masks(found, asked),
-        filter=_filter(found),
+        filter=low_pass,
         misfit=found.part.misfit,
         within=found.largest_misfit if found.part.misfit else 0.0,
         frequency=seen.frequency(seen.first + (seen.count - 1) / 2),
         level=level,
         remarks=_outside(found, band) if choice == "auto" else (),
     )
-
-
-def _band(found: Found) -> tuple[float, float]:
-    """The limits of the frequencies used, Hz; 0 and half the sampling rate if nothing is excluded."""
-    seen, (first, last) = found.seen, np.flatnonzero(found.used)[[0, -1]]
-    low = float(seen.frequency(seen.first[first])) if first else 0.0
-    high = seen.first[last] + seen.count[last] - 0.5
-    return low, seen.rate / 2 if last == found.used.size - 1 else float(seen.frequency(high))
 
 
 def _masks(found: Found, asked: tuple[float, float] | None) -> tuple[tuple[float, float], ...]:
@@ -67,29 +68,17 @@ def _masks(found: Found, asked: tuple[float, float] | None) -> tuple[tuple[float
     )
 
 
-def _filter(found: Found) -> LowPass | None:
-    part, rate = found.shaped, found.seen.rate
-    if part.filter is None:
-        return None
-    low, high = limits(part, part.filter, CONFIDENT)
-    row, cutoff = part.filter.row, part.filter.cutoff
-    return LowPass(row, FILTERS[row].title, cutoff * rate, low * rate, high * rate, rate)
-
-
 def _outside(found: Found, band: tuple[float, float]) -> tuple[str, ...]:
     """Behaviour of the spectrum beyond the ends of the band, by its own levels: no model holds there."""
-    there = np.flatnonzero(found.used)
-    first, last, frequency = int(there[0]), int(there[-1]), found.seen.first
-    said = []
-    if first:
-        inside = found.used & (frequency < 2 * frequency[first])
-        where = say("below {frequency:.3g} Hz", frequency=band[0])
-        said.append(_beyond(where, found, slice(0, first), inside, say("drift or motion")))
-    if last < found.used.size - 1:
-        inside = found.used & (frequency > frequency[last] / 2)
-        where = say("above {frequency:.3g} Hz", frequency=band[1])
-        said.append(_beyond(where, found, slice(last + 1, None), inside, say("vibration or interference")))
-    return tuple(said)
+    used, frequency = found.used, found.seen.first
+    first, last = map(int, np.flatnonzero(used)[[0, -1]])
+    below, above = used & (frequency < 2 * frequency[first]), used & (frequency > frequency[last] / 2)
+    ends = (
+        (say("below {frequency:.3g} Hz", frequency=band[0]), slice(0, first), below, say("drift or motion")),
+        (say("above {frequency:.3g} Hz", frequency=band[1]), slice(last + 1, None), above,
+         say("vibration or interference")),
+    )  # fmt: skip
+    return tuple(_beyond(where, found, part, inside, cause) for where, part, inside, cause in ends if used[part].size)
 
 
 def _beyond(where: str, found: Found, part: slice, inside: BoolArray, cause: str) -> str:

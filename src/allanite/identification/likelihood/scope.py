@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 
 import numpy as np
 
@@ -111,28 +112,21 @@ def _whole(part: Portion, rival: bool) -> Iterator[Found]:
     yield from _behind(part, rival)
     if part.excess is None:
         yield from _quick(part, rival)
-    yield from _behind_angle(part, rival)
+    # behind a filter, with angle noise that is so strong that the power rises before it falls
+    angle = [i for i, symbol in enumerate(part.noise) if TERMS[symbol].edge]
+    if angle and rises_before(part):
+        yield from (found for found in _tuned(part, rival, lowest=RATHER) if found.chosen.theta[angle].all())
     if rival and part.excess is None:
-        yield from _oscillating(part)
+        # a damped oscillation; a resonance, which is hardly damped, is vibration and no term
+        found = fitted(part.among((*part.noise, OSCILLATION)), rival=False)
+        if found.chosen.constants and found.chosen.constants[-1] > DAMPED:
+            yield found
 
 
 def _quick(part: Portion, rival: bool) -> Iterator[Found]:
     """With Gauss-Markov noise as quick as the samples allow, where no filter explains what falls with frequency."""
     if rival:
         yield fitted(part, rival=rival, shortest=0.0)
-
-
-def _asked(part: Portion, rival: bool) -> Iterator[Found]:
-    """In a band that was asked for: beside resonances."""
-    yield from _quick(part, rival)
-    yield from _masked(part, rival)
-
-
-def _oscillating(part: Portion) -> Iterator[Found]:
-    """With a damped oscillation; a resonance, which is hardly damped, is vibration and no term."""
-    found = fitted(part.among((*part.noise, OSCILLATION)), rival=False)
-    if found.chosen.constants and found.chosen.constants[-1] > DAMPED:
-        yield found
 
 
 def _masked(whole: Portion, rival: bool) -> Iterator[Found]:
@@ -193,13 +187,6 @@ def _behind(part: Portion, rival: bool) -> Iterator[Found]:
 def _rates(part: Portion) -> tuple[str, ...]:
     """The terms without angle noise."""
     return tuple(symbol for symbol in part.noise if not TERMS[symbol].edge)
-
-
-def _behind_angle(part: Portion, rival: bool) -> Iterator[Found]:
-    """Behind a filter, with angle noise that is so strong that the power rises before it falls."""
-    angle = [i for i, symbol in enumerate(part.noise) if TERMS[symbol].edge]
-    if angle and rises_before(part):
-        yield from (found for found in _tuned(part, rival, lowest=RATHER) if found.chosen.theta[angle].all())
 
 
 def _tuned(part: Portion, rival: bool, lowest: float = 0.0) -> Iterator[Found]:
@@ -305,5 +292,9 @@ def _enough(part: Portion, used: BoolArray) -> bool:
     return bool(first[-1] >= first[0] * 10**DECADES)
 
 
-WAYS: dict[str, Callable[[Portion, bool], Iterator[Found]]] = {"auto": _candidates, "asked": _asked, "all": _quick}
+WAYS: dict[str, Callable[[Portion, bool], Iterator[Found]]] = {
+    "auto": _candidates,
+    "asked": lambda part, rival: chain(_quick(part, rival), _masked(part, rival)),
+    "all": _quick,
+}
 """Ways to read the spectrum, by the choice of frequencies: found, asked for, or all."""

@@ -115,6 +115,8 @@ def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]
 
     The best model with a warm-up, in which a random walk may be gone, is compared with the best one without.
     """
+    from scipy.optimize import minimize_scalar
+
     seen = found.seen
     if not found.used[0] or (seen.pieces is not None and not seen.pieces.low):  # no bin that tells of it
         return None, found
@@ -125,7 +127,13 @@ def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]
     base, tau, least = min(tried, key=lambda one: one[2])
     if bare - least - PENALTY < EVIDENCE:  # one term at least is there
         return None, found
-    tau = _refined(found, base, tau)
+    # the best time constant near that of the grid, in samples
+    step, n = (LONGEST / SHORTEST) ** (1 / (STEPS - 1)), seen.size
+    near = minimize_scalar(
+        lambda x: _beside(found, base, math.exp(x)).profiled, method="bounded", options={"xatol": 0.02},
+        bounds=(math.log(max(tau / step, SHORTEST * n)), math.log(min(tau * step, LONGEST * n))),
+    )  # fmt: skip
+    tau = math.exp(float(near.x))
     part = with_warm_up(base.likelihood, seen, found.used, tau)
     best = min(subsets(part, may=base.free, constants=base.constants), key=lambda subset: _score(subset, slope))
     gain = bare - _score(best, slope)
@@ -152,18 +160,6 @@ def _bases(found: Found) -> list[Subset]:
         free = np.ones(found.plain.free.size, dtype=bool) if found.search is None else ~found.search.must
         bases.append(replace(found.plain, free=free))
     return bases
-
-
-def _refined(found: Found, base: Subset, around: float) -> float:
-    """The best time constant near one of the grid, in samples."""
-    from scipy.optimize import minimize_scalar
-
-    step, n = (LONGEST / SHORTEST) ** (1 / (STEPS - 1)), found.seen.size
-    best = minimize_scalar(
-        lambda x: _beside(found, base, math.exp(x)).profiled, method="bounded", options={"xatol": 0.02},
-        bounds=(math.log(max(around / step, SHORTEST * n)), math.log(min(around * step, LONGEST * n))),
-    )  # fmt: skip
-    return math.exp(float(best.x))
 
 
 def _beside(found: Found, base: Subset, tau: float) -> Subset:

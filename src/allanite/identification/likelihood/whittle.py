@@ -43,8 +43,16 @@ def with_warm_up(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, ta
 
     Tau is in samples. The direction stands behind the edges and before the ramp.
     """
-    centre = spectrum.first + (spectrum.count - 1) / 2
-    return _with_directions(part, spectrum, used, [_warm_up(spectrum, tau, centre)])
+    if spectrum.times.size:  # with gaps, of the lowest bins only
+        # the lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples
+        from scipy.fft import dct
+
+        values = np.exp(-spectrum.times / tau)
+        lowest = np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(spectrum.size / values.size)
+        return _with_directions(part, spectrum, used, [_in_bins(spectrum, lowest)])
+    left = math.exp(-spectrum.size / tau)
+    smooth = decay_coefficients(spectrum.first + (spectrum.count - 1) / 2, spectrum.size, tau)
+    return _with_directions(part, spectrum, used, [(smooth * (1 - left), smooth * (1 + left))])
 
 
 def with_steps(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, at: Sequence[float]) -> Likelihood:
@@ -93,21 +101,6 @@ def _in_bins(spectrum: BinnedSpectrum, lowest: FloatArray) -> tuple[FloatArray, 
     lowest = lowest[: spectrum.pieces.low] if spectrum.pieces else lowest
     d[: lowest.size] = lowest
     return d * (spectrum.first % 2 == 0), d * (spectrum.first % 2)
-
-
-def _warm_up(spectrum: BinnedSpectrum, tau: float, centre: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Coefficients of exp(-t / tau) in the bins, of even and of odd index; with gaps of the lowest bins only."""
-    if spectrum.times.size:
-        # the lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples
-        values = np.exp(-spectrum.times / tau)
-        from scipy.fft import dct
-
-        return _in_bins(
-            spectrum, (np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(spectrum.size / values.size))
-        )
-    left = math.exp(-spectrum.size / tau)
-    smooth = decay_coefficients(centre, spectrum.size, tau)
-    return smooth * (1 - left), smooth * (1 + left)
 
 
 def decay_coefficients(k: FloatArray, n: int, tau: float) -> FloatArray:

@@ -8,7 +8,6 @@ from .closeup import plot_closeups as plot_closeups
 from .comparison import plot_comparison as plot_comparison
 from .compensation import plot_compensated as plot_compensated
 from .curves import plot_panels as plot_panels
-from .goodness import plot_goodness as plot_goodness
 from .lots import Course as Course
 from .lots import LotRow as LotRow
 from .lots import plot_lot as plot_lot
@@ -20,6 +19,7 @@ from .planning import plot_plans as plot_plans
 from .rate import plot_rates as plot_rates
 from .record import plot_record as plot_record
 from .record import plot_strip as plot_strip
+from .residuals import plot_goodness as plot_goodness
 from .residuals import plot_residuals as plot_residuals
 from .residuals import plot_series as plot_series
 from .spectra import plot_spectra as plot_spectra

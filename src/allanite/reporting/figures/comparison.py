@@ -99,17 +99,7 @@ def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> Non
         zorder=2,
         label=say("{share} confidence", share=words.percent(level)) if i == 0 else None,
     )
-    ax.plot(
-        shown.tau,
-        shown.deviation,
-        color=color,
-        lw=1.1,
-        marker=marker,
-        ms=3.4,
-        mew=0,
-        zorder=3,
-        label=name,
-    )
+    ax.plot(shown.tau, shown.deviation, color=color, lw=1.1, marker=marker, ms=3.4, mew=0, zorder=3, label=name)
 
 
 def _frame(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:

@@ -16,7 +16,7 @@ from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import style, words
 from allanite.reporting.digits import printable, printed_unit
 from allanite.reporting.language import tr
-from allanite.reporting.sketch.text_width import wide
+from allanite.reporting.sketch.svg import wide
 from allanite.terms import TERMS
 
 from .labels import FloatArray, IntArray, LabelBox, nearest, place

@@ -26,7 +26,7 @@ MOST_POINTS = 400
 class CurvePanel(NamedTuple):
     """A curve and what explains it.
 
-    `readings` have its minimum, `facts` are its file, rate and length, `wanted` is the unit that was asked for. A curve
+    `readings` have its minimum, `facts` are its file, rate and length, `wanted` are units asked for. A curve
     that is the expectation of a `model` has no fit: its terms are those of the model.
     """
 
@@ -35,7 +35,7 @@ class CurvePanel(NamedTuple):
     fit: Fit | None
     readings: Readings | None = None
     facts: str = ""
-    wanted: str = ""
+    wanted: Sequence[str] = ()
     model: Model | None = None
 
     @property
@@ -46,7 +46,9 @@ class CurvePanel(NamedTuple):
     @property
     def unit(self) -> str:
         """The unit that is shown."""
-        return self.wanted or readable_unit(self.curve.unit)
+        dimension = unit_of(self.curve.unit).dimension
+        fitting = (unit for unit in self.wanted if unit_of(unit).dimension == dimension)
+        return next(fitting, "") or readable_unit(self.curve.unit)
 
     def expected(self, model: Model | Term, tau: FloatArray) -> FloatArray:
         """The deviation expected under a model or term, in the unit that is shown; NaN where it does not hold."""
@@ -143,9 +145,8 @@ def _panels(value: Any, fit: Fit | None) -> list[CurvePanel]:
         return _panels(value.curve, value)
     if hasattr(value, "channels") and hasattr(value, "recipe"):  # a Study
         file = PurePath(value.provenance.get("source", "")).name
-        wanted = value.recipe.to or ()
         return [
-            p._replace(facts=", ".join(filter(None, (file, p.facts))), wanted=_wanted(p.curve, wanted))
+            p._replace(facts=", ".join(filter(None, (file, p.facts))), wanted=value.recipe.to or ())
             for p in _panels(value.channels, None)
         ]
     if hasattr(value, "curve") and hasattr(value, "quality"):  # a Channel
@@ -155,12 +156,6 @@ def _panels(value: Any, fit: Fit | None) -> list[CurvePanel]:
     if value is None:
         return []
     raise UsageError(f"a {type(value).__name__} cannot be drawn; give a Curve, a Fit, or a Study")
-
-
-def _wanted(curve: Curve, wanted: Sequence[str]) -> str:
-    """The unit of those wanted that a curve can be shown in; empty if there is none."""
-    dimension = unit_of(curve.unit).dimension
-    return next((unit for unit in wanted if unit_of(unit).dimension == dimension), "")
 
 
 def facts_of(curve: Curve) -> str:

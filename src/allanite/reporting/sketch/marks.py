@@ -112,21 +112,18 @@ class LineMark:
 
     def draw(self, place: Place) -> str:
         """See `Mark`."""
-        x, y = place(self.x, self.y, self.meaning)
-        line = (
-            ink.element(ink.path(x, y), ink.stroke(self.color, self.width, self.dash, self.alpha)) if self.drawn else ""
-        )
-        return line + (self.marker.at(x, y) if self.marker else "")
+        points = place(self.x, self.y, self.meaning)
+        return self._through(points, points)
 
     def key(self, x: float, y: float, width: float, size: float) -> str:
         """See `Mark`."""
         ends = np.array([x, x + width]), np.array([y, y])
-        line = (
-            ink.element(ink.path(*ends), ink.stroke(self.color, self.width, self.dash, self.alpha))
-            if self.drawn
-            else ""
-        )
-        return line + (self.marker.at(np.array([x + width / 2]), np.array([y])) if self.marker else "")
+        return self._through(ends, (np.array([x + width / 2]), np.array([y])))
+
+    def _through(self, points: Points, marked: Points) -> str:
+        look = ink.stroke(self.color, self.width, self.dash, self.alpha)
+        line = ink.element(ink.path(*points), look) if self.drawn else ""
+        return line + (self.marker.at(*marked) if self.marker else "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,7 +235,16 @@ class Words:
         left = x - {"left": 0.0, "center": width / 2, "right": width}[self.ha]
         top = y - {"top": 0.0, "center": height / 2, "bottom": height, "baseline": height}[self.va]
         if self.leader is not None:
-            parts.append(self._line(self._point(place, self.leader), (left, top, width, height)))
+            # from the edge of the text to four points before what it is about; nothing if that is nearer
+            centre = np.array([left + width / 2, top + height / 2])
+            way = np.array(self._point(place, self.leader)) - centre
+            length = float(np.hypot(*way))
+            halves = zip((width / 2, height / 2), way.tolist(), strict=True)
+            inside = min(((half + 1) / abs(part) for half, part in halves if part), default=1.0)
+            outside = 1 - 4 / length if length else 0.0
+            if inside < outside:
+                ends = centre + np.outer([inside, outside], way)
+                parts.append(ink.element(ink.path(ends[:, 0], ends[:, 1]), ink.stroke(self.color, 0.8)))
         if self.pad is not None:
             a, b = np.array([left, left + width]), np.array([top, top + height])
             beside = np.array([-self.pad, self.pad])
@@ -254,22 +260,6 @@ class Words:
     def _point(self, place: Place, at: tuple[float, float]) -> tuple[float, float]:
         x, y = place(np.array([at[0]]), np.array([at[1]]), self.meaning)
         return float(x[0]), float(y[0])
-
-    def _line(self, end: tuple[float, float], box: tuple[float, float, float, float]) -> str:
-        """From the edge of the text to four points before what it is about; nothing if that is nearer."""
-        left, top, width, height = box
-        centre = np.array([left + width / 2, top + height / 2])
-        way = np.array(end) - centre
-        length = float(np.hypot(*way))
-        inside = min(
-            ((half + 1) / abs(part) for half, part in zip((width / 2, height / 2), way.tolist(), strict=True) if part),
-            default=1.0,
-        )
-        outside = 1 - 4 / length if length else 0.0
-        if inside >= outside:
-            return ""
-        ends = centre + np.outer([inside, outside], way)
-        return ink.element(ink.path(ends[:, 0], ends[:, 1]), ink.stroke(self.color, 0.8))
 
     def key(self, x: float, y: float, width: float, size: float) -> str:
         """Text is in no legend."""

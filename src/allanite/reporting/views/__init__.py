@@ -1,4 +1,4 @@
-"""How each result is shown: one file a result, with a `VIEW`, and one line in the table."""
+"""How each result is shown: one file a result, with a function that is marked `view`, and one line in the table."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.errors import UsageError
 from allanite.plugins import Registry
-from allanite.reporting.sheet import Face
+from allanite.reporting.sheet import Face, Plot
 
 if TYPE_CHECKING:
     from allanite.core.fit import Fit
-    from allanite.reporting.style import Plot
 
 Rows = tuple[Sequence[str], list[list[Any]]]
 
@@ -48,55 +47,64 @@ class View:
         )
 
 
+def view(
+    plot: "Callable[[Sequence[Any], Fit | None, float], Plot] | None" = None,
+    rows: Callable[[Any, float], Rows] | None = None,
+    coefficients: Callable[[Any, float], Rows] | None = None,
+) -> Callable[[Callable[[Any, float], Face]], View]:
+    """Marks the function that makes the face of a result: it becomes its `View`, which has these, too."""
+    return lambda face: View(face, plot, rows, coefficients)
+
+
 _OWN = {
-    "Study": "analysis.STUDY",
-    "Channel": "analysis.CHANNEL",
-    "Batch": "batch.BATCH",
-    "Lot": "lot.LOT",
-    "Meaning": "meaning.MEANING",
-    "Survey": "survey.SURVEY",
-    "Curve": "values.CURVE",
-    "Spectrum": "values.SPECTRUM",
-    "Surface": "values.SURFACE",
-    "Comparison": "comparison.COMPARISON",
-    "Pool": "pool.POOL",
-    "Fit": "fit.FIT",
-    "Readings": "values.READINGS",
-    "Residuals": "fit.RESIDUALS",
+    "Study": "analysis.study_view",
+    "Channel": "analysis.channel_view",
+    "Batch": "batch.batch_view",
+    "Lot": "lot.lot_view",
+    "Meaning": "meaning.meaning_view",
+    "Survey": "survey.survey_view",
+    "Curve": "values.value_view",
+    "Spectrum": "values.value_view",
+    "Surface": "values.value_view",
+    "Comparison": "comparison.comparison_view",
+    "Pool": "pool.pool_view",
+    "Fit": "fit.fit_view",
+    "Readings": "values.readings_view",
+    "Residuals": "fit.residuals_view",
     "Model": "expectation.MODEL",
     "Term": "expectation.MODEL",
-    "Expectation": "expectation.EXPECTATION",
-    "BudgetStudy": "budget.STUDY",
-    "Budget": "budget.BUDGET",
-    "CompensationStudy": "compensation.STUDY",
-    "Compensated": "compensation.CHANNEL",
-    "Regression": "compensation.REGRESSION",
+    "Expectation": "expectation.expectation_view",
+    "BudgetStudy": "budget.study_view",
+    "Budget": "budget.budget_view",
+    "CompensationStudy": "compensation.study_view",
+    "Compensated": "compensation.channel_view",
+    "Regression": "compensation.regression_view",
     "RecordingPlan": "planning.PLAN",
     "RecordingPlans": "planning.PLANS",
     "SelfCheck": "planning.CHECK",
     "SelfChecks": "planning.CHECKS",
-    "Bound": "planning.BOUND",
-    "Properties": "properties.PROPERTIES",
+    "Bound": "planning.bound_view",
+    "Properties": "properties.properties_view",
     "StateSpace": "statespace.SPACE",
     "StateSpaces": "statespace.SPACES",
-    "Export": "export.EXPORT",
-    "Imported": "export.IMPORTED",
-    "Explanation": "export.EXPLANATION",
-    "Simulation": "expectation.SIMULATION",
-    "RateStudy": "rate.STUDY",
-    "Closeup": "rate_experiment.CLOSEUP",
-    "Experiment": "rate_experiment.EXPERIMENT",
-    "Ranking": "rate.RANKING",
-    "RateEstimate": "rate.ESTIMATE",
-    "AngleStudy": "angle.STUDY",
-    "Harmonics": "angle.HARMONICS",
-    "Calibration": "angle.CALIBRATION",
-    "AnglePlan": "angle_plan.PLAN",
-    "Scan": "angle_plan.SCAN",
-    "VerticalStudy": "vertical.STUDY",
-    "VerticalDesign": "vertical.DESIGN",
+    "Export": "export.export_view",
+    "Imported": "export.imported_view",
+    "Explanation": "export.explanation_view",
+    "Simulation": "expectation.simulation_view",
+    "RateStudy": "rate.study_view",
+    "Closeup": "rate_experiment.closeup_view",
+    "Experiment": "rate_experiment.experiment_view",
+    "Ranking": "rate.ranking_view",
+    "RateEstimate": "rate.estimate_view",
+    "AngleStudy": "angle.study_view",
+    "Harmonics": "angle.result_view",
+    "Calibration": "angle.result_view",
+    "AnglePlan": "angle_plan.plan_view",
+    "Scan": "angle_plan.scan_view",
+    "VerticalStudy": "vertical.study_view",
+    "VerticalDesign": "vertical.design_view",
     "Optimum": "vertical.OPTIMUM",
-    "ScenarioErrors": "vertical.SCENARIOS",
+    "ScenarioErrors": "vertical.scenarios_view",
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""
 

@@ -11,23 +11,12 @@ from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
 from allanite.identification.methods import METHODS
-from allanite.phrases.phrase import join, say, say_count
+from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import (
-    Column,
-    Drawing,
-    Face,
-    Fold,
-    Note,
-    Part,
-    Sheet,
-    Table,
-    header_of,
-)
-from allanite.study.recipe import Recipe
+from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Sheet, Table, header_of
 from allanite.study.results import Channel, Study
 
-from . import Rows, View
+from . import Rows, view
 from .datasheet import alternative, card_of, data_sheet_table
 from .details import details, over_time, overlay
 from .fit import coefficients, definitions, plot_curves
@@ -81,34 +70,6 @@ SHARED = say(
 )
 
 
-def _face(study: Study, level: float) -> Face:
-    fitted = any(channel.fit for channel in study.channels)
-    panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
-    sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
-    method = say(", method {method}", method=study.recipe.method)
-    job = job_face(study, (say("Noise of {source}", source=source_of(study)), BRAND), sheets)
-    # sensors, sampling rate, length and program in a line
-    records = [channel.record for channel in study.channels]
-    sensors = Counter(record.signal.a_sensor for record in records)
-    counted = [
-        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=sensor)
-        for sensor, n in sensors.items()
-    ]
-    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
-    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
-    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
-    digest = study.provenance.get("sha256", "")
-    return replace(
-        job,
-        header=header_of(study.provenance, study.notes, method if fitted else ""),
-        parts=[*job.parts, *overlay(list(panels.values()), level)],
-        close=[*meanings(study), *_close(study)],
-        how=list(_how(study)),
-        device=study.recipe.labels,
-        facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,
-    )
-
-
 def _sheet(channel: Channel, level: float, panel: "figures.CurvePanel | None" = None) -> Sheet:
     doubt = channel.noise is None or not channel.explained
     fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
@@ -119,22 +80,17 @@ def _sheet(channel: Channel, level: float, panel: "figures.CurvePanel | None" = 
     return replace(sheet, card=card_of(channel, level))
 
 
-def _told(note: str, channel: Channel) -> bool:
-    """Whether a warning or the verdict says the same already."""
-    points = channel.noise.statement.points if channel.noise else ()
-    return any(note.startswith(finding.what) for finding in channel.quality.warnings) or any(
-        point.startswith(note) for point in points
-    )
-
-
 def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
     if channel.fit is None:
-        facts = fitness(channel)
-        yield from [Note(facts)] if facts else []
+        yield from map(Note, filter(None, [fitness(channel)]))
         if isinstance(channel.record, Record) and not channel.record.out_of_range:
             yield over_time(channel.record)
         return
-    yield from (Note(note) for note in channel.fit.advice if not _told(note, channel))
+    # what a warning or the verdict says is not repeated
+    points = channel.noise.statement.points if channel.noise else ()
+    warned = tuple(finding.what for finding in channel.quality.warnings)
+    untold = (note for note in channel.fit.advice if not note.startswith(warned))
+    yield from (Note(note) for note in untold if not any(point.startswith(note) for point in points))
     yield from coefficients(channel.fit, level)
     if channel.curve is not None and panel is not None:
         share = words.percent(level)
@@ -181,22 +137,17 @@ def _how(study: Study) -> Iterator[Part]:
         said = {"method": recipe.method, "title": row.title, "efficiency": row.efficiency}
         yield Note(say("Method: {method}, {title}; measured: {efficiency}.", **said))
     yield from (Note(paragraph) for paragraph in EXPLAINED.get(recipe.method, ()))
-    yield Note(_curve_explained(recipe))
+    alone: Phrase = CURVE_ALONE
+    if row is not None and row.statistic:
+        statistic = recipe.statistic if recipe.statistic in row.allowed else row.statistic
+        alone = say(
+            "The coefficients were read off a curve, {statistic}: the notes say from which points.", statistic=statistic
+        )
+    yield Note(join(" ", (alone, LIMITS)))
     met = {e.status for fit in fits for e in fit}
     rows = [[status.name, status.meaning] for status in STATUSES.values() if status.name in met]
     yield Table((Column(say("status"), "status"), Column(say("meaning"), "text")), rows)
     yield definitions(fits)
-
-
-def _curve_explained(recipe: Recipe) -> str:
-    row = METHODS.get(recipe.method)
-    if row is None or not row.statistic:
-        return join(" ", (CURVE_ALONE, LIMITS))
-    statistic = recipe.statistic if recipe.statistic in row.allowed else row.statistic
-    read = say(
-        "The coefficients were read off a curve, {statistic}: the notes say from which points.", statistic=statistic
-    )
-    return join(" ", (read, LIMITS))
 
 
 def _coefficients(study: Study, level: float) -> Rows:
@@ -220,14 +171,44 @@ def _coefficients(study: Study, level: float) -> Rows:
     return heads, rows
 
 
-STUDY = View(
-    _face,
+@view(
     plot_curves,
     lambda study, level: rows_of(
         [c.curve.to(readable_unit(c.curve.unit)) for c in study.channels if c.curve is not None], level
     ),
     _coefficients,
 )
-CHANNEL = View(
-    lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)), plot_curves
-)
+def study_view(study: Study, level: float) -> Face:
+    """A study: its channels, with what their coefficients mean."""
+    fitted = any(channel.fit for channel in study.channels)
+    panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
+    sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
+    method = say(", method {method}", method=study.recipe.method)
+    # sensors, sampling rate, length and program in a line
+    records = [channel.record for channel in study.channels]
+    sensors = Counter(record.signal.a_sensor for record in records)
+    counted = [
+        say_count(n, "{count} channel of {sensor}", "{count} channels of {sensor}", sensor=sensor)
+        for sensor, n in sensors.items()
+    ]
+    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration), say("{count} samples", count=r.size)) for r in records}
+    found = [*counted, *(next(iter(same)) if len(same) == 1 else ())]
+    found += [f"allanite {study.provenance['allanite']}"] if study.provenance.get("allanite") else []
+    digest = study.provenance.get("sha256", "")
+    return job_face(
+        study,
+        (say("Noise of {source}", source=source_of(study)), BRAND),
+        sheets,
+        overlay(list(panels.values()), level),
+        header=header_of(study.provenance, study.notes, method if fitted else ""),
+        close=[*meanings(study), *_close(study)],
+        how=list(_how(study)),
+        device=study.recipe.labels,
+        facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,
+    )
+
+
+@view(plot_curves)
+def channel_view(channel: Channel, level: float) -> Face:
+    """One channel of a study."""
+    return Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),))

@@ -3,8 +3,6 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import chain
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,13 +16,9 @@ from allanite.core.units import convert, unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Plot, Sheet, Table, header_of, toml
 
-from . import View, view_of
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
-
+from . import view, view_of
 
 ARCSEC = unit_of("arcsec").factor
 BRAND = say("harmonic errors of angle sensors")
@@ -35,6 +29,12 @@ ENCODER = {
     "bend": say("its quadratic growth over half the record"),
 }
 """Parameters estimated together with the harmonics of an encoder."""
+
+OTHERS = (
+    Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
+    Column(say("meaning"), "text", aside=True),
+)  # fmt: skip
+"""What is said of those that are no harmonics."""
 
 MARKS: dict[str, Mark] = {"identified": "", "weak": "weak", "absent": "quiet"}
 STATUSES = {"identified": say("identified"), "weak": say("weak"), "absent": say("absent")}
@@ -67,34 +67,6 @@ INFORMED = say(
     "the information matrix, which gives the least-squares estimate with what was known before, its covariance, and "
     "the innovation of each sample."
 )
-
-
-def _result_face(result: Result, level: float) -> Face:
-    solution = result.solution
-    names = join(", ", [h.name or say("the angle") for h in parts_of(result)])
-    title = say("Harmonic errors of {angles}", angles=names)
-    if solution is None:
-        sheet = Sheet(names, (say("known, not estimated"),), (_harmonics(result, level),))
-        return Face(title, BRAND, (sheet,))
-    noise = say(
-        "noise of one sample {sigma:.4g} arcsec, {origin}; condition {condition:.4g}",
-        sigma=solution.sigma / ARCSEC,
-        origin=say("given") if solution.given else say("estimated from what is left over"),
-        condition=solution.condition,
-    )
-    about = [say_count(solution.innovations.size, "{count} sample", "{count} samples"), noise]
-    if isinstance(result, Calibration):
-        angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
-        spans = [
-            say("{angle} from {low:.2f} to {high:.2f} deg", angle=name, low=float(a.min()), high=float(a.max()))
-            for name, a in angles.items()
-        ]
-        about.append(join("; ", spans))
-    doubt = bool(solution.warnings)
-    verdicts = (_verdict(result, level, doubt),)
-    sheet = Sheet(names, about, tuple(_parts(result, solution, level)), verdicts, doubt)
-    model = GIMBAL if isinstance(result, Calibration) else AGAINST
-    return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE if solution.prior is None else INFORMED)))
 
 
 def _verdict(result: Result, level: float, doubt: bool) -> str:
@@ -145,11 +117,6 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
         )
     label, title = say("innovations and their autocorrelation"), say("is what is left over noise?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
-    # parameters estimated together with the harmonics
-    heads = (
-        Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
-        Column(say("meaning"), "text", aside=True),
-    )  # fmt: skip
     rows = []
     for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):
         if name[0] in "SC" and name[1:2].isdigit():
@@ -158,7 +125,7 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
         si, unit = ("rad/s", "arcsec/h") if row and row.per_time else ("rad", "arcsec")
         factor = convert(1.0, si, unit)
         rows.append([name, *_constant(value * factor, error * factor), unit, row.meaning if row else ENCODER[name]])
-    yield Table(heads, rows, say("other estimated parameters"))
+    yield Table(OTHERS, rows, say("other estimated parameters"))
 
 
 def _harmonics(result: Result, level: float) -> Table:
@@ -170,13 +137,12 @@ def _harmonics(result: Result, level: float) -> Table:
     )  # fmt: skip
     rows, marks = [], []
     for h in parts_of(result):
-        errors = np.sqrt(h.covariance.diagonal()).reshape(-1, 2) / ARCSEC
-        for k, sine, cosine, phase, error in zip(h.orders, h.sine, h.cosine, h.phase, errors, strict=True):
-            constants = (_constant(float(v) / ARCSEC, float(e)) for v, e in zip((sine, cosine), error, strict=True))
-            shown = f"{math.degrees(float(phase)):.0f}" if h.found(k) else ""
-            name = join(" ", (h.name or say("angle"), str(k)))
-            rows.append([name, *chain(*constants), *_amplitude(h, k, level), shown, STATUSES[h.status(k)]])
-            marks.append(MARKS[h.status(k)])
+        for name, order, *constants, _, _, _, phase, status in h.rows(level)[1]:
+            sine, sine_error, cosine, cosine_error = (v / ARCSEC for v in constants)
+            shown = [*_constant(sine, sine_error), *_constant(cosine, cosine_error), *_amplitude(h, order, level)]
+            angle = "" if status == "absent" else f"{math.degrees(phase):.0f}"
+            rows.append([join(" ", (name or say("angle"), str(order))), *shown, angle, STATUSES[status]])
+            marks.append(MARKS[status])
     return Table(heads, rows, marks=marks, key=KEY)
 
 
@@ -194,26 +160,29 @@ def _constant(value: float, error: float) -> tuple[str, str]:
     return shown.plain()[0], digits(error, figures=2).plain()[0]
 
 
-def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> "Plot":
+def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> Plot:
     draw = view_of(values[0].result).plot
     if draw is None:
         raise UsageError("a plan of one start has no figure; scan all starts of the interval")
     return draw([study.result for study in values], fit, level)
 
 
-STUDY = View(
-    lambda study, level: replace(
+@view(
+    _study_plot,
+    lambda study, level: view_of(study.result).rows(study.result, level),  # type: ignore[misc]
+)
+def study_view(study: AngleStudy, level: float) -> Face:
+    """What was estimated or planned from files, with their provenance."""
+    return replace(
         view_of(study.result).face(study.result, level),
         header=header_of(study.provenance, study.notes)[0 if study.provenance.get("source") else -1 :],
         choices=toml(study.choices()),
         provenance=study.provenance,
         notes=study.notes,
-    ),
-    _study_plot,
-    lambda study, level: view_of(study.result).rows(study.result, level),  # type: ignore[misc]
-)
-HARMONICS = CALIBRATION = View(
-    _result_face,
+    )
+
+
+@view(
     lambda values, fit, level: figures.plot_errors(values[0], level),
     # all constants with limits, SI; of known harmonics the harmonics alone
     lambda result, level: (
@@ -230,3 +199,30 @@ HARMONICS = CALIBRATION = View(
         )
     ),
 )
+def result_view(result: Result, level: float) -> Face:
+    """The harmonics of one angle, or of several that were calibrated together."""
+    solution = result.solution
+    names = join(", ", [h.name or say("the angle") for h in parts_of(result)])
+    title = say("Harmonic errors of {angles}", angles=names)
+    if solution is None:
+        sheet = Sheet(names, (say("known, not estimated"),), (_harmonics(result, level),))
+        return Face(title, BRAND, (sheet,))
+    noise = say(
+        "noise of one sample {sigma:.4g} arcsec, {origin}; condition {condition:.4g}",
+        sigma=solution.sigma / ARCSEC,
+        origin=say("given") if solution.given else say("estimated from what is left over"),
+        condition=solution.condition,
+    )
+    about = [say_count(solution.innovations.size, "{count} sample", "{count} samples"), noise]
+    if isinstance(result, Calibration):
+        angles = {name: np.degrees(getattr(result.gimbals, name)) for name in result.angles}
+        spans = [
+            say("{angle} from {low:.2f} to {high:.2f} deg", angle=name, low=float(a.min()), high=float(a.max()))
+            for name, a in angles.items()
+        ]
+        about.append(join("; ", spans))
+    doubt = bool(solution.warnings)
+    verdicts = (_verdict(result, level, doubt),)
+    sheet = Sheet(names, about, tuple(_parts(result, solution, level)), verdicts, doubt)
+    model = GIMBAL if isinstance(result, Calibration) else AGAINST
+    return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE if solution.prior is None else INFORMED)))

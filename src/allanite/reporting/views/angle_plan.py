@@ -8,7 +8,7 @@ from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table
 
-from . import View
+from . import view
 
 BRAND = say("harmonic errors of angle sensors")
 
@@ -50,7 +50,6 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
         condition=plan.condition,
     )
     alerts = [Note(str(finding), "alert") for finding in plan.findings]
-    heads = (Column(say("constant"), "symbol"), Column(say("expected standard deviation"), form=".4g"))
     total = say_count(
         plan.amplitudes,
         "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",
@@ -65,13 +64,14 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
             period=chosen.sway.period,
         )
         where = join("; ", (where, sway))
-    return Sheet(title, (when, where), (*alerts, Table(heads, plan.rows()[1]), Note(total)))
+    return Sheet(title, (when, where), (*alerts, Table(CONSTANTS, plan.rows()[1]), Note(total)))
 
 
 def _degrees(angle: float) -> str:
     return f"{math.degrees(angle):.2f}"
 
 
+CONSTANTS = (Column(say("constant"), "symbol"), Column(say("expected standard deviation"), form=".4g"))
 WINDOWS = (
     Column(say("start [min]"), form=lambda start: f"{start / 60:.1f}"), Column(say("h from [deg]"), form=_degrees),
     Column(say("to [deg]"), form=_degrees), Column(say("sum of deviations"), form=".4g"),
@@ -82,7 +82,17 @@ FEW = 8
 """Windows that stand side by side in a table."""
 
 
-def _scan_face(scan: Scan, level: float) -> Face:
+@view(rows=lambda plan, level: plan.rows())
+def plan_view(plan: AnglePlan, _: float) -> Face:
+    """What one experiment would tell."""
+    return Face(
+        say("Expected accuracy of the angle sensors"), BRAND, (_plan_sheet(plan, say("plan")),), how=(Note(PLANNED),)
+    )
+
+
+@view(lambda values, fit, level: figures.plot_scan(values[0]), lambda scan, level: scan.rows())
+def scan_view(scan: Scan, level: float) -> Face:
+    """What experiments would tell by their start, and the best one."""
     best = scan.best
     low, high = (math.degrees(v) for v in best.h)
     verdict = say_count(
@@ -111,12 +121,3 @@ def _scan_face(scan: Scan, level: float) -> Face:
         parts.append(Table((Column(say("constant"), "symbol"), *ranges), rows, title))
     sheet = replace(_plan_sheet(best, say("best window")), verdicts=(verdict,))
     return Face(say("Where to estimate the angle sensors"), BRAND, (sheet,), parts=parts, how=(Note(PLANNED),))
-
-
-PLAN = View(
-    lambda plan, _: Face(
-        say("Expected accuracy of the angle sensors"), BRAND, (_plan_sheet(plan, say("plan")),), how=(Note(PLANNED),)
-    ),
-    rows=lambda plan, level: plan.rows(),
-)
-SCAN = View(_scan_face, lambda values, fit, level: figures.plot_scan(values[0]), lambda scan, level: scan.rows())

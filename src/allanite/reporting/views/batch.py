@@ -1,7 +1,7 @@
 """How many units are shown: one row for each channel of a unit, and what they have in common."""
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, worst_of
@@ -12,17 +12,14 @@ from allanite.core.units import Signal, convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, toml
+from allanite.reporting.digits import digits, rounded
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, toml
 from allanite.study.results import Channel
 
-from . import Rows, View
-from .analysis import STUDY
+from . import Rows, view
+from .analysis import study_view
 from .fit import definitions, terms_table
 from .meaning import causes_of
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
 EVERY = 1_000_000
 """Rows of a table that has all of them in a terminal, too."""
@@ -31,12 +28,7 @@ MARKS: dict[str, Any] = {FAIL: "alarm", NOT_SHOWN: "weak", "": ""}
 """Mark of a row by its outcome."""
 
 OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_SHOWN: say("not shown"), "": ""}
-GRADE_WORDS = {
-    EXPLAINED: say("explained"),
-    APPROXIMATE: say("approximate"),
-    UNEXPLAINED: say("unexplained"),
-    "": "",
-}
+GRADE_WORDS = {EXPLAINED: say("explained"), APPROXIMATE: say("approximate"), UNEXPLAINED: say("unexplained"), "": ""}
 LOWEST = say("minimum")
 
 RULE = say(
@@ -53,27 +45,6 @@ SPREAD = say(
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
 
 
-def _face(batch: Batch, level: float) -> Face:
-    fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
-    files: str = str(len(batch))
-    if batch.folder:
-        files = say("{files} in {folder}", files=files, folder=batch.folder)
-    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
-    if batch.specification is not None:
-        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
-    return Face(
-        say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
-        say("noise coefficients of inertial sensors"),
-        header=[*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
-        parts=list(_parts(batch, level)),
-        close=list(_details(batch, level)),
-        how=(definitions(fits),),
-        choices=toml(batch.choices),
-        provenance=batch.provenance,
-        notes=batch.notes,
-    )
-
-
 def _parts(batch: Batch, level: float) -> Iterator[Part]:
     yield _summary(batch)
     for unit in batch:
@@ -88,13 +59,25 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     for signal in signals.values():
         yield _main(batch, signal, level)
+    yield _across_table(batch, batch.across)
+
+
+def _across_table(batch: Batch, across: Iterable[Across]) -> Table:
+    """The values of all units in which a term was identified."""
     heads = (
         Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
-        Column(say("mean")), Column(say("standard deviation")), Column(say("worst")), Column(say("file"), "name"),
-        Column(say("others below")), Column("", "unit"),
+        Column(say("mean")), Column(say("standard deviation")), Column(say("worst"), form=rounded),
+        Column(say("file"), "name"), Column(say("others below"), form=rounded), Column("", "unit"),
     )  # fmt: skip
-    rows = [_spread(batch, found) for found in batch.across]
-    yield Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
+    rows = []
+    for channel, symbol, units, count, *spread, worst, file, below, unit in (found.row() for found in across):
+        share = say("{identified} of {units}", identified=count, units=units)
+        shown: list[str] = [rounded(value) for value in spread]
+        if count < units:
+            shown = [number and say("{number} (of {count})", number=number, count=count) for number in shown]
+        label = batch.label(batch[file]) if file else ""
+        rows.append([channel, symbol_of(symbol), share, *shown, worst, label, below, unit])
+    return Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
 
 
 def _summary(batch: Batch) -> Note:
@@ -161,8 +144,15 @@ def _main(batch: Batch, signal: Signal, level: float) -> Table:
     heads += [Column(f"{s} [{signal.sheet[power_of(s)]}]") for s in symbols]
     heads += [Column(join(" ", (LOWEST, f"[{signal.sheet[0]}]"))), Column(say("model"), "name")]
     heads += [Column(say("result"), "name")] if batch.specification else []
-    cells = [_row(batch, unit, channel, symbols, level) for unit, channel in _of(batch, signal)]
-    marks = [MARKS.get(_outcome(unit, channel), "") for unit, channel in _of(batch, signal)]
+    cells, marks = [], []
+    for unit, channel in _of(batch, signal):
+        usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
+        terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols]
+        grade = say("no result") if channel.refusal else GRADE_WORDS[channel.noise.validity] if channel.noise else ""
+        outcome = _outcome(unit, channel)
+        last = [_minimum(channel, level), grade, *([OUTCOME_WORDS[outcome]] if batch.specification else [])]
+        cells.append([batch.label(unit), channel.record.name, *terms, *last])
+        marks.append(MARKS.get(outcome, ""))
     title = say("units: {sensor}", sensor=signal.sensor)
     return Table(heads, cells, title, marks, MAIN, most=EVERY)
 
@@ -177,23 +167,6 @@ def _outcome(unit: BatchUnit, channel: Channel) -> str:
     return worst_of([j.outcome for j in unit.judgements if j.channel == channel.record.name])
 
 
-def _row(batch: Batch, unit: BatchUnit, channel: Channel, symbols: Sequence[str], level: float) -> list[str]:
-    found = {e.symbol: e for e in channel.fit or ()}
-    cells = []
-    for symbol in symbols:
-        e = found.get(symbol)
-        known = e is not None and e.row.usable
-        number = words.shown(e, e.sheet_unit, level) if e is not None and known else None
-        most = words.limit(e, e.sheet_unit) if e is not None and known else None
-        cells.append(number.plain()[0] if number else f"< {most.plain()[0]}" if most else "-")
-    last = [
-        _minimum(channel, level),
-        say("no result") if channel.refusal else GRADE_WORDS[channel.noise.validity] if channel.noise else "",
-    ]
-    result = [OUTCOME_WORDS[_outcome(unit, channel)]] if batch.specification else []
-    return [batch.label(unit), channel.record.name, *cells, *last, *result]
-
-
 def _minimum(channel: Channel, level: float) -> str:
     """The minimum of the curve; its upper limit where the record does not reach it."""
     readings = channel.readings
@@ -204,28 +177,6 @@ def _minimum(channel: Channel, level: float) -> str:
     if not readings.inside:
         return f"< {digits(high, figures=2).plain()[0]}"
     return digits(readings.minimum.deviation * scale, low, high).plain()[0]
-
-
-def _spread(batch: Batch, found: Across) -> list[str]:
-    channel, symbol, units, count, mean, deviation, worst, file, below, unit = found.row()
-    share = say("{identified} of {units}", identified=count, units=units)
-    numbers = [_number(v) for v in (mean, deviation)]
-    if count < units:
-        numbers = [say("{number} (of {count})", number=number, count=count) if number else "" for number in numbers]
-    return [
-        channel,
-        symbol_of(symbol),
-        share,
-        *numbers,
-        _number(worst),
-        batch.label(batch[file]) if file else "",
-        _number(below),
-        unit,
-    ]
-
-
-def _number(value: float) -> str:
-    return digits(value).plain()[0] if value == value else ""  # noqa: PLR0124 - NaN is no value
 
 
 def _details(batch: Batch, level: float) -> Iterator[Part]:
@@ -251,7 +202,7 @@ def _details(batch: Batch, level: float) -> Iterator[Part]:
                 yield Table(table.columns, table.rows, name, table.marks, details=True, where="page")
 
 
-def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> Plot:
     batch: Batch = values[0]
     curves = []
     lines: dict[str, Sequence[figures.LimitLine]] = {}
@@ -265,7 +216,7 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
 
 
 def _rows(batch: Batch, level: float) -> Rows:
-    found = [(unit.file, STUDY.rows(unit.study, level)) for unit in batch if unit.study and STUDY.rows]
+    found = [(unit.file, study_view.rows(unit.study, level)) for unit in batch if unit.study and study_view.rows]
     heads = found[0][1][0]
     return ("file", *heads), [[file, *row] for file, (_, rows) in found for row in rows]
 
@@ -276,9 +227,9 @@ def _coefficients(batch: Batch, level: float) -> Rows:
     rows: list[list[Any]] = []
     for unit in batch:
         judged = {(j.channel, j.limit.symbol): j for j in unit.judgements}
-        if unit.study is None or STUDY.coefficients is None:
+        if unit.study is None or study_view.coefficients is None:
             continue
-        heads, found = STUDY.coefficients(unit.study, level)
+        heads, found = study_view.coefficients(unit.study, level)
         for row in found:
             judgement = judged.get((row[0], row[1]))
             limit = ("", "") if judgement is None else (judgement.limit.words(), judgement.outcome)
@@ -289,4 +240,24 @@ def _coefficients(batch: Batch, level: float) -> Rows:
     return ("file", *heads, "limit", "result"), rows
 
 
-BATCH = View(_face, _plot, _rows, _coefficients)
+@view(_plot, _rows, _coefficients)
+def batch_view(batch: Batch, level: float) -> Face:
+    """The units, what they have in common, and which of them pass."""
+    fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
+    files: str = str(len(batch))
+    if batch.folder:
+        files = say("{files} in {folder}", files=files, folder=batch.folder)
+    lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
+    if batch.specification is not None:
+        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
+    return Face(
+        say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
+        say("noise coefficients of inertial sensors"),
+        header=[*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
+        parts=list(_parts(batch, level)),
+        close=list(_details(batch, level)),
+        how=(definitions(fits),),
+        choices=toml(batch.choices),
+        provenance=batch.provenance,
+        notes=batch.notes,
+    )

@@ -1,7 +1,6 @@
 """How a budget is shown."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from allanite.applications.signals import Budget, StageNoise, TorqueScale
@@ -12,7 +11,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.digits import printable, printed_unit
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, known
 
-from . import Rows, View
+from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
 
 BRAND = say("what rounding adds to the noise")
@@ -81,17 +80,6 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.4g}"
 
 
-def _face(study: BudgetStudy, level: float) -> Face:
-    scale, notes = study.settings.torquer, study.notes
-    if isinstance(scale, TorqueScale):
-        notes = (say("{scale}, of {sides:g} coil side(s)", scale=str(scale), sides=scale.sides), *notes)
-    elif scale is not None:
-        notes = (say("K_i = {factor:.6g} rad/s per A, as given", factor=scale), *notes)
-    title = say("Rounding in {source}", source=source_of(study))
-    face = job_face(study, (title, BRAND), [_sheet(channel) for channel in study])
-    return replace(face, header=header_of(study.provenance, notes), how=[*map(Note, HOW)], notes=notes)
-
-
 def _sheet(channel: BudgetChannel) -> Sheet:
     budget, name = channel.budget, channel.record.name
     if budget is None:
@@ -133,15 +121,24 @@ def _numbers(s: StageNoise) -> list[Any]:
     ]  # fmt: skip
 
 
-STUDY = View(
-    _face, lambda values, fit, level: figures.plot_budgets(_found(*values)), lambda study, level: _rows(_found(study))
-)
-BUDGET = View(
-    lambda budget, _: Face(
+@view(lambda values, fit, level: figures.plot_budgets(_found(*values)), lambda study, level: _rows(_found(study)))
+def study_view(study: BudgetStudy, level: float) -> Face:
+    """The stages of each channel."""
+    scale, notes = study.settings.torquer, study.notes
+    if isinstance(scale, TorqueScale):
+        notes = (say("{scale}, of {sides:g} coil side(s)", scale=str(scale), sides=scale.sides), *notes)
+    elif scale is not None:
+        notes = (say("K_i = {factor:.6g} rad/s per A, as given", factor=scale), *notes)
+    title = say("Rounding in {source}", source=source_of(study))
+    sheets, header = [_sheet(channel) for channel in study], header_of(study.provenance, notes)
+    return job_face(study, (title, BRAND), sheets, header=header, how=[*map(Note, HOW)], notes=notes)
+
+
+@view(lambda values, fit, level: figures.plot_budgets(values), lambda budget, level: _rows([budget]))
+def budget_view(budget: Budget, _: float) -> Face:
+    """The stages of one channel."""
+    return Face(
         say("Rounding in {source}", source=budget.record.name or say("a record")),
         BRAND,
         (_sheet(BudgetChannel(budget.record, budget, budget.alerts)),),
-    ),
-    lambda values, fit, level: figures.plot_budgets(values),
-    lambda budget, level: _rows([budget]),
-)
+    )

@@ -9,7 +9,6 @@ from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.display_units import readable_unit
-from allanite.core.estimate import Estimate
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
@@ -18,7 +17,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sh
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
-from . import Rows, View
+from . import Rows, view
 from .jobs import job_face
 
 Value = Comparison | Pool
@@ -62,31 +61,8 @@ PAIRS = ("channel", "quantity", "tau_s", "before", "after", "unit", "change_perc
 """The change of a deviation and its interval refer to the deviation; its square is the ratio of the variances."""
 
 
-def _compared_face(value: Comparison, level: float) -> Face:
-    met = {change.outcome for change in value.terms}
-    meanings = [[OUTCOME_WORDS[outcome], meaning] for outcome, meaning in OUTCOMES.items()]
-    outcomes = Table((Column(say("outcome"), "name"), Column(say("meaning"), "text")), meanings)
-    face = face_of(value, any(pair.ratios is not None for pair in value), level)
-    sheets = []
-    for pair in value:
-        tables = [_changes_table(pair, value, level)] if pair.changes else []
-        tables += [_ratios_table(pair.ratios, value, (level, pair.alpha))] if pair.ratios is not None else []
-        sheets.append(sheet_of(pair, value.names, not all(pair.explained), tables))
-    return replace(
-        face,
-        title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]),
-        sheets=sheets,
-        close=[
-            Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
-            for outcome, meaning in OUTCOMES.items()
-            if outcome in met
-        ],
-        how=[*map(Note, COMPARED), outcomes],
-    )
-
-
-def face_of(value: Value, drawn: bool, level: float) -> Face:
-    """What both have."""
+def face_of(value: Value, drawn: bool, level: float, **own: Any) -> Face:
+    """What both have, and what is their `own`."""
     source = value.provenance.get("source", "")
     header: list[tuple[str, str]] = [(say("file"), source)] if source and "source 2" not in value.provenance else []
     header += [(say("with") if i else say("compared"), name) for i, name in enumerate(value.names)]
@@ -100,9 +76,8 @@ def face_of(value: Value, drawn: bool, level: float) -> Face:
     drawing = Drawing(lambda: figures.plot_comparison([value], level), label, caption)
     count = say_count(len(value.names), "Comparison of {count} run", "Comparison of {count} runs")
     names = count, say("what has changed")
-    return replace(
-        job_face(value, names, (), [drawing] if drawn else []), header=[*header, header_of(value.provenance, ())[-1]]
-    )
+    header.append(header_of(value.provenance, ())[-1])
+    return replace(job_face(value, names, (), [drawing] if drawn else [], header=header), **own)
 
 
 def sheet_of(result: Pair | PooledChannel, names: Sequence[str], doubt: bool, tables: Sequence[Table]) -> Sheet:
@@ -134,22 +109,14 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     )  # fmt: skip
     rows = []
     for c in pair.changes:
-        values = [value_of(c.before, level), value_of(c.after, level)]
+        values = [words.brief(c.before, level), words.brief(c.after, level)]
         if pair.whole is not None:
-            values.append("-" if c.frequency is not None else value_of(pair.whole[c.symbol], level))
+            values.append("-" if c.frequency is not None else words.brief(pair.whole[c.symbol], level))
         rows.append([
             c.symbol, c.named(words.title(c.symbol, c.signal)), *values, c.before.sheet_unit,
             *change_of(c, level), c.p, c.adjusted, OUTCOME_WORDS[c.outcome],
         ])  # fmt: skip
     return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
-
-
-def value_of(estimate: Estimate, level: float) -> str:
-    """A coefficient to its significant digits, or its upper limit."""
-    number, most = words.shown(estimate, estimate.sheet_unit, level), words.limit(estimate, estimate.sheet_unit)
-    if number is not None:
-        return number.plain()[0] if estimate.status != "not valid" else f"({number.plain()[0]})"
-    return f"< {most.plain()[0]}" if most else "-"
 
 
 def change_of(change: Change, level: float) -> tuple[str, str]:
@@ -206,4 +173,27 @@ def _compared_rows(value: Comparison, level: float) -> Rows:
     return PAIRS, rows
 
 
-COMPARISON = View(_compared_face, lambda values, fit, level: figures.plot_comparison(values, level), _compared_rows)
+@view(lambda values, fit, level: figures.plot_comparison(values, level), _compared_rows)
+def comparison_view(value: Comparison, level: float) -> Face:
+    """What has changed in each channel."""
+    met = {change.outcome for change in value.terms}
+    meanings = [[OUTCOME_WORDS[outcome], meaning] for outcome, meaning in OUTCOMES.items()]
+    outcomes = Table((Column(say("outcome"), "name"), Column(say("meaning"), "text")), meanings)
+    sheets = []
+    for pair in value:
+        tables = [_changes_table(pair, value, level)] if pair.changes else []
+        tables += [_ratios_table(pair.ratios, value, (level, pair.alpha))] if pair.ratios is not None else []
+        sheets.append(sheet_of(pair, value.names, not all(pair.explained), tables))
+    return face_of(
+        value,
+        any(pair.ratios is not None for pair in value),
+        level,
+        title=say("Comparison of {first} and {second}", first=value.names[0], second=value.names[1]),
+        sheets=sheets,
+        close=[
+            Note(join(": ", (OUTCOME_WORDS[outcome], meaning)), "quiet", where="text")
+            for outcome, meaning in OUTCOMES.items()
+            if outcome in met
+        ],
+        how=[*map(Note, COMPARED), outcomes],
+    )

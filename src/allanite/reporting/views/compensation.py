@@ -3,9 +3,9 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from allanite.applications.compensation.compensated import Compensated
+from allanite.applications.compensation.compensated import Compensated, CompensationStudy
 from allanite.applications.compensation.gain import Gain
 from allanite.applications.compensation.regression import Regression
 from allanite.applications.compensation.regressor import Effect
@@ -13,13 +13,10 @@ from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, printable, printed_number, printed_unit
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, known
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, known
 
-from . import View
+from . import view
 from .jobs import channel_sheet, job_face, source_of
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
 BRAND = say("compensation by regressors")
 KEY = say(
@@ -125,15 +122,13 @@ def _found(name: str, regression: Regression, shown: Callable[[str], str] = str)
                 share=words.percent(regression.shared),
             )
         )
+    if not regression.significant and undecided:
+        return join(": ", (name, *undecided))
     if not regression.significant:
-        return (
-            join(": ", (name, *undecided))
-            if undecided
-            else say(
-                "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
-                channel=name,
-                regressors=_names(own),
-            )
+        return say(
+            "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
+            channel=name,
+            regressors=_names(own),
         )
     gain, held = regression.inside, regression.held
     also = [say("about a linear drift")] if regression.trend else []
@@ -222,7 +217,7 @@ def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
     yield coefficients(regression, level)
 
 
-def _draw(channels: Sequence[Compensated], level: float) -> "Plot":
+def _draw(channels: Sequence[Compensated], level: float) -> Plot:
     return figures.plot_compensated([c for c in channels if c.regression is not None], level)
 
 
@@ -237,18 +232,7 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
         yield [channel.record.name, of, tau, int(before.m[i]), *values, unit, float(before.edf[i]), float(after.edf[i])]
 
 
-STUDY = View(
-    lambda study, level: replace(
-        job_face(
-            study,
-            (say("Compensation of {source}", source=source_of(study)), BRAND),
-            [
-                *(_sheet(channel, level) for channel in study.channels),
-                *(_sheet(channel, level, study.provenance.get("applied to", "")) for channel in study.applied),
-            ],
-        ),
-        how=[*map(Note, HOW)],
-    ),
+@view(
     lambda values, fit, level: _draw(
         [c for study in values for c in study.applied if c.regression is not None]
         or [c for study in values for c in study.channels],
@@ -265,15 +249,31 @@ STUDY = View(
         ],
     ),
 )
-CHANNEL = View(
-    lambda channel, level: Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),)),
-    lambda values, fit, level: _draw(values, level),
-)
-REGRESSION = View(
-    lambda regression, level: Face(
+def study_view(study: CompensationStudy, level: float) -> Face:
+    """The channels of a file, and of one that the correction was applied to."""
+    return job_face(
+        study,
+        (say("Compensation of {source}", source=source_of(study)), BRAND),
+        [
+            *(_sheet(channel, level) for channel in study.channels),
+            *(_sheet(channel, level, study.provenance.get("applied to", "")) for channel in study.applied),
+        ],
+        how=[*map(Note, HOW)],
+    )
+
+
+@view(lambda values, fit, level: _draw(values, level))
+def channel_view(channel: Compensated, level: float) -> Face:
+    """One channel."""
+    return Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),))
+
+
+@view()
+def regression_view(regression: Regression, level: float) -> Face:
+    """The coefficients of a regression."""
+    return Face(
         say("Regression of {channel}", channel=regression.name),
         BRAND,
         (Sheet(regression.name, parts=tuple(_regression_parts(regression, level))),),
         parts=[Note(_found(printable(regression.name) or say("the channel"), regression), "strong")],
     )
-)

@@ -1,10 +1,10 @@
 """The data sheet of a channel, the card at the top of its page, and the words in place of its figure."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
@@ -13,10 +13,7 @@ from allanite.reporting import words
 from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.sheet import Card, Column, Mark, Table, known
 from allanite.statistics import STATISTICS
-
-if TYPE_CHECKING:
-    from allanite.core.curve import Curve
-    from allanite.study.results import Channel
+from allanite.study.results import Channel
 
 KEY = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
@@ -27,7 +24,7 @@ SIGNS = {EXPLAINED: "✓", APPROXIMATE: "≈", UNEXPLAINED: "✗"}
 LEVELS = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 
 
-def data_sheet_table(channel: "Channel", level: float, *, whole: bool = True) -> Table:
+def data_sheet_table(channel: Channel, level: float, *, whole: bool = True) -> Table:
     """The quantities and units that data sheets quote, with intervals; else those that no table of coefficients has."""
     heads = (
         Column(say("quantity"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
@@ -50,7 +47,7 @@ def data_sheet_table(channel: "Channel", level: float, *, whole: bool = True) ->
     return Table(heads, rows, say("data sheet"), marks=marks, key=KEY)
 
 
-def card_of(channel: "Channel", level: float) -> Card | None:
+def card_of(channel: Channel, level: float) -> Card | None:
     """The main numbers of a channel; None where nothing was asked."""
     if channel.fit is None:
         return Card(say("✗ no result"), "alert", note=channel.refusal) if channel.refusal else None
@@ -74,7 +71,7 @@ def card_of(channel: "Channel", level: float) -> Card | None:
     return Card(badge, LEVELS.get(grade, ""), (*rows, *_capital(channel)), note)  # type: ignore[arg-type]
 
 
-def _minimum(channel: "Channel") -> Iterator[tuple[str, str]]:
+def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
     readings = channel.readings
     if readings is None or readings.minimum is None:
         return
@@ -85,12 +82,12 @@ def _minimum(channel: "Channel") -> Iterator[tuple[str, str]]:
     yield say("in-run bias stability"), say("{value} at {tau:.3g} s", value=size, tau=tau)
 
 
-def _capital(channel: "Channel") -> Iterator[tuple[str, str]]:
+def _capital(channel: Channel) -> Iterator[tuple[str, str]]:
     """The rows of a card."""
     yield from ((words.capital(name), value) for name, value in _minimum(channel))
 
 
-def alternative(channel: "Channel", curve: "Curve", level: float) -> str:
+def alternative(channel: Channel, curve: Curve, level: float) -> str:
     """Description of a figure: the ends of the curve, its minimum, the coefficients."""
     shown = curve.to(readable_unit(curve.unit))
     unit = printed_unit(shown.unit)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,9 +19,6 @@ from allanite.study.results import Channel
 
 from .fit import goodness_parts
 from .values import numbers_table
-
-if TYPE_CHECKING:
-    from allanite.study.results import Channel
 
 STRIP = say(
     "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."
@@ -48,7 +44,7 @@ def overlay(panels: Sequence[figures.CurvePanel], level: float) -> Iterator[Part
     yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", say("all channels"))
 
 
-def details(channel: "Channel", level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
+def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
     """Residuals, record and spectrum; on the page only."""
     assert channel.fit is not None  # noqa: S101 - the caller has looked
     checked = list(goodness_parts(channel.fit, channel.residuals))
@@ -90,7 +86,7 @@ def over_time(record: Record) -> Drawing:
     return Drawing(lambda: figures.plot_record(record), label, RECORD)
 
 
-def _raw(record: Record, channel: "Channel", level: float) -> Iterator[Part]:
+def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
     yield over_time(record)
     unit = record.signal.sheet[0]
     try:

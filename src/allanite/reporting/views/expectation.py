@@ -9,16 +9,16 @@ from allanite.core.model import model_of
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Part, Sheet, Table, one_sheet, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Part, Plot, Sheet, Table, one_sheet, toml
+from allanite.simulation.recording import Simulation
 from allanite.statistics import STATISTICS, Expectation, expectation
 from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
-from . import View
+from . import view
 from .fit import model_table
 
 if TYPE_CHECKING:
     from allanite.core.curve import Curve
-    from allanite.reporting.style import Plot
 
 BRAND = say("a noise model")
 CAPTION = say(
@@ -27,7 +27,30 @@ CAPTION = say(
 )
 
 
-def _face(found: Expectation, _: float) -> Face:
+def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
+    columns = (curve.tau, curve.deviation, *found.terms(curve))
+    yield from (list(row) for row in zip(*(column.tolist() for column in columns), strict=True))
+
+
+def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> Plot:
+    panels = [
+        figures.CurvePanel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
+        for found in values
+        for curve in found.curves
+    ]
+    return figures.plot_panels(panels, level=level)
+
+
+@view(
+    _plot,
+    # the deviations, SI, with a column for each term
+    lambda found, _: (
+        ["statistic", "tau_s", "deviation", *(t.symbol for t in found.model), "unit"],
+        [[curve.statistic, *row, curve.unit] for curve in found.curves for row in _numbers(found, curve)],
+    ),
+)
+def expectation_view(found: Expectation, _: float) -> Face:
+    """The model, and what is expected of it."""
     drawing = Drawing(lambda: _plot([found], None, 0.95), say("expected deviation of the model"), CAPTION)
     parts: list[Part] = [model_table(found.model), drawing]
     # the whole and each term, in the unit of data sheets
@@ -42,38 +65,16 @@ def _face(found: Expectation, _: float) -> Face:
     return one_sheet(str(found.model), BRAND, found.name or say("model"), parts)
 
 
-def _numbers(found: Expectation, curve: "Curve") -> Iterator[list[float]]:
-    columns = (curve.tau, curve.deviation, *found.terms(curve))
-    yield from (list(row) for row in zip(*(column.tolist() for column in columns), strict=True))
+MODEL = expectation_view.through(lambda model: expectation(model_of(model)))
 
 
-def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> "Plot":
-    panels = [
-        figures.CurvePanel(found.name, curve, None, facts=figures.facts_of(curve), model=found.model)
-        for found in values
-        for curve in found.curves
-    ]
-    return figures.plot_panels(panels, level=level)
-
-
-EXPECTATION = View(
-    _face,
-    _plot,
-    # the deviations, SI, with a column for each term
-    lambda found, _: (
-        ["statistic", "tau_s", "deviation", *(t.symbol for t in found.model), "unit"],
-        [[curve.statistic, *row, curve.unit] for curve in found.curves for row in _numbers(found, curve)],
-    ),
-)
-MODEL = EXPECTATION.through(lambda model: expectation(model_of(model)))
-
-
-SIMULATION = View(
-    lambda simulation, _: Face(
+@view()
+def simulation_view(simulation: Simulation, _: float) -> Face:
+    """The channels of a simulation, and the truth."""
+    return Face(
         say("Simulation of {model}", model=str(simulation.model)),
         say("a recording whose noise is known"),
         [Sheet(c.name, (words.about(c), *c.history)) for c in simulation.channels],
         close=(model_table(simulation.model),),
         choices=toml({"seed": simulation.seed}),
     )
-)

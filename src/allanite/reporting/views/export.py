@@ -12,7 +12,7 @@ from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Tabl
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 
-from . import View
+from . import view
 
 BRAND = say("noise coefficients for a filter")
 KEY = say(
@@ -20,7 +20,16 @@ KEY = say(
 )
 
 
-def _export_face(value: Export, _: float) -> Face:
+SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
+HEADINGS = (
+    Column(say("field"), "name"), Column(say("value")), Column(say("unit"), "unit"), Column(say("formula"), "text"),
+    Column(say("channel"), "text"), Column(say("remark"), "text"),
+)  # fmt: skip
+
+
+@view(rows=lambda value, _: value.rows())
+def export_view(value: Export, _: float) -> Face:
+    """The fields of a file, or its text."""
     row = EXPORTS[value.target]
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
     if value.entries:
@@ -33,14 +42,9 @@ def _export_face(value: Export, _: float) -> Face:
     return one_sheet(row.title, BRAND, row.title, parts, header=header, provenance=value.provenance)
 
 
-SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
-HEADINGS = (
-    Column(say("field"), "name"), Column(say("value")), Column(say("unit"), "unit"), Column(say("formula"), "text"),
-    Column(say("channel"), "text"), Column(say("remark"), "text"),
-)  # fmt: skip
-
-
-def _imported_face(value: Imported, _: float) -> Face:
+@view()
+def imported_view(value: Imported, _: float) -> Face:
+    """The terms that a file states."""
     row = EXPORTS[value.target]
     terms = [(t, t.signal.sheet[t.row.power]) for model in value.models for t in model]
     rows = [[t.symbol, title_of(t.symbol, t.signal), t.to(unit), unit, t.value, t.unit] for t, unit in terms]
@@ -61,7 +65,9 @@ def _tables() -> tuple[Sheet, ...]:
     return tuple(Sheet(title, (), (Table(heads, list(rows.items()), most=99),)) for title, rows in tables.items())
 
 
-def _explanation_face(value: Explanation, _: float) -> Face:
+@view()
+def explanation_view(value: Explanation, _: float) -> Face:
+    """What the fields of a target mean; without one, the targets."""
     if not value.target:
         return Face(say("targets, statistics and noise terms"), BRAND, _tables())
     row = EXPORTS[value.target]
@@ -79,8 +85,3 @@ def _explanation_face(value: Explanation, _: float) -> Face:
         )
     parts += [*(Note(note) for note in row.notes), Note(say("source: {source}", source=row.source), "quiet")]
     return one_sheet(row.title, BRAND, row.title, parts)
-
-
-EXPORT = View(_export_face, rows=lambda value, _: value.rows())
-IMPORTED = View(_imported_face)
-EXPLANATION = View(_explanation_face)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,14 +13,11 @@ from allanite.core.residuals import Residuals, statement
 from allanite.core.titles import meaning_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Note, Part, Table, columns, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, one_sheet
 from allanite.terms import TERMS
 
-from . import View
+from . import view
 from .jobs import statement_note
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
 
 GOODNESS = say(
     "Power of the record over the power expected with every term free, selected or not, in cells of frequency, and the "
@@ -43,13 +40,7 @@ def terms_table(fit: Fit, level: float) -> Table:
         Column(interval, "interval", aside=True), Column(say("SI unit"), "unit", aside=True),
     )  # fmt: skip
     rows = [
-        [
-            words.symbol(e),
-            words.named(e, level),
-            *_cells(e, e.sheet_unit, level),
-            e.row.name,
-            *_cells(e, e.unit, level),
-        ]
+        [words.symbol(e), words.named(e, level), *_cells(e, e.sheet_unit, level), e.row.name, *_cells(e, e.unit, level)]
         for e in fit
     ]
     return Table(heads, rows, marks=[e.row.mark for e in fit])
@@ -89,7 +80,7 @@ def _checks(residuals: Residuals, where: Any = "") -> Table:
         Column(say("check"), "name"), Column(say("value"), form=".4g"), Column("p", "name", form=chance),
         Column(say("meaning"), "text"),
     )  # fmt: skip
-    rows = [[title, value, p, meaning] for _, title, value, p, meaning in residuals.rows()[1]]
+    rows = [row[1:] for row in residuals.rows()[1]]
     return Table(heads, rows, marks=["quiet" if c.passed else "weak" for c in residuals.checks], where=where)
 
 
@@ -131,32 +122,37 @@ def coefficients(fit: Fit, level: float) -> Iterator[Part]:
     )
 
 
-def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
+def plot_curves(values: Sequence[Any], fit: Fit | None, level: float) -> Plot:
     """The figure of what has curves."""
     return figures.plot_panels(figures.panels_of(list(values), fit), level=level)
 
 
 def model_table(model: Model) -> Table:
     """The terms of a model, in the units of data sheets."""
-    heads = columns("", say("term"), say("value"), say("unit"), left=2, form=".6g")
+    heads = (
+        Column("", "name"), Column(say("term"), "name"), Column(say("value"), form=".6g"), Column(say("unit"), "unit"),
+    )  # fmt: skip
     sheets = [(t, t.signal.sheet[t.row.power]) for t in model]
     return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), t.to(u), u] for t, u in sheets])
 
 
-FIT = View(
-    lambda fit, level: one_sheet(
+@view(plot_curves, lambda fit, level: fit.rows(level))
+def fit_view(fit: Fit, level: float) -> Face:
+    """The coefficients, and how well they explain the record."""
+    return one_sheet(
         fit.name or say("Noise"),
         say("noise coefficients"),
         fit.name or say("noise"),
         fit_parts(fit, level),
         about=(say("method {method}", method=fit.method),),
         how=(definitions([fit]),),
-    ),
-    plot_curves,
-    lambda fit, level: fit.rows(level),
-)
-RESIDUALS = View(
-    lambda residuals, _: one_sheet(
+    )
+
+
+@view(lambda values, fit, level: figures.plot_residuals(values[0]))
+def residuals_view(residuals: Residuals, _: float) -> Face:
+    """What a model leaves over."""
+    return one_sheet(
         say("Residuals"),
         say("residuals of a noise model"),
         say("residuals"),
@@ -165,6 +161,4 @@ RESIDUALS = View(
             _checks(residuals),
             Drawing(lambda: figures.plot_residuals(residuals), say("residuals"), RESIDUALS_CAPTION),
         ),
-    ),
-    lambda values, fit, level: figures.plot_residuals(values[0]),
-)
+    )

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, Protocol, TypeGuard
+from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
 from allanite.core.record import Record
@@ -13,9 +13,7 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
 from allanite.study.job import Job
-
-if TYPE_CHECKING:
-    from allanite.study.results import Noise
+from allanite.study.results import Noise
 
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 """Level of the note by the grade of a model."""
@@ -49,11 +47,13 @@ def source_of(job: Job[Any]) -> str:
     return PurePath(job.provenance.get("source", "")).name or say("data in memory")
 
 
-def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], parts: Iterable[Part] = ()) -> Face:
-    """The face of a job: its title and brand, its findings and other parts, its sheets, and how it came about."""
+def job_face(
+    job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], parts: Iterable[Part] = (), **more: Any
+) -> Face:
+    """The face of a job: title and brand, findings and other parts, sheets, how it came about; `more` fields."""
     title, brand = names
     once, kept = told_once(sheets)
-    return Face(
+    face = Face(
         title,
         brand,
         kept,
@@ -63,6 +63,7 @@ def job_face(job: Job[Any], names: tuple[str, str], sheets: Sequence[Sheet], par
         provenance=job.provenance,
         notes=job.notes,
     )
+    return replace(face, **more)
 
 
 def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:

@@ -10,10 +10,11 @@ from allanite.batch.scatter import DAY, FEWEST, detectable
 from allanite.batch.sources import DATE
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import figures
-from allanite.reporting.digits import digits
+from allanite.reporting.digits import rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
-from .batch import BATCH, EVERY, symbol_of
+from . import view
+from .batch import EVERY, batch_view, symbol_of
 
 CAPTION = say(
     "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
@@ -30,43 +31,49 @@ TREND_KEY = say(
 )
 
 
+TERM, UNIT = (Column(say("channel"), "name"), Column(say("term"), "symbol")), Column("", "unit")
+
+
 def _parts(lot: Lot) -> Iterator[Part]:
     if _drawn(lot):
         yield Drawing(lambda: figures.plot_lot(_drawn(lot)), say("values of all units"), CAPTION)
-    term, unit = (Column(say("channel"), "name"), Column(say("term"), "symbol")), Column("", "unit")
     rows: list[list[Any]] = [
         [one.channel, symbol_of(one.symbol), one.values.size,
          *(value / one.factor for value in (one.low, one.median, one.high)), one.sheet_unit]
         for one in lot.distributions if one.values.size >= FEWEST
     ]  # fmt: skip
     if rows:
-        shares = (Column(f"{share} %", form=_number) for share in (10, 50, 90))
+        shares = (Column(f"{share} %", form=rounded) for share in (10, 50, 90))
         title = say("quantiles of the units in which the term was identified")
-        yield Table((*term, Column(say("units")), *shares, unit), rows, title, most=EVERY)
+        yield Table((*TERM, Column(say("units")), *shares, UNIT), rows, title, most=EVERY)
     if lot.trends:
-        heads = (
-            *term, Column(say("against"), "name"), Column(say("units")), Column(say("slope"), form=_number),
-            Column(say("interval"), "interval"), unit,
-        )  # fmt: skip
-        marks: list[Mark] = ["alarm" if trend.shown else "" for trend in lot.trends]
-        rows = []
-        for one in lot.trends:
-            slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
-            along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
-            per = say("{unit} per {step}", unit=one.sheet_unit, step=each)
-            interval = f"{_number(low)} .. {_number(high)}"
-            rows.append([one.channel, symbol_of(one.symbol), along, one.values.size, slope, interval, per])
-        yield Table(heads, rows, say("trends"), marks, TREND_KEY, most=EVERY)
+        yield _trends_table(lot)
     if lot.outlying:
-        outlying = (Column(say("file"), "name"), *term, Column(say("value"), form=_number),
-                 Column(say("median"), form=_number), unit)  # fmt: skip
+        heads = (Column(say("file"), "name"), *TERM, Column(say("value"), form=rounded),
+                 Column(say("median"), form=rounded), UNIT)  # fmt: skip
         rows = [
             [lot.batch.label(lot.batch[one.file]), one.channel, symbol_of(one.symbol), one.value / one.factor,
              one.median / one.factor, one.sheet_unit]
             for one in lot.outlying
         ]  # fmt: skip
-        yield Table(outlying, rows, say("outlying units"), key=OUTLYING_KEY, most=EVERY)
+        yield Table(heads, rows, say("outlying units"), key=OUTLYING_KEY, most=EVERY)
     yield from _tested(lot)
+
+
+def _trends_table(lot: Lot) -> Table:
+    heads = (
+        *TERM, Column(say("against"), "name"), Column(say("units")), Column(say("slope"), form=rounded),
+        Column(say("interval"), "interval"), UNIT,
+    )  # fmt: skip
+    rows = []
+    for one in lot.trends:
+        slope, low, high = (value * one.step / one.factor for value in (one.slope, one.low, one.high))
+        along, each = (say("date"), say("day")) if one.along == DATE else (say("temperature"), "K")
+        unit = say("{unit} per {step}", unit=one.sheet_unit, step=each)
+        interval = f"{rounded(low)} .. {rounded(high)}"
+        rows.append([one.channel, symbol_of(one.symbol), along, one.values.size, slope, interval, unit])
+    marks: list[Mark] = ["alarm" if trend.shown else "" for trend in lot.trends]
+    return Table(heads, rows, say("trends"), marks, TREND_KEY, most=EVERY)
 
 
 def _tested(lot: Lot) -> Iterator[Note]:
@@ -110,13 +117,11 @@ def _drawn(lot: Lot) -> "list[figures.LotRow]":
     return found
 
 
-def _number(value: float) -> str:
-    return digits(value).plain()[0]
+_UNITS = batch_view.through(lambda lot: lot.batch)
 
 
-def _face(lot: Lot, level: float) -> Face:
-    face = BATCH.face(lot.batch, level)
+@view(_UNITS.plot, _UNITS.rows, _UNITS.coefficients)
+def lot_view(lot: Lot, level: float) -> Face:
+    """The units of a lot, then distributions, trends and units that differ from the others."""
+    face = _UNITS.face(lot, level)
     return replace(face, parts=[*face.parts, *_parts(lot)])
-
-
-LOT = replace(BATCH.through(lambda lot: lot.batch), face=_face)

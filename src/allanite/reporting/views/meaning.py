@@ -2,22 +2,18 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from allanite.interpretation.causes import Meaning, meaning
 from allanite.interpretation.device import REFERENCES
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import join, say
-from allanite.reporting.sheet import Column, Note, Part, Table, one_sheet
+from allanite.reporting.sheet import Column, Face, Note, Part, Table, one_sheet
 from allanite.study.results import Channel, Study
 
-from . import View
-
-if TYPE_CHECKING:
-    from allanite.study.results import Channel, Study
+from . import view
 
 
-def meaning_of(channel: "Channel", device: str | None) -> Meaning | None:
+def meaning_of(channel: Channel, device: str | None) -> Meaning | None:
     """What the coefficients of a channel mean; None where it has none."""
     if channel.fit is None:
         return None
@@ -26,13 +22,13 @@ def meaning_of(channel: "Channel", device: str | None) -> Meaning | None:
     return replace(found, name=record.name)
 
 
-def meanings(study: "Study") -> Iterator[Part]:
+def meanings(study: Study) -> Iterator[Part]:
     """What the coefficients of each channel mean, and of the device that the recipe names what may cause them."""
     found = [meaning_of(channel, study.recipe.device) for channel in study.channels]
     yield from _parts([one for one in found if one is not None])
 
 
-def causes_of(channels: Iterable["Channel"], device: str | None) -> Iterator[Part]:
+def causes_of(channels: Iterable[Channel], device: str | None) -> Iterator[Part]:
     """What may cause the terms that were found in any of these channels, in a device; nothing where none is named."""
     if device is not None:
         found = [meaning_of(channel, device) for channel in channels]
@@ -82,11 +78,12 @@ def _causes(found: Sequence[Meaning]) -> Iterator[Part]:
         yield Table(heads, rows, title, key=join(" ", works), where="page")
 
 
-MEANING = View(
-    lambda found, _: one_sheet(
+@view()
+def meaning_view(found: Meaning, _: float) -> Face:
+    """What the coefficients of one record mean."""
+    return one_sheet(
         say("What it means"),
         say("noise coefficients of an inertial sensor"),
         found.name or say("record"),
         _parts([found]),
     )
-)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from functools import partial
 
 import numpy as np
 
@@ -13,14 +13,11 @@ from allanite.planning.bound import Bound, name_of, title_of
 from allanite.planning.plan import RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, one_sheet
 from allanite.study.modelled import Modelled, RecordingPlans
 
-from . import View
-from .modelled import ModelledForm, job_face, job_rows, one_face
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
+from . import View, view
+from .modelled import ModelledForm, job_rows
 
 PLANNED = say(
     "Least relative standard errors (1 sigma, Cramer-Rao bound) of the coefficients by length of the record. A term "
@@ -54,31 +51,40 @@ def _percent(error: float) -> str:
     return "> 100 %" if error >= 1 else words.percent(error, 2) or "-"
 
 
-def _length(seconds: float) -> str:
-    if not math.isfinite(seconds):
-        return say("never")
-    return words.duration(float(f"{seconds:.2g}")) if seconds < 100 * 365.25 * 86400 else say("> 100 years")
-
-
-def _plan_parts(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
+@partial(
+    ModelledForm,
+    say("plan"),
+    say("Plan for"),
+    say("how long to record"),
+    PLANNED,
+    lambda plan: join(
+        ", ", (f"{plan.rate:.8g} Hz", say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp"))
+    ),
+)
+def plan_form(plan: RecordingPlan, _: Modelled | None) -> Iterator[Part]:
+    """The accuracy of each coefficient by the length of the record."""
     wanted = say("for {accuracy}", accuracy=_percent(plan.accuracy))
     heads = (
         Column("", "symbol"), Column(say("expected")), Column(say("unit"), "unit"),
-        *(Column(words.duration(d), form=_percent) for d in plan.durations), Column(wanted, form=_length),
+        *(Column(words.duration(d), form=_percent) for d in plan.durations), Column(wanted),
     )  # fmt: skip
     values = expected_values(plan.model)
     kinds = [("", plan.errors, plan.needed)]
     if not np.array_equal(plan.errors, plan.searched, equal_nan=True):  # not every term is there
         kinds = [(KNOWN, plan.errors, plan.needed), (SEARCHED, plan.searched, plan.searched_needed)]
     for title, errors, needed in kinds:
-        each = zip(plan.names, errors.tolist(), needed.tolist(), strict=True)
-        rows = [[name, *values.get(name, ("", "")), *row, least] for name, row, least in each]
+        rows = []
+        for name, row, least in zip(plan.names, errors.tolist(), needed.tolist(), strict=True):
+            length: str = say("> 100 years") if math.isfinite(least) else say("never")
+            if least < 100 * 365.25 * 86400:
+                length = words.duration(float(f"{least:.2g}"))
+            rows.append([name, *values.get(name, ("", "")), *row, length])
         yield Table(heads, rows, title)
     label = say("relative standard errors by length of the record")
     yield Drawing(lambda: _plot_plans([plan], None, 0.95), label, DRAWN)
 
 
-def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> "Plot":
+def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None, __: float) -> Plot:
     plans: list[tuple[str, RecordingPlan]] = []
     for value in values:
         if isinstance(value, RecordingPlan):
@@ -88,7 +94,24 @@ def _plot_plans(values: Sequence[RecordingPlan | RecordingPlans], _: Fit | None,
     return figures.plot_plans(plans)
 
 
-def _check_parts(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
+@partial(
+    ModelledForm,
+    say("check"),
+    say("Check of the identification:"),
+    say("simulated records, identified"),
+    CHECKED,
+    lambda check: say_count(
+        check.records,
+        "{count} record of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
+        "{count} records of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
+        samples=say_count(check.size, "{count} sample", "{count} samples"),
+        rate=check.rate,
+        length=words.duration(check.size / check.rate),
+        level=words.percent(check.level),
+    ),
+)
+def check_form(check: SelfCheck, _: Modelled | None) -> Iterator[Part]:
+    """What the identification finds of known noise."""
     values = expected_values(check.model)
     rows = [
         [c.symbol, *(values.get(c.symbol, ("", "")) if c.truth else (say("absent"), "")),
@@ -115,7 +138,21 @@ def _with_error(measured: tuple[float, float]) -> str:
     return f"{100 * value:.{places}f} +- {100 * error:.{places}f} %"
 
 
-def _bound_face(bound: Bound, _: float) -> Face:
+PLAN = View(plan_form.one_face, _plot_plans, lambda plan, _: plan.rows())
+PLANS = View(plan_form.job_face, _plot_plans, job_rows)
+CHECK = View(check_form.one_face, None, lambda check, _: check.rows())
+CHECKS = View(check_form.job_face, None, job_rows)
+
+
+@view(
+    None,
+    lambda bound, _: (
+        ["parameter", "relative_error"],
+        [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))],
+    ),
+)
+def bound_view(bound: Bound, _: float) -> Face:
+    """Least standard errors of the parameters of a model."""
     values = expected_values(bound.model)
     rows = [[name, *values.get(name, ("", "")), bound[name]] for name in bound.names]
     about = say_count(
@@ -136,45 +173,3 @@ def _bound_face(bound: Bound, _: float) -> Face:
         parts.append(Note(allowed))
     title, brand = say("Bound: {model}", model=str(bound.model)), say("Cramer-Rao bound of noise coefficients")
     return one_sheet(title, brand, say("bound"), parts, about=(about,), how=(Note(BOUNDED),))
-
-
-_PLAN = ModelledForm(
-    say("plan"),
-    say("Plan for"),
-    say("how long to record"),
-    lambda plan: join(
-        ", ",
-        (f"{plan.rate:.8g} Hz", say("a ramp of unknown size is allowed for") if plan.ramp else say("no ramp")),
-    ),
-    _plan_parts,
-    PLANNED,
-)
-_CHECK = ModelledForm(
-    say("check"),
-    say("Check of the identification:"),
-    say("simulated records, identified"),
-    lambda check: say_count(
-        check.records,
-        "{count} record of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
-        "{count} records of {samples} at {rate:.8g} Hz ({length}), intervals at {level}",
-        samples=say_count(check.size, "{count} sample", "{count} samples"),
-        rate=check.rate,
-        length=words.duration(check.size / check.rate),
-        level=words.percent(check.level),
-    ),
-    _check_parts,
-    CHECKED,
-)
-
-PLAN = View(one_face(_PLAN), _plot_plans, lambda plan, _: plan.rows())
-PLANS = View(job_face(_PLAN), _plot_plans, job_rows)
-CHECK = View(one_face(_CHECK), None, lambda check, _: check.rows())
-CHECKS = View(job_face(_CHECK), None, job_rows)
-BOUND = View(
-    _bound_face,
-    None,
-    lambda bound, _: (
-        ["parameter", "relative_error"],
-        [*map(list, zip(bound.names, bound.errors.tolist(), strict=True))],
-    ),
-)

@@ -1,7 +1,6 @@
 """How pools are shown."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 from allanite.comparison.pooled import Pool, PooledChannel
@@ -12,8 +11,8 @@ from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Face, Mark, Note, Table, known
 from allanite.statistics import STATISTICS
 
-from . import Rows, View
-from .comparison import face_of, sheet_of, value_of
+from . import Rows, view
+from .comparison import face_of, sheet_of
 
 POOLED = (
     say(
@@ -36,18 +35,6 @@ POOLED = (
 RUNS = ("channel", "quantity", "tau_s", "common", "low", "high", "unit", "between_percent", "within_percent",
         "chi_square", "dof", "p", "p_holm", "edf")  # fmt: skip
 """The runs have columns of their own, after these."""
-
-
-def _pooled_face(value: Pool, level: float) -> Face:
-    sheets = []
-    for channel in value:
-        tables = [_terms_table(channel, level), _runs_table(channel, value, level)] if channel.terms else []
-        if channel.curve is not None:
-            tables.append(_curve_table(channel, level))
-        doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
-        sheets.append(sheet_of(channel, value.names, doubt, tables))
-    face = face_of(value, any(channel.curve is not None for channel in value), level)
-    return replace(face, brand=say("what runs have in common"), sheets=sheets, how=[*map(Note, POOLED)])
 
 
 _SCATTER = known(".3g", "-", " %")
@@ -76,7 +63,7 @@ def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
         Column(say("apart, p"), form=lambda p: "" if p is None else words.probability(p)),
     )  # fmt: skip
     rows = [
-        [name, *(value_of(fit[term.symbol], level) for term in channel.terms), channel.apart.get(name)]
+        [name, *(words.brief(fit[term.symbol], level) for term in channel.terms), channel.apart.get(name)]
         for name, fit in zip(whole.names, channel.fits, strict=True)
     ]
     marks: list[Mark] = ["alarm" if name in channel.apart else "" for name in whole.names]
@@ -126,4 +113,15 @@ def _pooled_rows(value: Pool, level: float) -> Rows:
     return (*RUNS, *value.names), rows
 
 
-POOL = View(_pooled_face, lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows)
+@view(lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows)
+def pool_view(value: Pool, level: float) -> Face:
+    """What the runs of each channel have in common."""
+    sheets = []
+    for channel in value:
+        tables = [_terms_table(channel, level), _runs_table(channel, value, level)] if channel.terms else []
+        if channel.curve is not None:
+            tables.append(_curve_table(channel, level))
+        doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
+        sheets.append(sheet_of(channel, value.names, doubt, tables))
+    own = {"brand": say("what runs have in common"), "sheets": sheets, "how": [*map(Note, POOLED)]}
+    return face_of(value, any(channel.curve is not None for channel in value), level, **own)

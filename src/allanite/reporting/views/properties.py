@@ -5,7 +5,7 @@ from allanite.planning.properties import Properties
 from allanite.reporting.sheet import Column, Face, Note, Part, Table, one_sheet
 from allanite.statistics.table import STATISTICS
 
-from . import View
+from . import view
 
 BRAND = say("bias and degrees of freedom of a statistic")
 RATIO = say("Allan variance over the expected variance of the statistic")
@@ -14,7 +14,9 @@ FREEDOM = say("equivalent degrees of freedom")
 EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
 
 
-def _face(value: Properties, _: float) -> Face:
+@view(rows=lambda value, _: value.rows())
+def properties_view(value: Properties, _: float) -> Face:
+    """Bias and degrees of freedom by averaging time."""
     statistic = STATISTICS[value.statistic]
     size = say("a record of {n} samples; tau in sampling intervals", n=value.size)
     terms = len(value.symbols)
@@ -29,6 +31,3 @@ def _face(value: Properties, _: float) -> Face:
         Note(say("source: {source}", source=statistic.reference), "quiet"),
     ]
     return one_sheet(statistic.title, BRAND, statistic.title, parts, about=(size,))
-
-
-PROPERTIES = View(_face, rows=lambda value, _: value.rows())

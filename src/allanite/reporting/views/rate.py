@@ -2,10 +2,9 @@
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, RateEstimate, closeup
+from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
 from allanite.applications.rate.campaign import RateChannel, RateSettings, RateStudy
 from allanite.applications.rate.estimates import rate_factor
 from allanite.core.errors import UsageError
@@ -13,9 +12,9 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, columns, known, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, known, one_sheet
 
-from . import Rows, View
+from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
 from .rate_experiment import (
     BRAND,
@@ -31,25 +30,7 @@ from .rate_experiment import (
     told,
 )
 
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
-
 NO_ERROR = say("no standard errors: give a noise model (--noise)")
-
-
-def _face(study: RateStudy, level: float) -> Face:
-    sheets = []
-    for channel in study.channels:
-        given = study.settings.noise
-        name, found = channel.record.name, channel.experiment
-        said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
-        if found is not None and found.ranking is not None:
-            said = told(found.ranking)
-        verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
-        doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
-        sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
-    title = say("Rate of {source}", source=source_of(study))
-    return replace(job_face(study, (title, BRAND), sheets), how=[METHODS])
 
 
 def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterator[Part]:
@@ -128,7 +109,7 @@ def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part
         )
 
 
-def _draw(channels: Iterable[RateChannel]) -> "Plot":
+def _draw(channels: Iterable[RateChannel]) -> Plot:
     shown = [(c.experiment, c.by_duration) for c in channels if c.experiment is not None]
     if not shown:
         raise UsageError("there is nothing to draw: no channel was measured")
@@ -154,14 +135,31 @@ def _series(channel: RateChannel) -> list[Experiment]:
     return [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
 
 
-STUDY = View(
-    _face,
+@view(
     lambda values, fit, level: _draw(channel for study in values for channel in study),
     _rows,
     lambda study, level: interval_rows(study),
 )
-RANKING = View(
-    lambda ranking, _: one_sheet(
+def study_view(study: RateStudy, level: float) -> Face:
+    """The rate of each channel by every method."""
+    sheets = []
+    for channel in study.channels:
+        given = study.settings.noise
+        name, found = channel.record.name, channel.experiment
+        said: str = say("no result: {reason}", reason=channel.refusal) if channel.refusal else ""
+        if found is not None and found.ranking is not None:
+            said = told(found.ranking)
+        verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
+        doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
+        sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
+    title = say("Rate of {source}", source=source_of(study))
+    return job_face(study, (title, BRAND), sheets, how=[METHODS])
+
+
+@view(rows=lambda ranking, level: ranking.rows())
+def ranking_view(ranking: Ranking, _: float) -> Face:
+    """The methods in the order of their standard errors."""
+    return one_sheet(
         say("Methods"),
         BRAND,
         say("methods"),
@@ -169,25 +167,25 @@ RANKING = View(
             Note(told(ranking), "strong"),
             Note(say("noise: {model}", model=str(ranking.model))),
             Table(
-                columns(
-                    say("method"),
-                    say("standard error, {unit}", unit=ranking.signal.sheet[0]),
-                    say("over the bound"),
-                    form=known(".4g"),
+                (
+                    Column(say("method"), "name"),
+                    Column(say("standard error, {unit}", unit=ranking.signal.sheet[0]), form=known(".4g")),
+                    Column(say("over the bound"), form=known(".4g")),
                 ),
                 ranking.rows()[1],
             ),
         ),
         how=(METHODS,),
-    ),
-    rows=lambda ranking, level: ranking.rows(),
-)
-ESTIMATE = View(
-    lambda found, level: one_sheet(
+    )
+
+
+@view()
+def estimate_view(found: RateEstimate, level: float) -> Face:
+    """One rate."""
+    return one_sheet(
         found.name or say("Rate"),
         BRAND,
         found.name or say("rate"),
         (*(Note(str(finding), "alert") for finding in found.findings), *_estimates([found], level)),
         about=found.history,
     )
-)

@@ -11,10 +11,10 @@ from allanite.applications.rate.estimates import rate_factor
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Note, Part, Table, Where, known, one_sheet
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Table, Where, known, one_sheet
 from allanite.statistics import expected
 
-from . import View
+from . import view
 
 BRAND = say("a constant rate in a short time")
 
@@ -151,8 +151,13 @@ def finite(value: float) -> float | str:
     return value if math.isfinite(value) else ""
 
 
-EXPERIMENT = View(
-    lambda found, _: one_sheet(
+@view(
+    lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),
+    lambda found, level: (HEADINGS, list(experiment_rows(found))),
+)
+def experiment_view(found: Experiment, _: float) -> Face:
+    """The rates of all methods over the intervals of a record."""
+    return one_sheet(
         found.name or say("Rate"),
         BRAND,
         found.name,
@@ -161,10 +166,7 @@ EXPERIMENT = View(
             *([table_of(found)] if found.start.size > 1 else ()),
             Drawing(lambda: figures.plot_rates([(found, ())]), say("errors of all methods"), CAPTION),
         ),
-    ),
-    lambda values, fit, level: figures.plot_rates([(found, ()) for found in values]),
-    lambda found, level: (HEADINGS, list(experiment_rows(found))),
-)
+    )
 
 
 CLOSEUP_CAPTION = say(
@@ -196,13 +198,7 @@ def closeup_parts(found: Closeup, where: Where = "") -> Iterator[Part]:
     yield Drawing(lambda: figures.plot_closeups([found]), say("one interval in detail"), CLOSEUP_CAPTION)
 
 
-CLOSEUP = View(
-    lambda found, _: one_sheet(
-        found.name or say("Rate"),
-        say("a constant rate in a short time"),
-        found.name or say("Rate"),
-        closeup_parts(found),
-    ),
+@view(
     lambda values, fit, level: figures.plot_closeups(values),
     lambda found, _: (
         ["start_s", "slope", "unit", "kept"],
@@ -212,3 +208,11 @@ CLOSEUP = View(
         ],
     ),
 )
+def closeup_view(found: Closeup, _: float) -> Face:
+    """One interval in detail."""
+    return one_sheet(
+        found.name or say("Rate"),
+        say("a constant rate in a short time"),
+        found.name or say("Rate"),
+        closeup_parts(found),
+    )

@@ -1,7 +1,8 @@
 """How state spaces are shown: their states, matrices that can be pasted into a program, and what they leave out."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -9,16 +10,13 @@ from allanite.core.curve import Curve
 from allanite.core.fit import Fit
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures
-from allanite.reporting.sheet import Code, Column, Drawing, Note, Part, Table
+from allanite.reporting.sheet import Code, Column, Drawing, Note, Part, Plot, Table
 from allanite.statespace import StateSpace
 from allanite.statespace.build import MEASUREMENTS
 from allanite.study.modelled import Modelled, StateSpaces
 
 from . import View
-from .modelled import ModelledForm, job_face, job_rows, one_face
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
+from .modelled import ModelledForm, job_rows
 
 EQUATIONS = say("matrices in SI units: x' = Phi x + w, sample = H x + v")
 KEY = say(
@@ -28,7 +26,16 @@ KEY = say(
 DRAWN = say("Allan deviation of the state space, of the model, and as measured; below, the state space over the model.")
 
 
-def _parts(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
+@partial(
+    ModelledForm,
+    say("model"),
+    say("State space of"),
+    say("state space of an inertial sensor's noise"),
+    KEY,
+    lambda space: f"{space.rate:.8g} Hz; {space.model}",
+)
+def space_form(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
+    """What it leaves out, its states, and its matrices."""
     low, high = space.tau
     within = say(
         "Allan deviation within {ripple:.2g} % of the model's from {low:g} to {high:g} s",
@@ -64,7 +71,7 @@ def _matrix(label: str, matrix: np.ndarray) -> str:
     return f"{label} = [[" + f"],\n{' ' * (len(label) + 4)}[".join(rows) + "]]"
 
 
-def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> Plot:
     """A state space, perhaps with measured curves after it; or those of all channels, each with its own curve."""
     spaces: list[tuple[str, StateSpace, list[Curve]]] = []
     for value in values:
@@ -79,14 +86,5 @@ def _plot(values: Sequence[Any], _: Fit | None, level: float) -> "Plot":
     return figures.plot_state_spaces(spaces, level=level)
 
 
-_FORM = ModelledForm(
-    say("model"),
-    say("State space of"),
-    say("state space of an inertial sensor's noise"),
-    lambda space: f"{space.rate:.8g} Hz; {space.model}",
-    _parts,
-    KEY,
-)
-
-SPACE = View(one_face(_FORM), _plot, lambda space, _: space.rows())
-SPACES = View(job_face(_FORM), _plot, job_rows)
+SPACE = View(space_form.one_face, _plot, lambda space, _: space.rows())
+SPACES = View(space_form.job_face, _plot, job_rows)

@@ -1,7 +1,7 @@
 """How curves, spectra, surfaces, and values read off a curve are shown."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,15 +13,12 @@ from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Sheet, Table, Where
+from allanite.reporting.digits import digits, rounded
+from allanite.reporting.sheet import Column, Drawing, Face, Plot, Sheet, Table, Where, one_sheet
 from allanite.reporting.text import spread
 from allanite.statistics import STATISTICS
 
-from . import Rows, View
-
-if TYPE_CHECKING:
-    from allanite.reporting.style import Plot
+from . import Rows, view
 
 BRAND = say("statistics of an inertial sensor")
 
@@ -36,14 +33,17 @@ class NumbersForm(NamedTuple):
     table: Callable[[Any, float], tuple[Sequence[Column], list[list[Any]]]]
     headings: tuple[str, ...]
     rows: Callable[[Any, float], list[list[Any]]]
-    plot: "Callable[[Sequence[Any], dict[str, Fit], float], Plot]"
+    plot: Callable[[Sequence[Any], dict[str, Fit], float], Plot]
 
 
 def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
     """The numbers of a curve, spectrum or surface; folded away on a page."""
-    form = FORMS[type(value)]
-    said = join("; ", filter(None, (title or form.title(value), _supposed(value))))
-    return Table(*form.table(value, level), said, details=True, where=where)
+    said = join("; ", filter(None, (title or _title(value), _supposed(value))))
+    return Table(*FORMS[type(value)].table(value, level), said, details=True, where=where)
+
+
+def _title(value: Any) -> str:
+    return FORMS[type(value)].title(value)
 
 
 def _supposed(value: Any) -> str:
@@ -61,7 +61,7 @@ def _curve_table(curve: Curve, level: float) -> tuple[Sequence[Column], list[lis
     heads = [Column("m"), Column("tau [s]", form=".6g"), Column(f"[{curve.unit}]")]
     numbers = zip(curve.m, curve.tau, curve.deviation, strict=True)
     if curve.law is None:
-        rows = [[m, tau, _number(value)] for m, tau, value in numbers]
+        rows = [[m, tau, rounded(value)] for m, tau, value in numbers]
     else:
         heads += [Column(words.interval(level), "interval"), Column("edf", form=".4g")]
         limits = zip(*(v.tolist() for v in (*curve.interval(level), curve.edf)), strict=True)
@@ -80,23 +80,16 @@ def _curve_table(curve: Curve, level: float) -> tuple[Sequence[Column], list[lis
 def _curve_lines(curve: Curve, level: float) -> list[list[Any]]:
     data = curve.to_dict(level)
     none = [""] * len(data["m"])
-    known = [data["m"], data["tau"], data["deviation"], data.get("low", none), data.get("high", none)]
-    counts = data.get("edf", none), data["count"], none if curve.alpha is None else data["alpha"]
-    return [
-        [curve.name, curve.statistic, *size, curve.unit, *count]
-        for size, count in zip(zip(*known, strict=True), zip(*counts, strict=True), strict=True)
-    ]
+    keys = ("m", "tau", "deviation", "low", "high", "edf", "count", "alpha")
+    rows = zip(*(data.get(key) or none for key in keys), strict=True)
+    return [[curve.name, curve.statistic, *row[:5], curve.unit, *row[5:]] for row in rows]
 
 
 def _surface_table(surface: Surface, _: float) -> tuple[Sequence[Column], list[list[Any]]]:
     kept = spread(surface.tau.size, MOST_COLUMNS)
     heads = (Column(say("time [s]"), form=".6g"), *(Column(f"{surface.tau[j]:.4g} s") for j in kept))
     numbers = zip(surface.time, surface.deviation[:, kept].tolist(), strict=True)
-    return heads, [[time, *(_number(value) or "-" for value in row)] for time, row in numbers]
-
-
-def _number(value: float) -> str:
-    return digits(value).plain()[0] if np.isfinite(value) else ""
+    return heads, [[time, *(rounded(value) or "-" for value in row)] for time, row in numbers]
 
 
 FORMS: dict[type, NumbersForm] = {
@@ -156,17 +149,7 @@ FORMS: dict[type, NumbersForm] = {
 }
 
 
-def _one_face(value: Any, level: float) -> Face:
-    form = FORMS[type(value)]
-    title = form.title(value)
-    if value.name:
-        title = say("{channel}: {statistic}", channel=value.name, statistic=title)
-    drawing = Drawing(lambda: form.plot([value], {}, level), form.title(value), _supposed(value))
-    sheet = Sheet(value.name or say("channel"), tuple(value.history), (drawing, numbers_table(value, level)))
-    return Face(title, BRAND, (sheet,))
-
-
-def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
+def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> Plot:
     kinds = {type(value) for value in values}
     if len(kinds) > 1:
         raise UsageError(
@@ -176,7 +159,19 @@ def _plot_one(values: Sequence[Any], fit: Fit | None, level: float) -> "Plot":
     return FORMS[type(values[0])].plot(values, fits, level)
 
 
-CURVE = SPECTRUM = SURFACE = View(_one_face, _plot_one, lambda value, level: rows_of([value], level))
+@view(_plot_one, lambda value, level: rows_of([value], level))
+def value_view(value: Curve | Spectrum | Surface, level: float) -> Face:
+    """A curve, a spectrum or a surface: its figure and its numbers."""
+    return one_sheet(
+        say("{channel}: {statistic}", channel=value.name, statistic=_title(value)) if value.name else _title(value),
+        BRAND,
+        value.name or say("channel"),
+        (
+            Drawing(lambda: FORMS[type(value)].plot([value], {}, level), _title(value), _supposed(value)),
+            numbers_table(value, level),
+        ),
+        about=tuple(value.history),
+    )
 
 
 READINGS_KEY = say(
@@ -200,11 +195,11 @@ def readings_table(readings: Readings, level: float) -> Table:
     return Table(heads, rows, key=READINGS_KEY)
 
 
-READINGS = View(
-    lambda readings, level: Face(
+@view(rows=lambda readings, level: readings.rows(level))
+def readings_view(readings: Readings, level: float) -> Face:
+    """Values read off a curve."""
+    return Face(
         say("Readings"),
         say("read off the Allan deviation"),
         (Sheet(say("readings"), parts=(readings_table(readings, level),)),),
-    ),
-    rows=lambda readings, level: readings.rows(level),
-)
+    )

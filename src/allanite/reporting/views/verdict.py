@@ -1,7 +1,6 @@
 """What was found in a channel, in a sentence."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from allanite.core.arrays import mean_and_deviation
 from allanite.core.header import Header
@@ -10,12 +9,10 @@ from allanite.core.validity import APPROXIMATE, graded
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import words
 from allanite.reporting.digits import printable
-
-if TYPE_CHECKING:
-    from allanite.study.results import Channel
+from allanite.study.results import Channel
 
 
-def fitness(channel: "Channel") -> str:
+def fitness(channel: Channel) -> str:
     """Mean and spread of a channel, and whether it can be analyzed."""
     record = channel.record
     if isinstance(record, Header):
@@ -33,7 +30,7 @@ def fitness(channel: "Channel") -> str:
     return join("; ", (facts, fit))
 
 
-def verdict(channel: "Channel", level: float) -> str:
+def verdict(channel: Channel, level: float) -> str:
     """The result for a channel in one or two sentences."""
     name = printable(channel.record.name) or say("the channel")
     if channel.fit is None:
@@ -58,7 +55,7 @@ def verdict(channel: "Channel", level: float) -> str:
     return join(" ", (first, *more))
 
 
-def _missing(channel: "Channel") -> Iterator[Phrase]:
+def _missing(channel: Channel) -> Iterator[Phrase]:
     """Sentences about the terms without a result."""
     length = words.duration(channel.record.duration)
     if absent := _titles(channel, "absent", "reported", "negative"):
@@ -69,7 +66,7 @@ def _missing(channel: "Channel") -> Iterator[Phrase]:
         yield say("Not valid: {terms}.", terms=wrong)
 
 
-def _titles(channel: "Channel", *statuses: str) -> str:
+def _titles(channel: Channel, *statuses: str) -> str:
     """Names of the terms without a result that have one of these statuses."""
     there = (e for e in channel.fit or () if e.status in statuses and (e.value is None or e.status == "not valid"))
     return join(", ", (words.title(e.symbol, e.signal) for e in there))

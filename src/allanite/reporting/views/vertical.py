@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from allanite.applications.attitude.filters import FILTERS
 from allanite.applications.attitude.loop import Loop
 from allanite.applications.attitude.optimum import Optimum
 from allanite.applications.attitude.prediction import texts
-from allanite.applications.attitude.result import VerticalStudy
+from allanite.applications.attitude.result import Angle, VerticalStudy
 from allanite.applications.attitude.trials import ScenarioErrors, VerticalDesign
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
@@ -19,7 +18,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, one_sheet
 from allanite.study.provenance import provenance_of
 
-from . import Rows, View
+from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
 
 ARCSEC = math.pi / 648_000
@@ -133,7 +132,87 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
     yield Drawing(lambda: figures.plot_scenarios(found), say("filters in the scenarios"), COMPARED)
 
 
-def _design_face(found: VerticalDesign, _: float) -> Face:
+METHODS = Table(
+    (Column(say("filter"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
+     Column(say("source"), "text")),
+    [[f.name, f.title, f.formula, f.reference] for f in FILTERS.values()], where="page",
+)  # fmt: skip
+
+
+def _angle_parts(angle: Angle) -> Iterator[Part]:
+    yield Note(
+        say("mean {mean:.4f} deg, standard deviation {deviation:.3g} arcsec", mean=math.degrees(angle.mean),
+            deviation=angle.deviation / ARCSEC)
+    )  # fmt: skip
+    p = angle.prediction
+    if p is not None:
+        yield Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
+                       error=p.to("arcsec"), limit=2 * p.to("deg")), "strong")  # fmt: skip
+        # a measured scatter that the prediction does not explain
+        if isinstance(angle.record, Record) and angle.deviation >= BEYOND * p.rms:
+            yield Note(
+                say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is missing "
+                    "from the models (see the channels)", ratio=angle.deviation / p.rms), "alert",
+            )  # fmt: skip
+    elif angle.optimum is None and not angle.doubts:
+        yield Note(say("no prediction: the noise of its sensors is not known"), "alert")
+    else:
+        yield Note(say("no prediction: the filter is not linear"))
+    yield from (Note(doubt, "alert") for doubt in angle.doubts)
+    if angle.optimum is not None:
+        yield Note(say("the best filters for this angle alone:"))
+        yield from _optimum_parts(angle.optimum, angle.name)
+
+
+BEYOND = 1.5
+"""Ratio of measured and predicted scatter from which it is mentioned."""
+
+
+def _scenario_rows(found: ScenarioErrors) -> Rows:
+    heads = ["filter", *(f"{s} {what}" for s in found.scenarios for what in ("rms", "worst"))]
+    pairs = np.degrees(np.stack([found.rms, found.worst], axis=2)).reshape(len(found.filters), -1)
+    return heads, [[name, *row] for name, row in zip(found.filters, pairs.tolist(), strict=True)]
+
+
+@view(
+    lambda values, fit, level: figures.plot_angles(values[0].angles),
+    lambda study, _: (
+        ["time", *(angle.name for angle in study.angles)],
+        np.column_stack(
+            [np.arange(1, study.roll.size + 1) / study.rate, np.degrees(study.roll), np.degrees(study.pitch)]
+        ).tolist(),
+    ),
+)
+def study_view(study: VerticalStudy, _: float) -> Face:
+    """Roll and pitch of a recording."""
+    sheets = []
+    for angle in study.angles:
+        about = (say("{first} and {last}", first=angle.gyro, last=angle.accelerometer),)
+        sheets.append(Sheet(angle.name, about, tuple(_angle_parts(angle))))
+    for channel in study:
+        known = [] if channel.model is None else [Note(say("noise: {model}", model=texts(channel.model)))]
+        sheets.append(channel_sheet(channel, [*known, *map(Note, channel.left_out)]))
+    row, loop = study.settings.row, study.loop
+    how = say("{title}: time constant {tau:.4g} s{second}", title=row.title, tau=loop.time_constant,
+              second=f", k2 = {loop.k2:.4g} 1/s^2" if loop.k2 else "")  # fmt: skip
+    parts: list[Part] = [Note(how, "strong"), *map(Note, study.remarks)]
+    if study.falling:
+        falling = say("{count} samples in free fall, during which the gyros alone were used", count=study.falling)
+        parts.append(Note(falling, "alert"))
+    if study.held > study.falling and row.name != "bortz":
+        held = say("the accelerometers were ignored in {count} samples", count=study.held - study.falling)
+        parts.append(Note(held))
+    parts.append(Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES))
+    names = say("Roll and pitch of {source}", source=source_of(study)), BRAND
+    return job_face(study, names, sheets, parts, close=[_matrices(study.loop, study.rate)], how=[METHODS])
+
+
+@view(
+    lambda values, fit, level: figures.plot_optima([("", v.optimum) for v in values]),
+    lambda found, _: found.optimum.rows() if found.scenarios is None else _scenario_rows(found.scenarios),
+)
+def design_view(found: VerticalDesign, _: float) -> Face:
+    """The best filter for two sensors, and filters in scenarios."""
     first = found.optimum.first
     horizon = say("no horizon") if first.duration is None else say("over {time}", time=words.duration(first.duration))
     sampled = say("continuous time") if first.rate is None else say("{rate:g} Hz", rate=first.rate)
@@ -150,91 +229,10 @@ def _design_face(found: VerticalDesign, _: float) -> Face:
     return Face(say("Gyro-vertical"), BRAND, sheets, header, how=[METHODS], provenance=provenance_of())
 
 
-METHODS = Table(
-    (Column(say("filter"), "symbol"), Column(say("what it is"), "text"), Column(say("formula"), "formula"),
-     Column(say("source"), "text")),
-    [[f.name, f.title, f.formula, f.reference] for f in FILTERS.values()], where="page",
-)  # fmt: skip
+OPTIMUM = design_view.through(VerticalDesign)
 
 
-def _study_face(study: VerticalStudy, _: float) -> Face:
-    sheets = []
-    for angle in study.angles:
-        about = (say("{first} and {last}", first=angle.gyro, last=angle.accelerometer),)
-        parts: list[Part] = [Note(
-            say("mean {mean:.4f} deg, standard deviation {deviation:.3g} arcsec", mean=math.degrees(angle.mean),
-                deviation=angle.deviation / ARCSEC)
-        )]  # fmt: skip
-        p = angle.prediction
-        if p is not None:
-            parts.append(Note(say("predicted: {error:.3g} arcsec (1 sigma), {limit:.2g} deg (2 sigma)",
-                                  error=p.to("arcsec"), limit=2 * p.to("deg")), "strong"))  # fmt: skip
-            # a measured scatter that the prediction does not explain
-            if isinstance(angle.record, Record) and angle.deviation >= BEYOND * p.rms:
-                parts.append(Note(
-                    say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is "
-                        "missing from the models (see the channels)", ratio=angle.deviation / p.rms), "alert",
-                ))  # fmt: skip
-        elif angle.optimum is None and not angle.doubts:
-            parts.append(Note(say("no prediction: the noise of its sensors is not known"), "alert"))
-        else:
-            parts.append(Note(say("no prediction: the filter is not linear")))
-        parts += [Note(doubt, "alert") for doubt in angle.doubts]
-        if angle.optimum is not None:
-            parts.append(Note(say("the best filters for this angle alone:")))
-            parts += _optimum_parts(angle.optimum, angle.name)
-        sheets.append(Sheet(angle.name, about, tuple(parts)))
-    for channel in study:
-        parts = [] if channel.model is None else [Note(say("noise: {model}", model=texts(channel.model)))]
-        parts += [Note(text) for text in channel.left_out]
-        sheets.append(channel_sheet(channel, parts))
-    face = job_face(study, (say("Roll and pitch of {source}", source=source_of(study)), BRAND), sheets, _remarks(study))
-    drawing = Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES)
-    return replace(face, parts=[*face.parts, drawing], close=[_matrices(study.loop, study.rate)], how=[METHODS])
-
-
-def _remarks(study: VerticalStudy) -> Iterator[Part]:
-    row, loop = study.settings.row, study.loop
-    yield Note(
-        say("{title}: time constant {tau:.4g} s{second}", title=row.title, tau=loop.time_constant,
-            second=f", k2 = {loop.k2:.4g} 1/s^2" if loop.k2 else ""), "strong",
-    )  # fmt: skip
-    yield from (Note(remark) for remark in study.remarks)
-    if study.falling:
-        yield Note(say("{count} samples in free fall, during which the gyros alone were used", count=study.falling),
-                   "alert")  # fmt: skip
-    if study.held > study.falling and row.name != "bortz":
-        yield Note(say("the accelerometers were ignored in {count} samples", count=study.held - study.falling))
-
-
-BEYOND = 1.5
-"""Ratio of measured and predicted scatter from which it is mentioned."""
-
-
-def _scenario_rows(found: ScenarioErrors) -> Rows:
-    heads = ["filter", *(f"{s} {what}" for s in found.scenarios for what in ("rms", "worst"))]
-    pairs = np.degrees(np.stack([found.rms, found.worst], axis=2)).reshape(len(found.filters), -1)
-    return heads, [[name, *row] for name, row in zip(found.filters, pairs.tolist(), strict=True)]
-
-
-STUDY = View(
-    _study_face,
-    lambda values, fit, level: figures.plot_angles(values[0].angles),
-    lambda study, _: (
-        ["time", *(angle.name for angle in study.angles)],
-        np.column_stack(
-            [np.arange(1, study.roll.size + 1) / study.rate, np.degrees(study.roll), np.degrees(study.pitch)]
-        ).tolist(),
-    ),
-)
-DESIGN = View(
-    _design_face,
-    lambda values, fit, level: figures.plot_optima([("", v.optimum) for v in values]),
-    lambda found, _: found.optimum.rows() if found.scenarios is None else _scenario_rows(found.scenarios),
-)
-OPTIMUM = DESIGN.through(VerticalDesign)
-SCENARIOS = View(
-    lambda found, level: one_sheet(say("Filters in scenarios"), BRAND, "", _scenario_parts(found)),
-    lambda values, fit, level: figures.plot_scenarios(values[0]),
-    lambda found, level: _scenario_rows(found),
-)
+@view(lambda values, fit, level: figures.plot_scenarios(values[0]), lambda found, level: _scenario_rows(found))
+def scenarios_view(found: ScenarioErrors, level: float) -> Face:
+    """Filters in scenarios."""
+    return one_sheet(say("Filters in scenarios"), BRAND, "", _scenario_parts(found))

@@ -43,7 +43,9 @@ def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
     values = _floats(record)
-    _demand_whole(values, "filter the record before samples are removed")
+    if not np.isfinite(values).all():
+        missing = int((~np.isfinite(values)).sum())
+        raise UsageError(f"{missing} samples are not finite; filter the record before samples are removed")
     sections = butter(order, cutoff, fs=record.rate, output="sos")
     # as if the first reading had always been there: no jump at the start
     filtered, _ = sosfilt(sections, values, zi=sosfilt_zi(sections) * values[0])
@@ -205,11 +207,6 @@ def _floats(record: Record) -> FloatArray:
     if record.kind == "angle":
         raise UsageError("faults apply to rates and increments, not to angles: simulate a rate first")
     return np.array(record.values, dtype=np.float64)
-
-
-def _demand_whole(values: FloatArray, advice: str) -> None:
-    if not np.isfinite(values).all():
-        raise UsageError(f"{int((~np.isfinite(values)).sum())} samples are not finite; {advice}")
 
 
 def _changed(record: Record, values: NDArray[Any], what: str) -> Record:

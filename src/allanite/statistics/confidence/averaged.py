@@ -74,8 +74,18 @@ class AveragedLaw(Portable):
 
     def quantiles(self, p: FloatArray) -> FloatArray:
         """T / V at probabilities, shape (probabilities, points)."""
+        from scipy.special import ndtr
+
         p = np.append(p, 0.5)[:, None]
-        scatter = self._scatter(p)
+        # -ln X at probabilities, by bisection
+        _, logs, deviates = self.found
+        shape = (p.size, logs.shape[-1])
+        low, high = (np.broadcast_to(x, shape) for x in (logs[0].min(axis=0), logs[-1].max(axis=0)))
+        for _ in range(BISECTIONS):
+            middle = (low + high) / 2
+            below = self.weight @ ndtr(_between(logs, deviates, middle)) < p
+            low, high = np.where(below, middle, low), np.where(below, high, middle)
+        scatter = np.asarray((low + high) / 2)
         if (self.bias == 1).all():
             return np.asarray(np.exp(scatter[:-1]))
         # logarithm of F at probabilities, between the models by their weights
@@ -86,19 +96,6 @@ class AveragedLaw(Portable):
         a, b = (part[:-1] - part[-1] for part in (scatter, bias))
         apart = np.sign(p[:-1] - 0.5) * np.sqrt(a * a + b * b + 2 * TOGETHER * a * b)
         return np.asarray(np.exp(scatter[-1] + bias[-1] + apart))
-
-    def _scatter(self, p: FloatArray) -> FloatArray:
-        """-ln X at probabilities, by bisection."""
-        from scipy.special import ndtr
-
-        _, logs, deviates = self.found
-        shape = (p.size, logs.shape[-1])
-        low, high = (np.broadcast_to(x, shape) for x in (logs[0].min(axis=0), logs[-1].max(axis=0)))
-        for _ in range(BISECTIONS):
-            middle = (low + high) / 2
-            below = self.weight @ ndtr(_between(logs, deviates, middle)) < p
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        return np.asarray((low + high) / 2)
 
 
 def _between(logs: FloatArray, deviates: FloatArray, x: FloatArray) -> FloatArray:

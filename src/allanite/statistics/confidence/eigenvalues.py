@@ -41,7 +41,21 @@ def matrices(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int, siz
         lags, where = np.unique(np.abs(np.subtract.outer(at, at)), return_inverse=True)
         C = np.array([lagsums.covariance_of_windows(row, term, m, lags) for term in terms])
         return np.asarray(C[:, where.ravel()].reshape(-1, at.size, at.size))
-    return _folded(terms, m, size) if row.window is None else _windows(row, terms, m, count)
+    if row.window is None:
+        return _folded(terms, m, size)
+    short = min(m, row.scheme.leading)
+    weights, filters = row.window(short)
+    _, sizes, factors = np.linalg.svd(np.sqrt(weights)[:, None] * filters, full_matrices=False)
+    factors = (sizes[:, None] * factors)[sizes > 1e-9 * sizes[0]]
+    at, short_lags = _places(count, FEW), np.arange(1.0 - filters.shape[1], filters.shape[1])
+    apart, where = np.unique(np.subtract.outer(at, at), return_inverse=True)
+    lag = np.abs(apart[:, None] * (short / m) + short_lags)
+    D = np.array([averaged(term, short / m)(lag) for term in terms])
+    # D between the points of two windows, which is a matter of how far these are apart
+    D = np.lib.stride_tricks.sliding_window_view(D, filters.shape[1], axis=-1)[..., ::-1]
+    each = -0.5 * factors @ D @ factors.T
+    C = each[:, where.reshape(at.size, at.size)].swapaxes(2, 3)
+    return np.asarray(C.reshape(len(terms), at.size * factors.shape[0], -1))
 
 
 def spectra(forms: FloatArray, powers: FloatArray, leading: int) -> list[Eigenvalues]:
@@ -75,23 +89,6 @@ def is_sharp(row: Statistic, count: int) -> bool:
 def _places(count: int, most: int) -> FloatArray:
     k = min(count, most)
     return np.floor((np.arange(k) + 0.5) * count / k)
-
-
-def _windows(row: Statistic, terms: Sequence[NoiseTerm], m: int, count: int) -> FloatArray:
-    assert row.window is not None  # noqa: S101 - the caller has looked
-    short = min(m, row.scheme.leading)
-    weights, filters = row.window(short)
-    _, sizes, factors = np.linalg.svd(np.sqrt(weights)[:, None] * filters, full_matrices=False)
-    factors = (sizes[:, None] * factors)[sizes > 1e-9 * sizes[0]]
-    at, short_lags = _places(count, FEW), np.arange(1.0 - filters.shape[1], filters.shape[1])
-    apart, where = np.unique(np.subtract.outer(at, at), return_inverse=True)
-    lag = np.abs(apart[:, None] * (short / m) + short_lags)
-    D = np.array([averaged(term, short / m)(lag) for term in terms])
-    # D between the points of two windows, which is a matter of how far these are apart
-    D = np.lib.stride_tricks.sliding_window_view(D, filters.shape[1], axis=-1)[..., ::-1]
-    each = -0.5 * factors @ D @ factors.T
-    C = each[:, where.reshape(at.size, at.size)].swapaxes(2, 3)
-    return np.asarray(C.reshape(len(terms), at.size * factors.shape[0], -1))
 
 
 def _folded(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:

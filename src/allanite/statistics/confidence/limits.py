@@ -118,7 +118,16 @@ class Local:
         edf = [max(1 / max(v, NO_SCATTER), 1.0) for v in inverse.tolist()]
         few = np.array([e < MANY for e in edf])
         several = iter(self._several(share[few], scale[few], 1 / np.array(edf)[few]) if few.any() else [])
-        return [(e, (next(several) if f else None) or _single(e)) for e, f in zip(edf, few, strict=True)]
+        laws = []
+        for e, f in zip(edf, few, strict=True):
+            law = next(several) if f else None
+            if law is None:
+                weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
+                dof[0] = min(e, CERTAIN)
+                weight[0] = 1 / dof[0]
+                law = ChiSquareSum(weight, dof, np.array(0.0), np.array(0.0))
+            laws.append((e, law))
+        return laws
 
     def _several(self, share: FloatArray, scale: FloatArray, inverse: FloatArray) -> list[ChiSquareSum | None]:
         """The leading eigenvalues, a gamma for the rest and one for white angle noise; None if they fit no EDF."""
@@ -170,13 +179,6 @@ def at_point(points: CurvePoints, i: int, model: Model) -> Local:
     return Local(part, model, m, count, size, points.rate, *moments(part, model, m, runs, points.rate), kept)
 
 
-def _single(edf: float) -> ChiSquareSum:
-    weight, dof = np.zeros(LEADING + 2), np.ones(LEADING + 2)
-    dof[0] = min(edf, CERTAIN)
-    weight[0] = 1 / dof[0]
-    return ChiSquareSum(weight, dof, np.array(0.0), np.array(0.0))
-
-
 def _mixture(
     spectrum: Eigenvalues, share: FloatArray, r: FloatArray, kinds: Kinds, inverse: float
 ) -> ChiSquareSum | None:
@@ -188,8 +190,14 @@ def _mixture(
     angle, ramp = float(share[white].sum()), float(share[fixed].sum())
     own = float(share[white] @ r[np.ix_(white, white)] @ share[white]) / angle**2 if angle else 0.0
     between = 2 * float(share[fixed] @ r[fixed] @ share)
-    f = _stretch(lead, (mass, nu), inverse - between - angle**2 * own)
-    if f is None:
+    # f with sum (f lead)^2 + (mass - f sum lead)^2 / nu = wanted, the larger root; none if it is far from 1
+    wanted, first = inverse - between - angle**2 * own, float(lead.sum())
+    a, b, c = float(lead @ lead) + first**2 / nu, -2 * mass * first / nu, mass**2 / nu - wanted
+    root = b * b - 4 * a * c
+    if root < 0 or a == 0:
+        return None
+    f = min((-b + root**0.5) / (2 * a), mass / first)
+    if not STRETCH[0] <= f <= STRETCH[1]:
         return None
     rest = max(mass - f * float(lead.sum()), 0.0)  # where f leaves nothing, what rounding leaves may be negative
     weight = np.array([*(f * lead), rest / nu, angle * own])
@@ -197,19 +205,6 @@ def _mixture(
     # a third difference leaves of a ramp what rounding leaves
     beside = max(between / (2 * ramp), 0.0) if ramp > NOTHING else 0.0
     return ChiSquareSum(weight, dof, np.array(ramp), np.array(beside))
-
-
-def _stretch(lead: FloatArray, rest: tuple[float, float], wanted: float) -> float | None:
-    """F with ``sum (f lead)^2 + (mass - f sum lead)^2 / nu = wanted``, the larger root; None if it is far from 1."""
-    mass, nu = rest
-    a = float(lead @ lead) + float(lead.sum()) ** 2 / nu
-    b, c = -2 * mass * float(lead.sum()) / nu, mass**2 / nu - wanted
-    root = b * b - 4 * a * c
-    if root < 0 or a == 0:
-        return None
-    f = (-b + root**0.5) / (2 * a)
-    f = min(f, mass / float(lead.sum()))
-    return f if STRETCH[0] <= f <= STRETCH[1] else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,22 +246,21 @@ class PublishedLaw(Portable):
         """Degrees of freedom and limits over the variance; see `Curve`."""
         from scipy.special import chdtri
 
-        edf = np.array([max(self._edf(i), 1.0) for i in range(self.points.m.size)])
-        return edf, edf / chdtri(edf, (1 - level) / 2), edf / chdtri(edf, (1 + level) / 2)
-
-    def _edf(self, i: int) -> float:
         row, size = self.points.row, self.points.size
-        part = row.parts[int(part_of(row, self.points.m[i : i + 1], size, self.points.join)[0])] if row.parts else row
-        alpha = int(self.alpha[i])
-        try:
-            if part.published_edf is None:
-                raise KeyError
-            return part.published_edf(alpha, int(self.points.m[i]), size + 1)
-        except KeyError:
-            raise UsageError(
-                f"no degrees of freedom of {row.name} are published for noise of alpha = {alpha}, found at averaging "
-                f"factor {self.points.m[i]}; use the exact ones (edf='exact')"
-            ) from None
+        which = part_of(row, self.points.m, size, self.points.join).tolist()
+        edf = np.ones(self.points.m.size)
+        for i, (alpha, m) in enumerate(zip(self.alpha.tolist(), self.points.m.tolist(), strict=True)):
+            part = row.parts[which[i]] if row.parts else row
+            try:
+                if part.published_edf is None:
+                    raise KeyError
+                edf[i] = max(part.published_edf(alpha, m, size + 1), 1.0)
+            except KeyError:
+                raise UsageError(
+                    f"no degrees of freedom of {row.name} are published for noise of alpha = {alpha}, found at "
+                    f"averaging factor {m}; use the exact ones (edf='exact')"
+                ) from None
+        return edf, edf / chdtri(edf, (1 - level) / 2), edf / chdtri(edf, (1 + level) / 2)
 
 
 def power_laws(points: CurvePoints, angle: AngleRecord) -> tuple[PowerLaw, ...]:

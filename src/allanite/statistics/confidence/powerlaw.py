@@ -113,17 +113,14 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
     >>> [law.alpha for law in identify_power_law(integrated(record, 2), OADEV, np.array([1.0, 10.0, 100.0]))]
     [0, 0, 0]
     """
-    strides = np.clip(np.rint(times), 1, _longest(angle)).astype(np.int64)
+    # the largest averaging factor that leaves enough means of the rate, at least 1
+    sizes = np.array([piece.x.size - 1 for piece in angle.pieces])
+    candidates = range(1, int(sizes.sum()) // FEWEST + 1)
+    longest = max(1, bisect_right(candidates, -FEWEST, key=lambda m: -int((sizes // m).sum())))
+    strides = np.clip(np.rint(times), 1, longest).astype(np.int64)
     flat = angle._replace(pieces=_flat(angle.pieces))
     laws = {int(m): _law(angle, flat, int(m), max(2, row.order)) for m in np.unique(strides)}
     return tuple(laws[int(m)] for m in strides)
-
-
-def _longest(angle: AngleRecord) -> int:
-    """The largest averaging factor that leaves enough means of the rate, at least 1."""
-    sizes = np.array([piece.x.size - 1 for piece in angle.pieces])
-    candidates = range(1, int(sizes.sum()) // FEWEST + 1)
-    return max(1, bisect_right(candidates, -FEWEST, key=lambda m: -int((sizes // m).sum())))
 
 
 def _law(angle: AngleRecord, flat: AngleRecord, m: int, order: int) -> PowerLaw:
@@ -131,10 +128,13 @@ def _law(angle: AngleRecord, flat: AngleRecord, m: int, order: int) -> PowerLaw:
     long = [piece.x[::m] for piece in flat.pieces if piece.x.size > m * (order + 1)]
     enough = sum(x.size for x in long) >= ENOUGH
     alpha, method = (lag1(long, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
-    if alpha > 0 and m > 3 and (ratio := _modified_ratio(flat, m)) is not None:
-        # the angle noise, or white rate noise, whose modified over plain Allan variance is nearest
-        ratios = {2: 1 / m, 1: 3.37 / (1.04 + 3 * math.log(math.pi * m)), 0: (m**2 + 1) / (2 * m**2)}
-        alpha, method = min(ratios, key=lambda alpha: abs(math.log(ratio / ratios[alpha]))), "rn"
+    if alpha > 0 and m > 3:
+        plain, modified = (windows(row, flat, np.array([m])) for row in (OADEV, MDEV))
+        if modified.number[0] and plain.variance[0]:
+            # the angle noise, or white rate noise, whose modified over plain Allan variance is nearest
+            ratio = float(modified.variance[0] / plain.variance[0])
+            ratios = {2: 1 / m, 1: 3.37 / (1.04 + 3 * math.log(math.pi * m)), 0: (m**2 + 1) / (2 * m**2)}
+            alpha, method = min(ratios, key=lambda alpha: abs(math.log(ratio / ratios[alpha]))), "rn"
     return PowerLaw(alpha, symbol_of(alpha), method, m)
 
 
@@ -196,7 +196,10 @@ def _autocorrelation(pieces: list[FloatArray]) -> float:
 def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
     """Alpha whose expected ratio is nearest in the logarithm; 0 where nothing can be compared."""
     laws = [alpha for alpha in LAWS if alpha >= 2 - 2 * order]
-    pieces = _longest_pieces(angle.pieces, m)
+    # the longest pieces, with about as many means as are compared
+    sizes = np.array([(piece.x.size - 1) // m for piece in angle.pieces])
+    falling = np.argsort(-sizes, kind="stable")
+    pieces = [angle.pieces[i] for i in falling[: np.searchsorted(np.cumsum(sizes[falling]), COMPARED) + 1]]
     rates = [np.diff(piece.x[::m]) for piece in pieces]
     starts = [piece.start / m + np.arange(y.size, dtype=np.float64) for piece, y in zip(pieces, rates, strict=True)]
     forms, start, rate = ratio_forms(starts, order), np.concatenate(starts), np.concatenate(rates)
@@ -205,13 +208,6 @@ def _by_ratio(angle: AngleRecord, m: int, order: int) -> int:
         return 0
     expected = np.array([expected_ratio(forms, start, alpha) for alpha in laws])
     return laws[int(np.argmin(np.abs(np.log(spread / local / expected))))]
-
-
-def _longest_pieces(pieces: tuple[Piece, ...], m: int) -> list[Piece]:
-    """The longest pieces, with about as many means as are compared."""
-    sizes = np.array([(piece.x.size - 1) // m for piece in pieces])
-    order = np.argsort(-sizes, kind="stable")
-    return [pieces[i] for i in order[: np.searchsorted(np.cumsum(sizes[order]), COMPARED) + 1]]
 
 
 def ratio_forms(starts: list[FloatArray], order: int) -> tuple[FloatArray, FloatArray]:
@@ -235,9 +231,3 @@ def expected_ratio(forms: tuple[FloatArray, FloatArray], start: FloatArray, alph
     covariance = 0.5 * (D(lag + 1) + D(np.abs(lag - 1)) - 2 * D(lag))
     spread, local = (float(np.sum(form * covariance)) for form in forms)
     return spread / local
-
-
-def _modified_ratio(angle: AngleRecord, m: int) -> float | None:
-    """Modified over plain Allan variance; None where no window of the modified one is complete."""
-    plain, modified = (windows(row, angle, np.array([m])) for row in (OADEV, MDEV))
-    return float(modified.variance[0] / plain.variance[0]) if modified.number[0] and plain.variance[0] else None

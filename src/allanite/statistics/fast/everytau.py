@@ -49,7 +49,12 @@ def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> Fl
         if here.stop - here.start > PAYS:
             reach, whole = order * int(m[here][-1]), order * high >= points
             products, edges = framed(x, reach, order - 1, summed=summed, whole=whole)
-            result[here] = _by_lag(products, m[here], order)
+            # sums over the windows, were there no edges
+            c = binomials(order)
+            total = np.full(m[here].shape, sum(v * v for v in c) * products[0])
+            for a, b in combinations(range(order + 1), 2):
+                total += 2 * c[a] * c[b] * products[(b - a) * m[here]]
+            result[here] = total
             squares = float(products[0])
             del products  # as long as the record
             _less_edges(result[here], edges, m[here], order)
@@ -85,15 +90,6 @@ def split(points: int, m: IntArray, threads: int, *, order: int, summed: bool = 
     ends = [np.searchsorted(m, high) for _, high in groups(points + summed, order, summed=summed)]
     pieces = np.split(np.arange(m.size), [np.searchsorted(m, FIRST), *ends])
     return [piece for piece in pieces[::-1] if piece.size]
-
-
-def _by_lag(products: FloatArray, m: IntArray, order: int) -> FloatArray:
-    """Sums over the windows, were there no edges."""
-    c = binomials(order)
-    total = np.full(m.shape, sum(v * v for v in c) * products[0])
-    for a, b in combinations(range(order + 1), 2):
-        total += 2 * c[a] * c[b] * products[(b - a) * m]
-    return total
 
 
 def _less_edges(total: FloatArray, edges: Edges, m: IntArray, order: int) -> None:

@@ -62,18 +62,15 @@ def _of_frames(R: FloatArray, edges: Edges, m: IntArray) -> FloatArray:
         rows = np.array([e[:most] for e in edges.edges])
         first, second = (sums[m // 2] for sums in every_theo1(A.copy(), D.copy(), rows, np.array(edges.signs)))
     else:
-        pairs = [_pairs(edges, A, D, int(k)) for k in m]
-        first, second = (np.array(sums) for sums in zip(*pairs, strict=True))
+        first, second = np.empty(m.size), np.empty(m.size)
+        for i, n in enumerate(m.tolist()):
+            k = n // 2
+            weights = 1 / np.arange(1, k + 1)
+            own = A[:n] + sum(sign * autocorrelation(e[:n]) for e, sign in zip(edges.edges, edges.signs, strict=True))
+            mirrored = D[k - 1 :: -1] + triangles(edges, (1, -2, n), k + 1)[1:]
+            first[i] = weights @ own[1 : k + 1] + weights @ own[n - 1 : k - 1 : -1]
+            second[i] = weights @ mirrored
     return np.asarray(_harmonic(most // 2)[m // 2] * (4 * R[0] + 2 * R[m] - squares[m]) + 2 * (first - second))
-
-
-def _pairs(edges: Edges, A: FloatArray, D: FloatArray, m: int) -> tuple[float, float]:
-    """What `every_theo1` gives, for one m."""
-    k = m // 2
-    weights = 1 / np.arange(1, k + 1)
-    A = A[:m] + sum(sign * autocorrelation(e[:m]) for e, sign in zip(edges.edges, edges.signs, strict=True))
-    mirrored = D[k - 1 :: -1] + triangles(edges, (1, -2, m), k + 1)[1:]
-    return float(weights @ A[1 : k + 1] + weights @ A[m - 1 : k - 1 : -1]), float(weights @ mirrored)
 
 
 @cache

@@ -12,7 +12,7 @@ import numpy as np
 from allanite.statistics.row import FloatArray, Statistic
 from allanite.terms import NoiseTerm
 
-from .compact import Structure, extrapolation, ratios, sampled, white_level
+from .compact import extrapolation, ratios, sampled, white_level
 from .lags import lag_nodes
 
 ROWS = 256
@@ -47,9 +47,16 @@ def relative(terms: Sequence[NoiseTerm], m: int, size: int) -> FloatArray:
     """Ratios r_ij of the whole record, shape (t, t); 1/EDF = p r p with p the terms' shares of the expectation."""
     if size <= ROWS or m <= ROWS // MIDDLE:
         return ratios(*_products(terms, m, size, 1.0), terms)
-    parts = [weight * _extrapolated(terms, m, m0, size0) for m0, size0, weight in _coarse(m, size)]
-    r = np.sum(parts, axis=0)
     white = np.array([white_level(term) > 0 for term in terms])
+    parts = []
+    for m0, size0, weight in _coarse(m, size):
+        levels = []
+        for k in LEVELS:
+            E, T = _products(terms, k * m0, k * size0, k * m0 / m)
+            # where m is the whole record points fall together that do not in a longer record
+            levels.append(ratios(np.where(white, white_mean(k * m0, k * size0), E), T, terms))
+        parts.append(weight * np.tensordot(extrapolation([k * m0 for k in LEVELS], m, 1), levels, 1))
+    r = np.sum(parts, axis=0)
     r[np.outer(white, white)] = white_ratio(m, size)
     return np.asarray(r)
 
@@ -89,20 +96,16 @@ def _coarse(m: int, size: int) -> list[tuple[int, float, float]]:
     return [(int(factors[k]), int(sizes[k]), float(w)) for k, w in zip(best, weight / weight.sum(), strict=True)]
 
 
-def _extrapolated(terms: Sequence[NoiseTerm], m: int, m0: int, size0: float) -> FloatArray:
-    parts = []
-    for k in LEVELS:
-        E, T = _products(terms, k * m0, k * size0, k * m0 / m)
-        # where m is the whole record points fall together that do not in a longer record
-        E = np.array([white_mean(k * m0, k * size0) if white_level(t) else e for t, e in zip(terms, E, strict=True)])
-        parts.append(ratios(E, T, terms))
-    return np.asarray(np.tensordot(extrapolation([k * m0 for k in LEVELS], m, 1), parts, 1))
-
-
 def _products(terms: Sequence[NoiseTerm], m: int, size: float, step: float) -> tuple[FloatArray, FloatArray]:
     """Sums over the rows' variances (t,), over the squares of their covariances (t, t); samples are 1/step apart."""
     length = int(min(size, max(MIDDLE * m, ROWS // 4)))
-    fields = [_half_covariances(sampled(term, step), m, length) for term in terms]
+    # covariances of the rows 1 .. size/2 with the rows 1 .. size - 1: the other half mirrors them
+    fields = []
+    for term in terms:
+        D = sampled(term, step)(np.arange(length + 1.0))
+        lags = np.concatenate((D[::-1], D[1:]))
+        toeplitz = -0.5 * np.lib.stride_tricks.sliding_window_view(lags, length + 1)[::-1]
+        fields.append(_differences(_differences(toeplitz, m)[: length // 2].T, m).T)
     weight = np.full(length // 2, 2.0)
     weight[-1] = 1.0 + length % 2
     E = np.array([weight @ np.diagonal(C) for C in fields])
@@ -115,14 +118,6 @@ def _products(terms: Sequence[NoiseTerm], m: int, size: float, step: float) -> t
         E += (size - length) * middle[:, reach]
         T += (size - length) * middle @ middle.T + _distant(terms, m, (length, size), step)
     return E, T
-
-
-def _half_covariances(structure: Structure, m: int, size: int) -> FloatArray:
-    """Covariances of the rows 1 .. size/2 with the rows 1 .. size - 1: the other half mirrors them."""
-    D = structure(np.arange(size + 1.0))
-    lags = np.concatenate((D[::-1], D[1:]))
-    toeplitz = -0.5 * np.lib.stride_tricks.sliding_window_view(lags, size + 1)[::-1]
-    return _differences(_differences(toeplitz, m)[: size // 2].T, m).T
 
 
 def _differences(x: FloatArray, m: int) -> FloatArray:

@@ -41,7 +41,10 @@ def covariance(
         return np.asarray(covariance_by_term([row] * m.size, noise, m, size, rate).sum(axis=(2, 3)))
     which = part_of(row, m, size, join)
     late = which == len(row.parts) - 1
-    i, weight = _ratios(size, divisor)
+    # some of the ratios i = 0 .. last, and the weight of each in their mean
+    last = max((size + 1) // divisor - 3, 0)
+    i = np.unique(np.rint(np.linspace(0, last, RATIOS)).astype(np.int64))
+    weight = np.array([np.interp(np.arange(last + 1), i, row) for row in np.eye(i.size)]).mean(axis=1)
     allan, theo = STATISTICS[row.parts[-1].target], row.parts[-1]
     rows = [row.parts[k] for k in which] + [allan] * i.size + [theo] * i.size
     factors = np.concatenate((m, 9 + 3 * i, 12 + 4 * i))
@@ -53,11 +56,3 @@ def covariance(
     slopes[:, m.size :] = np.outer(E[: m.size] * late, np.concatenate((weight / t, -weight * a / t**2)))
     C = covariance_by_term(rows, noise, factors, size, rate).sum(axis=(2, 3))
     return np.asarray(slopes @ C @ slopes.T)
-
-
-def _ratios(size: int, divisor: int) -> tuple[IntArray, FloatArray]:
-    """Some of the ratios i = 0 .. last, and the weight of each in their mean."""
-    last = max((size + 1) // divisor - 3, 0)
-    i = np.unique(np.rint(np.linspace(0, last, RATIOS)).astype(np.int64))
-    parts = np.array([np.interp(np.arange(last + 1), i, row) for row in np.eye(i.size)]).mean(axis=1)
-    return i, np.asarray(parts)

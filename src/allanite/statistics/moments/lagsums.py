@@ -75,22 +75,24 @@ def products(
     """
     total = np.zeros((len(terms), len(terms)))
     whole = np.zeros(2)
+    period = min((term.period for term in terms if term.period), default=0.0)
     for size, times in runs:
         M = row.count(size, np.array(m)).astype(np.float64)
         whole += times * M
-        if M.min() > 0:
-            total += times * _one_run(row, terms, m, (int(M[0]), int(M[1])))
+        if not M.min() > 0:
+            continue
+        n = int(M[0]), int(M[1])
+        if row.overlapped:
+            h, weight = _overlapped(row, m, n, period)
+        else:  # windows that start every m samples: the lags are few, and beyond 60 windows nothing is left
+            h = m[0] * np.arange(min(n[0], 61), dtype=np.float64)
+            weight = np.ones_like(h)
+        pairs = np.minimum(min(n), sum(n) / 2 - h / (1 if row.overlapped else m[0]))
+        C = np.array([_covariance(field_of(row, term), row.differences, m, h) for term in terms])
+        total += times * np.asarray((C * (weight * pairs * np.where(h > 0, 2.0, 1.0))) @ C.T)
     deterministic = np.array([term.waveform is not None for term in terms])
     total[np.outer(deterministic, deterministic)] = 0.0
     return np.asarray(total / whole.prod())
-
-
-def _one_run(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], M: tuple[int, int]) -> FloatArray:
-    period = min((term.period for term in terms if term.period), default=0.0)
-    h, weight = _overlapped(row, m, M, period) if row.overlapped else _strided(row, m, M)
-    pairs = np.minimum(min(M), sum(M) / 2 - h / (1 if row.overlapped else m[0]))
-    C = np.array([_covariance(field_of(row, term), row.differences, m, h) for term in terms])
-    return np.asarray((C * (weight * pairs * np.where(h > 0, 2.0, 1.0))) @ C.T)
 
 
 def _overlapped(row: Statistic, m: tuple[int, int], M: tuple[int, int], period: float) -> tuple[FloatArray, FloatArray]:
@@ -105,12 +107,6 @@ def _overlapped(row: Statistic, m: tuple[int, int], M: tuple[int, int], period: 
     return lag_nodes(sorted(k for k in where if offset <= k <= end), end + offset if end % 1 != offset else end)
 
 
-def _strided(row: Statistic, m: tuple[int, int], M: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
-    """Windows that start every m samples: the lags are few, and beyond 60 windows nothing is left."""
-    h = m[0] * np.arange(min(M[0], 61), dtype=np.float64)
-    return h, np.ones_like(h)
-
-
 def covariance_of_windows(row: Statistic, term: NoiseTerm, m: int, h: FloatArray) -> FloatArray:
     """C(h) of a term of coefficient 1 between windows of m, unit sample interval and norm, h >= 0, shape of h."""
     return _covariance(field_of(row, term), row.differences, (m, m), h)
@@ -121,7 +117,11 @@ def _covariance(field: CovarianceField, order: int, m: tuple[int, int], h: Float
     C = np.empty_like(h)
     offsets = (order / 2 - np.arange(order + 1.0))[:, None] * m[1]
     C[near] = np.asarray(binomials(order) @ _one_difference(field, order, m[0], h[near] + offsets))
-    C[~near] = _far_field(field, order, m, h[~near])
+    a, b = float(m[0]), float(m[1])
+    s2, s4, s6 = order * (a**2 + b**2) / 24, order * (a**4 + b**4) / 2880, order * (a**6 + b**6) / 181440
+    weights = (1.0, s2, s2**2 / 2 - s4, s2**3 / 6 - s2 * s4 + s6)
+    series = sum(w * field.derivative(2 * order + 2 * i, h[~near]) for i, w in enumerate(weights))
+    C[~near] = (a * b) ** order * np.asarray(series)
     return (-0.5 if order % 2 == 0 else 0.5) * C
 
 
@@ -141,13 +141,3 @@ def _one_difference(field: CovarianceField, order: int, m: int, t: FloatArray) -
         )
         result[far] = np.sign(t[far]) ** order * np.asarray(float(m) ** order * series)
     return result
-
-
-def _far_field(field: CovarianceField, order: int, m: tuple[int, int], h: FloatArray) -> FloatArray:
-    a, b = float(m[0]), float(m[1])
-    A = order * (a**2 + b**2) / 24
-    B = order * (a**4 + b**4) / 2880
-    C = order * (a**6 + b**6) / 181440
-    weights = (1.0, A, A**2 / 2 - B, A**3 / 6 - A * B + C)
-    series = sum(w * field.derivative(2 * order + 2 * i, h) for i, w in enumerate(weights))
-    return (a * b) ** order * np.asarray(series)

@@ -43,19 +43,17 @@ def takes_means(row: Statistic, m: int | IntArray, places: Places, size: int) ->
     m = np.asarray(m)
     if len(places) < 2 or not row.differences or row.summed:
         return np.zeros(m.shape, dtype=np.bool_)
-    return np.asarray(_complete(row, m, np.array([n for _, n in places])) < COMPLETE * row.count(size, m))
-
-
-def _complete(row: Statistic, m: IntArray, lengths: IntArray) -> IntArray:
-    """Windows without a missing sample, shape of m."""
+    lengths = np.array([n for _, n in places])
     if not row.overlapped:
-        return np.asarray(np.sum([row.count(int(n), m) for n in lengths], axis=0))
-    # of the runs that hold a window each has as many as it is longer than that, and one more
-    lengths = np.sort(lengths)[::-1]
-    per, fixed = row.span
-    window = per * m + fixed
-    runs = np.searchsorted(-lengths, -window, side="right")
-    return np.asarray(np.concatenate(([0], np.cumsum(lengths)))[runs] - runs * (window - 1))
+        whole = np.sum([row.count(int(n), m) for n in lengths], axis=0)
+    else:
+        # of the runs that hold a window each has as many as it is longer than that, and one more
+        lengths = np.sort(lengths)[::-1]
+        per, fixed = row.span
+        window = per * m + fixed
+        runs = np.searchsorted(-lengths, -window, side="right")
+        whole = np.concatenate(([0], np.cumsum(lengths)))[runs] - runs * (window - 1)
+    return np.asarray(whole < COMPLETE * row.count(size, m))
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +218,12 @@ class MeanMoments:
     def relative(self, terms: Sequence[NoiseTerm], E: FloatArray) -> FloatArray:
         """r_ij, shape (t, t): half the relative covariance that terms i and j give the variance."""
         every, at = self.windows, _spread(self.windows.start.size, REFERENCES)
-        first, lags = every.of(at), self._reach
+        first, size = every.of(at), every.start.size
+        # lags, in windows, at which windows may have to do with each other
+        lags = np.arange(1 - size, size)
+        if size > REFERENCES:
+            most = 2 * every.row.differences * every.m // int(np.diff(every.start).min())
+            lags = np.arange(-most, most + 1)
         index = at[:, None] + lags
         inside = (index >= 0) & (index < every.start.size)
         near = every.of(np.where(inside, index, at[:, None]).ravel())
@@ -232,15 +235,6 @@ class MeanMoments:
         T[np.outer(fixed, fixed)] = 0.0
         scale = np.outer(E, E)
         return np.asarray(np.divide(T, scale, out=np.zeros_like(T), where=scale != 0))
-
-    @property
-    def _reach(self) -> IntArray:
-        """Lags, in windows, at which windows may have to do with each other."""
-        if self.windows.start.size <= REFERENCES:
-            return np.arange(1 - self.windows.start.size, self.windows.start.size)
-        stride = int(np.diff(self.windows.start).min())
-        most = 2 * self.windows.row.differences * self.windows.m // stride
-        return np.arange(-most, most + 1)
 
     def forms(self, terms: Sequence[NoiseTerm]) -> FloatArray:
         """The quadratic form of V under each term, of few windows spread over the record, shape (t, w, w)."""

@@ -208,14 +208,10 @@ def _products(rows: Sequence[Statistic], terms: Sequence[NoiseTerm], m: IntArray
     for i, j in combinations_with_replacement(range(m.size), 2):
         pair, factors = (rows[i], rows[j]), (int(m[i]), int(m[j]))
         if rows[i] is rows[j] and rows[i].differences:
-            T[i, j] = _of_differences(rows[i], terms, factors, size)
+            scale = rows[i].norm(np.array(factors)) * np.array(factors) ** 2.0
+            own = lagsums.products(rows[i], terms, (min(factors), max(factors)), [(size, 1)])
+            T[i, j] = np.asarray(own / scale.prod())
         else:
             T[i, j][np.ix_(random, random)] = pairs.products(pair, factors, size)
         T[j, i] = T[i, j]
     return T
-
-
-def _of_differences(row: Statistic, terms: Sequence[NoiseTerm], m: tuple[int, int], size: int) -> FloatArray:
-    """The same for two points of overlapping differences, exactly."""
-    scale = row.norm(np.array(m)) * np.array(m) ** 2.0
-    return np.asarray(lagsums.products(row, terms, (min(m), max(m)), [(size, 1)]) / scale.prod())

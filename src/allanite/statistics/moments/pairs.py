@@ -124,11 +124,8 @@ class WindowPair(NamedTuple):
         """The same with k for the longer window, in a record that is as many times shorter."""
         windows = self.counts[1] * k / self.m[1]
         one = self._replace(m=(self.m[0], k))
-        return one._replace(counts=(windows + one._apart(), windows))
-
-    def _apart(self) -> int:
-        first, second = (row.span[0] * m + row.span[1] for row, m in zip(self.rows, self.m, strict=True))
-        return second - first
+        first, second = (row.span[0] * m + row.span[1] for row, m in zip(one.rows, one.m, strict=True))
+        return one._replace(counts=(windows + (second - first), windows))
 
 
 @dataclass(frozen=True)
@@ -148,19 +145,17 @@ class Pairs:
             sums = [row.norm(np.array([k]))[0] * float(k) ** 2 for row, k in zip(rows, m, strict=True)]
             E = self._profile(pair, 1.0, sampled).E / np.array(sums)[:, None]
         else:
-            E = np.array([self._responses(row, k, size) for row, k in zip(rows, m, strict=True)])
+            E = np.array([
+                np.asarray(responses(row, self.terms, np.array([k]))[:, 0]) if row.differences
+                else response(row, self.terms, k, size)
+                for row, k in zip(rows, m, strict=True)
+            ])  # fmt: skip
         scale = np.sqrt(E.prod(axis=0))
         r = self.within(pair)
         if rows[0] is rows[1] and m[0] == m[1] and rows[0].scheme.sharp and not pair.whole:
             white = np.array([white_level(term) > 0 for term in self.terms])
             r = np.where(white[:, None] | white, relative(rows[0], self.terms, m[0], int(counts[0]), size), r)
         return np.asarray(np.outer(scale, scale) * r)
-
-    def _responses(self, row: Statistic, m: int, size: int) -> FloatArray:
-        """Expected variance of each term, norm and unit sample interval as of `responses`, shape (t,)."""
-        if row.differences:
-            return np.asarray(responses(row, self.terms, np.array([m]))[:, 0])
-        return response(row, self.terms, m, size)
 
     def within(self, pair: WindowPair) -> FloatArray:
         """T_ij over the root of the terms' four expectations, shape (t, t).
@@ -174,8 +169,19 @@ class Pairs:
         least = LEAST[pair.power]
         widest = (POINTS - 1) / (b * m) if m <= least else (SHORT / least - a) / b
         if k <= widest * m:
-            levels = _levels(pair.rows[0].step, m, SHORT / (a + b * k / m), 3 if pair.power == 1 else 2)
-            found = [self._at(pair, level) for level in levels]
+            # averaging factors of the shorter window, as even or odd as m, the largest below `top`
+            even, top = max(pair.rows[0].step, 2), SHORT / (a + b * k / m)
+            tops = [int(top / 2**i) for i in range(3 if pair.power == 1 else 2)]
+            levels = sorted({max(n - (n - m) % even, m % even + even) for n in tops})
+            found = []
+            for level in levels:  # between two factors for the longer window
+                wanted = k / m * level
+                below = int(wanted) // step * step
+                at = self._reduced(pair, (level, below))
+                if below != wanted:
+                    share = math.log(wanted / below) / math.log1p(step / below)
+                    at = (1 - share) * at + share * self._reduced(pair, (level, below + step))
+                found.append(at)
             return np.asarray(np.tensordot(extrapolation(levels, m, pair.power), found, 1))
         widest = 2 ** int(math.log2(widest))
         near, nearer = (pair.shortened(int(w * m) // step * step) for w in (widest, widest / 2))
@@ -184,16 +190,6 @@ class Pairs:
         fall = np.clip(np.divide(far, close, out=np.zeros_like(far), where=close != 0), 0.0, 1.0)
         more = math.log(k / near.m[1]) / math.log(ratio)
         return np.asarray(far * fall**more / pair.counts[0])
-
-    def _at(self, pair: WindowPair, m: int) -> FloatArray:
-        """With m for the shorter window, and between two factors for the longer one."""
-        step = pair.rows[1].step
-        wanted = pair.m[1] / pair.m[0] * m
-        below = int(wanted) // step * step
-        if below == wanted:
-            return self._reduced(pair, (m, below))
-        share = math.log(wanted / below) / math.log1p(step / below)
-        return (1 - share) * self._reduced(pair, (m, below)) + share * self._reduced(pair, (m, below + step))
 
     def _reduced(self, pair: WindowPair, m: tuple[int, int]) -> FloatArray:
         """With windows of m intervals in place of its own, that last as long."""
@@ -221,10 +217,3 @@ class Pairs:
             terms = [slower(term, step, D) for term in self.terms]
             self.known[key] = profile_of(pair.windows, pair.m, terms, order=order, between=D is averaged)
         return self.known[key]
-
-
-def _levels(step: int, m: int, top: float, count: int) -> list[int]:
-    """Averaging factors of the shorter window, as even or odd as m, the largest below `top`."""
-    step = 2 if step == 1 else step
-    found = [max(int(top / 2**i) - (int(top / 2**i) - m) % step, m % step + step) for i in range(count)]
-    return sorted(set(found))

@@ -87,10 +87,9 @@ def profile_of(
         c = np.einsum("is,js->ijs", *[np.array(C) @ np.correlate(two.single, one.single, "full")] * 2)
     else:
         # m, shape (len(A) + len(B) - 1,) * 2, by FFT
-        A = one.A
-        B = two.A
         from scipy.fft import fft, irfft2, next_fast_len, rfft
 
+        A, B = one.A, two.A
         length = next_fast_len(len(A) + len(B) - 1, real=True)
         a, b = (fft(rfft(form, length), length, axis=0, overwrite_x=True) for form in (A, B))
         M = irfft2(np.conj(a) * b, (length, length))

@@ -64,19 +64,17 @@ class Ends:
 def ends_of(row: Statistic, m: int, size: int) -> Ends:
     """W of a point, over the norm of its variance."""
     windows = int(row.count(size, np.array([m]))[0])
-    first = -np.cumsum(np.cumsum(_weights(row, m))[:-1])
-    return Ends(first / (windows * float(row.norm(np.array([m]))[0]) * float(m) ** 2), windows)
-
-
-def _weights(row: Statistic, m: int) -> FloatArray:
-    """Weights g of a window for the ramp x_j = j^2/2, but for a line."""
+    # weights of a window for the ramp x_j = j^2/2, but for a line
     if row.scheme.ramp is not None:
-        return row.scheme.ramp(m)
-    if row.window is None:
+        g = row.scheme.ramp(m)
+    elif row.window is None:
         raise TypeError(f"{row.name} has no window")
-    weights, filters = row.window(m)
-    place = np.arange(filters.shape[1]) - (filters.shape[1] - 1) / 2
-    return np.asarray((weights * (filters @ (place**2 / 2))) @ filters)
+    else:
+        weights, filters = row.window(m)
+        place = np.arange(filters.shape[1]) - (filters.shape[1] - 1) / 2
+        g = (weights * (filters @ (place**2 / 2))) @ filters
+    first = -np.cumsum(np.cumsum(g)[:-1])
+    return Ends(first / (windows * float(row.norm(np.array([m]))[0]) * float(m) ** 2), windows)
 
 
 def crossed(rows: Sequence[Statistic], m: IntArray, size: int, terms: Sequence[NoiseTerm]) -> FloatArray:
