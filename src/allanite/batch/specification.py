@@ -178,27 +178,26 @@ def _limits(table: Any, judge: str, where: str) -> Iterator[Limit]:
             raise UsageError(f"unknown term {symbol!r} in [{where}]; limits are set for {', '.join(LIMITED)}")
         met = set()
         for entry in entries if isinstance(entries, list) else [entries]:
-            limit = _limit(symbol, entry, judge, where)
-            if limit.signal.name in met:
-                raise UsageError(f"{symbol} in [{where}] has two limits for a {limit.signal.name}; keep one")
-            met.add(limit.signal.name)
-            yield limit
-
-
-def _limit(symbol: str, entry: Any, judge: str, where: str) -> Limit:
-    if not isinstance(entry, dict) or not isinstance(entry.get("max"), str):
-        raise UsageError(f"the limit of {symbol} in [{where}] is written as {EXAMPLE}, with the unit; {entry!r} came")
-    _demand_keys(entry, ("max", "judge"), f"the limit of {symbol} in [{where}]")
-    quantities = split_quantities(entry["max"].split())
-    if len(quantities) != 1 or not quantities[0][0] > 0 or not quantities[0][1]:
-        raise UsageError(
-            f"the limit of {symbol} in [{where}] is a positive number with a unit, as in {EXAMPLE}; "
-            f"{entry['max']!r} came"
-        )
-    (number, unit) = quantities[0]
-    factor = unit_of(unit).factor if symbol == MINIMUM else coefficient_factor(symbol, unit)
-    signal = signal_with(unit_of(unit).dimension, 0 if symbol == MINIMUM else TERMS[symbol].power, values=True)
-    if signal is None:  # of a coefficient the factor was found
-        usual = ", ".join(s.sheet[0] for s in SIGNALS if s.inertial)
-        raise UsageError(f"{unit!r} is not a unit of a {MINIMUM} of the Allan deviation; usual ones are {usual}")
-    return Limit(symbol, number * factor, unit, signal, _judge(entry.get("judge", judge)))
+            if not isinstance(entry, dict) or not isinstance(entry.get("max"), str):
+                raise UsageError(
+                    f"the limit of {symbol} in [{where}] is written as {EXAMPLE}, with the unit; {entry!r} came"
+                )
+            _demand_keys(entry, ("max", "judge"), f"the limit of {symbol} in [{where}]")
+            quantities = split_quantities(entry["max"].split())
+            if len(quantities) != 1 or not quantities[0][0] > 0 or not quantities[0][1]:
+                raise UsageError(
+                    f"the limit of {symbol} in [{where}] is a positive number with a unit, as in {EXAMPLE}; "
+                    f"{entry['max']!r} came"
+                )
+            number, unit = quantities[0]
+            factor = unit_of(unit).factor if symbol == MINIMUM else coefficient_factor(symbol, unit)
+            signal = signal_with(unit_of(unit).dimension, 0 if symbol == MINIMUM else TERMS[symbol].power, values=True)
+            if signal is None:  # of a coefficient the factor was found
+                usual = ", ".join(s.sheet[0] for s in SIGNALS if s.inertial)
+                raise UsageError(
+                    f"{unit!r} is not a unit of a {MINIMUM} of the Allan deviation; usual ones are {usual}"
+                )
+            if signal.name in met:
+                raise UsageError(f"{symbol} in [{where}] has two limits for a {signal.name}; keep one")
+            met.add(signal.name)
+            yield Limit(symbol, number * factor, unit, signal, _judge(entry.get("judge", judge)))

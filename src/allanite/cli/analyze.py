@@ -46,14 +46,9 @@ def analyze(files: tuple[str, ...], limits: str | None, **choices: Any) -> None:
     """
     from allanite.batch.sources import several
 
-    if limits is not None or several(files):
-        _analyze_units(files, limits, choices)
+    if limits is None and not several(files):
+        perform(ANALYZE, files, choices)
         return
-    perform(ANALYZE, files, choices)
-
-
-def _analyze_units(files: tuple[str, ...], limits: str | None, choices: dict[str, Any]) -> None:
-    """Many units, or the limits of one."""
     from allanite.batch.job import analyze_files
 
     recipe = choices["recipe"]

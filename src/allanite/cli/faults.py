@@ -7,7 +7,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from allanite.core.record import Record
-    from allanite.simulation.faults import Dither
 
     Fault = Callable[[Record, str, np.random.Generator, dict[str, Any]], Record]
 
@@ -77,7 +76,12 @@ def _quantize(record: "Record", text: str, rng: "np.random.Generator", choices: 
 
     what, step, unit = _quantizer(text)
     how = {"rate": faults.quantize_rate, "angle": faults.quantize_angle}[what]
-    dither = None if choices["dither"] is None else _dither(choices["dither"])
+    dither, words = None, choices["dither"]
+    if words is not None and words.strip() == "random":
+        dither = faults.Dither()
+    elif words is not None:
+        (frequency, _), (amplitude, _) = _quantities(words, "dither", "400 Hz 20")
+        dither = faults.Dither(amplitude=amplitude, frequency=frequency)
     return how(record, step, unit, dither=dither, rng=rng)
 
 
@@ -96,15 +100,6 @@ def quantizer_unit(text: str | None) -> str | None:
     """Round in the unit of the step, so that the rates are exact multiples of it."""
     what, _, unit = ("", 0.0, "") if text is None else _quantizer(text)
     return unit if what == "rate" else None
-
-
-def _dither(text: str) -> "Dither":
-    from allanite.simulation.faults import Dither
-
-    if text.strip() == "random":
-        return Dither()
-    (frequency, _), (amplitude, _) = _quantities(text, "dither", "400 Hz 20")
-    return Dither(amplitude=amplitude, frequency=frequency)
 
 
 def _gaps(record: "Record", rng: Any, share: tuple[float, str], length: tuple[float, str]) -> "Record":

@@ -40,20 +40,18 @@ def work_of(value: Any, name: str, path: str, lang: str, command: str = "") -> "
     from allanite.parallel.sharing import Work
     from allanite.reporting.json import json_of
 
+    def drawn(_: Any) -> bytes:
+        from allanite.reporting.style import encode
+
+        with speaking(lang):
+            return encode(reporting.plot(value, lang=lang), Path(path).suffix.lower().lstrip("."))
+
     if name == "json":
         return json_of(value)
     if name in ("csv", "coefficients"):
         return Work((), lambda _: reporting.to_csv(value, coefficients=name == "coefficients"))
     if name == "plot":
-        return Work((), lambda _: _drawn(value, path, lang))
+        return Work((), drawn)
     if path.lower().endswith(".pdf"):
         return Work((), lambda _: reporting.document(value, command=command, lang=lang))
     return reporting.page_of(value, command=command, lang=lang)
-
-
-def _drawn(value: Any, path: str, lang: str) -> bytes:
-    from allanite import reporting
-    from allanite.reporting.style import encode
-
-    with speaking(lang):
-        return encode(reporting.plot(value, lang=lang), Path(path).suffix.lower().lstrip("."))

@@ -118,7 +118,15 @@ class Front(click.Group):
             signal = ended_by(error)
             if signal is not None:
                 raise signal from None
-            raise _failure(error, debug=ctx.params["debug"]) from None
+            if isinstance(error, AllaniteError):
+                raise Failure(str(error), error.exit_code) from None
+            if isinstance(error, MemoryError):
+                advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
+                raise Failure(f"not enough memory; {advice}", DATA) from None
+            what = f"{type(error).__name__}: {error}".removesuffix(": ")
+            report = f"internal error ({what}); please report it with the command and the file: {TRACKER}"
+            trace = "".join(traceback.format_exception(error)) if ctx.params["debug"] else ""
+            raise Failure(report, DEFECT, trace) from None
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Parse, run, and end the program."""
@@ -168,14 +176,3 @@ def _demand_addresses() -> None:
 def _complain(message: str, code: int) -> int:
     complain(message, click.style("error: ", fg="red", bold=True))
     return code
-
-
-def _failure(error: Exception, *, debug: bool) -> Failure:
-    if isinstance(error, AllaniteError):
-        return Failure(str(error), error.exit_code)
-    if isinstance(error, MemoryError):
-        advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
-        return Failure(f"not enough memory; {advice}", DATA)
-    what = f"{type(error).__name__}: {error}".removesuffix(": ")
-    report = f"internal error ({what}); please report it with the command and the file: {TRACKER}"
-    return Failure(report, DEFECT, "".join(traceback.format_exception(error)) if debug else "")

@@ -7,7 +7,7 @@ import click
 from allanite.applications.choices import EstimatorChoices, FitChoices, IntervalChoices, RateChoices
 from allanite.core.errors import UnitError, UsageError
 
-from .deliver import Extra, Outputs, carry_out, given, outputs, recipe_of, settings_of
+from .deliver import Extra, carry_out, given, outputs, recipe_of, settings_of
 from .forms import encoded
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 
@@ -51,32 +51,24 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
 
         demand_figure_path(out.paths["closeup"], force=out.force)
     from allanite.applications.rate.campaign import measure_rates
+    from allanite.core.record import Record
     from allanite.reporting import to_csv
+    from allanite.reporting.views.rate import first_of
 
     recipe = recipe_of(choices)
     settings = _settings(given(choices))
-    extra = Extra(
-        {
-            "readings": lambda study: to_csv(study, coefficients=True),
-            "closeup": lambda study: _closeups(study, out),
-        }
-    )
+
+    def closeups(study: "RateStudy") -> str | bytes:
+        """The figure of the first interval of every channel."""
+        first = [
+            first_of(channel.record, channel.experiment, study.settings)
+            for channel in study
+            if channel.experiment is not None and isinstance(channel.record, Record)
+        ]
+        return encoded(first, "plot", out.paths["closeup"], out.lang)
+
+    extra = Extra({"readings": lambda study: to_csv(study, coefficients=True), "closeup": closeups})
     carry_out(lambda tell: measure_rates(file, recipe, settings, second=second, progress=tell), out, extra)
-
-
-def _closeups(study: "RateStudy", out: Outputs) -> bytes:
-    """The figure of the first interval of every channel."""
-    from allanite.core.record import Record
-    from allanite.reporting.views.rate import first_of
-
-    found = [
-        first_of(channel.record, channel.experiment, study.settings)
-        for channel in study
-        if channel.experiment is not None and isinstance(channel.record, Record)
-    ]
-    drawn = encoded(found, "plot", out.paths["closeup"], out.lang)
-    assert isinstance(drawn, bytes)  # noqa: S101 - a figure
-    return drawn
 
 
 def _settings(given: dict[str, Any]) -> "RateSettings":

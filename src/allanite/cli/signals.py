@@ -59,7 +59,12 @@ class _Ending:
         """Raise what ends the program, unless it is being prepared, must wait or does its work already."""
         if self.starting.locked():
             return
-        now = not _unbroken(frame) and ended_by(sys.exc_info()[1]) is None
+        # an import, and what some packages do, has to come to its end, which it soon does
+        whole, at = frame is not None and frame.f_code.co_filename.startswith(IMPORTER), frame
+        while at is not None and not whole:
+            whole = str(at.f_globals.get("__name__")).partition(".")[0] in WHOLE
+            at = at.f_back
+        now = not whole and ended_by(sys.exc_info()[1]) is None
         self.send(number, LATER if now else SOON)
         if now:
             raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
@@ -83,15 +88,6 @@ class _Ending:
         """An exception that Python ignores: if it is to end the program, it will be raised again."""
         if ended_by(what.exc_value) is None:
             self.before(what)
-
-
-def _unbroken(frame: FrameType | None) -> bool:
-    """Whether what runs now has to come to its end, which it soon does."""
-    if frame is not None and frame.f_code.co_filename.startswith(IMPORTER):
-        return True
-    while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] not in WHOLE:
-        frame = frame.f_back
-    return frame is not None
 
 
 def ended_by(error: BaseException | None) -> BaseException | None:

@@ -28,9 +28,20 @@ def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]
     """
     carried = [i for i, record in enumerate(records) if record.signal.inertial]
     found = list(qualities)
-    if len(carried) > 1:
-        for i, quality in zip(carried, _moved(carried, records, qualities), strict=True):
-            found[i] = Quality((*quality.findings, *_levels(i, carried, records, qualities)))
+    if len(carried) < 2:
+        return tuple(found)
+    changes = [(records[i].name, change) for i in carried if (change := _named("level", qualities[i]))]
+    for i, quality in zip(carried, _moved(carried, records, qualities), strict=True):
+        found[i] = quality
+        if changes and not (_named("level", qualities[i]) or qualities[i].refusal):
+            (name, first), *others = changes
+            what = say("on the same body, {channel}: {level}", channel=name or say("another channel"), level=first.what)
+            if others:
+                names = ", ".join(other for other, _ in others)
+                what = join("; ", (what, say("so does that of {channels}", channels=names)))
+            why = say("a disturbance of one axis may also affect the others")
+            also = Finding("body level", what, why, first.remedy, first.place)
+            found[i] = Quality((*quality.findings, also))
     return tuple(found)
 
 
@@ -65,22 +76,3 @@ def _moved(carried: list[int], records: Sequence[Record | Header], qualities: Se
         also = i != worst and (i not in motions or (told.fatal and not motions[i].fatal))
         result.append(Quality((told, *own) if also else tuple(own)))
     return result
-
-
-def _levels(
-    at: int, carried: list[int], records: Sequence[Record | Header], qualities: Sequence[Quality]
-) -> list[Finding]:
-    """Changing noise levels of other channels, if the level of this one is constant."""
-    changes = [(records[i].name, change) for i in carried if (change := _named("level", qualities[i]))]
-    if not changes or _named("level", qualities[at]) or qualities[at].refusal:
-        return []
-    name, first = changes[0]
-    others = ", ".join(other for other, _ in changes[1:])
-    what = say("on the same body, {channel}: {level}", channel=name or say("another channel"), level=first.what)
-    if others:
-        what = join("; ", (what, say("so does that of {channels}", channels=others)))
-    return [
-        Finding(
-            "body level", what, say("a disturbance of one axis may also affect the others"), first.remedy, first.place
-        )
-    ]

@@ -92,7 +92,23 @@ def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
         return np.asarray(np.diff(values), dtype=np.float64), whole(values.size - 1), None
     there = np.flatnonzero(np.isfinite(values))
     if record.kind == "angle":
-        return _stepped(values[there], there[:-1], np.diff(there))
+        # a short gap is one long step, a long one is cut out: where quantization dominates, small rate noise can be
+        # determined only from a continuous angle
+        spans, steps = np.diff(there), np.diff(values[there])
+        long = spans > 1
+        shut = long & _short(steps, spans)
+        # the rate during the gap is subtracted, except for one interval; over whole blocks no angle is open
+        starts = np.arange(0, steps.size, BLOCK)
+        rate = np.add.reduceat(steps, starts) / np.add.reduceat(spans, starts)
+        steps[shut] -= rate[np.flatnonzero(shut) // BLOCK] * (spans[shut] - 1)
+        kept = ~long | shut
+        index = np.cumsum(kept) - 1
+        opened = long & ~shut
+        # in a gap cut out, all intervals are missing, in a long step all but one; gaps at the ends do not count
+        at = np.concatenate((index[opened] + 1, index[shut]))
+        lost = np.concatenate((spans[opened], spans[shut] - 1))
+        flag = np.concatenate((np.zeros(int(opened.sum()), dtype=np.bool_), np.ones(int(shut.sum()), dtype=np.bool_)))
+        return steps[kept], Gaps(int(kept.sum()), at, lost, flag), (there[:-1] + (spans - 1) // 2)[kept]
     return np.asarray(values[there] - record.constant, dtype=np.float64), gaps_between(there), there
 
 
@@ -101,28 +117,6 @@ def gaps_between(left: IntArray) -> Gaps:
     jumps = np.diff(left)
     at = np.flatnonzero(jumps > 1) + 1
     return Gaps(left.size, at, jumps[at - 1] - 1, np.zeros(at.size, dtype=np.bool_))
-
-
-def _stepped(angle: FloatArray, there: IntArray, spans: IntArray) -> tuple[FloatArray, Gaps, IntArray | None]:
-    """Steps of an angle with missing points: a short gap is one long step, a long one is cut out.
-
-    If quantization dominates, small rate noise can be determined only from a continuous angle.
-    """
-    steps = np.diff(angle)
-    long = spans > 1
-    shut = long & _short(steps, spans)
-    # the rate during the gap is subtracted, except for one interval; over whole blocks no angle is open
-    starts = np.arange(0, steps.size, BLOCK)
-    rate = np.add.reduceat(steps, starts) / np.add.reduceat(spans, starts)
-    steps[shut] -= rate[np.flatnonzero(shut) // BLOCK] * (spans[shut] - 1)
-    kept = ~long | shut
-    index = np.cumsum(kept) - 1
-    opened = long & ~shut
-    # in a gap cut out, all intervals are missing, in a long step all but one; gaps at the ends do not count
-    at = np.concatenate((index[opened] + 1, index[shut]))
-    lost = np.concatenate((spans[opened], spans[shut] - 1))
-    flag = np.concatenate((np.zeros(int(opened.sum()), dtype=np.bool_), np.ones(int(shut.sum()), dtype=np.bool_)))
-    return steps[kept], Gaps(int(kept.sum()), at, lost, flag), (there + (spans - 1) // 2)[kept]
 
 
 def known_rates(record: Record) -> FloatArray:

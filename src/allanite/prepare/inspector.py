@@ -76,7 +76,15 @@ class Inspector:
         known = self.choice == "keep" or np.isfinite(block.values).sum() < FEWEST
         found = Outliers(NONE, 0.0) if known else outliers(block, None if alone else self.size)
         kept = marked(block, found) if self.choice == "mark" else block
-        self._count(block, found)
+        self.like = self.like or block
+        many, before = found.at.size, self.outliers
+        if many:
+            first, last = block.cut + found.at[[0, -1]] / block.rate
+            self.place = (self.place[0] if before.at.size else float(first), float(last + 1 / block.rate))
+        self.outliers = Outliers(
+            np.broadcast_to(np.int64(0), before.at.size + many), max(before.limit, found.limit),
+            max(before.largest, found.largest), before.heavy + found.heavy,
+        )  # fmt: skip
         if alone:
             self.only = kept
         else:
@@ -87,11 +95,21 @@ class Inspector:
         """All findings, at the sampling rate and length of the whole."""
         if self.only is not None:
             return inspect(replace(self.only, rate=rate))
-        fatal = self._constant() or self._moving()
+        fatal = self._fatal()
         if fatal is not None:
             return Quality((fatal,))
-        each = (self._words(*one) for one in self.seen.values())
-        return Quality((*self._gaps(size), *self._outlying(), *each, *self._level()))
+        findings = []
+        if self.lost:
+            what = say("{lost} of {size} samples are missing ({share})", lost=self.lost, size=size,
+                       share=percent(self.lost / size))  # fmt: skip
+            why = say("gaps are not filled: windows with missing samples are omitted")
+            findings.append(Finding("gaps", what, why))
+        findings += self._outlying()
+        for finding, count, every in self.seen.values():
+            where = say("in {count} of {many} blocks of {size} samples that were inspected, first", count=count,
+                        many=self.filled if every else self.checked, size=BLOCK)  # fmt: skip
+            findings.append(replace(finding, what=join(": ", (where, finding.what)), place=None))
+        return Quality((*findings, *self._level()))
 
     @property
     def history(self) -> tuple[str, ...]:
@@ -104,17 +122,6 @@ class Inspector:
         """A record that begins at the first outlier."""
         assert self.like is not None  # noqa: S101 - there was a block
         return replace(self.like, cut=self.place[0])
-
-    def _count(self, block: Record, found: Outliers) -> None:
-        self.like = self.like or block
-        many, before = found.at.size, self.outliers
-        if many:
-            first, last = block.cut + found.at[[0, -1]] / block.rate
-            self.place = (self.place[0] if before.at.size else float(first), float(last + 1 / block.rate))
-        self.outliers = Outliers(
-            np.broadcast_to(np.int64(0), before.at.size + many), max(before.limit, found.limit),
-            max(before.largest, found.largest), before.heavy + found.heavy,
-        )  # fmt: skip
 
     def _look(self, block: Record) -> None:
         from allanite.kernels.passing import looked
@@ -131,56 +138,37 @@ class Inspector:
         self._keep(stuck(view) if run >= RUN else None, every=True)
         self._keep(clipped(view) if ends >= RUN and low < high else None, every=True)
         if all_checks(number) and low < high:
-            self._check(view)
-
-    def _check(self, view: View) -> None:
-        """All checks of a block, and what blocks are compared by."""
-        self.checked += 1
-        self.levels.append((view.record.cut, view.fast, view.steps.size))
-        loud = busy(view)
-        self.loud += int(loud.sum()) if in_motion(loud) else 0
-        self.seconds += loud.size
-        for one in inspect(view.record).findings:
-            if one.name not in OWN:
-                self._keep(replace(one, fatal=False), every=False)
+            # all checks of a block, and what blocks are compared by
+            self.checked += 1
+            self.levels.append((view.record.cut, view.fast, view.steps.size))
+            loud = busy(view)
+            self.loud += int(loud.sum()) if in_motion(loud) else 0
+            self.seconds += loud.size
+            for one in inspect(view.record).findings:
+                if one.name not in OWN:
+                    self._keep(replace(one, fatal=False), every=False)
 
     def _keep(self, one: Finding | None, *, every: bool) -> None:
         if one is not None:
             first, count, _ = self.seen.get(one.name, (one, 0, every))
             self.seen[one.name] = (first, count + 1, every)
 
-    def _words(self, one: Finding, count: int, every: bool) -> Finding:
-        """A finding, and in how many blocks it was made."""
-        many = self.filled if every else self.checked
-        where = say("in {count} of {many} blocks of {size} samples that were inspected, first", count=count, many=many,
-                    size=BLOCK)  # fmt: skip
-        return replace(one, what=join(": ", (where, one.what)), place=None)
-
-    def _constant(self) -> Finding | None:
+    def _fatal(self) -> Finding | None:
+        """Why the record is refused: it has no samples, never changes, or moves for too long."""
         low, high = self.extent
         if not self.filled:
-            why = say("no block has {count} samples that are finite", count=FEWEST)
-            return Finding("not finite", why, remedy=say("check the column and the reader's options"), fatal=True)
-        if low < high:
-            return None
-        what = say("the signal never changes (always {value:.10g})", value=low)
-        remedy = say("check that the sensor is connected and this is its column")
-        return Finding("constant", what, remedy=remedy, fatal=True)
-
-    def _moving(self) -> Finding | None:
+            what = say("no block has {count} samples that are finite", count=FEWEST)
+            return Finding("not finite", what, remedy=say("check the column and the reader's options"), fatal=True)
+        if not low < high:
+            what = say("the signal never changes (always {value:.10g})", value=low)
+            remedy = say("check that the sensor is connected and this is its column")
+            return Finding("constant", what, remedy=remedy, fatal=True)
         if self.loud <= TOO_BUSY * self.seconds:
             return None
         first = self.seen["moving"][0]
         what = say("{motion}; so do {share} of the blocks of a second that were inspected", motion=first.what,
                    share=percent(self.loud / self.seconds))  # fmt: skip
         return replace(first, what=what, fatal=True)
-
-    def _gaps(self, size: int) -> list[Finding]:
-        if not self.lost:
-            return []
-        what = say("{lost} of {size} samples are missing ({share})", lost=self.lost, size=size,
-                   share=percent(self.lost / size))  # fmt: skip
-        return [Finding("gaps", what, say("gaps are not filled: windows with missing samples are omitted"))]
 
     def _outlying(self) -> list[Finding]:
         if self.like is None:

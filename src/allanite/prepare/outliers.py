@@ -116,27 +116,19 @@ def marked(record: Record, found: Outliers) -> Record:
     if not found.at.size:
         return record
     what = say("{outliers}: marked as missing", outliers=found.words(record))
-    points = _wrong_points(record, found.at)
-    if points.size:
-        values = record.values.copy()
-        values[points] = np.nan
-        return record.with_values(values, what, start=record.start)
+    if record.kind == "angle" and not found.at.size % 2 and record.values.dtype.kind == "f":
+        # if all outliers are pairs of steps that cancel, the points between them are wrong
+        there, back = found.at[::2], found.at[1::2]
+        steps = np.diff(record.values)
+        size = np.maximum(np.abs(steps[there]), np.abs(steps[back]))
+        if ((back == there + 1) & (np.abs(steps[there] + steps[back]) < 0.5 * size)).all():
+            values = record.values.copy()
+            values[back] = np.nan
+            return record.with_values(values, what, start=record.start)
     values = np.array(record.steps, dtype=np.float64)
     values[found.at] = np.nan
     kind = "increment" if record.integrated else record.kind
     return replace(record, values=values, kind=kind, history=(*record.history, what))
-
-
-def _wrong_points(record: Record, at: IntArray) -> IntArray:
-    """Points of an angle between two outlying steps that cancel; empty unless all outliers are such pairs."""
-    none = np.empty(0, np.int64)
-    if record.kind != "angle" or at.size % 2 or record.values.dtype.kind != "f":
-        return none
-    there, back = at[::2], at[1::2]
-    steps = np.diff(record.values)
-    size = np.maximum(np.abs(steps[there]), np.abs(steps[back]))
-    paired = (back == there + 1) & (np.abs(steps[there] + steps[back]) < 0.5 * size)
-    return back if bool(paired.all()) else none
 
 
 def treated(record: Record, choice: str) -> Record:
@@ -170,7 +162,18 @@ def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, 
 
     from allanite.kernels.robust import off
 
-    scale = _scales(y, part)
+    # standard deviation of the residuals in each part, from some of them
+    scales = []
+    for start in range(0, y.size, part):
+        # the last part may have only a few samples: it is extended into the one before
+        first = max(0, min(start, y.size - SHORTEST_PART))
+        length = min(part, y.size - first)
+        at = first + np.linspace(0, length - 1, min(length, SAMPLE)).astype(np.int64)
+        steps = np.abs(y[at[1:]] - y[at[1:] - 1])
+        steps = steps[steps > 0]
+        spread = 1.4826 * float(np.median(np.abs(_residuals(y, at))))
+        scales.append(max(spread, float(np.median(steps)) if steps.size else math.inf))
+    scale = np.array(scales)
     near = off(y, TAIL * limit * scale, part)
     size = np.abs(_residuals(y, near)) / scale[near // part]
     at = near[size > limit]
@@ -184,21 +187,6 @@ def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, 
         run = beside[np.abs(_residuals(y, beside)) > limit * scale[beside // part]]
         at = np.concatenate((at, run))
     return at, np.abs(_residuals(y, at)) / scale[at // part], below > max(3.0, 0.3 * at.size)
-
-
-def _scales(y: FloatArray, part: int) -> FloatArray:
-    """Standard deviation of the residuals in each part, from some of them."""
-    scales = []
-    for start in range(0, y.size, part):
-        # the last part may have only a few samples: it is extended into the one before
-        first = max(0, min(start, y.size - SHORTEST_PART))
-        length = min(part, y.size - first)
-        at = first + np.linspace(0, length - 1, min(length, SAMPLE)).astype(np.int64)
-        steps = np.abs(y[at[1:]] - y[at[1:] - 1])
-        steps = steps[steps > 0]
-        spread = 1.4826 * float(np.median(np.abs(_residuals(y, at))))
-        scales.append(max(spread, float(np.median(steps)) if steps.size else math.inf))
-    return np.array(scales)
 
 
 def _residuals(y: FloatArray, at: IntArray) -> FloatArray:

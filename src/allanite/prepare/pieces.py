@@ -58,16 +58,15 @@ def blocks(pieces: Iterable[Piece], size: int, points: int = 0) -> Iterator[Piec
 def _joined(parts: list[Piece], size: int) -> list[NDArray[Any]]:
     """The samples of each channel; integers stay integers if none are missing."""
     if sum(len(columns[0]) for _, columns in parts) == size:
-        return [values[0] if len(values) == 1 else np.concatenate(values) for values in _by_channel(parts)]
+        return [
+            values[0] if len(values) == 1 else np.concatenate(values)
+            for values in zip(*(columns for _, columns in parts), strict=True)
+        ]
     joined = [np.full(size, np.nan) for _ in parts[0][1]]
     for place, columns in parts:
         for whole, values in zip(joined, columns, strict=True):
             whole[place : place + len(values)] = values
     return joined
-
-
-def _by_channel(parts: list[Piece]) -> Iterator[tuple[NDArray[Any], ...]]:
-    return zip(*(columns for _, columns in parts), strict=True)
 
 
 def averaged(pieces: Iterable[Piece], kinds: Sequence[str], m: int, size: int) -> Iterator[Piece]:

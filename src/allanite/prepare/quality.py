@@ -27,10 +27,9 @@ def inspect(record: Record) -> Quality:
     Quality
         The findings, fatal ones first; a refused record is not checked further.
     """
-    for check in FIRST:
-        fatal = check(record)
-        if fatal is not None:
-            return Quality((fatal,))
+    fatal = _fatal(record)
+    if fatal is not None:
+        return Quality((fatal,))
     view = View(record)
     motion = moving(view)
     if motion is not None and motion.fatal:
@@ -39,35 +38,25 @@ def inspect(record: Record) -> Quality:
     return Quality(tuple(f for f in found if f is not None))
 
 
-def _out_of_range(record: Record) -> Finding | None:
+def _fatal(record: Record) -> Finding | None:
+    """Why nothing is looked at: values out of range or not finite, too few of them, or all the same."""
     if record.out_of_range:
         return Finding("range", record.out_of_range, fatal=True)
     if np.isnan(record.extent[0]):
         what = say("{bad} of {size} samples are not finite", bad=record.values.size, size=record.values.size)
         return Finding("not finite", what, remedy=say("check the column and the reader's options"), fatal=True)
-    return None
-
-
-def _too_little(record: Record) -> Finding | None:
-    why = refusal(record)
-    name = "too short" if record.size < SHORTEST else "too little left"
-    return (
-        Finding(name, why, remedy=say("record for longer") if record.size < SHORTEST else "", fatal=True)
-        if why
-        else None
-    )
-
-
-def _constant(record: Record) -> Finding | None:
+    why, short = refusal(record), record.size < SHORTEST
+    if why:
+        remedy = say("record for longer") if short else ""
+        return Finding("too short" if short else "too little left", why, remedy=remedy, fatal=True)
     steps = record.steps
     if steps.min() != steps.max():
         steps = steps[np.isfinite(steps)]
         if not steps.size or steps.min() != steps.max():
             return None
     what = say("the signal never changes (always {value:.10g})", value=steps[0])
-    return Finding(
-        "constant", what, remedy=say("check that the sensor is connected and this is its column"), fatal=True
-    )
+    remedy = say("check that the sensor is connected and this is its column")
+    return Finding("constant", what, remedy=remedy, fatal=True)
 
 
 def _gaps(view: View) -> Finding | None:
@@ -85,11 +74,8 @@ def _gaps(view: View) -> Finding | None:
     return Finding(
         "gaps",
         say(
-            "{lost} of {size} samples are missing ({share}), in {gaps}, the first from {start:.6g} s",
-            lost=lost,
-            size=size,
-            share=percent(lost / size),
-            gaps=say_count(holes.size, "{count} gap", "{count} gaps"),
+            "{lost} of {size} samples are missing ({share}), in {gaps}, the first from {start:.6g} s", lost=lost,
+            size=size, share=percent(lost / size), gaps=say_count(holes.size, "{count} gap", "{count} gaps"),
             start=start,
         ),
         say(
@@ -100,7 +86,7 @@ def _gaps(view: View) -> Finding | None:
         if np.diff(runs).max() >= SHORTEST
         else "",
         (start, end),
-    )
+    )  # fmt: skip
 
 
 def _short(view: View) -> Finding | None:
@@ -114,16 +100,6 @@ def _short(view: View) -> Finding | None:
     )
 
 
-FIRST: tuple[Callable[[Record], Finding | None], ...] = (_out_of_range, _too_little, _constant)
 CHECKS: tuple[Callable[[View], Finding | None], ...] = (
-    _gaps,
-    _short,
-    stuck,
-    clipped,
-    quantized,
-    outliers,
-    resampled,
-    level,
-    lines,
-    slope,
-)
+    _gaps, _short, stuck, clipped, quantized, outliers, resampled, level, lines, slope,
+)  # fmt: skip

@@ -144,16 +144,6 @@ def quantized(view: View) -> Finding | None:
     )
 
 
-def _why(found: Outliers, size: int) -> str:
-    """Why samples beyond the limit, of so many, are not outliers."""
-    if found.heavy > MOST * size:
-        return say("more than {share} of all: another noise rather than single outliers", share=percent(MOST))
-    return say(
-        "and more than Gaussian noise has beyond {tail:.2g}: heavy tails rather than single outliers",
-        tail=TAIL * found.limit,
-    )
-
-
 def outliers(view: View) -> Finding | None:
     """Samples far from the median of their neighbours, or the heavy tails that they belong to."""
     return outlying(view.record, view.outliers, view.steps.size)
@@ -162,14 +152,14 @@ def outliers(view: View) -> Finding | None:
 def outlying(record: Record, found: Outliers, size: int) -> Finding | None:
     """The finding about outliers of a record of which so many samples remain."""
     if found.heavy:
+        why = say("more than {share} of all: another noise rather than single outliers", share=percent(MOST))
+        if found.heavy <= MOST * size:
+            why = say("and more than Gaussian noise has beyond {tail:.2g}: heavy tails rather than single outliers",
+                      tail=TAIL * found.limit)  # fmt: skip
+        samples = say_count(found.heavy, "{count} sample", "{count} samples")
         return Finding(
             "heavy tails",
-            say(
-                "{samples} beyond {limit:.2g} standard deviations, {why}",
-                samples=say_count(found.heavy, "{count} sample", "{count} samples"),
-                limit=found.limit,
-                why=_why(found, size),
-            ),
+            say("{samples} beyond {limit:.2g} standard deviations, {why}", samples=samples, limit=found.limit, why=why),
             say("the noise is not Gaussian, or its level changes quickly: the intervals are too narrow"),
             say("inspect the samples; none are excluded"),
         )

@@ -4,7 +4,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.finding import Finding
@@ -134,7 +133,12 @@ def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, floa
         return None
     still = np.ones(end - start, dtype=np.bool_)
     for view in map(View, parts):
-        still[_odd(view)] = False
+        # moving blocks; if there are none, parts with another noise level
+        which, size = busy(view), view.span
+        if not in_motion(which):
+            which, size = _unequal(view)[0], view.bends.size // PARTS
+        inside = np.flatnonzero(np.repeat(which, size))
+        still[inside if view.left is None else view.left[inside]] = False
     if still.all() and there.mean() < THERE:
         low, high = max(stretches(~there).tolist(), key=lambda hole: hole[1] - hole[0])
         still[low:high] = False
@@ -148,15 +152,6 @@ def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, floa
             found = _still(records, *inner)
             longest = max(filter(None, (longest, found)), key=lambda each: each[1] - each[0], default=None)
     return longest
-
-
-def _odd(view: View) -> NDArray[np.intp]:
-    """Samples of the record in moving blocks; if there are none, in parts with another noise level."""
-    which, size = busy(view), view.span
-    if not in_motion(which):
-        which, size = _unequal(view)[0], view.bends.size // PARTS
-    inside = np.flatnonzero(np.repeat(which, size))
-    return inside if view.left is None else view.left[inside]
 
 
 def _whole_seconds(record: Record, low: int, high: int) -> tuple[int, int]:
@@ -196,7 +191,10 @@ def level(view: View) -> Finding | None:
 def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
     """Parts whose noise level differs, louder ones if there are some, and the power of each over the median."""
     bends = view.bends.copy() if view.outliers.at.size else view.bends
-    bends[_beside_outliers(view)] = np.nan
+    # second differences that contain an outlier are left out
+    at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
+    held = np.unique(np.subtract.outer(at, np.arange(3)))
+    bends[held[(held >= 0) & (held < bends.size)].astype(np.intp)] = np.nan
     size = bends.size // PARTS
     squares = np.square(bends[: PARTS * size]).reshape(PARTS, size)
     power = np.nansum(squares, axis=1) / np.maximum(np.isfinite(squares).sum(axis=1), 1)
@@ -210,13 +208,6 @@ def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
     return loud if loud.any() else ratio < 1 / (UNEQUAL * (1 + 6 * error)), ratio
 
 
-def _beside_outliers(view: View) -> NDArray[np.intp]:
-    """Second differences that contain an outlier."""
-    at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
-    held = np.unique(np.subtract.outer(at, np.arange(3)))
-    return np.asarray(held[(held >= 0) & (held < view.bends.size)], dtype=np.intp)
-
-
 def lines(view: View) -> Finding | None:
     """Peaks of the averaged periodogram above the median of the octave around them."""
     frequency, power, segments = _periodogram(view)
@@ -224,7 +215,11 @@ def lines(view: View) -> Finding | None:
         return None
     from scipy.special import gammaincinv
 
-    around = _octave_medians(power)
+    # median of the octave around each bin, interpolated log-linearly between half-octave centres
+    centres = 2 ** np.arange(2.5, math.log2(power.size), 0.5)
+    levels = [np.median(power[int(c / 1.42) : max(int(c * 1.42), int(c / 1.42) + 5)]) for c in centres]
+    floor = np.maximum(np.array(levels), 1e-300)
+    around = np.exp(np.interp(np.log(np.arange(1, power.size + 1)), np.log(centres), np.log(floor)))
     threshold = 1.25 * float(gammaincinv(segments, 1 - 1e-4 / power.size)) / segments
     peaks = stretches(power > threshold * around)
     peaks = peaks[peaks[:, 0] >= 6]
@@ -269,14 +264,6 @@ def _periodogram(view: View) -> tuple[FloatArray, FloatArray, int]:
         piece = y[start : start + length] - float(y[start : start + length].mean())
         total += np.abs(rfft(piece * window)) ** 2
     return np.arange(1, length // 2) * view.rate / length, total[1 : length // 2] / segments, segments
-
-
-def _octave_medians(power: FloatArray) -> FloatArray:
-    """Median of the octave around each bin, interpolated log-linearly between half-octave centres."""
-    centres = 2 ** np.arange(2.5, math.log2(power.size), 0.5)
-    levels = [np.median(power[int(c / 1.42) : max(int(c * 1.42), int(c / 1.42) + 5)]) for c in centres]
-    floor = np.maximum(np.array(levels), 1e-300)
-    return np.asarray(np.exp(np.interp(np.log(np.arange(1, power.size + 1)), np.log(centres), np.log(floor))))
 
 
 def slope(view: View) -> Finding | None:

@@ -17,6 +17,7 @@ from .outliers import marked, outliers
 from .pieces import means
 from .stillness import AT_REST, moving_samples
 from .view import stretches
+from .window import of_each
 
 
 def mark_outliers(record: Record) -> Record:
@@ -159,8 +160,7 @@ def averaged(recording: Recording, time: float) -> Recording:
     [2.0, 4.0]
     """
     m = samples_in(time, recording.records[0].rate)
-    records, others = ([block_means(r, m) for r in part] for part in (recording.records, recording.others))
-    return replace(recording, records=tuple(records), others=tuple(others))
+    return of_each(recording, lambda record: block_means(record, m))
 
 
 def samples_in(time: float, rate: float) -> int:

@@ -1,12 +1,11 @@
 """Selecting a part of a record."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import say
@@ -28,20 +27,23 @@ def trim(recording: Recording, start: float | None = None, until: float | None =
     """
     if start is None and until is None:
         return recording
-    records, others = (
-        tuple(_cut(record, start or 0.0, until) for record in some) for some in (recording.records, recording.others)
-    )
+
+    def cut(record: Record) -> Record:
+        begin, end = start or 0.0, record.duration if until is None else until
+        first, last = span(record.name, record.duration, record.rate, begin, end)
+        extra = len(record.values) - record.size
+        origin = (record.start or 0.0) + first / record.rate
+        what = cut_words(record.cut + begin, record.cut + end)
+        part = record.with_values(record.values[first : last + extra], what, start=origin)
+        return replace(part, cut=record.cut + first / record.rate)
+
+    return of_each(recording, cut)
+
+
+def of_each(recording: Recording, change: Callable[[Record], Record]) -> Recording:
+    """The recording with a function applied to each of its channels, and to the other columns."""
+    records, others = (tuple(map(change, some)) for some in (recording.records, recording.others))
     return replace(recording, records=records, others=others)
-
-
-def _cut(record: Record, start: float, until: float | None) -> Record:
-    end = record.duration if until is None else until
-    first, last = span(record.name, record.duration, record.rate, start, end)
-    extra = len(record.values) - record.size
-    origin = (record.start or 0.0) + first / record.rate
-    what = cut_words(record.cut + start, record.cut + end)
-    part = record.with_values(record.values[first : last + extra], what, start=origin)
-    return replace(part, cut=record.cut + first / record.rate)
 
 
 def span(name: str, duration: float, rate: float, start: float, end: float) -> tuple[int, int]:
@@ -83,19 +85,16 @@ def excluded(recording: Recording, pieces: Sequence[tuple[float, float]]) -> Rec
     """
     if not pieces:
         return recording
-    records, others = (
-        tuple(_without(record, pieces) for record in some) for some in (recording.records, recording.others)
-    )
-    return replace(recording, records=records, others=others)
 
+    def without(record: Record) -> Record:
+        values = np.array(record.values, dtype=np.float64)
+        points = len(values) - record.size
+        for first, last in excluded_samples(record.name, record.duration, record.rate, pieces):
+            # an angle at the ends of a piece belongs to the intervals beside it
+            values[first + points : last] = np.nan
+        return record.with_values(values, excluded_words(pieces), start=record.start)
 
-def _without(record: Record, pieces: Sequence[tuple[float, float]]) -> Record:
-    values = np.array(record.values, dtype=np.float64)
-    points = len(values) - record.size
-    for first, last in excluded_samples(record.name, record.duration, record.rate, pieces):
-        # an angle at the ends of a piece belongs to the intervals beside it
-        values[first + points : last] = np.nan
-    return record.with_values(values, excluded_words(pieces), start=record.start)
+    return of_each(recording, without)
 
 
 def excluded_samples(
@@ -146,14 +145,10 @@ def quiet_window(recording: Recording, length: float) -> Recording:
     worst = np.zeros(blocks - wanted + 1)
     for channel in recording:
         pieces = np.asarray(channel.steps[: blocks * span], dtype=np.float64).reshape(blocks, span)
-        power = np.nan_to_num(pieces.var(axis=1), nan=np.inf) + _wander(pieces.mean(axis=1))
+        means = np.nan_to_num(pieces.mean(axis=1))
+        steps = np.abs(np.diff(means, prepend=means[:1]))  # to the mean of the block before
+        power = np.nan_to_num(pieces.var(axis=1), nan=np.inf) + steps**2
         sums = np.convolve(power, np.ones(wanted), "valid")
         worst = np.maximum(worst, sums / sums.min() if 0 < sums.min() < np.inf else sums)
     first = int(worst.argmin()) * span / record.rate
     return trim(recording, first, min(first + length, record.duration))
-
-
-def _wander(means: FloatArray) -> FloatArray:
-    """Squared step to the mean of the adjacent block."""
-    steps = np.abs(np.diff(np.nan_to_num(means), prepend=np.nan_to_num(means[:1])))
-    return np.asarray(steps**2)

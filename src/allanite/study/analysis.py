@@ -13,8 +13,7 @@ from allanite.statistics import deviation
 from allanite.statistics.readings import readings
 
 from .channels import Progress, Source, run
-from .inspected import Inspected
-from .keeper import STRIDES, Keeper, demand_grid
+from .keeper import STRIDES, Inspected, Keeper, demand_grid
 from .noise import noise_of
 from .recipe import Recipe
 from .results import Channel, Study

@@ -24,7 +24,7 @@ from allanite.readers import read
 from allanite.readers.parts import demand_memory
 
 from .drift import drift_findings
-from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
+from .keeper import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .parts import Keeping, in_parts, passed
 from .provenance import provenance_of
 from .recipe import READING, Recipe

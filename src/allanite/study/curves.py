@@ -145,7 +145,15 @@ def of_record(record: Record) -> SupposedNoise:
     >>> of_record(Record([1.0, 3.0, 2.0, 5.0], rate=1.0, unit="deg/h")).words.partition(":")[0]
     'intervals for the power law identified at each averaging time'
     """
-    why = _unfit(record)
+    why = ""
+    if record.signal.name == "dimensionless" and record.kind != "value":
+        why = say("as these are frequency stability data")
+    elif (quality := inspect(record)).refusal:
+        why = quality.refusal
+    elif not record.integrated and np.mean(record.steps[1:] == record.steps[:-1]) > REPEATED:
+        why = say("as most samples repeat the previous one")
+    else:
+        why = next((finding.what for finding in quality.findings if finding.name == "resampled"), "")
     if not why:
         try:
             return supposed(identify(record))
@@ -153,16 +161,3 @@ def of_record(record: Record) -> SupposedNoise:
             why = str(error)
     noise, words = supposed("auto")
     return SupposedNoise(noise, say("{intervals}: the noise was not identified, {reason}", intervals=words, reason=why))
-
-
-def _unfit(record: Record) -> str:
-    """Why the noise of a record is not identified; empty if it can be tried."""
-    if record.signal.name == "dimensionless" and record.kind != "value":
-        return say("as these are frequency stability data")
-    quality = inspect(record)
-    if quality.refusal:
-        return quality.refusal
-    steps = record.steps
-    if not record.integrated and np.mean(steps[1:] == steps[:-1]) > REPEATED:
-        return say("as most samples repeat the previous one")
-    return next((finding.what for finding in quality.findings if finding.name == "resampled"), "")

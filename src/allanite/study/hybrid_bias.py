@@ -17,27 +17,27 @@ SEEN = 0.05
 
 def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
     """A note for each curve whose bias ratio is wrong under this noise by more than 5 % of the deviation."""
-    return tuple(note for curve in curves for note in _joint(curve, noise))
-
-
-def _joint(curve: Curve, noise: ModelLike) -> Iterable[str]:
-    parts = STATISTICS[curve.statistic].parts
-    if not parts:
-        return
-    late = np.flatnonzero(np.abs(curve.tau * curve.rate / curve.m - parts[-1].tau_factor) < 1e-6)
-    if not late.size:
-        return
-    first, last = (_error(curve, int(late[i]), noise) for i in (0, -1))
-    if max(abs(first - 1), abs(last - 1)) < SEEN:
-        return
-    yield say(
-        "the bias ratio of {statistic} assumes one kind of noise: under the identified noise the deviation is "
-        "{first:.2f} times the Allan deviation at {start:g} s and {last:.2f} times at {end:g} s ({cure} corrects it)",
-        statistic=curve.statistic, start=curve.tau[late[0]], end=curve.tau[late[-1]], first=first, last=last,
-        cure=spelled("--bias model", "bias='model'"),
-    )  # fmt: skip
-    if len(parts) > 1:
-        yield say("{statistic} jumps there, where it passes from oadev to TheoBR", statistic=curve.statistic)
+    notes = list[str]()
+    for curve in curves:
+        parts = STATISTICS[curve.statistic].parts
+        offset = np.abs(curve.tau * curve.rate / curve.m - parts[-1].tau_factor) if parts else np.ones(0)
+        late = np.flatnonzero(offset < 1e-6)
+        if not late.size:
+            continue
+        first, last = (_error(curve, int(late[i]), noise) for i in (0, -1))
+        if max(abs(first - 1), abs(last - 1)) < SEEN:
+            continue
+        notes.append(say(
+            "the bias ratio of {statistic} assumes one kind of noise: under the identified noise the deviation is "
+            "{first:.2f} times the Allan deviation at {start:g} s and {last:.2f} times at {end:g} s ({cure} "
+            "corrects it)",
+            statistic=curve.statistic, start=curve.tau[late[0]], end=curve.tau[late[-1]], first=first, last=last,
+            cure=spelled("--bias model", "bias='model'"),
+        ))  # fmt: skip
+        if len(parts) > 1:
+            what = say("{statistic} jumps there, where it passes from oadev to TheoBR", statistic=curve.statistic)
+            notes.append(what)
+    return tuple(notes)
 
 
 def _error(curve: Curve, i: int, noise: ModelLike) -> float:

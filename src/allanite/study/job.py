@@ -100,22 +100,18 @@ class Job(Value, Generic[Result]):
     def from_dict(cls, data: dict[str, Any]) -> Self:
         """The value written by `to_dict`; limits are known for the stored level only, and records have no samples."""
         demand_type(data, cls.__name__)
-        known = {f.name for f in fields(Recipe)}
+        # keys of settings of the same name are not those of the recipe
+        hints = [hint for name, hint in stored_fields(cls, Job) if name == "settings"]
+        kinds = [kind for hint in hints for kind in get_args(hint) or (hint,) if is_dataclass(kind)]
+        known = {f.name for f in fields(Recipe)} - {f.name for kind in kinds for f in fields(kind)}
         return cls(
             tuple(cls._channel.from_dict(channel) for channel in data["channels"]),
-            Recipe.from_dict({key: value for key, value in data["recipe"].items() if key in known and cls._keeps(key)}),
+            Recipe.from_dict({key: value for key, value in data["recipe"].items() if key in known}),
             tuple(Finding.from_dict(finding) for finding in data["findings"]),
             tuple(data["notes"]),
             dict(data["provenance"]),
             **{name: read_plain(data[name], hint) for name, hint in stored_fields(cls, Job)},
         )
-
-    @classmethod
-    def _keeps(cls, key: str) -> bool:
-        """Whether a key of the stored recipe belongs to the recipe, not to settings of the same name."""
-        hints = [hint for name, hint in stored_fields(cls, Job) if name == "settings"]
-        kinds = [kind for hint in hints for kind in get_args(hint) or (hint,) if is_dataclass(kind)]
-        return key not in {f.name for kind in kinds for f in fields(kind)}
 
     def _summary(self) -> str:
         source = self.provenance.get("source") or "data in memory"

@@ -1,4 +1,4 @@
-"""Keeper: the sums of curves, of the identification, and of a spectrum that are kept of a channel read in parts."""
+"""One channel after its inspection; of one that is read in parts, the sums of curves, identification and spectrum."""
 
 from collections.abc import Sequence
 from copy import deepcopy
@@ -11,11 +11,13 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.choices import needing_all
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import UsageError
+from allanite.core.finding import Quality
 from allanite.core.fit import Fit
+from allanite.core.header import Header
 from allanite.core.plain import Portable
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.statistics.spectra.raw_spectrum import Raw
 from allanite.statistics.spectra.welch import Periodograms
@@ -119,6 +121,53 @@ class Keeper:
 
 
 @dataclass(frozen=True, eq=False)
+class Inspected:
+    """One channel after its inspection, before it is processed.
+
+    `headed` are processed together: one record, or one of each recording that is compared. Of a record that was read
+    in parts there is the header, and the keeper of its sums.
+    """
+
+    name: str
+    headed: tuple[Record | Header, ...]
+    qualities: tuple[Quality, ...]
+    keeper: Keeper | None = None
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """The records, which are in memory."""
+        return tuple(each for each in self.headed if isinstance(each, Record))
+
+    @property
+    def record(self) -> Record:
+        """The first record."""
+        return self.records[0]
+
+    @property
+    def first(self) -> Record | Header:
+        """The first record, or its header."""
+        return self.headed[0]
+
+    @property
+    def quality(self) -> Quality:
+        """The findings about the first record."""
+        return self.qualities[0]
+
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """The findings to report with the results, with the number of the record if there are several."""
+        return tuple(join("", (which, str(finding))) for which, q in self.numbered for finding in q.warnings)
+
+    @property
+    def numbered(self) -> list[tuple[str, Quality]]:
+        """The findings about each record, and their prefix: the number of the record if there are several."""
+        many = len(self.headed) > 1
+        return [
+            (say("record {number}: ", number=i) if many else "", quality) for i, quality in enumerate(self.qualities, 1)
+        ]
+
+
+@dataclass(frozen=True, eq=False)
 class Some(Portable):
     """The law of some points of a curve."""
 
@@ -139,7 +188,15 @@ def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:
     UsageError
         One of them is not in the grid of a stream; the message names the nearest.
     """
-    at = _places(curve, taus, m)
+    if m is None and isinstance(taus, str):
+        some = np.ones(curve.m.size, bool) if taus == "log" else (curve.m & (curve.m - 1)) == 0
+        at = np.flatnonzero(some)
+    else:
+        factors = m if m is not None else tuple(round(tau * curve.rate) for tau in map(float, taus))
+        for one in factors:
+            if one not in curve.m:
+                raise UsageError(_not_there(one, curve.m, ""))
+        at = np.flatnonzero(np.isin(curve.m, factors))
     parts = {name: getattr(curve, name)[at] for name in ("m", "tau", "variance", "count", "factor")}
     return replace(curve, **parts, law=None if curve.law is None else Some(curve.law, at))
 
@@ -170,17 +227,6 @@ def demand_grid(taus: Taus, m: tuple[int, ...] | None, rate: float) -> None:
         factor = round(tau * rate)
         if factor not in known or abs(factor / rate - tau) > NEAR * tau:
             raise UsageError(_not_there(tau, known / rate, " s"))
-
-
-def _places(curve: Curve, taus: Taus, m: tuple[int, ...] | None) -> IntArray:
-    if m is None and isinstance(taus, str):
-        some = np.ones(curve.m.size, bool) if taus == "log" else (curve.m & (curve.m - 1)) == 0
-        return np.flatnonzero(some)
-    factors = m if m is not None else tuple(round(tau * curve.rate) for tau in map(float, taus))
-    for one in factors:
-        if one not in curve.m:
-            raise UsageError(_not_there(one, curve.m, ""))
-    return np.flatnonzero(np.isin(curve.m, factors))
 
 
 def _not_there(one: float, known: IntArray | FloatArray, unit: str) -> str:

@@ -239,36 +239,25 @@ def run_model_job(
 
     def follow(seen: Inspected) -> Modelled:
         record, noise = seen.record, noise_of(seen.record, recipe)
-        alerts = (*noise.doubts, *_left_out(noise), *seen.alerts)
+        wrong = [e for e in noise.fit if e.status == "not valid"] if noise.explained else []
+        missing = (
+            say("{symbol} is left out of the model because its coefficient is not valid: {reason}",
+                symbol=e.symbol, reason=e.reason)
+            for e in wrong
+        )  # fmt: skip
+        alerts = (*noise.doubts, *missing, *seen.alerts)
         made = partial(Modelled, record.name, record.rate, record, seen.quality, noise, alerts=alerts)
         try:
             model = noise.usable(unexplained=settings.unexplained)
-            return made(work(Supposed(model, record.rate, record.name, record.size), recipe, _named(tell, record.name)))
+            supposed = Supposed(model, record.rate, record.name, record.size)
+            return made(work(supposed, recipe, lambda what, share: tell(f"{record.name} {what}".strip(), share)))
         except DataError as error:
             return made(refusal=str(error))
 
-    return run(kind, source, recipe, follow, _refused, progress=progress)
+    def refused(seen: Inspected, why: str) -> Modelled:
+        return Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why)
 
-
-def _left_out(noise: Noise) -> list[str]:
-    """Terms that the model lacks because their coefficients are not valid; of an unexplained record it has them all."""
-    wrong = [e for e in noise.fit if e.status == "not valid"] if noise.explained else []
-    return [
-        say(
-            "{symbol} is left out of the model because its coefficient is not valid: {reason}",
-            symbol=e.symbol,
-            reason=e.reason,
-        )
-        for e in wrong
-    ]
-
-
-def _refused(seen: Inspected, why: str) -> Modelled:
-    return Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why)
-
-
-def _named(tell: Progress, name: str) -> Progress:
-    return lambda what, share: tell(f"{name} {what}".strip(), share)
+    return run(kind, source, recipe, follow, refused, progress=progress)
 
 
 def demand_no_recording(settings: NoiseSettings, recipe: Recipe) -> None:

@@ -26,8 +26,7 @@ from allanite.readers.memory import size_in_words
 from allanite.readers.parts import PartsReader, opened, whole_findings
 from allanite.readers.sandbox.source import digest_of
 
-from .inspected import Inspected
-from .keeper import Keeper, demand_sums
+from .keeper import Inspected, Keeper, demand_sums
 from .provenance import provenance_of
 from .recipe import READING, Recipe
 
@@ -189,7 +188,10 @@ def passed(
     beat = reader.clock.beat()
     rate, rows = beat.rate / ready.m, reader.clock.size
     done = (*reader.clock.history, *ready.history(rate, rows // ready.m))
-    made = _on_body([channel.inspected(rate, beat.start, done, ready) for channel in channels], channels)
+    seen = [channel.inspected(rate, beat.start, done, ready) for channel in channels]
+    records = [channel.inspector.only or one.first for channel, one in zip(channels, seen, strict=True)]
+    told = of_one_body(records, [one.quality for one in seen])
+    made = [replace(one, qualities=(quality,)) for one, quality in zip(seen, told, strict=True)]
     notes = (*reader.sense.notes(beat), *_notes(reader))
     return made, whole_findings(reader), notes, provenance_of() | {"source": reader.name, "sha256": digest.result()}
 
@@ -217,13 +219,6 @@ def _looked(
         held = place, columns, full
     if held is not None:
         yield look(*held, alone=not many)
-
-
-def _on_body(seen: list[Inspected], channels: Sequence[_Channel]) -> list[Inspected]:
-    """The channels with the findings of the others, since they are mounted on one body."""
-    records = [channel.inspector.only or one.first for channel, one in zip(channels, seen, strict=True)]
-    told = of_one_body(records, [one.quality for one in seen])
-    return [replace(one, qualities=(quality,)) for one, quality in zip(seen, told, strict=True)]
 
 
 def _notes(reader: PartsReader) -> tuple[str, ...]:

@@ -3,8 +3,6 @@
 from allanite.core.record import Recording
 from allanite.core.version import __version__
 
-from .inspected import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
-
 
 def provenance_of(*recordings: Recording) -> dict[str, str]:
     """Version and input files, for reproducing the result."""

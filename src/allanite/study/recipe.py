@@ -46,10 +46,6 @@ def _unit(unit: str | Mapping[str, str]) -> str:
     return str(_stated("unit")(stated_unit(unit)))
 
 
-def _demand_unit(name: str, value: Any) -> str:
-    return _unit(value if isinstance(value, Mapping) else WORD.demand(name, value))
-
-
 def _level(level: float) -> float:
     if not 0 < level < 1:
         raise UsageError(f"a confidence level must be between 0 and 1, not {level!r}")
@@ -95,7 +91,8 @@ class Recipe:
         "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"), demand=_stated("rate"))
     unit: str | Mapping[str, str] | None = choice(
         "UNIT", "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
-        kind=ChoiceKind("unit", _unit, _demand_unit), group="reading")
+        kind=ChoiceKind("unit", _unit, lambda name, value: _unit(
+            value if isinstance(value, Mapping) else WORD.demand(name, value))), group="reading")
     kind: str | None = choice(
         "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
     scale: float | str | None = choice(

@@ -27,7 +27,7 @@ from allanite.phrases.wording import spelled
 from .job import Job
 
 if TYPE_CHECKING:
-    from .inspected import Inspected
+    from .keeper import Inspected
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -30,7 +30,7 @@ from .job import Job
 from .keeper import STRIDES, WHOLE, Keeper, demand_grid, demand_sums
 from .noise import noise_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
-from .results import ChannelResult, Noise
+from .results import ChannelResult
 from .settings import DensityChoices, DeviationChoices, WindowChoices
 
 Result = Curve | Spectrum | Surface
@@ -263,9 +263,14 @@ def survey(
     recipe = recipe or Recipe()
 
     def work(seen: Inspected) -> Measured:
-        noise, alerts = _noise(seen, recipe) if settings.fitted else (None, ())
+        noise, alerts, keeper = None, tuple[str, ...](), seen.keeper
+        if settings.fitted:
+            try:
+                noise = noise_of(seen.record, recipe) if keeper is None else keeper.noise(recipe)
+                alerts = noise.doubts
+            except DataError as error:
+                alerts = (say("noise not identified, so no model is shown: {reason}", reason=str(error)),)
         fit = None if noise is None else noise.fit
-        keeper = seen.keeper
         values = tuple(settings.measure(seen.record, fit) if keeper is None else settings.kept(seen, keeper, fit))
         shown = tuple(value.to(settings.to or readable_unit(value.unit)) for value in values)
         jumps = () if fit is None else joints([v for v in values if isinstance(v, Curve)], fit)
@@ -273,11 +278,3 @@ def survey(
 
     return run(partial(Survey, settings=settings), source, recipe, work, Measured.refused, keeping=settings.keeping,
                in_parts_too=settings.notes, doing="measuring", progress=progress)  # fmt: skip
-
-
-def _noise(seen: Inspected, recipe: Recipe) -> tuple[Noise | None, tuple[str, ...]]:
-    try:
-        noise = noise_of(seen.record, recipe) if seen.keeper is None else seen.keeper.noise(recipe)
-    except DataError as error:
-        return None, (say("noise not identified, so no model is shown: {reason}", reason=str(error)),)
-    return noise, noise.doubts

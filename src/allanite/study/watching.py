@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding
-from allanite.core.fit import Fit
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import percent
@@ -97,14 +96,18 @@ class Watch:
         self.spool = Spool(self.target, self.settings.record, sent=tap.live)
         yield say("watching {target!r}", target=self.target)
         begun = last = time.monotonic()
-        every = {self._look: 1.0, self._reports: self.settings.every}
+        every: dict[Callable[[], Iterator[str]], float]
+        every = {self._look: 1.0, lambda: iter((self.report(),)): self.settings.every}
         due = {work: begun + usual for work, usual in every.items()}
         try:
             while not self.stopped():
                 try:
                     data = feed.take(WAIT)
                 except OSError as error:
-                    yield self._gone(str(error))
+                    self.spool.torn()
+                    what = say("{target!r} is gone ({reason}); waiting for it", target=self.target, reason=str(error))
+                    self.findings.append(Finding("unplugged", what))
+                    yield what
                     feed = yield from self._again(feed)
                     continue
                 self.spool.add(data)
@@ -130,9 +133,6 @@ class Watch:
         except DataError as error:
             return str(error)
         return "\n".join(_reported(channel, self.settings.accuracy) for channel in study)
-
-    def _reports(self) -> Iterator[str]:
-        yield self.report()
 
     def study(self) -> Study:
         """What `analyze` gives of the lines that came.
@@ -194,13 +194,6 @@ class Watch:
                 continue
             self._said[channel, one.name] = end or math.inf
 
-    def _gone(self, reason: str) -> str:
-        if self.spool is not None:
-            self.spool.torn()
-        what = say("{target!r} is gone ({reason}); waiting for it", target=self.target, reason=reason)
-        self.findings.append(Finding("unplugged", what))
-        return what
-
     def _again(self, feed: Feed) -> Generator[str, None, Feed]:
         """Wait until the source is back; the time without it is a gap."""
         assert self.spool is not None  # noqa: S101 - it is made before
@@ -233,19 +226,17 @@ def _reported(channel: Channel, accuracy: float) -> str:
     claimed = (say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed)
     why = channel.noise.rejection if channel.noise is not None else ""
     doubts = (why,) if why else tuple(finding.what for finding in fit.findings)
-    return join("; ", (known, shown, *claimed, *doubts, *_waits(fit, record.size, record.rate, accuracy)))
-
-
-def _waits(fit: Fit, size: int, rate: float, accuracy: float) -> list[str]:
-    """How much longer it takes until each coefficient is known to an accuracy, from the Cramer-Rao bound."""
-    found = plan(fit.model, rate, durations=(), accuracy=accuracy)
-    missing = [(name, float(needed) - size / rate) for name, needed in zip(found.names, found.needed, strict=True)]
-    return [
-        say("about {time} more until {symbol} is known to {share}", time=lasting(left), symbol=name,
+    # from the Cramer-Rao bound
+    found = plan(fit.model, record.rate, durations=(), accuracy=accuracy)
+    left = ((name, float(needed) - record.size / record.rate)
+            for name, needed in zip(found.names, found.needed, strict=True))  # fmt: skip
+    waits = (
+        say("about {time} more until {symbol} is known to {share}", time=lasting(rest), symbol=name,
             share=percent(accuracy))
-        for name, left in missing
-        if 0 < left < math.inf
-    ]  # fmt: skip
+        for name, rest in left
+        if 0 < rest < math.inf
+    )  # fmt: skip
+    return join("; ", (known, shown, *claimed, *doubts, *waits))
 
 
 def lasting(seconds: float) -> str:

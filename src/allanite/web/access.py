@@ -93,8 +93,12 @@ class Door:
         given = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
         if scope["path"] == "/" and given and scope["method"] in SAFE:
             return self._entered(given)
-        if not hmac.compare_digest(_cookie(headers, self.cookie), self.session.encode()):
-            return self._unknown(scope)
+        found = (cookie_parser(line).get(self.cookie) for line in headers.getlist("cookie"))
+        if not hmac.compare_digest(next((value for value in found if value), "").encode(), self.session.encode()):
+            words = "open the link that allanite serve prints"
+            if scope["path"].startswith("/api/"):
+                return JSONResponse({"error": words, "option": None, "exit": 2}, 401)
+            return PlainTextResponse(words, 401)
         return None
 
     def _entered(self, given: str) -> Application | None:
@@ -104,14 +108,3 @@ class Door:
         response = RedirectResponse("/", 303)
         response.set_cookie(self.cookie, self.session, httponly=True, samesite="strict", path="/")
         return response
-
-    def _unknown(self, scope: Scope) -> Application:
-        words = "open the link that allanite serve prints"
-        if scope["path"].startswith("/api/"):
-            return JSONResponse({"error": words, "option": None, "exit": 2}, 401)
-        return PlainTextResponse(words, 401)
-
-
-def _cookie(headers: Headers, name: str) -> bytes:
-    found = (cookie_parser(line).get(name) for line in headers.getlist("cookie"))
-    return next((value for value in found if value), "").encode()

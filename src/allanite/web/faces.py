@@ -29,27 +29,20 @@ def described(value: Any, lang: str) -> dict[str, Any]:
         face = view_of(value).face(value, level_of(value))
         html, sheets = pieces(face)
         channels = list(getattr(value, "channels", ()))
-        found = [_findings(channel) for channel in channels] if len(channels) == len(sheets) else [[]] * len(sheets)
+        made = []
+        for i, (sheet, text) in enumerate(zip(face.sheets, sheets, strict=True)):
+            quality = getattr(channels[i], "quality", None) if len(channels) == len(sheets) else None
+            level = sheet.card.level if sheet.card else "alert" if sheet.doubt else "fair" if sheet.fair else ""
+            findings = [_finding(finding) for finding in quality.findings] if quality is not None else []
+            made.append({"name": tr(sheet.name), "html": text, "findings": findings, "level": level})
         return {
             "title": tr(face.title),
             "facts": [tr(fact) for fact in face.facts],
             "notes": [tr(note) for note in face.notes],
             "html": html,
-            "channels": [
-                {"name": tr(sheet.name), "html": made, "findings": list(seen), "level": _level(sheet)}
-                for sheet, made, seen in zip(face.sheets, sheets, found, strict=True)
-            ],
-            "findings": [_finding(one) for one in getattr(value, "findings", ())],
+            "channels": made,
+            "findings": [_finding(finding) for finding in getattr(value, "findings", ())],
         }
-
-
-def _level(sheet: Any) -> str:
-    return sheet.card.level if sheet.card else "alert" if sheet.doubt else "fair" if sheet.fair else ""
-
-
-def _findings(channel: Any) -> list[dict[str, Any]]:
-    quality = getattr(channel, "quality", None)
-    return [] if quality is None else [_finding(one) for one in quality.findings]
 
 
 def _finding(finding: Any) -> dict[str, Any]:

@@ -55,7 +55,8 @@ async def _stream(jobs: Jobs, job: dict[str, Any]) -> AsyncIterator[str]:
     live = jobs.live.get(job["id"])
     if live is None:
         kind = "done" if job["state"] == "done" else "failed"
-        yield _event(kind, {} if kind == "done" else _ended(job))
+        problem = job["problem"] or {"error": job["state"], "option": None, "exit": 130}
+        yield _event(kind, {} if kind == "done" else problem)
         return
     sent, quiet = 0, 0.0
     while True:
@@ -74,10 +75,6 @@ async def _stream(jobs: Jobs, job: dict[str, Any]) -> AsyncIterator[str]:
             quiet = 0.0
             yield ": still there\n\n"
         await asyncio.sleep(QUIET)
-
-
-def _ended(job: dict[str, Any]) -> dict[str, Any]:
-    return job["problem"] or {"error": job["state"], "option": None, "exit": 130}
 
 
 def _event(kind: str, data: dict[str, Any]) -> str:

@@ -4,10 +4,10 @@ import json
 import os
 import re
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,6 @@ from allanite.cli import main as allanite
 from allanite.cli.forms import encoded
 from allanite.cli.tasks import Reports
 from allanite.core.choices import choices_of, read_given
-from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
 from allanite.parallel.processes import ANSWER
@@ -95,8 +94,12 @@ class Held:
             recording = whole_recording(path, recipe, progress=self.tell)
             self.recordings[path, key] = replace(recording, source=self.files[path][2] if path in self.files else path)
             self._traced(path, key)
-            first = [partial(deviation_of, record, "oadev", taus="octave", noise=None) for record in recording]
-            self.send("curves", {"channels": self._first(first)})
+            drawn = []  # without their bands, which take longer
+            for record in recording:
+                with suppress(DataError):
+                    curve = deviation_of(record, "oadev", taus="octave", noise=None)
+                    drawn.append(faces.drawn(faces.panel_of(curve), 0.95, self.lang))
+            self.send("curves", {"channels": drawn})
         else:
             self._traced(path, key)
         return self.recordings[path, key]
@@ -106,14 +109,6 @@ class Held:
             file, folder, _ = self.files[path]
             trace.build(Path(folder), self.recordings[path, key], key)
             self.send("trace", {"file": file})
-
-    def _first(self, curves: Iterable[Callable[[], Curve]]) -> list[Answer]:
-        """The curves, as far as there are, without their bands, which take longer."""
-        drawn = []
-        for curve in curves:
-            with suppress(DataError):
-                drawn.append(faces.drawn(faces.panel_of(curve()), 0.95, self.lang))
-        return drawn
 
     def send(self, kind: str, data: Answer) -> None:
         """Report to the server; without one there is nothing to go on for."""

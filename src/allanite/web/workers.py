@@ -63,17 +63,14 @@ class Worker(Process):
             try:
                 return dict(self.request((task, arguments, told), report))
             except EndedError:
-                raise DataError(self._end()) from None
-
-    def _end(self) -> str:
-        if self.cancelled:
-            return "cancelled"
-        how = f"by signal {-self.code}" if self.code < 0 else f"with code {self.code}"
-        remedy = spelled("--channels, --from, --until, --memory", "channels, start, until, memory")
-        return (
-            f"the process of this job was ended {how}, perhaps because memory was short: choose fewer channels or a "
-            f"part of the record ({remedy})"
-        )
+                if self.cancelled:
+                    raise DataError("cancelled") from None
+                how = f"by signal {-self.code}" if self.code < 0 else f"with code {self.code}"
+                remedy = spelled("--channels, --from, --until, --memory", "channels, start, until, memory")
+                raise DataError(
+                    f"the process of this job was ended {how}, perhaps because memory was short: choose fewer channels "
+                    f"or a part of the record ({remedy})"
+                ) from None
 
 
 class Workers:
