@@ -1,0 +1,18 @@
+"""One way for samples, on real recordings: whole, in parts and watched."""
+
+import pytest
+from tests.conformance.test_one_pipeline import compare
+
+TEXTS = {
+    "aegiverse_fog_0917.txt": {"unit": "deg/h"},
+    "aegiverse_fpga_gyro_0802.txt": {"unit": "deg/s", "channels": ("2",)},
+    "ig500n_milkytipo.txt": {"rate": 100.0, "unit": "deg/s", "channels": ("1", "2", "3")},
+    "phone_acc2.txt": {"unit": "m/s^2"},
+    "phone_gyro4.txt": {"unit": "rad/s"},
+}
+
+
+@pytest.mark.slow("real recordings three times")
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_recording_is_the_same_in_all_ways(recordings, name):
+    compare(recordings / name, TEXTS[name] | {"outliers": "mark"})
