@@ -210,7 +210,7 @@ ROW, VERB = replace(STATISTICS["adev"], order=1), replace(VERBS["info"], group="
     script = "from allanite.readers.formats.registry import added\nfrom allanite.reporting.views import VIEWS\n"
     script += 'print(al.STATISTICS["adev"].order, len(added()), VERBS["info"].group, VIEWS["Fit"])\n'
     out, err = run(script + "print(len(al.STATISTICS), len(VERBS), len(VIEWS) > 9)", tmp_path, cwd=tmp_path)
-    assert out == "2 0 Analyze fit.FIT\n17 23 True\n"
+    assert out == "2 0 Analyze fit.fit_view\n17 23 True\n"
     for name in ("adev", "text", "info", "Fit"):
         assert f"(the name {name!r} exists already)" in err
 

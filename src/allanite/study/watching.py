@@ -67,6 +67,7 @@ class Watch:
     ...         pass
     >>> watch.study()[0].fit["N"].status
     'identified'
+    >>> watch.close()
     """
 
     target: str

@@ -327,7 +327,7 @@ def test_the_page_is_not_overwritten(study, tmp_path):
 
 
 def test_the_recipe_can_be_read_again(tmp_path):
-    recipe = Recipe(unit='a"b\\', channels=("x", "ü"), taus=(1.0, 10.0), band=(0.1, 5.0), rate=100.0)
+    recipe = Recipe(about=('serial=a"b\\',), channels=("x", "ü"), taus=(1.0, 10.0), band=(0.1, 5.0), rate=100.0)
     (tmp_path / "recipe.toml").write_text(toml(recipe.to_dict()), encoding="utf-8")
     assert Recipe.load(tmp_path / "recipe.toml") == recipe
 

@@ -34,7 +34,7 @@ OTHERS = (
     Column(say("constant"), "symbol"), Column(say("value")), Column(say("error")), Column(say("unit"), "unit"),
     Column(say("meaning"), "text", aside=True),
 )  # fmt: skip
-"""What is said of those that are no harmonics."""
+"""Columns of the constants that are no harmonics."""
 
 MARKS: dict[str, Mark] = {"identified": "", "weak": "weak", "absent": "quiet"}
 STATUSES = {"identified": say("identified"), "weak": say("weak"), "absent": say("absent")}
