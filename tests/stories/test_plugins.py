@@ -195,7 +195,7 @@ def test_a_name_that_exists_is_refused(tmp_path):
 from dataclasses import replace
 from allanite.cli import VERBS
 from allanite.readers.formats import text
-from allanite.reporting.views.fit import FIT
+from allanite.reporting.views.fit import fit_view
 from allanite.statistics import STATISTICS
 ROW, VERB = replace(STATISTICS["adev"], order=1), replace(VERBS["info"], group="Other")
 """
@@ -204,7 +204,7 @@ ROW, VERB = replace(STATISTICS["adev"], order=1), replace(VERBS["info"], group="
         "allanite.statistics": {"new": "theirs:ROW"},
         "allanite.readers": {"text": "theirs:text"},
         "allanite.verbs": {"new": "theirs:VERB"},
-        "allanite.views": {"Fit": "theirs:FIT"},
+        "allanite.views": {"Fit": "theirs:fit_view"},
     }
     install(tmp_path, "theirs", points)
     script = "from allanite.readers.formats.registry import added\nfrom allanite.reporting.views import VIEWS\n"
