@@ -166,10 +166,19 @@ class Store:
         except OSError as error:
             raise UsageError(f"{name} cannot be written to ({error.strerror}); give another folder") from None
         with file:
-            if not _locked(file.fileno()):
+            try:  # the system frees it however the run ends
+                if sys.platform == "win32":
+                    import msvcrt
+
+                    msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+                else:
+                    import fcntl
+
+                    fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except (BlockingIOError, PermissionError):  # what Windows says of a file that is locked
                 raise UsageError(
                     f"another run writes its results to {name}; wait until it has ended, or give another folder"
-                )
+                ) from None
             for left in (*self.folder.glob(DRAFTS), *(self.folder / PARTS).glob(DRAFTS)):
                 left.unlink()
             yield
@@ -189,22 +198,6 @@ class Store:
         except (OSError, ArrowInvalid) as error:
             raise DataError(f"{str(self.folder / FILES)!r} cannot be read ({error}); run the batch again") from None
         return table.to_pylist(), table.schema.metadata or {}
-
-
-def _locked(file: int) -> bool:
-    """Whether the file could be locked: nobody else has; the system frees it however the run ends."""
-    try:
-        if sys.platform == "win32":
-            import msvcrt
-
-            msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):  # what Windows says of a file that is locked
-        return False
-    return True
 
 
 def dumps(data: Any) -> str:

@@ -1,7 +1,7 @@
 """Mean, spread and worst of a coefficient over units."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -103,24 +103,20 @@ def gathered(
     results: dict[tuple[str, str, str], tuple[tuple[str, str, Signal], list[Known]]] = {}
     for file, channel in channels:
         name, signal = channel.record.name, channel.record.signal
-        for symbol, value, upper in _known(channel, level):
+        known: list[tuple[str, float | None, float | None]] = [
+            (e.symbol, e.value, None) if e.valued else (e.symbol, None, e.upper)
+            for e in channel.fit or ()
+            if e.valued or e.status == "absent"
+        ]
+        minimum = None if channel.readings is None else channel.readings.minimum
+        if channel.readings is not None and minimum is not None:
+            inside, most = channel.readings.inside, minimum.interval(level)[1]
+            known.append((MINIMUM, minimum.deviation, None) if inside else (MINIMUM, None, most))
+        for symbol, value, upper in known:
             if value is not None or not valued:
                 _, units = results.setdefault((name, signal.name, symbol), ((name, symbol, signal), []))
                 units.append(Known(file, value, upper))
     return list(results.values())
-
-
-def _known(channel: Channel, level: float) -> Iterator[tuple[str, float | None, float | None]]:
-    """Symbol, value and upper limit of what is known of a channel; one of the two is None."""
-    for e in channel.fit or ():
-        if e.valued:
-            yield e.symbol, e.value, None
-        elif e.status == "absent":
-            yield e.symbol, None, e.upper
-    readings = channel.readings
-    if readings is not None and readings.minimum is not None:
-        size, most = readings.minimum.deviation, readings.minimum.interval(level)[1]
-        yield (MINIMUM, size, None) if readings.inside else (MINIMUM, None, most)
 
 
 def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Across, ...]:

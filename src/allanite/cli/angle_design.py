@@ -1,6 +1,5 @@
 """``allanite angle plan`` and ``simulate``: experiments that need no file."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,12 +10,12 @@ from allanite.core.errors import UsageError
 from allanite.study.settings import LengthChoices
 
 from .angle_shared import ANGLES, ARCSEC, DEGREE, columns_of, deliver_study, prior_option, turn_option
-from .deliver import STDOUT, Outputs, outputs, put
+from .deliver import STDOUT, outputs, put
 from .options import RESULTS, options
 from .types import NUMBERS, Converted
 
 if TYPE_CHECKING:
-    from allanite.applications.angle import AngleSettings, Gimbals, Harmonics
+    from allanite.applications.angle import AngleSettings
 
 SWAY = Converted(separated(float, "amplitude in deg and period in s", 2, "1,60"))
 
@@ -99,21 +98,17 @@ def simulate(out: str, **choices: Any) -> None:
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
     put(out, columns_of(table), force=where.force)
     if "plot" in where.paths:
-        put(where.paths["plot"], _drawn(true, list(known.values()), where), force=where.force)
+        from allanite.reporting import figures
+        from allanite.reporting.fonts import drawn_in
+        from allanite.reporting.language import speaking
+        from allanite.reporting.style import demand_figure_path, encode
+
+        path = where.paths["plot"]
+        with speaking(where.lang), speaking(drawn_in(where.lang)):
+            figure = figures.plot_error_in_time(true, list(known.values())).printed()
+            put(path, encode(figure, demand_figure_path(path, force=where.force)), force=where.force)
     if out != STDOUT:
         click.echo("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
-
-
-def _drawn(gimbals: "Gimbals", known: "Sequence[Harmonics]", where: Outputs) -> bytes:
-    """The errors against time, as the figure that was asked for."""
-    from allanite.reporting import figures
-    from allanite.reporting.fonts import drawn_in
-    from allanite.reporting.language import speaking
-    from allanite.reporting.style import demand_figure_path, encode
-
-    path = where.paths["plot"]
-    with speaking(where.lang), speaking(drawn_in(where.lang)):
-        return encode(figures.plot_error_in_time(gimbals, known).printed(), demand_figure_path(path, force=where.force))
 
 
 def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":

@@ -1,7 +1,7 @@
 """Many records: ``allanite batch`` analyzes them and stores the results, ``allanite lot`` shows them."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -11,9 +11,6 @@ from .analyze import end_of_units
 from .deliver import carry_out, outputs, progress, recipe_of
 from .front import DATA, PARTLY
 from .options import IDENTIFYING, RECORDING, RESULTS, options
-
-if TYPE_CHECKING:
-    from allanite.batch.executor import Executor
 
 
 @click.command()
@@ -39,14 +36,19 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
     Exit codes: 5 if some files could not be analyzed, 3 if none could; each is named on stderr. With --strict 3 if a
     channel is not explained.
     """
+    from allanite.batch.cluster import Dask
+    from allanite.batch.executor import Processes, Serial
     from allanite.batch.job import run_batch
+    from allanite.parallel.processors import processors
 
     recipe = choices["recipe"]
     out = outputs(choices, [recipe])
+    if scheduler is not None and workers is not None:
+        raise UsageError("--workers is for this machine, --scheduler has workers of its own; give one of them")
+    count = workers or processors()
     with progress(out) as tell:
-        run = run_batch(
-            source, results, recipe_of(choices), executor=_executor(workers, scheduler), besides=[recipe], progress=tell
-        )
+        executor = Dask(scheduler) if scheduler is not None else Serial() if count == 1 else Processes(count)
+        run = run_batch(source, results, recipe_of(choices), executor=executor, besides=[recipe], progress=tell)
     if not out.quiet:
         for note in run.notes:
             click.echo(note)
@@ -77,16 +79,3 @@ def lot(results: str, limits: str | None, **choices: Any) -> None:
     out = outputs(choices, [limits])
     stored = carry_out(lambda tell: read_lot(results, limits), replace(out, strict=False))
     end_of_units(stored.batch, strict=out.strict)
-
-
-def _executor(workers: int | None, scheduler: str | None) -> "Executor":
-    from allanite.batch.cluster import Dask
-    from allanite.batch.executor import Processes, Serial
-    from allanite.parallel.processors import processors
-
-    if scheduler is not None and workers is not None:
-        raise UsageError("--workers is for this machine, --scheduler has workers of its own; give one of them")
-    if scheduler is not None:
-        return Dask(scheduler)
-    count = workers or processors()
-    return Serial() if count == 1 else Processes(count)

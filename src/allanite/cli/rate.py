@@ -13,7 +13,6 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
     from allanite.applications.rate.campaign import RateSettings, RateStudy
-    from allanite.core.units import Signal
 
 
 @click.command()
@@ -75,12 +74,23 @@ def _settings(given: dict[str, Any]) -> "RateSettings":
     """The settings of a study from the options given, which are taken out of `given`."""
     from allanite.applications.rate import EstimatorSettings, ExperimentSettings
     from allanite.applications.rate.campaign import RateSettings
+    from allanite.core.units import signal_with, unit_of
 
     if "latitude" in given and "reference" in given and not given["horizontal"]:
         raise UsageError("the true rate is given twice: use either --latitude or --reference")
     signals = []
     for key in [key for key in ("reference", "bias", "allowed") if key in given]:
-        given[key], signal = _quantity(str(given[key]))
+        # a number with the unit of a signal, or in deg/h
+        number, _, unit = str(given[key]).strip().partition(" ")
+        found = unit_of(unit.strip() or "deg/h")
+        signal = signal_with(found.dimension)
+        if signal is None:
+            raise UnitError(f"a rate has a unit such as deg/h or ug, not {unit!r}")
+        try:
+            given[key] = float(number) * found.factor
+        except ValueError:
+            words = f"a rate is a number with its unit, e.g. '12.4 deg/h', not {str(given[key])!r}"
+            raise UsageError(words) from None
         signals.append(signal)
     if len({signal.name for signal in signals}) > 1:
         raise UsageError("the true rate and the bias have units of different sensors")
@@ -90,18 +100,3 @@ def _settings(given: dict[str, Any]) -> "RateSettings":
     given["options"] = settings_of(EstimatorSettings, given)
     given["experiment"] = settings_of(ExperimentSettings, given)
     return RateSettings(**given, signal=signals[-1] if signals else None)
-
-
-def _quantity(text: str) -> "tuple[float, Signal]":
-    """A number with the unit of a signal, or in deg/h: its SI value and the signal."""
-    from allanite.core.units import signal_with, unit_of
-
-    number, _, unit = text.strip().partition(" ")
-    found = unit_of(unit.strip() or "deg/h")
-    signal = signal_with(found.dimension)
-    if signal is None:
-        raise UnitError(f"a rate has a unit such as deg/h or ug, not {unit!r}")
-    try:
-        return float(number) * found.factor, signal
-    except ValueError:
-        raise UsageError(f"a rate is a number with its unit, e.g. '12.4 deg/h', not {text!r}") from None

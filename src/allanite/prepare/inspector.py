@@ -104,7 +104,10 @@ class Inspector:
                        share=percent(self.lost / size))  # fmt: skip
             why = say("gaps are not filled: windows with missing samples are omitted")
             findings.append(Finding("gaps", what, why))
-        findings += self._outlying()
+        if self.like is not None:
+            heavy = outlying(self.like, replace(self.outliers, at=NONE), self.size)
+            far = None if self.choice == "mark" else outlying(self._first(), replace(self.outliers, heavy=0), self.size)
+            findings += [each for each in (heavy, far and replace(far, place=self.place)) if each]
         for finding, count, every in self.seen.values():
             where = say("in {count} of {many} blocks of {size} samples that were inspected, first", count=count,
                         many=self.filled if every else self.checked, size=BLOCK)  # fmt: skip
@@ -169,13 +172,6 @@ class Inspector:
         what = say("{motion}; so do {share} of the blocks of a second that were inspected", motion=first.what,
                    share=percent(self.loud / self.seconds))  # fmt: skip
         return replace(first, what=what, fatal=True)
-
-    def _outlying(self) -> list[Finding]:
-        if self.like is None:
-            return []
-        heavy = outlying(self.like, replace(self.outliers, at=NONE), self.size)
-        found = None if self.choice == "mark" else outlying(self._first(), replace(self.outliers, heavy=0), self.size)
-        return [one for one in (heavy, found and replace(found, place=self.place)) if one]
 
     def _level(self) -> list[Finding]:
         """Fast noise whose level differs between blocks, if it does not within one."""

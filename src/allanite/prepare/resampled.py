@@ -81,7 +81,14 @@ def _interpolated(view: View) -> Finding | None:
     around = np.median(spectrum[max(first, at - 200) : at + 200])
     # the window spreads a line over bins; a sinusoid of amplitude A has at most A^2 size / 6 in one bin
     depth = math.sqrt(6 * float(spectrum[at]) / power.size) / mean
-    if spectrum[at] < 30 * around or depth < max(DEPTH, 3 * _narrow(bends)):
+    if spectrum[at] < 30 * around or depth < DEPTH:
+        return None
+    # two sinusoids beat as well, in proportion to their power: its share in narrow lines
+    narrow = _lines(bends)
+    size = max(narrow.size // 64, 16)
+    blocks = narrow[: narrow.size // size * size].reshape(-1, size)
+    high = np.where(blocks > 20 * np.median(blocks, axis=1, keepdims=True), blocks, 0.0)
+    if depth < 3 * float(high.sum() / narrow.sum()):
         return None
     beat = at * view.rate / power.size
     what = say(
@@ -138,12 +145,3 @@ def _lines(values: FloatArray) -> FloatArray:
 
     window = np.hanning(values.size)
     return np.asarray(np.abs(rfft(values * window)) ** 2 / float(np.square(window).sum()))
-
-
-def _narrow(values: FloatArray) -> float:
-    """Share of the power in narrow lines: two sinusoids beat as well, in proportion to their power."""
-    spectrum = _lines(values)
-    size = max(spectrum.size // 64, 16)
-    blocks = spectrum[: spectrum.size // size * size].reshape(-1, size)
-    high = np.where(blocks > 20 * np.median(blocks, axis=1, keepdims=True), blocks, 0.0)
-    return float(high.sum() / spectrum.sum())

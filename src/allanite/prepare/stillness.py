@@ -147,18 +147,12 @@ def _still(records: Sequence[Record], start: int, end: int) -> tuple[float, floa
     runs = sorted(stretches(still).tolist(), key=lambda run: -int(there[run[0] : run[1]].sum()))
     longest: tuple[float, float] | None = None
     for low, high in runs[:TRIED]:
-        inner = _whole_seconds(first, start + low, start + high)
-        if longest is None or (inner[1] - inner[0]) / first.rate > longest[1] - longest[0]:
-            found = _still(records, *inner)
+        seconds = math.ceil(_seconds(first, start + low)), math.floor(_seconds(first, start + high))
+        begin, stop = (max(round((whole - first.cut) * first.rate), 0) for whole in seconds)
+        if longest is None or (stop - begin) / first.rate > longest[1] - longest[0]:
+            found = _still(records, begin, stop)
             longest = max(filter(None, (longest, found)), key=lambda each: each[1] - each[0], default=None)
     return longest
-
-
-def _whole_seconds(record: Record, low: int, high: int) -> tuple[int, int]:
-    """The samples of the whole seconds of the recording between two samples."""
-    seconds = math.ceil(_seconds(record, low)), math.floor(_seconds(record, high))
-    first, last = (round((whole - record.cut) * record.rate) for whole in seconds)
-    return max(first, 0), last
 
 
 def _seconds(record: Record, index: int) -> float:

@@ -50,19 +50,21 @@ class Sums:
     def push(self, values: FloatArray) -> None:
         """Add samples, or the stretches of them without missing ones."""
         for at in range(0, values.size, BLOCK):
-            self._push(values[at : at + BLOCK])
-
-    @property
-    def _end(self) -> int:
-        """Place after the last sample that is not missing."""
-        return int(self.state.at[0]) - self.row.summed
+            block = values[at : at + BLOCK]
+            if not self._add(block):
+                begin = self.stop
+                for a, b in stretches(block):
+                    self.stop = begin + a
+                    self._add(block[a:b])
+                self.stop = begin + block.size
 
     def merge(self, other: "Sums") -> None:
         """Add those of a later part of the stream, which are changed."""
         from allanite.kernels.streamed import apart, join
 
         if other.size:
-            joined = other.begins == (self._end if self.size else self.start)
+            end = int(self.state.at[0]) - self.row.summed  # after the last sample that is not missing
+            joined = other.begins == (end if self.size else self.start)
             if not (joined or other.led):
                 other._led()
             if not self.size:
@@ -77,15 +79,6 @@ class Sums:
                 self.cells.merge(other.cells)
             self.size += other.size
         self.stop = other.stop
-
-    def _push(self, values: FloatArray) -> None:
-        """Add a block, or the stretches of it without missing samples."""
-        if not self._add(values):
-            begin = self.stop
-            for a, b in stretches(values):
-                self.stop = begin + a
-                self._add(values[a:b])
-            self.stop = begin + values.size
 
     def _add(self, values: FloatArray) -> bool:
         """Add samples, if all of them are finite."""

@@ -24,7 +24,14 @@ def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
         late = np.flatnonzero(offset < 1e-6)
         if not late.size:
             continue
-        first, last = (_error(curve, int(late[i]), noise) for i in (0, -1))
+        theo1, model, ratios = parts[-1], model_of(noise), list[float]()
+        for i in map(
+            int, late[[0, -1]]
+        ):  # expected deviation with the bias ratio of the curve over the Allan deviation
+            own = by_term(theo1, model, int(curve.m[i]), curve.size, curve.rate).sum()
+            aim = by_term(STATISTICS[theo1.target], model, 1, None, 1 / float(curve.tau[i])).sum()
+            ratios.append(float(np.sqrt(curve.factor[i] * own / aim)))
+        first, last = ratios
         if max(abs(first - 1), abs(last - 1)) < SEEN:
             continue
         notes.append(say(
@@ -38,11 +45,3 @@ def joints(curves: Iterable[Curve], noise: ModelLike) -> tuple[str, ...]:
             what = say("{statistic} jumps there, where it passes from oadev to TheoBR", statistic=curve.statistic)
             notes.append(what)
     return tuple(notes)
-
-
-def _error(curve: Curve, i: int, noise: ModelLike) -> float:
-    """Expected deviation with the bias ratio of the curve over the Allan deviation."""
-    theo1, model = STATISTICS[curve.statistic].parts[-1], model_of(noise)
-    own = by_term(theo1, model, int(curve.m[i]), curve.size, curve.rate).sum()
-    aim = by_term(STATISTICS[theo1.target], model, 1, None, 1 / float(curve.tau[i])).sum()
-    return float(np.sqrt(curve.factor[i] * own / aim))

@@ -232,7 +232,12 @@ def run_model_job(
         )
     tell = progress or (lambda what, fraction: None)
     if given is not None:
-        noise = Supposed(given, _rate(settings, recipe), settings.sensor or "")
+        demand_no_recording(settings, recipe)
+        rate = 0.0 if recipe.rate is None else recipe.rate
+        if not 0 < rate < math.inf:
+            wrong = "" if recipe.rate is None else f", not {recipe.rate!r}"
+            raise UsageError(f"a model needs a sampling rate above 0: {spelled('--rate HZ', 'rate=...')}{wrong}")
+        noise = Supposed(given, rate, settings.sensor or "")
         made = Modelled(noise.name, noise.rate, result=work(noise, recipe, tell))
         return kind((made,), recipe, (), (), provenance_of())
     assert source is not None  # noqa: S101 - one of them is there
@@ -271,14 +276,3 @@ def demand_no_recording(settings: NoiseSettings, recipe: Recipe) -> None:
                 + spelled("--model or --sensor", "model or sensor")
                 + "; omit it"
             )
-
-
-def _rate(settings: NoiseSettings, recipe: Recipe) -> float:
-    """The sampling rate of a given model, after checking that no option of a recording is given."""
-    demand_no_recording(settings, recipe)
-    if recipe.rate is None or not (math.isfinite(recipe.rate) and recipe.rate > 0):
-        raise UsageError(
-            f"a model needs a sampling rate above 0: {spelled('--rate HZ', 'rate=...')}"
-            + ("" if recipe.rate is None else f", not {recipe.rate!r}")
-        )
-    return recipe.rate

@@ -20,7 +20,7 @@ from allanite.readers.spool import TAIL, Spool
 
 from .analysis import analyze
 from .recipe import READING, Recipe
-from .results import Channel, Study
+from .results import Study
 from .settings import WatchChoices
 
 AGAIN = 0.5
@@ -133,7 +133,28 @@ class Watch:
             study = self._study()
         except DataError as error:
             return str(error)
-        return "\n".join(_reported(channel, self.settings.accuracy) for channel in study)
+        lines = []
+        for channel in study:
+            record, fit, curve = channel.record, channel.fit, channel.curve
+            words: list[str] = [say("{channel}: {duration:.4g} s", channel=record.name, duration=record.duration)]
+            if fit is None or curve is None:
+                lines.append(join("; ", (*words, channel.refusal)))
+                continue
+            lowest, unit = int(curve.variance.argmin()), record.signal.sheet[0]
+            words.append(say("{title} {value:.3g} {unit} at {tau:.3g} s", title=curve.statistic,
+                             value=curve.to(unit).deviation[lowest], unit=unit, tau=curve.tau[lowest]))  # fmt: skip
+            words += [say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed]
+            why = channel.noise.rejection if channel.noise is not None else ""
+            words += [why] if why else [finding.what for finding in fit.findings]
+            # from the Cramer-Rao bound
+            needs = plan(fit.model, record.rate, durations=(), accuracy=self.settings.accuracy)
+            for name, needed in zip(needs.names, needs.needed, strict=True):
+                rest = float(needed) - record.size / record.rate
+                if 0 < rest < math.inf:
+                    words.append(say("about {time} more until {symbol} is known to {share}", time=lasting(rest),
+                                     symbol=name, share=percent(self.settings.accuracy)))  # fmt: skip
+            lines.append(join("; ", words))
+        return "\n".join(lines)
 
     def study(self) -> Study:
         """What `analyze` gives of the lines that came.
@@ -213,31 +234,6 @@ class Watch:
             yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
             break
         return feed
-
-
-def _reported(channel: Channel, accuracy: float) -> str:
-    record, fit, curve = channel.record, channel.fit, channel.curve
-    known = say("{channel}: {duration:.4g} s", channel=record.name, duration=record.duration)
-    if fit is None or curve is None:
-        return join("; ", (known, channel.refusal))
-    lowest = int(curve.variance.argmin())
-    unit = record.signal.sheet[0]
-    shown = say("{title} {value:.3g} {unit} at {tau:.3g} s", title=curve.statistic,
-                value=curve.to(unit).deviation[lowest], unit=unit, tau=curve.tau[lowest])  # fmt: skip
-    claimed = (say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed)
-    why = channel.noise.rejection if channel.noise is not None else ""
-    doubts = (why,) if why else tuple(finding.what for finding in fit.findings)
-    # from the Cramer-Rao bound
-    found = plan(fit.model, record.rate, durations=(), accuracy=accuracy)
-    left = ((name, float(needed) - record.size / record.rate)
-            for name, needed in zip(found.names, found.needed, strict=True))  # fmt: skip
-    waits = (
-        say("about {time} more until {symbol} is known to {share}", time=lasting(rest), symbol=name,
-            share=percent(accuracy))
-        for name, rest in left
-        if 0 < rest < math.inf
-    )  # fmt: skip
-    return join("; ", (known, shown, *claimed, *doubts, *waits))
 
 
 def lasting(seconds: float) -> str:

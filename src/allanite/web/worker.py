@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import cache
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -217,19 +216,14 @@ def save(held: Held, job: str, form: str, lang: str, dark: bool = False) -> Answ
     name, path, _ = FORMS[form]
     data = encoded(value, name, path, lang, shown)
     if dark and isinstance(data, bytes):
-        data = _HEX.sub(lambda found: _dark().get(found[0].lower(), found[0]), data)
+        from allanite.reporting.style import DARK
+
+        colors = {light.encode(): other.encode() for light, other in DARK.items()}
+        data = _HEX.sub(lambda found: colors.get(found[0].lower(), found[0]), data)
     return {"data": data.encode() if isinstance(data, str) else data}
 
 
 _HEX = re.compile(b"#[0-9a-fA-F]{6}")
-
-
-@cache
-def _dark() -> dict[bytes, bytes]:
-    """Colors of figures, and those for a dark ground."""
-    from allanite.reporting.style import DARK
-
-    return {light.encode(): dark.encode() for light, dark in DARK.items()}
 
 
 def has(held: Held, job: str) -> Answer:
