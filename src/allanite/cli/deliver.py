@@ -22,7 +22,6 @@ from .streams import while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
-    from allanite.parallel.sharing import Work
     from allanite.study.recipe import Recipe
 
 Settings = TypeVar("Settings")
@@ -169,12 +168,19 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
     """
     from allanite.parallel.sharing import Work, done
 
-    extra = extra or Extra()
-    forms = [name for name in out.paths if name not in extra.recordings]
+    more, context = extra or Extra(), click.get_current_context(silent=True)
+    command = "" if context is None else context.meta.get(LINE, "")
+    forms = [name for name in out.paths if name not in more.recordings]
     shown = not (out.quiet or out.piped)
+
+    def work(name: str) -> Work[str | bytes]:
+        if name in more.data:
+            return Work((), lambda _: more.data[name](value))
+        return work_of(value, name, out.paths[name], out.lang, command)
+
     with _warnings(FontWarning):
         text = [Work.one(lambda: text_of(value, out.lang))] if shown else []
-        made = done(*text, *(_work(value, name, out, extra) for name in forms))
+        made = done(*text, *map(work, forms))
         if shown:
             with while_read():
                 click.echo(next(made), nl=False)
@@ -184,21 +190,10 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
             else:
                 from allanite.readers import write as write_recording
 
-                write_recording(extra.recordings[name](value), path, force=out.force)
+                write_recording(more.recordings[name](value), path, force=out.force)
             if path != STDOUT and not out.quiet:
                 with while_read():
                     click.echo(f"{name}: {path}", err=out.piped)
-
-
-def _work(value: Any, name: str, out: Outputs, extra: Extra) -> "Work[str | bytes]":
-    """The making of an output."""
-    if name not in extra.data:
-        context = click.get_current_context(silent=True)
-        command = "" if context is None else context.meta.get(LINE, "")
-        return work_of(value, name, out.paths[name], out.lang, command)
-    from allanite.parallel.sharing import Work
-
-    return Work((), lambda _: extra.data[name](value))
 
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:
