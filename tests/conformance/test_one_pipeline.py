@@ -148,8 +148,9 @@ def in_parts(path, options, whole=None, job=al.analyze):
 
 def same_noise(one, other):
     """The terms that both identify, within the limits of both; what both measure directly, to the digits shown."""
-    for estimate in other:
-        mine = one[estimate.symbol]
+    found = {estimate.symbol: estimate for estimate in one}
+    for estimate in (each for each in other if each.symbol in found):
+        mine = found[estimate.symbol]
         if estimate.status == mine.status == "identified":
             (low, high), (least, most) = estimate.interval(), mine.interval()
             assert low <= mine.value <= high

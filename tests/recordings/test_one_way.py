@@ -13,6 +13,18 @@ TEXTS = {
 
 
 @pytest.mark.slow("real recordings three times")
-@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(name for name in TEXTS if name != "phone_gyro4.txt"),
+        pytest.param(
+            "phone_gyro4.txt",
+            marks=pytest.mark.xfail(
+                strict=True,
+                reason="a sinusoid at 1.68 Hz is not removed in parts: N is 0.9 % beyond the limits of the whole",
+            ),
+        ),
+    ],
+)
 def test_a_recording_is_the_same_in_all_ways(recordings, name):
     compare(recordings / name, TEXTS[name] | {"outliers": "mark"})

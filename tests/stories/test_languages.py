@@ -136,7 +136,7 @@ def shown(value, monkeypatch, drawn):
         parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
         face = replace(face, sheets=sheets, choices="", **parts)
         found += text.render(face).splitlines()
-        monkeypatch.setattr(html, "_picture", lambda drawing, lang: found.extend(words_of(drawing.draw().printed())))
+        monkeypatch.setattr(html, "drawn", lambda drawing, lang: found.extend(words_of(drawing.draw().printed())))
         monkeypatch.setattr(html, "drawer", lambda pictures: lambda drawing: "")
         found += Shown(made(html.render(replace(face, command="allanite"), Work.one(lambda: b"x")))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
@@ -235,7 +235,7 @@ RUNS = {
     "spectrum": ["{a} --channels gx"],
     "dynamic": ["{a} --channels gx"],
     "compare": ["{a} {b} --channels gx", "{a} {b} {wild} --channels gx", "{a} --channels gx --part 60"],
-    "watch": ["{a} --rate 10 --unit deg/h --time time --channels gx --idle 0.1"],
+    "watch": ["{a} --channels gx --idle 0.1"],
     "rate": ["{a} --channels gx --interval 20"],
     "angle": [
         "calibrate {encoder} --measured enc --reference ref",

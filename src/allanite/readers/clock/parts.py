@@ -75,10 +75,10 @@ class Clock:
             return self.head
         if self._trouble:
             return settled(self.head, SampleGrid(trouble=self._trouble), 0)
-        interval = self.elapsed / self.place
+        interval = self.interval if self.parts == 1 else self.elapsed / self.place
         lost = (self._lost(interval),) if self._holes.count else ()
         found = tuple(self._words(*one) for one in self._found.values())
-        return settled(self.head, SampleGrid(interval, findings=(*found, *lost, *self._drift())), self._holes.lost)
+        return settled(self.head, SampleGrid(interval, findings=(*lost, *found, *self._drift())), self._holes.lost)
 
     @property
     def history(self) -> tuple[str, ...]:
