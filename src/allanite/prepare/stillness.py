@@ -14,7 +14,7 @@ from allanite.phrases.wording import between, percent, spelled, windowing
 from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 
-from .outliers import marked, outliers
+from .outliers import MOST
 from .view import View, stretches
 from .window import trim
 
@@ -90,14 +90,18 @@ def in_motion(loud: BoolArray) -> bool:
 def moving_samples(record: Record) -> BoolArray:
     """Intervals of a record that lie in moving blocks, shape (size,); of a single one, too.
 
-    Outliers are left out first: one of them is enough to make its block a moving one.
+    A block is no moving one where only few of its samples, at most 2 % or one, are outliers.
     """
     moved = np.zeros(record.size, dtype=np.bool_)
-    if record.out_of_range:
+    view = View(record)
+    if record.out_of_range or view.steps.size < SHORTEST:
         return moved
-    view = View(marked(record, outliers(record)))
-    if view.steps.size >= SHORTEST:
-        inside = np.flatnonzero(np.repeat(busy(view), view.span))
+    loud = busy(view)
+    if loud.any():
+        at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
+        count = np.bincount(at // view.span, minlength=loud.size)[: loud.size]
+        loud &= (count == 0) | (count > max(1, MOST * view.span))
+        inside = np.flatnonzero(np.repeat(loud, view.span))
         moved[inside if view.left is None else view.left[inside]] = True
     return moved
 
