@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.core.choices import choices_of, needing_all
+from allanite.core.choices import choices_of, named, needing_all
 from allanite.study.analysis import examine
 from allanite.study.recipe import Recipe
 from allanite.study.watching import Watch, WatchSettings
@@ -166,9 +166,20 @@ def test_a_file_is_the_same_in_all_ways(path):
     compare(path, FILES[path.stem][1])
 
 
-@pytest.mark.parametrize("choice", CHOICES)
+SELECTING = named(Recipe, "selecting")
+"""Choices that `make test` looks at: those that select samples."""
+
+
+@pytest.mark.parametrize("choice", [*SELECTING, "mask", "method"])
 @pytest.mark.parametrize("path", ["stamped"], indirect=True)
 def test_a_choice_is_the_same_in_all_ways(path, choice):
+    compare(path, FILES[path.stem][1] | {choice: CHOICES[choice]})
+
+
+@pytest.mark.slow("choices that select no samples")
+@pytest.mark.parametrize("choice", [name for name in CHOICES if name not in (*SELECTING, "mask", "method")])
+@pytest.mark.parametrize("path", ["stamped"], indirect=True)
+def test_the_other_choices(path, choice):
     compare(path, FILES[path.stem][1] | {choice: CHOICES[choice]})
 
 

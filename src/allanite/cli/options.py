@@ -125,6 +125,7 @@ OPTIONS: dict[str, Decorator] = {
     "target": click.option("--to", "target", metavar="TARGET",
         help="Program that reads the file: kalibr, vins-mono, px4, ...; 'allanite explain' lists them.  "
         "[default: datasheet]"),
+    "lines that come": _path("record", "Keep the lines that come in this file."),
     "corrected angles": _path("corrected", "Write corrected angles as CSV."),
     "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
 }  # fmt: skip

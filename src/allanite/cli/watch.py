@@ -1,10 +1,11 @@
 """A live stream: what is known so far while it lasts, and the results when it ends."""
 
+import os
+from dataclasses import replace
 from typing import Any
 
 import click
 
-from allanite.core.files import demand_writable
 from allanite.study.recipe import IDENTIFYING, READING, SELECTING
 from allanite.study.settings import WatchChoices
 
@@ -20,7 +21,8 @@ BINARY = ("dtype", "columns", "offset")
 @options(
     click.argument("target", metavar="FILE|PORT|udp://127.0.0.1:9000"),
     *(name for name in READING if name not in BINARY), *SELECTING, "recipe", "statistic", "taus", *IDENTIFYING,
-    "every", "duration", "idle", "baud", "record", "accuracy", "to", "coefficients", *RESULTS, settings=(WatchChoices,),
+    "every", "duration", "idle", "baud", "lines that come", "accuracy", "to", "coefficients", *RESULTS,
+    settings=(WatchChoices,),
 )  # fmt: skip
 def watch(target: str, **choices: Any) -> None:
     """Watch a live stream.
@@ -32,9 +34,11 @@ def watch(target: str, **choices: Any) -> None:
     """
     from allanite.study.watching import WatchSettings
 
-    if choices["record"] is not None:
-        demand_writable(choices["record"], force=choices["force"])
-    out = outputs(choices, [choices["recipe"], target, choices["record"]])
-    settings, recipe = settings_of(WatchSettings, choices), recipe_of(choices)
+    out = outputs(choices, [choices["recipe"], target], also=("record",))
+    record = out.paths.get("record")
+    if record is not None and os.path.isfile(record):  # --force was given
+        os.remove(record)
+    out = replace(out, paths={name: path for name, path in out.paths.items() if name != "record"})
+    settings, recipe = settings_of(WatchSettings, choices | {"record": record}), recipe_of(choices)
     reports = Reports(event=lambda words, _: None if out.quiet else click.echo(words, err=True))
     deliver(WATCH.run([target], recipe, settings, reports), out)

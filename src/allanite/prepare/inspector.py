@@ -130,6 +130,9 @@ class Inspector:
         from allanite.kernels.passing import looked
 
         number, self.blocks = self.blocks, self.blocks + 1
+        if block.out_of_range:
+            self._keep(Finding("range", block.out_of_range, fatal=True), every=True)
+            return
         left, low, high, ends, run = looked(np.ascontiguousarray(block.steps, dtype=np.float64))
         self.lost += block.size - left
         if left < FEWEST:
@@ -157,8 +160,10 @@ class Inspector:
             self.seen[one.name] = (first, count + 1, every)
 
     def _fatal(self) -> Finding | None:
-        """Why the record is refused: it has no samples, never changes, or moves for too long."""
+        """Why the record is refused: it has no samples, impossible ones, never changes, or moves for too long."""
         low, high = self.extent
+        if "range" in self.seen:
+            return self.seen["range"][0]
         if not self.filled:
             what = say("no block has {count} samples that are finite", count=FEWEST)
             return Finding("not finite", what, remedy=say("check the column and the reader's options"), fatal=True)

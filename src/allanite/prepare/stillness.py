@@ -14,7 +14,6 @@ from allanite.phrases.wording import between, percent, spelled, windowing
 from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 
-from .outliers import MOST
 from .view import View, stretches
 from .window import trim
 
@@ -85,25 +84,6 @@ def busy(view: View) -> BoolArray:
 def in_motion(loud: BoolArray) -> bool:
     """Whether enough blocks are moving to call the record moving."""
     return bool(loud.sum() >= max(2, 0.002 * loud.size))
-
-
-def moving_samples(record: Record) -> BoolArray:
-    """Intervals of a record that lie in moving blocks, shape (size,); of a single one, too.
-
-    A block is no moving one where only few of its samples, at most 2 % or one, are outliers.
-    """
-    moved = np.zeros(record.size, dtype=np.bool_)
-    view = View(record)
-    if record.out_of_range or view.steps.size < SHORTEST:
-        return moved
-    loud = busy(view)
-    if loud.any():
-        at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
-        count = np.bincount(at // view.span, minlength=loud.size)[: loud.size]
-        loud &= (count == 0) | (count > max(1, MOST * view.span))
-        inside = np.flatnonzero(np.repeat(loud, view.span))
-        moved[inside if view.left is None else view.left[inside]] = True
-    return moved
 
 
 def still_words(records: Sequence[Record | Header]) -> str:

@@ -9,14 +9,14 @@ from allanite.core.arrays import BoolArray
 from allanite.core.errors import UsageError, given
 from allanite.core.finding import Finding
 from allanite.core.kinds import KINDS
-from allanite.core.record import Record, Recording
+from allanite.core.record import SHORTEST, Record, Recording
 from allanite.phrases.phrase import say, say_count
 from allanite.statistics.table import statistic_named
 
-from .outliers import marked, outliers
+from .outliers import MOST, marked, outliers
 from .pieces import means
-from .stillness import AT_REST, moving_samples
-from .view import stretches
+from .stillness import AT_REST, busy
+from .view import View, stretches
 from .window import of_each
 
 
@@ -77,9 +77,28 @@ def motion(records: Sequence[Record]) -> BoolArray:
     for _ in range(PASSES):
         before = int(moved.sum())
         for record in left:
-            moved[: record.size] |= moving_samples(_still(record, moved) if before else record)
+            moved[: record.size] |= _moving(_still(record, moved) if before else record)
         if int(moved.sum()) == before:
             break
+    return moved
+
+
+def _moving(record: Record) -> BoolArray:
+    """Intervals of a record that lie in moving blocks, shape (size,); of a single one, too.
+
+    A block is no moving one where only few of its samples, at most 2 % or one, are outliers.
+    """
+    moved = np.zeros(record.size, dtype=np.bool_)
+    view = View(record)
+    if record.out_of_range or view.steps.size < SHORTEST:
+        return moved
+    loud = busy(view)
+    if loud.any():
+        at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
+        count = np.bincount(at // view.span, minlength=loud.size)[: loud.size]
+        loud &= (count == 0) | (count > max(1, MOST * view.span))
+        inside = np.flatnonzero(np.repeat(loud, view.span))
+        moved[inside if view.left is None else view.left[inside]] = True
     return moved
 
 

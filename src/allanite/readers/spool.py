@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from allanite.core.errors import UsageError
+from allanite.core.files import demand_writable
 
 from .sandbox.source import NamedPath
 
@@ -29,8 +30,13 @@ class Spool:
     ----------
     source_name : str
         What messages and results call it.
-    rows : int
-        Lines since the first row.
+    rows, came : int
+        Lines since the first row, and bytes that came.
+
+    Raises
+    ------
+    UsageError
+        The file at `path`, which keeps the lines, exists already or cannot be written.
     """
 
     def __init__(self, source_name: str, path: str | None = None, *, sent: bool = True) -> None:
@@ -38,15 +44,19 @@ class Spool:
         suffix = os.path.splitext(source_name)[1].lower() if os.path.isfile(source_name) else ".txt"
         self._own = path is None
         if path is None:
-            handle, path = tempfile.mkstemp(prefix="allanite-", suffix=suffix)
+            handle, self.path = tempfile.mkstemp(prefix="allanite-", suffix=suffix)
             os.close(handle)
-        self.path = path
-        self._file = open(path, "wb")  # noqa: SIM115 - closed by close
+        else:
+            demand_writable(path)
+            self.path = path
+        # a file that the user names is a new one; without a buffer, what is written is there
+        self._file = open(self.path, "wb" if self._own else "xb", buffering=0)  # noqa: SIM115 - closed by close
+        self._size = 0
         self._rest, self._head = b"", list[bytes]()
         self._model: list[bool] = []
         self._between: bytes | None = None
         self._last: deque[bytes] = deque(maxlen=TAIL)
-        self.rows = 0
+        self.rows = self.came = 0
 
     def __fspath__(self) -> str:
         return self.path
@@ -58,7 +68,10 @@ class Spool:
         ------
         UsageError
             There are no lines in it.
+        OSError
+            The disk is full; the lines that were written before are whole.
         """
+        self.came += len(data)
         *lines, self._rest = (self._rest + data).split(b"\n")
         if len(self._rest) > LONGEST:
             raise UsageError("what comes has no lines; send lines of numbers, with commas or blanks between them")
@@ -100,9 +113,16 @@ class Spool:
             Path(self.path).unlink(missing_ok=True)
 
     def _write(self, lines: list[bytes]) -> None:
-        if lines:
-            self._file.write(b"\n".join((*lines, b"")))
-            self._file.flush()
+        left = memoryview(b"\n".join((*lines, b"")) if lines else b"")
+        size = self._size + len(left)
+        try:
+            while left:
+                left = left[self._file.write(left) :]
+        except OSError:
+            self._file.truncate(self._size)
+            self._file.seek(self._size)
+            raise
+        self._size = size
 
     def _kept(self, line: bytes) -> list[bytes]:
         """The lines to write when one more has come."""

@@ -160,7 +160,6 @@ class WatchChoices:
     accuracy: float = choice(
         "PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.2,
         told="10; of a live stream 20")
-    record: str | None = choice("PATH", "Keep the lines that come in this file.")
 
 
 @dataclass(frozen=True, repr=False)

@@ -10,7 +10,7 @@ from allanite.core.errors import DataError
 from allanite.core.finding import Finding
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import percent
+from allanite.phrases.wording import percent, spelled
 from allanite.planning.plan import plan
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import mark_motion, motion, motion_found
@@ -43,9 +43,11 @@ AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 class WatchSettings(WatchChoices):
     """How to watch: seconds between reports, until the end, and without data until the end; baud rate; accuracy wanted.
 
-    `duration` and `idle` are infinite by default: it is the user who ends. The lines that come are kept in the file
-    `record`, if it is given.
+    `duration` and `idle` are infinite by default: it is the user who ends. The lines that come are kept in the new file
+    `record`, if it is given; it is no choice of the page, which names no files to write.
     """
+
+    record: str | None = None
 
 
 @dataclass
@@ -77,6 +79,7 @@ class Watch:
     latest: Study | None = None
     findings: list[Finding] = field(default_factory=list)
     spool: Spool | None = None
+    full: bool = False
     _said: dict[tuple[str, str], float] = field(default_factory=dict)
     _rate: float = 0.0
     _rows: int = -1
@@ -111,21 +114,36 @@ class Watch:
                     yield what
                     feed = yield from self._again(feed)
                     continue
-                self.spool.add(data)
                 now = time.monotonic()
                 last = now if data else last
+                yield from self._keep([data])
                 for work, usual in every.items():
                     if now >= due[work] and self.spool.rows >= ENOUGH:
                         yield from work()
                         due[work] = now + max(usual, SHARE * (time.monotonic() - now))
-                if now - begun >= self.settings.duration or now - last >= self.settings.idle:
+                if now - begun >= self.settings.duration or now - last >= self.settings.idle or self.full:
                     break
         finally:
             rest = feed.close()
-        for data in rest:
-            self.spool.add(data)
-        self.spool.finish()
+        yield from self._keep(rest, last=True)
         yield from self._look()
+
+    def _keep(self, parts: Sequence[bytes], *, last: bool = False) -> Iterator[str]:
+        """Keep what came; where the disk is full, the stream ends."""
+        if self.spool is None or self.full:
+            return
+        try:
+            for data in parts:
+                self.spool.add(data)
+            if last:
+                self.spool.finish()
+        except OSError as error:
+            self.full = True
+            what = say("{path!r} takes no more lines ({reason}); the stream ends here", path=self.spool.path,
+                       reason=error.strerror or str(error))  # fmt: skip
+            self.findings.append(Finding("disk", what, remedy=say("free some space, or keep the lines on another disk "
+                                                                  "({option})", option=spelled("--record PATH", "record="))))  # fmt: skip
+            yield str(self.findings[-1])
 
     def report(self) -> str:
         """Length, coefficients so far, and when more will be known."""
@@ -176,8 +194,11 @@ class Watch:
             self.spool.close()
 
     def _study(self) -> Study:
-        if self.spool is None or not self.spool.rows:
+        if self.spool is None or not self.spool.came:
             raise DataError(say("{target!r} sent no samples", target=self.target))
+        if not self.spool.rows:
+            raise DataError(say("{target!r} sends no rows of numbers; a binary or packed file is for {command}",
+                                target=self.target, command=f"'allanite analyze {self.target}'"))  # fmt: skip
         if self.latest is None or self._rows != self.spool.rows:
             self._rows = self.spool.rows
             self.latest = analyze(self.spool, self.recipe)
@@ -227,10 +248,11 @@ class Watch:
                 feed = Feed(opened(self.target, self.settings.baud))
             except DataError:
                 continue
-            lost = round((time.monotonic() - begun) * self._rate)
+            lost = 0
             with suppress(DataError):
-                if self._recent()[0].start is None:  # time stamps tell it themselves
-                    self.spool.skip(lost)
+                stamped = self._recent()[0].start is not None  # time stamps tell it themselves
+                lost = round((time.monotonic() - begun) * self._rate)
+                self.spool.skip(0 if stamped else lost)
             yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
             break
         return feed

@@ -143,6 +143,16 @@ def test_blocks_are_compared_with_each_other():
     assert "level" not in {f.name for f in looked(pieces.blocks(cut_at([], values_of("rate")), BLOCK), record)}
 
 
+@pytest.mark.parametrize("value", [np.inf, 1e200])
+def test_impossible_values_are_refused_wherever_they_are(value):
+    y = values_of("rate")
+    y[3000] = value
+    with patch.object(inspector, "BLOCK", BLOCK):
+        (finding,) = looked(pieces.blocks(cut_at([], y), BLOCK), record_of("rate"))
+    assert finding.fatal
+    assert finding.name == "range"
+
+
 def test_samples_that_are_missing_make_no_blocks():
     y = values_of("rate")
     found = list(pieces.blocks([(0, [y[:100]]), (5000, [y[100:150]])], BLOCK))

@@ -1,5 +1,7 @@
 """allanite watch: what is analyzed of a file, also while it comes; moved once, unplugged once, with torn lines."""
 
+import errno
+import gzip
 import json
 import os
 import signal
@@ -20,6 +22,7 @@ from allanite.cli import main
 from allanite.readers.live import opened
 from allanite.readers.spool import Spool
 from allanite.study.watching import Watch, WatchSettings, lasting
+from allanite.web.requests import Request, accepted
 
 RATE = 1000
 HOW = ["--rate", str(RATE), "--unit", "deg/h", "--refresh", "1"]
@@ -186,8 +189,7 @@ def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     assert "3000 of 23000" in study["x"].quality.findings[0].what
 
 
-@pytest.mark.parametrize("kind", ["rate", "angle"])
-@pytest.mark.parametrize("outliers", [None, "mark", "keep"])
+@pytest.mark.parametrize(("kind", "outliers"), [("rate", None), ("angle", "mark"), ("rate", "keep")])
 def test_watch_is_analyze_of_what_came(tmp_path, kind, outliers):
     values = np.random.default_rng(3).normal(size=20_000)
     values[[7, 14_000]] += 1000.0, -8.0
@@ -260,6 +262,59 @@ def test_what_came_is_kept_if_asked(tmp_path):
     assert again.exit_code == 2
     assert "kept.csv' already exists" in again.stderr
     assert CliRunner().invoke(main, [*words, "--force"]).exit_code == 0
+    before = path.read_bytes()
+    itself = CliRunner().invoke(main, [*words[:-1], str(path), "--force"])
+    assert itself.exit_code == 2
+    assert "--record would overwrite the input" in itself.stderr
+    assert path.read_bytes() == before
+
+
+def test_the_page_names_no_file_to_write():
+    assert "record" not in accepted("watch")
+    with pytest.raises(al.UsageError, match="unknown key 'record'"):
+        Request.of("watch", {"record": "lines.txt"})
+
+
+def test_a_full_disk_ends_the_stream_with_what_came(tmp_path, monkeypatch):
+    path = tmp_path / "log.txt"
+    path.write_bytes(lines_of(np.random.default_rng(3).normal(size=30_000)))
+    limit, real = 100_000, Spool.__init__
+
+    def small(spool, *args, **options):
+        real(spool, *args, **options)
+        file = spool._file
+
+        def write(data):
+            room = limit - os.fstat(file.fileno()).st_size
+            if room <= 0:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            return file.write(data[:room])
+
+        spool._file = SimpleNamespace(write=write, truncate=file.truncate, seek=file.seek, close=file.close)
+
+    monkeypatch.setattr(Spool, "__init__", small)
+    watch = Watch(str(path), al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=0.5))
+    with closing(watch):
+        said = list(watch.events())
+        study = watch.study()
+    assert "takes no more lines (No space left on device); the stream ends here" in said[1]
+    assert "disk" in {finding.name for finding in study.findings}
+    assert 0 < study[0].record.size < 30_000
+    assert study[0].fit["N"].status == "identified"
+
+
+def test_the_time_without_a_port_is_a_gap_from_the_first_second_on(monkeypatch):
+    """A device that is gone before anything was looked at: the rate is found then."""
+    watch = Watch("port", al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=5.0))
+    watch.spool = Spool("port")
+    watch.spool.add(lines_of(np.random.default_rng(3).normal(size=1000)))
+    monkeypatch.setattr("allanite.study.watching.opened", lambda *_: SimpleNamespace())
+    monkeypatch.setattr("allanite.study.watching.Feed", lambda _: "feed")
+    with closing(watch):
+        (said,) = watch._again(SimpleNamespace(close=list))
+        rows = Path(watch.spool.path).read_bytes().splitlines()
+    lost = int(said.split("; ")[1].split()[0])
+    assert 50 <= lost == rows.count(b"nan")
 
 
 @pytest.mark.parametrize(
@@ -322,6 +377,14 @@ def test_the_lines_of_a_file_are_kept_as_they_are():
 def test_the_last_rows_are_read_below_the_headings():
     _, spool = spooled(b"t,gx\n" + b"".join(b"%d,%d\n" % (i, i) for i in range(100)))
     assert spool.tail(2) == (b"t,gx\n98,98\n99,99\n", 98)
+
+
+def test_a_file_that_is_no_text_is_named_for_what_it_is(tmp_path):
+    path = tmp_path / "log.csv.gz"
+    path.write_bytes(gzip.compress(lines_of(np.random.default_rng(3).normal(size=2000)), mtime=0))
+    with pytest.raises(al.DataError, match="sends no rows of numbers; a binary or packed file is for 'allanite"):
+        watched(path)
+    assert al.analyze(path, al.Recipe(rate=100.0, unit="deg/h"))[0].fit is not None  # the cure
 
 
 def test_what_has_no_lines_is_refused():
