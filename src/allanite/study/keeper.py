@@ -17,6 +17,7 @@ from allanite.core.header import Header
 from allanite.core.plain import Portable
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
+from allanite.identification.checks.contradiction import MeasuredCurve
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.statistics.spectra.raw_spectrum import Raw
@@ -25,7 +26,6 @@ from allanite.stream.accumulator import Accumulator, streamable
 from allanite.stream.curve import grid
 
 from .recipe import Recipe
-from .results import Noise
 
 Taus = str | tuple[float, ...]
 
@@ -68,10 +68,10 @@ class Keeper:
                     f"{spelled('--memory', 'memory=')}"
                 )
         kind = "increment" if head.integrated else head.kind
-        self.head, self.spectrum = head, spectrum
+        self.head, self.spectrum, self.wanted = head, spectrum, len(dict.fromkeys(statistics))
         self.streams = [
             Accumulator(head.rate, head.unit, kind, scale=head.scale, name=head.name, statistic=name)
-            for name in dict.fromkeys(statistics)
+            for name in (dict.fromkeys((*statistics, "oadev")) if statistics else ())  # by which the fit is judged
         ]
         self.clean: Accumulator | None = None
 
@@ -105,14 +105,19 @@ class Keeper:
         for stream in self._all:
             stream.like = replace(stream.like, rate=rate)
 
-    def noise(self, recipe: Recipe) -> Noise:
+    def fit(self, recipe: Recipe) -> Fit:
         """The noise, without the outliers that were left out."""
         masks = demand_pieces(recipe.mask, "Hz") if recipe.mask else ()
-        return Noise((self.clean or self.streams[0]).fit(recipe.terms, band=recipe.band, masks=masks))
+        return (self.clean or self.streams[0]).fit(recipe.terms, band=recipe.band, masks=masks)
+
+    def measured(self, fit: Fit) -> MeasuredCurve:
+        """The Allan deviation, by which a fit is judged."""
+        curve = next(stream for stream in self.streams if stream.row.name == "oadev").curve(fit)
+        return MeasuredCurve(chosen(curve, "octave"), lambda m: chosen(curve, "log", tuple(m.tolist())))
 
     def curves(self, noise: Fit | None, taus: Taus, m: tuple[int, ...] | None = None) -> tuple[Curve, ...]:
         """The curve of each statistic, with intervals under a noise."""
-        return tuple(chosen(stream.curve(noise), taus, m) for stream in self.streams)
+        return tuple(chosen(stream.curve(noise), taus, m) for stream in self.streams[: self.wanted])
 
     def raw(self) -> Raw:
         """The densities."""

@@ -9,13 +9,14 @@ from allanite.core.limits import Stored, Widened
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
 from allanite.core.validity import UNEXPLAINED, Band
-from allanite.identification.checks.contradiction import contradictions, held
+from allanite.identification.checks.contradiction import MeasuredCurve, contradictions, held, measured, not_rounding
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import identify
 from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS, WHITE
 
+from .keeper import Inspected
 from .recipe import Recipe
 from .results import Noise
 
@@ -28,14 +29,20 @@ def graded(noise: Noise, record: Record) -> Noise:
     fit, noise = replace(noise.fit, checked=left.grade), replace(noise, leftover=Stored(left))
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))
-    for symbol, reason in contradictions(fit, record).items():
+    seen = measured(fit, record)
+    for symbol, reason in (contradictions(fit, seen) | not_rounding(fit, record)).items():
         fit = fit.invalid(reason, (symbol,))
     if any(finding.name == "correlation" for finding in left.findings):
         angle = [e.symbol for e in fit if e.claimed and TERMS[e.symbol].edge]
         fit = fit.invalid(say("the residuals are not white: the noise rises with frequency in another way"), angle)
     if any(finding.name == "heavy tails" for finding in left.findings):
         fit = widened(fit, math.sqrt(1 + left["kurtosis"].value / 2))
-    until = held(fit, record)
+    return replace(noise, fit=_valid_until(fit, measured(fit, record)))
+
+
+def _valid_until(fit: Fit, seen: MeasuredCurve) -> Fit:
+    """The fit, with the averaging time up to which the measured curve shows it; not valid where it does at none."""
+    until = held(fit, seen)
     if until == 0:
         nowhere = say("the deviation of these terms is that of the record at no averaging time")
         claimed = [e.symbol for e in fit if e.claimed]
@@ -43,7 +50,7 @@ def graded(noise: Noise, record: Record) -> Noise:
         fit = fit.invalid(nowhere, claimed).invalid(REJECTED, others)
     if fit.scope is not None:
         fit = replace(fit, scope=replace(fit.scope, until=until))
-    return replace(noise, fit=fit)
+    return fit
 
 
 def widened(fit: Fit, factor: float) -> Fit:
@@ -116,3 +123,19 @@ def noise_of(
     if fit.goodness is None:
         return Noise(fit)
     return graded(Noise(fit, partial(residuals, record, fit, outliers=outliers)), record)
+
+
+def noise_in(seen: Inspected, recipe: Recipe) -> Noise:
+    """The noise of a channel, in memory or read in parts; parameters and exceptions are those of `noise_of`.
+
+    Of a record that is read in parts the curve alone judges the coefficients.
+    """
+    if seen.keeper is None:
+        return noise_of(seen.record, recipe)
+    fit = seen.keeper.fit(recipe)
+    noise, curve = Noise(fit), seen.keeper.measured(fit)
+    if noise.validity == UNEXPLAINED:
+        return replace(noise, fit=fit.invalid(REJECTED))
+    for symbol, reason in contradictions(fit, curve).items():
+        fit = fit.invalid(reason, (symbol,))
+    return replace(noise, fit=_valid_until(fit, curve))

@@ -28,7 +28,7 @@ from .channels import Inspected, Progress, Source, run
 from .hybrid_bias import joints
 from .job import Job
 from .keeper import STRIDES, WHOLE, Keeper, demand_grid, demand_sums
-from .noise import noise_of
+from .noise import noise_in
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 from .results import ChannelResult
 from .settings import DensityChoices, DeviationChoices, WindowChoices
@@ -266,7 +266,7 @@ def survey(
         noise, alerts, keeper = None, tuple[str, ...](), seen.keeper
         if settings.fitted:
             try:
-                noise = noise_of(seen.record, recipe) if keeper is None else keeper.noise(recipe)
+                noise = noise_in(seen, recipe)
                 alerts = noise.doubts
             except DataError as error:
                 alerts = (say("noise not identified, so no model is shown: {reason}", reason=str(error)),)

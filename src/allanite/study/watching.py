@@ -141,8 +141,9 @@ class Watch:
             self.full = True
             what = say("{path!r} takes no more lines ({reason}); the stream ends here", path=self.spool.path,
                        reason=error.strerror or str(error))  # fmt: skip
-            self.findings.append(Finding("disk", what, remedy=say("free some space, or keep the lines on another disk "
-                                                                  "({option})", option=spelled("--record PATH", "record="))))  # fmt: skip
+            remedy = say("free some space, or keep the lines on another disk ({option})",
+                         option=spelled("--record PATH", "record="))  # fmt: skip
+            self.findings.append(Finding("disk", what, remedy=remedy))
             yield str(self.findings[-1])
 
     def report(self) -> str:

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import butter, lfilter
 
 import allanite as al
-from allanite.identification.checks.contradiction import contradictions, held
+from allanite.identification.checks.contradiction import held, measured, not_rounding
 from allanite.study.noise import noise_of
 
 RATE = 100.0
@@ -144,7 +144,7 @@ def test_angle_noise_beyond_the_rounding_is_not_valid():
     noise = noise_of(rounded, al.Recipe())
     assert noise.fit["Q"].status == "not valid"
     assert "times what the steps of the samples can cause" in noise.fit["Q"].reason
-    assert contradictions(al.identify(record), record) == {}  # no known step
+    assert not_rounding(al.identify(record), record) == {}  # no known step
 
 
 def test_a_hump_near_half_the_rate_is_no_angle_noise():
@@ -178,9 +178,9 @@ def test_a_random_walk_is_no_steps():
 def test_a_model_is_not_drawn_where_the_curve_is_another():
     record = made("N 0.6 deg/sqrt(h), K 2000 deg/h/sqrt(h)", 2**15, RATE, 1)
     fit = al.identify(record)
-    assert held(fit, record) is None
+    assert held(fit, measured(fit, record)) is None
     stripped = fit.invalid("for a test", ("K", "B", "R"))
-    until = held(stripped, record)
+    until = held(stripped, measured(stripped, record))
     assert 1 < until < 100
     from dataclasses import replace
 

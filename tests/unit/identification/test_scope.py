@@ -7,7 +7,7 @@ from scipy.signal import iirpeak, lfilter
 import allanite as al
 from allanite.core.estimate import Estimate
 from allanite.core.validity import GRADES, Scope, demand_band, worst
-from allanite.identification.checks.contradiction import contradictions
+from allanite.identification.checks.contradiction import contradictions, measured
 from allanite.study.noise import noise_of
 
 RATE = 100.0
@@ -108,12 +108,12 @@ def test_a_coefficient_above_the_curve_is_not_valid():
     record = al.Record(white(2**14, 7), RATE, "rad/s")
     fit = al.identify(record)
     curve = al.deviation(record, "oadev", taus="octave")
-    assert contradictions(fit, record) == {}
+    assert contradictions(fit, measured(fit, record)) == {}
     signal = fit.signal
     high = 10 * float(curve.deviation.max())
     wrong = Estimate("B", signal, high, high / 100, "identified", None, "test", lambda level: (0.98 * high, high))
     lying = al.Fit((fit["N"], wrong), "test", signal, fit.model, scope=fit.scope)
-    ((symbol, reason),) = contradictions(lying, record).items()
+    ((symbol, reason),) = contradictions(lying, measured(lying, record)).items()
     assert symbol == "B"
     assert "upper limit of the measured one" in reason
     after = lying.invalid(reason, ("B",))

@@ -93,6 +93,26 @@ def test_the_study_has_the_coefficients_of_the_whole(file):
     assert mine.provenance["sha256"] == whole.provenance["sha256"]
 
 
+def test_a_coefficient_that_the_curve_contradicts_is_no_result_in_parts(tmp_path):
+    """Pulses of the bias are K by the likelihood of the octaves, but the curve falls again."""
+    values = np.random.default_rng(1).normal(size=N)
+    for begin in (N // 8, 3 * N // 8, 5 * N // 8):
+        values[begin : begin + N // 10] += 0.6
+    np.save(tmp_path / "pulses.npy", values)
+    mine = al.analyze(tmp_path / "pulses.npy", PARTS)[0]
+    assert mine.fit["K"].status == "not valid"
+    assert mine.fit.scope.until < 10.0
+
+
+def test_nothing_is_claimed_by_a_model_that_does_not_explain_a_record_in_parts(tmp_path):
+    values = np.random.default_rng(1).normal(size=N)
+    values[N // 2 :] += np.sin(np.arange(N // 2) / 60.0)
+    np.save(tmp_path / "sway.npy", values)
+    mine = al.analyze(tmp_path / "sway.npy", PARTS)[0]
+    assert not mine.explained
+    assert not any(e.claimed for e in mine.fit)
+
+
 def test_nothing_is_done_in_silence(file):
     study = al.analyze(file, PARTS)
     said = " ".join(table(study).split())

@@ -1,6 +1,8 @@
 """Coefficients that contradict the measured curve, whatever the likelihood says."""
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,14 +29,29 @@ ROUNDED = 3.0
 """Quantization noise over that of the step of the samples, at most."""
 
 
-def contradictions(fit: Fit, record: Record) -> dict[str, str]:
-    """Why the record contradicts coefficients, by symbol.
+@dataclass(frozen=True)
+class MeasuredCurve:
+    """The measured Allan deviation: at octaves, and with its limits under a fit at the averaging factors asked for."""
+
+    octaves: Curve
+    limited: Callable[[IntArray], Curve]
+
+
+def measured(fit: Fit, record: Record) -> MeasuredCurve:
+    """The deviation of a record; a point of which the joints over gaps leave nothing contradicts nothing."""
+    return MeasuredCurve(
+        deviation(record, "oadev", taus="octave", noise=None),
+        lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
+    )
+
+
+def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
+    """Why the measured curve contradicts coefficients, by symbol.
 
     A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
     than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
-    Quantization cannot exceed that of the step of the samples.
     """
-    curve = deviation(record, "oadev", taus="octave", noise=None)
+    curve = seen.octaves
     # averaging times at which the terms themselves are measured
     shortest, longest = (0.0, np.inf) if fit.scope is None else fit.scope.times
     inside = np.asarray((curve.tau >= shortest) & (curve.tau <= longest))
@@ -42,16 +59,15 @@ def contradictions(fit: Fit, record: Record) -> dict[str, str]:
     # after a filter the curve does not show angle noise
     shown = [e for e in fit if e.claimed and not (filtered and TERMS[e.symbol].edge)]
     alone = {e.symbol: own for e in shown if (own := _alone(e, curve)) is not None}
-    found = _not_rounding(fit, record)
     # an upper limit is above what was measured: it is computed only where a term exceeds that
     above = inside & np.any([own > curve.deviation for own in alone.values()], axis=0)
     if not above.any():
-        return found
-    limited = _limited(record, fit, curve.m[above])
+        return {}
+    limited = seen.limited(curve.m[above])
     above &= np.isin(curve.m, limited.m)
     upper = limited.upper(SURE) if above.any() else np.empty(0)
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
-    contradicted = {
+    return {
         symbol: say(
             "at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times the "
             "upper limit of the measured one",
@@ -61,28 +77,22 @@ def contradictions(fit: Fit, record: Record) -> dict[str, str]:
         for symbol, ratio in excess.items()
         if (ratio > 1).any()
     }
-    return contradicted | found
 
 
-def _limited(record: Record, fit: Fit, m: IntArray) -> Curve:
-    """The deviation with its limits; a point of which the joints over gaps leave nothing contradicts nothing."""
-    return deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True)
-
-
-def held(fit: Fit, record: Record) -> float | None:
+def held(fit: Fit, seen: MeasuredCurve) -> float | None:
     """The longest averaging time, s, at which the deviation of the valid terms agrees with the measured one.
 
     None if it agrees at all within the scope of the fit.
     """
     if fit.valid is None:
         return None
-    curve = deviation(record, "oadev", taus="octave", noise=None)
+    curve = seen.octaves
     own = np.sqrt(expected(fit.valid, "oadev", curve.tau, rate=curve.rate, size=curve.size))
     # without a term that was struck out, the rest is not to be drawn below the curve
     agrees = STRICT if any(e.status == "not valid" and not TERMS[e.symbol].edge for e in fit) else AGREES
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
     far = holds & ((own > agrees * curve.deviation) | (own < curve.deviation / agrees))
-    limited = _limited(record, fit, curve.m[far]) if far.any() else None
+    limited = seen.limited(curve.m[far]) if far.any() else None
     if limited is None or not limited.m.size:
         return None
     far &= np.isin(curve.m, limited.m)
@@ -92,8 +102,8 @@ def held(fit: Fit, record: Record) -> float | None:
     return float(before.max(initial=0.0)) if wrong.size else None
 
 
-def _not_rounding(fit: Fit, record: Record) -> dict[str, str]:
-    """Why angle noise is not the rounding of the samples."""
+def not_rounding(fit: Fit, record: Record) -> dict[str, str]:
+    """Why angle noise is not the rounding of the samples, by symbol: it exceeds that of their step."""
     step = grid(record.values[np.isfinite(record.values)])[1] * record.factor
     if not step:
         return {}
