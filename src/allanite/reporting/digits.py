@@ -110,10 +110,11 @@ _SIGNS = (
     (re.compile(r"\^(-?[\d.]+)"), lambda power: power[1].translate(RAISED)),
 )
 _ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
-_ASCII = str.maketrans({
-    "°": "deg", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..", "τ": "tau", "√": "sqrt",
-})  # fmt: skip
-WRITTEN = "°√µ²·⁵±≤≥≈−×…τ"
+_ASCII = {
+    "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
+    "τ": "tau",
+}  # fmt: skip
+WRITTEN = "µ²³·⁵" + "".join(_ASCII)
 """Signs of results: an encoding that lacks one of them has ASCII instead."""
 
 
@@ -160,7 +161,7 @@ def in_ascii(text: str) -> str:
     >>> in_ascii("±0.3° at 3 °/√h"), in_ascii("≤ 1.2 µg")
     ('+-0.3 deg at 3 deg/sqrt(h)', '<= 1.2 ug')
     """
-    return plain_letters(re.sub(r"(?<=\d)°", " °", text)).translate(_ASCII)
+    return plain_letters(re.sub(r"(?<=\d)°", " °", text)).translate(str.maketrans(_ASCII))
 
 
 def printed_number(cell: str) -> str:
@@ -178,10 +179,13 @@ def printed_number(cell: str) -> str:
 
 def printed(cell: str, kind: str) -> str:
     """A cell as it is printed, by the kind of its column; names are left as they are."""
-    shown = printable(cell)
-    if kind == "unit":
-        return printed_unit(shown)
+    shown = with_units(printable(cell), kind)
     return printed_number(shown) if kind in ("number", "interval") else shown
+
+
+def with_units(cell: str, kind: str) -> str:
+    """A cell with its units as they are printed; names are left as they are."""
+    return printed_unit(cell) if kind in ("unit", "number", "interval") else cell
 
 
 def printed_heading(heading: str) -> str:

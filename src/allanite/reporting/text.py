@@ -15,9 +15,9 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from allanite.core.estimate import STATUSES
-from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.phrase import say
 
-from .digits import in_ascii, printable, printed_heading, printed_unit
+from .digits import in_ascii, printable, printed_heading, with_units
 from .language import tr
 from .sheet import Code, Column, Face, Note, Part, Table
 
@@ -121,7 +121,7 @@ def _heading(column: Column) -> str:
 
 
 def _cell(column: Column, cell: str) -> str:
-    return _plain(printed_unit(cell) if column.kind == "unit" and not isinstance(cell, Phrase) else cell)
+    return _plain(with_units(tr(cell), column.kind))
 
 
 def prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str = "") -> Iterator[Text]:
