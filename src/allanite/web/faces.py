@@ -9,6 +9,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term, coefficient_factor
 from allanite.reporting import words
+from allanite.reporting.digits import printed_unit
 from allanite.reporting.figures.panels import CurvePanel, panels_of, points
 from allanite.reporting.html import pieces
 from allanite.reporting.language import speaking, tr
@@ -72,7 +73,7 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
             "statistic": panel.curve.statistic,
             "title": tr(STATISTICS[panel.curve.statistic].title),
             "facts": tr(panel.facts),
-            "unit": panel.unit,
+            "unit": printed_unit(panel.unit),
             "level": level,
             "tau": listed(shown.tau),
             "deviation": listed(shown.deviation),
@@ -96,7 +97,7 @@ def _term(panel: CurvePanel, term: Term, tau: Any) -> dict[str, Any]:
         "color": term.row.color,
         "dark": term.row.dark,
         "value": term.to(unit),
-        "unit": unit,
+        "unit": printed_unit(unit),
         "tau": listed(tau),
         "deviation": listed(panel.expected(term, tau)),
     }
@@ -117,7 +118,7 @@ def _guides(panel: CurvePanel, tau: Any) -> list[dict[str, Any]]:
         if np.isfinite(deviation).any():
             found.append(
                 {"symbol": row.symbol, "title": tr(words.title(row.symbol, signal)), "color": row.color,
-                 "dark": row.dark, "slope": row.slope, "unit": unit, "tau": listed(tau),
+                 "dark": row.dark, "slope": row.slope, "unit": printed_unit(unit), "tau": listed(tau),
                  "deviation": listed(deviation)}
             )  # fmt: skip
     return found

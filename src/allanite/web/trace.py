@@ -15,6 +15,7 @@ from allanite.core.record import Record, Recording
 from allanite.core.units import convert
 from allanite.prepare.outliers import outliers
 from allanite.prepare.view import stretches
+from allanite.reporting.digits import printed_unit
 
 FACTOR = 16
 """Samples of a stretch, and stretches of the next longer one."""
@@ -93,7 +94,7 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     found = _part(folder / "trace" / f"{i}.{level}.npy", (first, last, FACTOR**level), points)
     times, low, high = found
     return {
-        "channel": one["name"], "channels": names, "unit": one["unit"], "rate": one["rate"],
+        "channel": one["name"], "channels": names, "unit": printed_unit(one["unit"]), "rate": one["rate"],
         "duration": one["size"] / one["rate"], "t": (times / one["rate"]).tolist(),
         "low": _listed(low + one["offset"]), "high": _listed(high + one["offset"]),
         "gaps": [gap for gap in one["gaps"] if gap[1] > first / one["rate"] and gap[0] < last / one["rate"]],
