@@ -55,7 +55,7 @@ def gl1_run(seed: int, warm_up: float = 0.0) -> Experiment:
 
 def exact(method: str) -> float:
     """Standard deviation on the GL-1, from the covariance alone, deg/h."""
-    return predicted_standard_error(method, GL1.model, n=N, rate=RATE, options=OPTIONS) / ARCSEC
+    return predicted_standard_error(method, GL1.model, size=N, rate=RATE, options=OPTIONS) / ARCSEC
 
 
 def deviations(found: Experiment) -> list[float]:
@@ -101,7 +101,7 @@ def efficiency() -> Table:
     for rho in RHO:
         model = white + al.Q(rho * white.value * math.sqrt(T), "rad")
         errors = [
-            predicted_standard_error(m, model, n=N, rate=RATE) for m in ("mean", "hamming", "regression", "optimal")
+            predicted_standard_error(m, model, size=N, rate=RATE) for m in ("mean", "hamming", "regression", "optimal")
         ]
         rows.append((f"{rho:g}", *(f"{error / errors[-1]:.4g}" for error in errors[:-1])))
     return ("sigma / (N sqrt T)", "mean", "hamming", "regression"), rows
@@ -149,7 +149,7 @@ def bounds() -> Table:
         if target == "start" and not set(symbols) & set("BK"):
             continue
         model = al.Model(tuple(SIZES[s] for s in symbols))
-        seconds, found = timed(partial(predicted_standard_error, "optimal", model, n=N, rate=RATE, target=target))
+        seconds, found = timed(partial(predicted_standard_error, "optimal", model, size=N, rate=RATE, target=target))
         start = time.perf_counter()
         bound = levinson_bound(model, target)
         slow = time.perf_counter() - start
@@ -214,8 +214,8 @@ def predictions(records: int) -> Table:
 
 def speed() -> Table:
     full = al.Model(tuple(SIZES.values()))
-    seconds, _ = timed(lambda: predicted_standard_error("optimal", full, n=N, rate=RATE))
-    million, _ = timed(lambda: predicted_standard_error("optimal", full, n=10**6, rate=RATE), times=1)
+    seconds, _ = timed(lambda: predicted_standard_error("optimal", full, size=N, rate=RATE))
+    million, _ = timed(lambda: predicted_standard_error("optimal", full, size=10**6, rate=RATE), times=1)
     record = al.simulate_ring_laser(GL1, TRUE, 94 * N, RATE, rng=np.random.default_rng(1))
     whole, _ = timed(lambda: experiment(record, GL1.model), times=1)
     single = al.Record(record.values[:N], rate=RATE, unit="arcsec", kind="count", scale=PULSE)

@@ -13,7 +13,7 @@ term = al.N(0.3, "deg/sqrt(h)")
 assert_type(term, al.Term)
 model = term + al.B(1.0, "deg/h")
 assert_type(model, al.Model)
-assert_type(al.parse_model("N 0.3 deg/sqrt(h)"), al.Model)
+assert_type(al.Model("N 0.3 deg/sqrt(h)"), al.Model)
 assert_type(al.sensor("fog"), al.Model)
 
 recording = al.read("gyro.csv", rate=100.0, unit="deg/s", channels=["gx"])

@@ -23,7 +23,7 @@ TOPICS: dict[str, tuple[str, str]] = {
     ),
     "streaming": ("Streams", "Accumulator"),
     "spectra": ("Power spectral density", "spectrum deviation_of_spectrum Welch Multitaper Spectrum"),
-    "models": ("Models of noise", f"{' '.join(TERMS)} Term Model parse_model sensor"),
+    "models": ("Models of noise", f"{' '.join(TERMS)} Term Model sensor"),
     "simulating": ("Simulation and faults", "simulate faults simulate_ring_laser RingLaser"),
     "planning": (
         "Planning, self-check, Kalman filter",

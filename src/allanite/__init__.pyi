@@ -55,7 +55,6 @@ from .core.model import R as R
 from .core.model import Sine as Sine
 from .core.model import Term as Term
 from .core.model import W as W
-from .core.notation import parse_model as parse_model
 from .core.plain import from_dict as from_dict
 from .core.record import Record as Record
 from .core.record import Recording as Recording

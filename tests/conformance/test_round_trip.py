@@ -45,8 +45,8 @@ from allanite.study.theory import TheorySettings
 from allanite.terms import TERMS
 
 LEVEL = 0.9
-WHITE_AND_WALK = [al.parse_model("N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
-                  al.parse_model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")]  # fmt: skip
+WHITE_AND_WALK = [al.Model("N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
+                  al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")]  # fmt: skip
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.5, "deg/h") + al.Sine(3, "deg/h", frequency=0.5)
 
 
@@ -339,7 +339,7 @@ MAKERS = {
     "Residuals": residuals,
     "Properties": lambda: properties("theo1", 200),
     "Closeup": lambda: closeup(al.simulate_ring_laser(al.GL1, 12.0, 2000, 400.0, rng=np.random.default_rng(1))),
-    "Expectation": lambda: expectation(al.parse_model(WHITE), rate=10.0, size=200),
+    "Expectation": lambda: expectation(al.Model(WHITE), rate=10.0, size=200),
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
     "Scope": lambda: filtered().scope,
     "SelfCheck": selfcheck,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from allanite.phrases.phrase import join, say
 
+from .aliases import aliased
 from .arrays import FloatArray, complete
 from .errors import DataError, UsageError, given
 from .finding import Finding
@@ -110,6 +111,12 @@ class Record(Value):
         object.__setattr__(self, "rate", float(self.rate))
         object.__setattr__(self, "factor", unit.factor * (1.0 if self.scale is None else float(self.scale)))
         object.__setattr__(self, "signal", signal)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.values, dtype=dtype, copy=copy)
 
     @property
     def size(self) -> int:
@@ -230,6 +237,9 @@ class Record(Value):
         """
         kind = "increment" if self.kind == "count" and values.dtype.kind == "f" else self.kind
         return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
+
+
+Record.__init__ = aliased(Record.__init__)  # type: ignore[method-assign]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

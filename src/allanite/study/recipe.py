@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choice_kinds import BAND, LINES, RANGES, WORD, WORTH, ChoiceKind, pieces
+from allanite.core.choice_kinds import BAND, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, pieces
 from allanite.core.choices import choice, demand_choices, named
 from allanite.core.errors import UsageError
 
@@ -44,12 +44,6 @@ def _unit(unit: str | Mapping[str, str]) -> str:
     from allanite.readers.options import stated_unit
 
     return str(_stated("unit")(stated_unit(unit)))
-
-
-def _level(level: float) -> float:
-    if not 0 < level < 1:
-        raise UsageError(f"a confidence level must be between 0 and 1, not {level!r}")
-    return level
 
 
 def _units_shown(units: tuple[str, ...]) -> tuple[str, ...]:
@@ -129,7 +123,7 @@ class Recipe:
         told="half of what is available", group="selecting", demand=_checked("readers.memory.bytes_of"))
     statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve")
     taus: str | tuple[float, ...] = grid("log")
-    terms: str = choice("QNBKR", "Noise terms to look for.", default="auto", group="identifying")
+    terms: str = choice("QNBKR", "Noise terms to look for.", kind=SYMBOLS, default="auto", group="identifying")
     method: str = choice(
         "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",
         group="identifying", parts=("whittle",))
@@ -142,7 +136,8 @@ class Recipe:
     mask: str | tuple[tuple[float, float], ...] | None = choice(
         "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.", kind=pieces("Hz"),
         group="identifying")
-    level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying", demand=_level)
+    level: float = choice("", "Confidence level of intervals.", default=0.95,
+        group="identifying", demand=_checked("core.limits.demand_level"))
     device: str | None = choice(
         "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
         demand=_checked("interpretation.devices.device"))
@@ -182,6 +177,10 @@ class Recipe:
                 raise UsageError(f"unknown key {key!r} in the recipe; known keys: {', '.join(known)}")
         values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in data.items()}
         return cls(**values)
+
+    def but(self, choices: Mapping[str, Any]) -> "Recipe":
+        """The recipe with other choices, by their keys."""
+        return Recipe.from_dict(self.to_dict() | dict(choices)) if choices else self
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Recipe":
