@@ -258,7 +258,7 @@ def test_what_is_no_model_is_refused_by_name(noise):
         lambda: al.bound(noise, 100, 1.0),
         lambda: al.plan(noise, 1.0),
         lambda: al.selfcheck(noise, 100, 1.0, rng=np.random.default_rng(1)),
-        lambda: al.rate.rank(noise, size=100, rate=1.0),
+        lambda: al.constant_rate.rank(noise, size=100, rate=1.0),
     ]
     came = repr(noise) if isinstance(noise, str) else type(noise).__name__
     for call in calls:

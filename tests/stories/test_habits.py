@@ -52,6 +52,7 @@ WORKS = (
     ("al.deviation(x, 'mdev', fs=100, taus=[0.1, 1.0])", lambda c: c.tau.tolist() == [0.1, 1.0]),
     ("al.deviation(df['gx [deg/s]'], rate=100)", lambda c: c.unit == "rad/s"),
     ("al.deviation(timed['gx [deg/s]'])", lambda c: c.tau[0] == pytest.approx(1 / RATE)),
+    ("al.constant_rate.estimate(x, 'mean', fs=100, unit='deg/s')", lambda found: found.duration == 20),
     ("al.spectrum(x, fs=100)", lambda s: s.frequency.max() < RATE / 2),
     ("al.dynamic(x, fs=100, window=5)", lambda s: s.deviation.ndim == 2),
     ("curve.to_dataframe()", lambda t: len(t) > 5 and "tau_s" in t),
@@ -74,6 +75,7 @@ WORKS = (
     ("al.analyze(df, rate=100)", lambda study: len(study.channels) == 2),
     ("al.analyze(path, fs=100, terms=['N', 'K'])['gx'].fit.N.to(SHOWN)", is_n),
     ("al.analyze(x, rate=100, unit='deg/s').to_dataframe()", lambda t: len(t) > 5),
+    ("al.analyze(np.stack([x, y], axis=1), rate=100, unit='deg/s').channels", lambda found: len(found) == 2),
     ("al.compare(x, y, rate=100, unit='deg/s')", lambda found: not found.pairs[0].changed),
     # models and simulation
     ("al.Model('N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)')['K'].value", lambda v: v > 0),
@@ -86,6 +88,8 @@ WORKS = (
 REFUSED = (
     ("al.identify(x, rate=100)", "type al.identify(x, rate=100, unit='deg/s')"),
     ("al.identify(x)", "type al.identify(x, rate=100, unit='deg/s')"),
+    ("al.analyze(x, rate=100, unit='deg/s', channels=['gx'])", "channels describes a file or a table, not an array"),
+    ("al.deviation(0.1, rate=100)", "deviation takes a record or samples, not a float"),
     ("al.deviation(x)", "type al.deviation(x, rate=100"),
     ("al.analyze(x, fs=100)", "type al.analyze(x, rate=100, unit='deg/s')"),
     ("al.deviation(x, rate=100, fs=100)", "rate and fs are the same: give one of them"),

@@ -42,7 +42,7 @@ def as_source(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> 
     call : str
         The function that was called, for messages.
     sampling : dict
-        Arguments of `Record` for an array or a column. For a table, and a column without them, those of `read`.
+        Arguments of `Record` for an array or a column; for a table, and a column without them, those of `read`.
     unit : str
         The unit of samples that are given without; empty if they need one.
 
@@ -55,26 +55,27 @@ def as_source(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> 
         if sampling:
             raise UsageError(f"a {type(source).__name__} has its own {' and '.join(sampling)}: omit what was given")
         return source
-    if isinstance(source, (str, os.PathLike)):
-        raise UsageError(
-            f"{call} takes samples, not a file; read it first: al.{call}(al.read({os.fspath(source)!r})[0])"
-        )
+    if isinstance(source, str | os.PathLike):
+        path = os.fspath(source)
+        raise UsageError(f"{call} takes samples, not a file; read it first: al.{call}(al.read({path!r})[0])")
     if hasattr(source, "to_frame") and _describes_itself(source, sampling):
         source = source.to_frame()
     if hasattr(source, "columns"):
         return import_module(READERS).read(source, **sampling)
+    if not np.ndim(source):
+        raise UsageError(f"{call} takes a record or samples, not a {type(source).__name__}")
     known: dict[str, Any] = {**({"unit": unit} if unit else {}), **sampling}
-    missing = [key for key in NEEDED if key not in known]
-    if missing:
+    for key in known.keys() - Sampling.__annotations__:
+        raise UsageError(f"{key} describes a file or a table, not an array")
+    if missing := [key for key in NEEDED if key not in known]:
         typed = ", ".join(f"{key}={value!r}" for key, value in {**EXAMPLE, **known}.items())
         needed = " and ".join(NEEDED[key] for key in missing)
         raise UsageError(f"an array does not have {needed}: type al.{call}(x, {typed})")
+    if np.ndim(source) == 2:
+        columns = enumerate(np.asarray(source).T, 1)
+        return Recording(tuple(Record(column, **{**known, "name": str(i)}) for i, column in columns))
     name = getattr(source, "name", None)
-    known = {"name": "" if name is None else str(name), **known}
-    array = np.asarray(source) if isinstance(source, (np.ndarray, list, tuple)) else None
-    if array is None or array.ndim != 2:
-        return Record(source, **known)
-    return Recording(tuple(Record(column, **{**known, "name": str(i)}) for i, column in enumerate(array.T, 1)))
+    return Record(source, **{"name": "" if name is None else str(name), **known})
 
 
 def _describes_itself(column: Any, sampling: Sampling) -> bool:

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
-from allanite.applications.rate.campaign import RateChannel, RateSettings, RateStudy
-from allanite.applications.rate.estimates import rate_factor
+from allanite.applications.constant_rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
+from allanite.applications.constant_rate.campaign import RateChannel, RateSettings, RateStudy
+from allanite.applications.constant_rate.estimates import rate_factor
 from allanite.core.errors import UndrawnError
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.applications.rate import (
+from allanite.applications.constant_rate import (
     RATE_ESTIMATORS,
     EstimatorSettings,
     ExperimentSettings,
@@ -19,8 +19,8 @@ from allanite.applications.rate import (
     experiment,
     predicted_standard_error,
 )
-from allanite.applications.rate.inputs import interval_of
-from allanite.applications.rate.measure import in_si, task_of
+from allanite.applications.constant_rate.inputs import interval_of
+from allanite.applications.constant_rate.measure import in_si, task_of
 from allanite.core.model import term
 from allanite.simulation.ring_laser import GL1
 
@@ -96,7 +96,7 @@ def test_the_staircase_of_counts_is_predicted():
         angle = np.r_[0, np.cumsum(steps)] + 0.3 * rng.standard_normal(N + 1)
         counts = np.diff(np.floor(angle / PULSE + rng.random())).astype(int)
         record = al.Record(counts, rate=RATE, unit="arcsec", kind="count", scale=PULSE)
-        errors.append(al.rate.estimate(record, "staircase").value - TURNING * ARCSEC)
+        errors.append(al.constant_rate.estimate(record, "staircase").value - TURNING * ARCSEC)
     predicted = predicted_standard_error("staircase", model, size=N, rate=RATE, options=options)
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(predicted, rel=0.11)
     assert 0.92 <= (np.abs(errors) < 1.959964 * predicted).mean() <= 0.98

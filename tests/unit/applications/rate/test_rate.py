@@ -10,7 +10,7 @@ from scipy.linalg import toeplitz
 from tests.reference import rate as referee
 
 import allanite as al
-from allanite.applications.rate import (
+from allanite.applications.constant_rate import (
     RATE_ESTIMATORS,
     TARGETS,
     EstimatorSettings,
@@ -18,10 +18,10 @@ from allanite.applications.rate import (
     predicted_standard_error,
     rank,
 )
-from allanite.applications.rate.measure import task_of
-from allanite.applications.rate.optimal import white_and_angle
-from allanite.applications.rate.predict import through_dither
-from allanite.applications.rate.setting import Task
+from allanite.applications.constant_rate.measure import task_of
+from allanite.applications.constant_rate.optimal import white_and_angle
+from allanite.applications.constant_rate.predict import through_dither
+from allanite.applications.constant_rate.setting import Task
 from allanite.statistics.moments.gls import autocovariance
 
 ARCSEC = math.pi / 180 / 3600

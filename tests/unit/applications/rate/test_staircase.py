@@ -8,8 +8,8 @@ import pytest
 from tests.reference import rate as referee
 
 import allanite as al
-from allanite.applications.rate import EstimatorSettings, estimate, predicted_standard_error
-from allanite.applications.rate.staircase import CUBE_ROOT, DITHERED
+from allanite.applications.constant_rate import EstimatorSettings, estimate, predicted_standard_error
+from allanite.applications.constant_rate.staircase import CUBE_ROOT, DITHERED
 
 ARCSEC = math.pi / 180 / 3600
 PULSE = 0.33

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any
 
 from allanite.applications.choices import RateChoices
-from allanite.applications.rate import (
+from allanite.applications.constant_rate import (
     Experiment,
     ExperimentSettings,
     North,

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import NamedTuple
 
-from allanite.applications.rate import rank
+from allanite.applications.constant_rate import rank
 from allanite.extending import (
     SHORTEST,
     TERMS,
