@@ -79,8 +79,7 @@ def compare(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> one, two = (
     ...     simulate(N(size, "deg/sqrt(h)"), 8192, 100.0, rng=np.random.default_rng(1)) for size in (0.3, 0.24)
     ... )
@@ -161,8 +160,7 @@ def pool(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> sizes = (0.3, 0.3, 0.36, 0.3)
     >>> runs = [
     ...     simulate(N(size, "deg/sqrt(h)"), 8192, 100.0, rng=np.random.default_rng(i))
@@ -205,8 +203,7 @@ def truncation(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> record = simulate(N(0.3, "deg/sqrt(h)"), 20_000, 100.0, rng=np.random.default_rng(1))
     >>> found = truncation(record, 100.0)
     >>> found.pairs[0].changed, found.pairs[0].whole["N"].status

@@ -27,7 +27,7 @@ class Averaged(Value):
 
     Examples
     --------
-    >>> from allanite.core.model import K, N
+    >>> from allanite import K, N
     >>> quiet, drifting = N(0.1, "deg/sqrt(h)"), N(0.1, "deg/sqrt(h)") + K(1, "deg/h/sqrt(h)")
     >>> both = averaged([quiet, drifting], [0.75, 0.25])
     >>> print(both.model)

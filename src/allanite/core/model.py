@@ -20,10 +20,19 @@ from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
 
 @dataclass(frozen=True, repr=False)
 class Term(Value):
-    """One noise term with its coefficient in SI.
+    """One noise term with its coefficient; terms add up to a model.
 
-    Terms add up to a model, each symbol at most once. `shape` holds the values of the row's `parameters`, SI: the time
-    constant of GM, GMA and W, natural frequency and damping of GM2, frequency and phase of Sine.
+    Attributes
+    ----------
+    symbol : str
+        A name in `TERMS`.
+    value : float
+        The coefficient, SI.
+    signal : Signal
+        The type of sensor.
+    shape : tuple of float
+        Values of the `parameters` of the term's row, SI: the time constant of GM, GMA and W, natural frequency and
+        damping of GM2, frequency and phase of Sine.
 
     Examples
     --------

@@ -41,7 +41,7 @@ LARGEST = 1e30
 class Record(Value):
     """One evenly sampled channel of an inertial sensor.
 
-    Parameters
+    Attributes
     ----------
     values : array, shape (n,)
         Samples in `unit`; integers for ``kind="count"``. NaN marks a missing sample and is kept.
@@ -60,6 +60,10 @@ class Record(Value):
     cut : float
         Time cut off before the first sample, s. Messages give
         times of the whole recording, as ``--from`` and ``--until`` take them.
+    signal : Signal
+        The type of sensor, from the unit and the kind; not given.
+    factor : float
+        Size of one step of `values` in SI; not given.
 
     Raises
     ------
@@ -246,9 +250,17 @@ Record.__init__ = aliased(Record.__init__)  # type: ignore[method-assign]
 class Recording(Value):
     """Records with common sample times, by name and in channel order.
 
-    `notes` list the assumptions made when reading, `findings` the defects of the common clock, `source` and `digest`
-    the origin of the data (path, sha256). `others` are columns of the same file that are not channels but may explain
-    them: temperatures, supply voltages.
+    Attributes
+    ----------
+    records : tuple of Record
+    source, digest : str
+        Origin of the data: path and sha256.
+    notes : tuple of str
+        Assumptions made when reading.
+    findings : tuple of Finding
+        Defects of the common clock.
+    others : tuple of Record
+        Columns of the same file that are not channels but may explain them: temperatures, supply voltages.
 
     Examples
     --------

@@ -123,8 +123,7 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     Examples
     --------
     >>> import numpy as np
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 20_000, 100.0, rng=np.random.default_rng(1))
     >>> fit = identify(record)
     >>> low, high = fit["N"].interval(0.95)

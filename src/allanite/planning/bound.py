@@ -42,7 +42,7 @@ class Bound(Value):
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> bound(N(0.1, "deg/sqrt(h)"), 20_001, 100.0)["N"]
     0.005
     """
@@ -108,7 +108,7 @@ def bound(
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> noise = N(0.1, "deg/sqrt(h)")
     >>> [round(bound(noise, 500, 1.0, terms=terms)["N"], 3) for terms in ("known", "auto")]
     [0.032, 0.073]
@@ -169,7 +169,7 @@ def name_of(t: Term, model: Model) -> str:
 
     Examples
     --------
-    >>> from allanite.core.model import GM
+    >>> from allanite import GM
     >>> model = GM(1.0, "deg/h", time_constant=10.0) + GM(1.0, "deg/h", time_constant=99.0)
     >>> [name_of(t, model) for t in model]
     ['GM(10 s)', 'GM(99 s)']

@@ -165,7 +165,7 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> check = selfcheck(N(0.1, "deg/sqrt(h)"), 2000, 100.0, records=20, rng=np.random.default_rng(1))
     >>> check["N"].found[0], abs(check["N"].bias[0]) < 0.02, round(check["N"].bound, 4)
     (1.0, True, 0.0158)

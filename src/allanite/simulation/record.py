@@ -70,7 +70,7 @@ def simulate(
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> record = simulate(N(1.0, "rad/sqrt(s)"), 10_000, 100.0, rng=1)
     >>> bool(9.8 < record.values.std() < 10.2)
     True

@@ -67,17 +67,27 @@ def _facts(lines: tuple[str, ...]) -> tuple[str, ...]:
 class Recipe:
     """Every choice of an analysis as plain data.
 
-    The first group describes the contents of the file (None: taken from the file), the second selects the samples used,
-    the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
-    they are excluded from the fit only. `motion`: "mark" leaves out the seconds in which the sensor moves, in all
-    channels of its body; "refuse", the default, analyzes no record that moves for more than 2 % of the time. `unit` by
-    sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the text ``"gyro=deg/s,ax=g"``. `average`: means
-    over so many seconds replace the samples, before anything else.
-    `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are missing.
-    `memory`: what a record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory
-    available. `ranges`: averaging times, s, of each term's line for method "piecewise". `mask`: pairs of
-    frequencies, Hz, or ``"0.4..2.1,19..20"``, between which the fit does not read the spectrum. `device` is a name in
-    `DEVICES`, whose likely causes of each term are shown.
+    Attributes
+    ----------
+    rate, unit, kind, scale, channels, time, dtype, columns, offset, sincos
+        What a file contains, as for `read`; None takes it from the file. `unit` by sensor or column, as
+        ``{"gyro": "deg/s", "ax": "g"}``, is kept as the text ``"gyro=deg/s,ax=g"``.
+    average, exclude, start, until, quiet_window, outliers, motion, memory
+        Which samples are used. `average`: means over so many seconds replace the samples, before anything else.
+        `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are
+        missing. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default they are excluded
+        from the fit only. `motion`: "mark" leaves out the seconds in which the sensor moves, in all channels of its
+        body; "refuse", the default, analyzes no record that moves for more than 2 % of the time. `memory`: what a
+        record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory available.
+    statistic, taus
+        The curve, as for `deviation`.
+    terms, method, ranges, band, mask, level
+        The identification, as for `identify`, and the confidence level, 0 to 1. `ranges`: averaging times, s, of each
+        term's line for method "piecewise". `mask`: pairs of frequencies, Hz, or ``"0.4..2.1,19..20"``, between which
+        the fit does not read the spectrum.
+    device, to, about
+        What is shown: likely causes of each term in a device of `DEVICES`; units of the coefficients; facts for the
+        header of the report, as ``"serial=SN-12"``.
     """
 
     # fmt: off

@@ -58,7 +58,7 @@ def estimate(
 
     Examples
     --------
-    >>> from allanite.core.model import N, Q
+    >>> from allanite import N, Q
     >>> record = Record([3, 4, 4, 5, 3, 4], rate=1.0, unit="arcsec", kind="count", scale=0.5)
     >>> found = estimate(record, "optimal", model=N(0.001, "deg/sqrt(h)") + Q(0.2, "arcsec"))
     >>> found.words("deg/h")

@@ -96,7 +96,7 @@ def predicted_standard_error(
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> white = N(0.003, "deg/sqrt(h)")
     >>> errors = [predicted_standard_error(m, white, size=48000, rate=400.0) for m in ("mean", "regression")]
     >>> round(errors[1] / errors[0], 4)
@@ -194,7 +194,7 @@ def rank(
 
     Examples
     --------
-    >>> from allanite.core.model import N, Q
+    >>> from allanite import N, Q
     >>> rank(N(0.003, "deg/sqrt(h)"), size=48000, rate=400.0).verdict
     'for this gyro averaging is already within 0.1 % of the optimum'
     """

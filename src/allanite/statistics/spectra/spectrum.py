@@ -65,8 +65,7 @@ def spectrum(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 50_000, 100.0, rng=np.random.default_rng(1))
     >>> two = spectrum(record, sides="two", bins=1).to("deg/h")
     >>> float((two.amplitude[-1] / 60).round(2)), two.amplitude_unit
