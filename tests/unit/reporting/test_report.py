@@ -227,7 +227,7 @@ def test_a_bare_curve_can_be_drawn(study):
 
 
 def test_what_cannot_be_drawn_is_said():
-    with pytest.raises(UsageError, match="a int cannot be shown; results that can are Study"):
+    with pytest.raises(UsageError, match="a int cannot be shown: compute a result first"):
         plot(3)
     with pytest.raises(UsageError, match="no curve to draw"):
         plot(study_of(refused()))

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.applications.rate import RATE_ESTIMATORS, Experiment
+from allanite.applications.constant_rate import RATE_ESTIMATORS, Experiment
 from allanite.core.model import Model
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
