@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from multiprocessing.connection import Connection
@@ -109,17 +109,19 @@ class Held:
     def _draw_raw(self, path: str, recipe: Recipe, missing: str) -> None:
         """Draw the numbers of a file that cannot be analyzed before its unit, kind or rate is given."""
         given: dict[str, Any] = {}
-        while missing in ASSUMED and not given.keys() >= ASSUMED[missing].keys():
+        raw: list[str] = []
+        while missing in ASSUMED and missing not in raw:
+            raw.append(missing)
             given |= ASSUMED[missing]
             try:
                 recording = whole_recording(path, replace(recipe, **given))
             except AllaniteError as error:  # the first one is told
                 missing = error.choice
             else:
-                self._traced(path, json.dumps(["raw", *given]), recording, tuple(given))
+                self._traced(path, json.dumps(["raw", *raw]), recording, raw)
                 return
 
-    def _traced(self, path: str, key: str, recording: Recording, raw: tuple[str, ...] = ()) -> None:
+    def _traced(self, path: str, key: str, recording: Recording, raw: Sequence[str] = ()) -> None:
         if path in self.files:
             file, folder, _ = self.files[path]
             trace.build(Path(folder), recording, key, raw)

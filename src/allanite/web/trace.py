@@ -52,7 +52,8 @@ def build(folder: Path, recording: Recording, key: str, raw: Sequence[str] = ())
 
 
 def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str, Any]:
-    unit = record.unit if "unit" in raw else record.signal.sheet[0]
+    plain = not {"unit", "kind"}.isdisjoint(raw)
+    unit = record.unit if plain else record.signal.sheet[0]
     values = record.rate_values
     values *= convert(1.0, record.signal.si[0], unit)
     finite = np.isfinite(values)
@@ -70,7 +71,7 @@ def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str
     far = outliers(record).at
     return {
         "name": record.name, "rate": record.rate, "size": record.size, "offset": offset,
-        "unit": "" if "unit" in raw else unit, "raw": list(raw),
+        "unit": "" if plain else unit, "raw": list(raw),
         "levels": levels, "gaps": gaps[:MOST], "gap_count": len(gaps),
         "outliers": (far[:MOST] / record.rate).tolist(), "outlier_count": int(far.size),
     }  # fmt: skip

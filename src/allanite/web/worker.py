@@ -143,8 +143,8 @@ def has(held: Held, job: str) -> Answer:
 
 
 TASKS: dict[str, Callable[..., Answer]] = {
-    "run": run, "prepare": prepare, "example": example, "described": described, "deviation": deviation, "refit": refit, "export": export,
-    "save": save, "has": has,
+    "run": run, "prepare": prepare, "example": example, "described": described, "deviation": deviation, "refit": refit,
+    "export": export, "save": save, "has": has,
 }  # fmt: skip
 """What a worker can be asked."""
 
