@@ -3,11 +3,10 @@
 import json
 import secrets
 import threading
-import time
 from pathlib import Path
 from typing import Any
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.files import write
 from allanite.phrases.wording import command_line
 
@@ -43,7 +42,9 @@ class Jobs:
     def __init__(self, store: Store) -> None:
         self.store, self.workers = store, Workers()
         self.live: dict[str, Live] = {}
-        self.preparing: dict[str, Any] | None = None
+        self.preparing: dict[str, Any] = {}
+        self.ready = threading.Event()
+        self.ready.set()
 
     def begin(self, workspace: str, asked: dict[str, Any]) -> State:
         """Enter a job and begin it.
@@ -126,10 +127,11 @@ class Jobs:
         def told(_: str, data: dict[str, Any]) -> None:
             self.preparing = data
 
+        self.ready.clear()
         try:
             self.workers.of(WARM).ask("prepare", {}, tell=told)
         finally:
-            self.preparing = None
+            self.ready.set()
 
     def work(self, workspace: str, task: str, **arguments: Any) -> dict[str, Any]:
         """Ask the worker of a workspace for something that is no job."""
@@ -148,9 +150,11 @@ class Jobs:
             live.tell(kind, data)
 
         try:
-            while self.preparing is not None and job["state"] in UNFINISHED:  # two that compile take longer
-                tell("progress", self.preparing)
-                time.sleep(WAITING)
+            while not self.ready.wait(WAITING):  # two processes that compile the same take longer
+                if self.preparing:
+                    tell("progress", self.preparing)
+                if job["state"] == "cancelled":
+                    raise DataError("cancelled")
             with command_line():
                 found = self.workers.of(_lane(job)).ask("run", self._arguments(job), tell=tell)
             value, shown = self._paths(job["id"])

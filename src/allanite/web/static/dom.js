@@ -49,6 +49,7 @@ export function fragment(place, html) {
     const own = node.dataset.color;
     node.style.color = `var(--${own.slice(1).toLowerCase()}, ${own})`;
   }
+  for (const wide of place.querySelectorAll(".scroll")) wide.tabIndex = 0; // scrolled by keys, too
   const texts = document.createTreeWalker(place, NodeFilter.SHOW_TEXT);
   while (texts.nextNode()) texts.currentNode.data = spoken(texts.currentNode.data);
   return place;

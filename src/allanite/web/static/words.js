@@ -124,4 +124,3 @@ export function speak(lang) {
 }
 
 export const t = (key) => WORDS[key]?.[spoken] ?? WORDS[key]?.[0] ?? key;
-export const keysOfWords = () => Object.keys(WORDS);
