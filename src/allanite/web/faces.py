@@ -92,7 +92,7 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
 
 def _term(panel: CurvePanel, term: Term, tau: Any, level: float) -> dict[str, Any]:
     unit = term.signal.sheet[term.row.power]
-    found = next((e for e in panel.fit or () if e.symbol == term.symbol), None)
+    found = next((e for e in panel.fit or () if e.symbol == term.symbol and e.valued), None)
     return {
         "symbol": term.symbol,
         "title": tr(words.title(term.symbol, term.signal)),
