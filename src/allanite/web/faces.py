@@ -75,6 +75,7 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
             "facts": tr(panel.facts),
             "unit": printed_unit(panel.unit),
             "level": level,
+            "interval": tr(words.interval(level)),
             "tau": listed(shown.tau),
             "deviation": listed(shown.deviation),
             "low": None if shown.low is None else listed(shown.low),
@@ -84,13 +85,14 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
             "validity": panel.fit.validity if panel.fit is not None else "",
             "times": None if scope is None else [_plain(time) for time in scope.times],
             "model": None if model is None else {"tau": listed(tau), "deviation": listed(panel.expected(model, tau))},
-            "terms": [] if model is None else [_term(panel, term, tau) for term in model],
+            "terms": [] if model is None else [_term(panel, term, tau, level) for term in model],
             "guides": _guides(panel, tau),
         }
 
 
-def _term(panel: CurvePanel, term: Term, tau: Any) -> dict[str, Any]:
+def _term(panel: CurvePanel, term: Term, tau: Any, level: float) -> dict[str, Any]:
     unit = term.signal.sheet[term.row.power]
+    found = next((e for e in panel.fit or () if e.symbol == term.symbol and e.valued), None)
     return {
         "symbol": term.symbol,
         "title": tr(words.title(term.symbol, term.signal)),
@@ -98,6 +100,8 @@ def _term(panel: CurvePanel, term: Term, tau: Any) -> dict[str, Any]:
         "dark": term.row.dark,
         "value": term.to(unit),
         "unit": printed_unit(unit),
+        "number": "" if found is None else tr(words.number(found, level)),
+        "coefficient": "" if found is None else tr(words.in_print(found, unit, level)),
         "tau": listed(tau),
         "deviation": listed(panel.expected(term, tau)),
     }
