@@ -15,6 +15,7 @@ from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
+from .names import demand_name
 from .plain import Value
 from .samples import samples
 from .units import Signal, unit_of
@@ -270,8 +271,7 @@ class Recording(Value):
     def __getitem__(self, key: str | int) -> Record:
         if isinstance(key, int):
             return self.records[key]
-        if key not in self.channels:
-            raise UsageError(f"no channel {key!r}; channels: {', '.join(self.channels)}")
+        demand_name("channel", key, self.channels)
         return self.records[self.channels.index(key)]
 
     def __iter__(self) -> Iterator[Record]:

@@ -30,6 +30,8 @@ from allanite.core.model import ModelLike as ModelLike
 from allanite.core.model import Term as Term
 from allanite.core.model import coefficient_factor as coefficient_factor
 from allanite.core.model import model_of as model_of
+from allanite.core.names import demand_name as demand_name
+from allanite.core.names import row_of as row_of
 from allanite.core.notation import parse_model as parse_model
 from allanite.core.notation import split_quantities as split_quantities
 from allanite.core.notation import written as written

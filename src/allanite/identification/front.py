@@ -7,6 +7,7 @@ from typing import Any, TypedDict, Unpack, overload
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
+from allanite.core.names import demand_name
 from allanite.core.record import Record, Recording
 from allanite.core.threads import one_thread
 from allanite.core.validity import Band, demand_band
@@ -129,8 +130,7 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
         )
         return _by_channel(source, lambda record: identify(record, method, **same))
     name = method or ("whittle" if isinstance(source, Record) else "gls")
-    if name not in METHODS:
-        raise UsageError(f"unknown method {name!r}; known methods: {', '.join(METHODS)}", choice="method")
+    demand_name("method", name, METHODS, choice="method")
     robust.demand_choice(outliers)
     if band is not None:
         demand_band(band)
