@@ -136,7 +136,7 @@ class Specification(Value):
             if not common and not any(own.values()):
                 raise UsageError(f"there is no limit in it; write {EXAMPLE} below [limits]")
         except UsageError as error:
-            raise type(error)(f"{source}: {error}" if source else str(error)) from None
+            raise (error.within(source) if source else error) from None
         return cls(common, own, source)
 
     @classmethod

@@ -2,6 +2,7 @@ from allanite.core.arrays import BoolArray as BoolArray
 from allanite.core.arrays import FloatArray as FloatArray
 from allanite.core.arrays import IntArray as IntArray
 from allanite.core.choice_kinds import DURATION as DURATION
+from allanite.core.choice_kinds import INSTANT as INSTANT
 from allanite.core.choice_kinds import MODEL as MODEL
 from allanite.core.choice_kinds import separated as separated
 from allanite.core.choices import choice as choice
