@@ -88,8 +88,7 @@ class Record(Value):
     signal: Signal = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
+        demand_name("kind", self.kind, KINDS)
         if not (isinstance(self.rate, (int, float, np.number)) and np.isfinite(self.rate) and self.rate > 0):
             raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(self.rate)}")
         if not RATES[0] <= self.rate <= RATES[1]:

@@ -71,7 +71,7 @@ def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; limits are set for Q, F, N, B"),
+        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; known terms: Q, F, N, B"),
         ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
         ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is not a unit of N (angle random walk)"),
         ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
