@@ -42,7 +42,7 @@ ROWS = [
     # commands and options
     sentence("analyse gyro.csv --help", "'analyse'", "did you mean analyze?", cure="analyze gyro.csv --help"),
     sentence("avar gyro.csv --help", "did you mean analyze?", cure="analyze gyro.csv --help"),
-    sentence("psd gyro.csv --channels gx", "did you mean spectrum?", cure="spectrum gyro.csv --channels gx"),
+    sentence("psd gyro.csv --help", "did you mean spectrum?", cure="spectrum gyro.csv --help"),
     sentence("xyzzy", "unknown command 'xyzzy'", "known commands: info, analyze"),
     sentence("info unit.csv --units deg/s", "did you mean --unit?", cure="info unit.csv --unit deg/s"),
     sentence("info bare.csv --unit deg/s --samplerate 10", "--rate?", cure="info bare.csv --unit deg/s --rate 10"),
@@ -102,7 +102,7 @@ ROWS = [
     sentence("rate gyro.csv --interval 99999", "longer than the record of 100 s", cure="rate gyro.csv --interval 10"),
     sentence("dynamic gyro.csv --window 99999", "99999 s is not possible", "100 s long"),
     sentence("compensate gyro.csv --regressors temp", "no column 'temp'", "gx [deg/s]"),
-    sentence("export gyro.csv --to kalibr --unexplained", "needs an accelerometer", "--model", code=3),
+    sentence("export gyro.csv --channels gx --to kalibr --unexplained", "needs an accelerometer", "--model", code=3),
     sentence(f"simulate new.csv --model {MODEL} --rate 10 --duration 5x", "'10 min' or 1h, not '5x'"),
     sentence(f"simulate new.foo --model {MODEL} --rate 10 --duration 9", "'.foo'", ".csv, .npz"),
     # recipes and limits

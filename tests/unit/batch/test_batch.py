@@ -142,7 +142,7 @@ def test_the_rule(seen, value, upper):
 def test_an_interval_that_holds_the_limit_is_said():
     near = judge("gz", LIMIT, Seen(*(v * LIMIT.factor for v in (1.9, 1.7, 2.1))))
     assert near.near
-    assert near.reason == "1.9 deg/h (1.7 .. 2.1), the interval holds the limit"
+    assert near.reason == "1.9 deg/h (1.7 .. 2.1), the interval contains the limit"
 
 
 def test_the_size_of_a_ramp_is_judged(tmp_path):

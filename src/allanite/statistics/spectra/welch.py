@@ -150,7 +150,7 @@ class Periodograms:
         if not self.counts:
             raise DataError(
                 say(
-                    "no {length} samples, the length of a segment, are without a gap; use shorter segments",
+                    "no gap-free stretch of {length} samples, the length of a segment; use shorter segments",
                     length=self.length,
                 )
             )
