@@ -187,6 +187,6 @@ def class_of(data: dict[str, Any]) -> type[Value]:
     if name is not None and name not in TYPES:
         importlib.import_module(f"{RESULTS}.views").import_type(name)
     if name is None or name not in TYPES:
-        known = (known for known, cls in TYPES.items() if not cls.__subclasses__())
-        raise UsageError(f"stored data of type {name!r} cannot be read; known types: {', '.join(sorted(known))}")
+        kind = "without a type" if name is None else f"of the unknown type {name!r}"
+        raise UsageError(f"stored data {kind} cannot be read; write the result again with this version of allanite")
     return TYPES[name]

@@ -102,7 +102,7 @@ def test_an_axis_without_a_coefficient_is_named():
     source[1] = fit("gy", k=1e-3, k_status="not valid", reason="the curve contradicts it")
     found = al.export(source, "kalibr", rate=100.0)
     assert found["gyroscope_random_walk"] == 2e-6
-    said = "gyroscope_random_walk is of the other axes (gy: K is not valid"
+    said = "gyroscope_random_walk is taken from the other axes (gy: K is not valid"
     assert any(note.startswith(said) for note in found.notes)
     assert said in found.text
 
@@ -153,7 +153,7 @@ def test_what_the_target_has_no_field_for_is_listed():
 
 
 def test_wrong_choices():
-    with pytest.raises(al.UsageError, match="unknown target 'kalibrr'; targets: kalibr, openvins"):
+    with pytest.raises(al.UsageError, match="unknown target 'kalibrr'; did you mean kalibr"):
         al.export(six(), "kalibrr")
     with pytest.raises(al.UsageError, match=r"unknown axis 'best'; choose worst, median, each, x, y, z"):
         al.export(six(), "kalibr", axis="best")

@@ -122,7 +122,10 @@ class Sense:
         """Ask for what is not known."""
         questions = [*beat.questions, *self.choice.questions]
         if questions:
-            raise UsageError("; ".join((*questions, *self.choice.left)), choice="rate" if beat.questions else "unit")
+            left = self.choice.left if beat.questions else ()
+            typed, instead = self.choice.cure
+            cure = typed, f"{'' if typed or not beat.questions else '--rate 100 '}{instead}".strip()
+            raise UsageError("; ".join((*questions, *left)), choice="rate" if beat.questions else "unit", cure=cure)
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""
