@@ -107,7 +107,7 @@ ROWS = [
     sentence(f"simulate new.foo --model {MODEL} --rate 10 --duration 9", "'.foo'", ".csv, .npz"),
     # recipes and limits
     sentence("info gyro.csv --recipe absent.toml", "'absent.toml'", "no such file"),
-    sentence("info gyro.csv --recipe folder", "'folder' is not a file"),
+    sentence("info gyro.csv --recipe folder", "'folder' is not a regular file"),
     sentence("info gyro.csv --recipe broken.toml", "is not TOML", "line 1"),
     sentence("analyze gyro.csv --recipe limits.toml", "limits: expected a path"),
     sentence("info gyro.csv --recipe rate.toml", "rate: expected a number, not [1, 2]"),

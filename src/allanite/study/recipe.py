@@ -191,7 +191,8 @@ class Recipe:
         UsageError
             A key is unknown; the message lists the known ones.
         """
-        rows, values = choices_of(cls), {}
+        rows = choices_of(cls)
+        values: dict[str, Any] = {}
         options = {key: name for name, row in rows.items() for key in row.keys}
         for key, value in data.items():
             name = options.get(key, key)
@@ -226,7 +227,7 @@ def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, A
 
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise UsageError(f"the {what} {os.fspath(path)!r} is not a file; give the path of a TOML file")
+            raise UsageError(f"the {what} {os.fspath(path)!r} is not a regular file; give the path of a TOML file")
         with open(path, "rb") as file:
             return tomllib.load(file)
     except OSError as error:
