@@ -108,7 +108,7 @@ ROWS = [
     # recipes and limits
     sentence("info gyro.csv --recipe absent.toml", "'absent.toml'", "no such file"),
     sentence("info gyro.csv --recipe folder", "'folder' is not a regular file"),
-    sentence("info gyro.csv --recipe broken.toml", "is not TOML", "line 1"),
+    sentence("info gyro.csv --recipe broken.toml", "cannot be read as TOML", "line 1"),
     sentence("analyze gyro.csv --recipe limits.toml", "limits: expected a path"),
     sentence("info gyro.csv --recipe rate.toml", "rate: expected a number, not [1, 2]"),
     sentence("analyze gyro.csv --recipe taus.toml", "taus: expected octave"),

@@ -235,4 +235,4 @@ def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, A
     except UnicodeDecodeError:
         raise UsageError(f"the {what} {os.fspath(path)!r} is not text in UTF-8; save it as UTF-8") from None
     except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"the {what} {os.fspath(path)!r} is not TOML: {error}") from None
+        raise UsageError(f"the {what} {os.fspath(path)!r} cannot be read as TOML: {error}") from None
