@@ -153,9 +153,9 @@ def _lines(value: Any) -> tuple[str, ...]:
 
 
 def _model(text: Any) -> Any:
-    from .notation import parse_model
+    from .model import Model
 
-    return parse_model(str(text))
+    return Model(str(text))
 
 
 def seconds_of(text: Any) -> float:
@@ -189,6 +189,9 @@ PERCENT = ChoiceKind(
     "float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}", form=A_NUMBER
 )
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
+SYMBOLS = ChoiceKind(
+    "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v), form="a word"
+)
 FLAG = ChoiceKind(
     "boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag",
     takes=(str, int, bool), form="true or false",

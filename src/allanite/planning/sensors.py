@@ -2,7 +2,6 @@
 
 from allanite.core.model import Model
 from allanite.core.names import demand_name
-from allanite.core.notation import parse_model
 from allanite.simulation.ring_laser import RING_LASERS
 
 SENSORS: dict[str, str] = {
@@ -35,4 +34,4 @@ def sensor(name: str) -> Model:
     if known in RING_LASERS:
         return RING_LASERS[known].model
     demand_name("sensor", known, (*SENSORS, *RING_LASERS))
-    return parse_model(SENSORS[known])
+    return Model(SENSORS[known])
