@@ -106,7 +106,7 @@ ROWS = [
     sentence(f"simulate new.csv --model {MODEL} --rate 10 --duration 5x", "'10 min' or 1h, not '5x'"),
     sentence(f"simulate new.foo --model {MODEL} --rate 10 --duration 9", "'.foo'", ".csv, .npz"),
     # recipes and limits
-    sentence("info gyro.csv --recipe absent.toml", "'absent.toml'", "no such file"),
+    sentence("info gyro.csv --recipe absent.toml", "'absent.toml'", "No such file"),
     sentence("info gyro.csv --recipe folder", "'folder' is not a regular file"),
     sentence("info gyro.csv --recipe broken.toml", "cannot be read as TOML", "line 1"),
     sentence("analyze gyro.csv --recipe limits.toml", "limits: expected a path"),
@@ -117,7 +117,7 @@ ROWS = [
     sentence("analyze gyro.csv --recipe flag.toml", "unexplained", "known keys"),
     sentence("info gyro.csv --recipe key.toml", "unknown key 'samplerate'", "did you mean rate?"),
     sentence("analyze gyro.csv --recipe out.toml", "'report' is no key of a recipe", "--report"),
-    sentence("analyze gyro.csv --limits absent.toml", "the limits file 'absent.toml'", "no such file"),
+    sentence("analyze gyro.csv --limits absent.toml", "the limits file 'absent.toml'", "No such file"),
     sentence("analyze gyro.csv --limits symbol.toml", "unknown term 'ARW' in [limits]", "did you mean N?"),
     sentence("analyze gyro.csv --limits wrong.toml", "0.15 deg/sqrt(h)", "with the unit"),
     # files
@@ -143,7 +143,7 @@ ROWS = [
     sentence("analyze gyro.csv --json - --csv -", "only one result"),
     sentence("info gyro.csv --threads 0", "at least 1, or auto, not '0'"),
     sentence("lot folder", "does not hold the results of a batch", "allanite batch FILE... --out 'folder'"),
-    sentence("batch absent --out results", "'absent'", "no such file"),
+    sentence("batch absent --out results", "'absent'", "No such file"),
 ]  # fmt: skip
 
 

@@ -84,8 +84,8 @@ def _result(file: str, data: Any) -> Any:
         return from_dict(data)
     except UsageError as error:
         raise error.within(file) from None
-    except (KeyError, TypeError, ValueError, AttributeError, StopIteration, RecursionError, RuntimeError) as error:
-        raise DataError(f"{file} is no complete result of allanite; write it again with --json") from error
+    except (KeyError, TypeError, ValueError, AttributeError, StopIteration, RecursionError, RuntimeError):
+        raise DataError(f"{file} is no complete result of allanite; write it again with --json") from None
 
 
 @dataclass(frozen=True, repr=False)
