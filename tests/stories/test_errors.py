@@ -130,8 +130,8 @@ ROWS = [
         sentence(f"info cut{suffix}", "cut", "damaged|incomplete|cut off|not complete", code=3)
         for suffix in (".npy", ".npz", ".parquet", ".h5", ".mat", ".csv.gz", ".csv.xz", ".csv.bz2", ".zip")
     ),
-    sentence("export cut.json --to datasheet", "cut.json is damaged", "--json", code=3),
-    sentence("export part.json --to datasheet", "part.json is no complete result", "--json", code=3),
+    sentence("export cut.json --to datasheet", "cut.json is damaged", "write the result again", code=3),
+    sentence("export part.json --to datasheet", "part.json is no complete result", "write it again", code=3),
     sentence("export list.json --to datasheet", "list.json", "without a type"),
     # outputs
     sentence("info gyro.csv --json taken.json", "already exists", cure="info gyro.csv --json taken.json --force"),

@@ -253,7 +253,7 @@ def test_ambiguous_integer_stamps_are_asked_for(stamped, step):
         read(path)
     assert read(path, time="stamp[us]")["gx"].rate == pytest.approx(1e6 / step)
     if step > 1:  # that counts no rows
-        with pytest.raises(UsageError, match="the rate given, 50.0 Hz, contradicts"):
+        with pytest.raises(UsageError, match=r"the rate given, 50\.0 Hz, contradicts"):
             read(path, rate=50)
     assert read(path, rate=50, time=None if step == 1 else "none")["gx"].rate == 50.0
 
