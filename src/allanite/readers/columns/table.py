@@ -124,7 +124,8 @@ class Sense:
         if questions:
             left = self.choice.left if beat.questions or not any(self.choice.cure) else ()
             typed, instead = self.choice.cure
-            cure = typed, f"{'' if typed or not beat.questions else '--rate 100 '}{instead}".strip()
+            rate = spelled("--rate 100 ", "rate=100 ") if beat.questions and not typed else ""
+            cure = typed, f"{rate}{instead}".strip()
             raise UsageError("; ".join((*questions, *left)), choice="rate" if beat.questions else "unit", cure=cure)
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
