@@ -179,7 +179,7 @@ def test_raw_binary_from_the_command_line(tmp_path):
     )
     assert fine.exit_code == 0, fine.output
     assert "3000 samples" in fine.output
-    assert "0.01 deg/s" in fine.output
+    assert "0.01 °/s" in fine.output
     (tmp_path / "choices.toml").write_text(
         'dtype = ">i2"\ncolumns = 2\noffset = 6\nscale = "0.01deg/s"\nrate = 100\nchannels = ["2"]\nmethod = "slopes"\n'
     )

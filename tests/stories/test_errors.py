@@ -106,9 +106,9 @@ ROWS = [
     sentence(f"simulate new.csv --model {MODEL} --rate 10 --duration 5x", "'10 min' or 1h, not '5x'"),
     sentence(f"simulate new.foo --model {MODEL} --rate 10 --duration 9", "'.foo'", ".csv, .npz"),
     # recipes and limits
-    sentence("info gyro.csv --recipe absent.toml", "'absent.toml'", "no such file"),
-    sentence("info gyro.csv --recipe folder", "'folder' is not a file"),
-    sentence("info gyro.csv --recipe broken.toml", "is not TOML", "line 1"),
+    sentence("info gyro.csv --recipe absent.toml", "'absent.toml'", "No such file"),
+    sentence("info gyro.csv --recipe folder", "'folder' is not a regular file"),
+    sentence("info gyro.csv --recipe broken.toml", "cannot be read as TOML", "line 1"),
     sentence("analyze gyro.csv --recipe limits.toml", "limits: expected a path"),
     sentence("info gyro.csv --recipe rate.toml", "rate: expected a number, not [1, 2]"),
     sentence("analyze gyro.csv --recipe taus.toml", "taus: expected octave"),
@@ -117,7 +117,7 @@ ROWS = [
     sentence("analyze gyro.csv --recipe flag.toml", "unexplained", "known keys"),
     sentence("info gyro.csv --recipe key.toml", "unknown key 'samplerate'", "did you mean rate?"),
     sentence("analyze gyro.csv --recipe out.toml", "'report' is no key of a recipe", "--report"),
-    sentence("analyze gyro.csv --limits absent.toml", "the limits file 'absent.toml'", "no such file"),
+    sentence("analyze gyro.csv --limits absent.toml", "the limits file 'absent.toml'", "No such file"),
     sentence("analyze gyro.csv --limits symbol.toml", "unknown term 'ARW' in [limits]", "did you mean N?"),
     sentence("analyze gyro.csv --limits wrong.toml", "0.15 deg/sqrt(h)", "with the unit"),
     # files
@@ -130,8 +130,8 @@ ROWS = [
         sentence(f"info cut{suffix}", "cut", "damaged|incomplete|cut off|not complete", code=3)
         for suffix in (".npy", ".npz", ".parquet", ".h5", ".mat", ".csv.gz", ".csv.xz", ".csv.bz2", ".zip")
     ),
-    sentence("export cut.json --to datasheet", "cut.json is damaged", "--json", code=3),
-    sentence("export part.json --to datasheet", "part.json is no complete result", "--json", code=3),
+    sentence("export cut.json --to datasheet", "cut.json is damaged", "write the result again", code=3),
+    sentence("export part.json --to datasheet", "part.json is no complete result", "write it again", code=3),
     sentence("export list.json --to datasheet", "list.json", "without a type"),
     # outputs
     sentence("info gyro.csv --json taken.json", "already exists", cure="info gyro.csv --json taken.json --force"),
@@ -142,8 +142,8 @@ ROWS = [
     sentence("analyze gyro.csv --plot x.foo", "png, svg, pdf", "'foo'"),
     sentence("analyze gyro.csv --json - --csv -", "only one result"),
     sentence("info gyro.csv --threads 0", "at least 1, or auto, not '0'"),
-    sentence("lot folder", "does not hold the results of a batch", "allanite batch FILE... --out 'folder'"),
-    sentence("batch absent --out results", "'absent'", "no such file"),
+    sentence("lot folder", "does not hold the results", "make one with allanite batch FILE... --out 'folder'"),
+    sentence("batch absent --out results", "'absent'", "No such file"),
 ]  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.files import DRAFTS, draft, reason
 from allanite.core.version import __version__
 from allanite.phrases.phrase import Phrase
+from allanite.phrases.wording import spelled
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
 
 from .executor import Plain
@@ -81,9 +82,8 @@ class Store:
         else:
             known = (path / FILES).is_file()
         if not known:
-            how = (
-                "give a new or an empty folder" if new else f"make it with: allanite batch FILE... --out {str(path)!r}"
-            )
+            made = spelled(f"allanite batch FILE... --out {str(path)!r}", f"al.batch(files, {str(path)!r})")
+            how = "give a new or an empty folder" if new else f"make one with {made}"
             raise UsageError(f"{str(path)!r} does not hold the results of a batch; {how}")
         return cls(path)
 

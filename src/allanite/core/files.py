@@ -110,8 +110,7 @@ def _unwritable(path: PathLike, error: OSError) -> UsageError:
 
 def reason(error: OSError | ValueError) -> str:
     """Why a path cannot be read or written, in the words of the system."""
-    words = str(getattr(error, "strerror", None) or error)
-    return words[:1].lower() + words[1:]
+    return str(getattr(error, "strerror", None) or error)
 
 
 def _is_device(target: Path) -> bool:

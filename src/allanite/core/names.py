@@ -21,8 +21,8 @@ def nearest(name: object, known: Iterable[str]) -> str:
 
     Examples
     --------
-    >>> nearest("open_vins", ["kalibr", "openvins"]), nearest("analyse", ["analyze", "angle"]), nearest("x", ["N"])
-    ('openvins', 'analyze', '')
+    >>> nearest("open_vins", ["kalibr", "openvins"]), nearest("windows", ["window", "rate"]), nearest("x", ["N"])
+    ('openvins', 'window', '')
     """
     from difflib import get_close_matches
 

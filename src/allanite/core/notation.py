@@ -28,7 +28,8 @@ def terms_of(text: str) -> tuple[Term, ...]:
 
 def _term(words: list[str], text: str) -> Term:
     if not words or words[0] not in TERMS:
-        error = unknown("term", words[0] if words else "", TERMS, where=f" in {text!r}")
+        where = f" in {text!r}"
+        error = unknown("term", words[0], TERMS, where=where) if words else UsageError(f"there is no term{where}")
         raise type(error)(f"{error}; a model has the form 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'", cure=error.cure)
     symbol, parameters = words[0], TERMS[words[0]].parameters
     # the unit of the coefficient may begin with 1, as 1/s

@@ -73,7 +73,7 @@ def load(
         except OSError as error:
             raise DataError(f"{file}: {reason(error)}; check the name and the folder") from None
         except (ValueError, RecursionError):
-            raise DataError(f"{file} is damaged: it is not JSON; write the result again with --json") from None
+            raise DataError(f"{file} is damaged: it is not JSON; write the result again") from None
         found.append(_result(file, data))
     return [*found, *models_of(models)]
 
@@ -84,8 +84,8 @@ def _result(file: str, data: Any) -> Any:
         return from_dict(data)
     except UsageError as error:
         raise error.within(file) from None
-    except (KeyError, TypeError, ValueError, AttributeError, StopIteration, RecursionError, RuntimeError) as error:
-        raise DataError(f"{file} is no complete result of allanite; write it again with --json") from error
+    except (KeyError, TypeError, ValueError, AttributeError, StopIteration, RecursionError, RuntimeError):
+        raise DataError(f"{file} is no complete result of allanite; write it again") from None
 
 
 @dataclass(frozen=True, repr=False)

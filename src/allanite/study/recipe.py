@@ -233,7 +233,7 @@ def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, A
 
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise UsageError(f"the {what} {os.fspath(path)!r} is not a file; give the path of a TOML file")
+            raise UsageError(f"the {what} {os.fspath(path)!r} is not a regular file; give the path of a TOML file")
         with open(path, "rb") as file:
             return tomllib.load(file)
     except OSError as error:
@@ -241,4 +241,4 @@ def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, A
     except UnicodeDecodeError:
         raise UsageError(f"the {what} {os.fspath(path)!r} is not text in UTF-8; save it as UTF-8") from None
     except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"the {what} {os.fspath(path)!r} is not TOML: {error}") from None
+        raise UsageError(f"the {what} {os.fspath(path)!r} cannot be read as TOML: {error}") from None

@@ -284,7 +284,7 @@ def test_the_other_sensor_as_a_model_and_json(files):
         (("export", "--to", "kalibr"), 2, "give a recording, a result of analyze in JSON, or the noise with --model"),
         (("export", "--model", "N 1 deg/sqrt(h)", "--to", "statespace"), 2, "needs the sampling rate: --rate HZ"),
         (("export", "{gyro}", "--to", "datasheet", "--axis", "best"), 2, "unknown --axis 'best'"),
-        (("export", "absent.json", "--to", "kalibr"), 3, "'absent.json' is not a result of allanite in JSON"),
+        (("export", "absent.json", "--to", "kalibr"), 3, "absent.json: No such file or directory"),
         (("convert", "0.66 parsec", "--to", "kalibr"), 2, "unknown unit 'parsec'"),
         (("convert", "0.66 m", "--to", "kalibr"), 2, "'m' is not a unit of a noise coefficient"),
         (("convert", "0.66", "--to", "kalibr"), 2, "a value has the form '0.66 deg/sqrt(h)'"),

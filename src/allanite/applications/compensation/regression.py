@@ -189,8 +189,8 @@ class Regression(Correction):
         """
         try:
             found = super().from_dict(data)
-        except (UsageError, KeyError, TypeError, ValueError, AttributeError, StopIteration) as error:
-            raise DataError("not a saved regression, or it was changed") from error
+        except (UsageError, KeyError, TypeError, ValueError, AttributeError, StopIteration):
+            raise DataError("not a saved regression, or it was changed") from None
         if {len(found.regressors), len(found.chosen), found.inflation.size} != {found.mixture.centres.shape[1]}:
             raise DataError("the numbers of coefficients and regressors of this regression differ: it was changed")
         return found

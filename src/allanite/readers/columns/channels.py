@@ -103,7 +103,9 @@ def _cure(left: list[Left], options: Options) -> Cure:
         return options.unit, nearest(options.unit, USUAL) or "deg/s"
     usual = {"gyro": ("gyro", "deg/s"), "accelerometer": ("accel", "m/s^2")}
     found = [usual[name] for name in usual if name in {headers.sensor_by_name(item.column.name) for item in without}]
-    return "", "--unit " + (",".join(map("=".join, found)) if len(found) > 1 else found[0][1] if found else "deg/s")
+    return "", spelled("--unit ", "unit=") + (
+        ",".join(map("=".join, found)) if len(found) > 1 else found[0][1] if found else "deg/s"
+    )
 
 
 NO_UNIT = say("no signal unit in the header, used as plain numbers:")

@@ -122,9 +122,10 @@ class Sense:
         """Ask for what is not known."""
         questions = [*beat.questions, *self.choice.questions]
         if questions:
-            left = self.choice.left if beat.questions else ()
+            left = self.choice.left if beat.questions or not any(self.choice.cure) else ()
             typed, instead = self.choice.cure
-            cure = typed, f"{'' if typed or not beat.questions else '--rate 100 '}{instead}".strip()
+            rate = spelled("--rate 100 ", "rate=100 ") if beat.questions and not typed else ""
+            cure = typed, f"{rate}{instead}".strip()
             raise UsageError("; ".join((*questions, *left)), choice="rate" if beat.questions else "unit", cure=cure)
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:

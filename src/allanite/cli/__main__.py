@@ -1,0 +1,5 @@
+"""``python -m allanite.cli`` runs the program `allanite`."""
+
+from allanite.cli import main
+
+main()
