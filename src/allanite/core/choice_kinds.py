@@ -142,7 +142,10 @@ def seconds_of(text: Any) -> float:
 
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number")
 INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number")
-PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
+PERCENT = ChoiceKind(
+    "float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), write=lambda v: f"{100 * v:.12g}"
+)
+"""A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
 WORD = ChoiceKind("text", str, _demand_word)
 SYMBOLS = ChoiceKind(
     "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v)
