@@ -152,13 +152,13 @@ def page_of(value: Any, *, level: float | None = None, command: str = "", lang: 
         return render(face, json_of(value).then(stored))
 
 
-def table(value: Any, *, level: float | None = None, width: int = 120, color: bool = False, lang: str = "en") -> str:
-    """The result as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
+def table(value: Any, *, level: float | None = None, lang: str = "en", **form: Any) -> str:
+    """The result as text; `form` are the width, color and ASCII of `text.render`."""
     from .language import speaking
     from .text import render
 
     with speaking(lang):
-        return render(view_of(value).face(value, level_of(value, level)), width=width, color=color)
+        return render(view_of(value).face(value, level_of(value, level)), **form)
 
 
 def html_of(value: Any) -> str:
