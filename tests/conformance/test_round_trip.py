@@ -344,7 +344,7 @@ MAKERS = {
     "Scope": lambda: filtered().scope,
     "SelfCheck": selfcheck,
     "SelfChecks": lambda: run_model_job(None, SelfCheckSettings(model=WHITE, samples=2000, records=3), GIVEN),
-    "SelfCheckSettings": lambda: SelfCheckSettings(sensor="fog", duration=600.0, max_bias=5.0),
+    "SelfCheckSettings": lambda: SelfCheckSettings(sensor="fog", duration=600.0, max_bias=0.05),
     "Shared": shared,
     "Slope": lambda: read().slopes[0],
     "Solution": lambda: calibration().solution,

@@ -186,8 +186,10 @@ def _instant(text: Any) -> float:
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
 INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number", form=AN_INTEGER)
 PERCENT = ChoiceKind(
-    "float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}", form=A_NUMBER
-)
+    "float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), write=lambda v: f"{100 * v:.12g}",
+    form=A_NUMBER,
+)  # fmt: skip
+"""A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
 SYMBOLS = ChoiceKind(
     "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v), form="a word"

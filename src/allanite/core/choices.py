@@ -62,7 +62,8 @@ class ChoiceRow:
         """What the help says."""
         usual = self.told
         if usual is None:
-            usual = "" if self.default is None or isinstance(self.default, bool) else written(self.default)
+            silent = self.default is None or isinstance(self.default, bool)
+            usual = "" if silent else (self.kind.write or written)(self.default)
         return self.help + (f"  [default: {usual}]" if usual else "")
 
     def read(self, data: Any) -> Any:

@@ -110,7 +110,8 @@ class PlanChoices:
     durations: tuple[float, ...] = choice(
         "A,B,...", "Record lengths.", kind=DURATIONS, default=(), told="10 min,1 h,6 h,24 h")
     accuracy: float = choice(
-        "PERCENT", "Relative standard error of a coefficient to reach.", default=10.0, told="10; of a live stream 20")
+        "PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.1,
+        told="10; of a live stream 20")
     ramp: bool | None = choice(
         "", "Assume a rate ramp of unknown size.", told="if the model has one", flags=("--ramp/--no-ramp",))
 
@@ -121,10 +122,11 @@ class CheckChoices(LengthChoices):
 
     records: int = choice("N", "Number of records to simulate.", default=100)
     seed: int = 1
-    max_bias: float | None = choice("PERCENT", "Limit on the bias of the coefficients.")
-    min_coverage: float | None = choice("PERCENT", "Limit on the coverage of the intervals.")
-    max_false: float | None = choice("PERCENT", "Limit on the records in which absent terms are reported.")
-    max_missed: float | None = choice("PERCENT", "Limit on the records in which terms are missed.")
+    max_bias: float | None = choice("PERCENT", "Limit on the bias of the coefficients.", kind=PERCENT)
+    min_coverage: float | None = choice("PERCENT", "Limit on the coverage of the intervals.", kind=PERCENT)
+    max_false: float | None = choice(
+        "PERCENT", "Limit on the records in which absent terms are reported.", kind=PERCENT)
+    max_missed: float | None = choice("PERCENT", "Limit on the records in which terms are missed.", kind=PERCENT)
 
 
 @dataclass(frozen=True, repr=False)
@@ -133,7 +135,7 @@ class StateSpaceChoices:
 
     tau: tuple[float, ...] = choice(
         "LO,HI", "Averaging times between which flicker is matched.", kind=DURATIONS, default=(1.0, 1000.0))
-    ripple: float = choice("PERCENT", "Largest deviation from flicker.", default=2.0)
+    ripple: float = choice("PERCENT", "Largest deviation from flicker.", kind=PERCENT, default=0.02)
     order: int | None = choice("N", "Or the number of Gauss-Markov processes for flicker.")
     turn_on: str | None = choice("RATE", "Standard deviation of the turn-on bias, e.g. '3 deg/h'.")
     measurement: str = choice("NAME", "Measurement: auto, mean (exact) or sample.", default="auto")
