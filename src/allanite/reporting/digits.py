@@ -95,8 +95,9 @@ def _decimals(size: float, half: float) -> int:
 
 _SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
 _POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
+_ATOM = "|".join(sorted(ATOMS, key=len, reverse=True))
 _FACTOR = (
-    rf"(?:sqrt\([A-Za-z]+\)|\([A-Za-z/^\d.]+\)|(?:{'|'.join(sorted(ATOMS, key=len, reverse=True))})(?!\w))"
+    rf"(?:sqrt\((?:{_ATOM})\)|\([A-Za-z/^\d.]+\)|(?:{_ATOM})(?!\w))"
     r"(?:\^-?\d+(?:\.\d+)?)?"
 )
 _UNIT = re.compile(
@@ -110,7 +111,7 @@ _SIGNS = (
     (re.compile(r"\^(-?[\d.]+)"), lambda power: power[1].translate(RAISED)),
 )
 _ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
-_ASCII = {
+_ASCII: dict[str, str | int | None] = {
     "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
     "τ": "tau",
 }  # fmt: skip

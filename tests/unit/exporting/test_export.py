@@ -317,7 +317,7 @@ def test_from_one_target_to_another(tmp_path):
         al.export(noise(), name, rate=200.0).write(tmp_path / name)
     read = run("convert", "--from", "kalibr", tmp_path / "kalibr")
     assert read.exit_code == 0, read.output
-    assert re.search(r"N +angle random walk +0\.687549 +deg/sqrt\(h\) +0\.0002 +rad/sqrt\(s\)", read.stdout)
+    assert re.search(r"N +angle random walk +0\.687549 +°/√h +0\.0002 +rad/√s", read.stdout)
     made = run("convert", "--from", "kalibr", tmp_path / "kalibr", "--to", "vins-mono", "-o", "-")
     held = al.read_noise(tmp_path / "vins-mono", "vins-mono", rate=200.0)
     (tmp_path / "again").write_text(made.stdout)
