@@ -70,7 +70,7 @@ REQUESTS = {
     "NaveGo: units of the angle random walk of a STIM300":
         lambda m: "| 0.15 | | | deg/sqrt(h)" in said("convert", "0.0025 deg/s/sqrt(Hz)"),
     "NaveGo: how gb_psd is computed":
-        lambda m: "gb_psd gyro rad/s^2/sqrt(Hz) K" in said("explain", "navego"),
+        lambda m: "gb_psd gyro rad/s²/√Hz K" in said("explain", "navego"),
     "gnss-ins-sim: the drift of the bias depends on the sampling rate":
         lambda m: al.export([m.study, m.acc], "gnss-ins-sim")["gyro_b_stability"]
         == al.export([m.study, m.acc], "gnss-ins-sim", filter_rate=777.0)["gyro_b_stability"],
