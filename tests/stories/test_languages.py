@@ -127,10 +127,10 @@ def words_of(figure):
     return [artist.get_text() for artist in figure.findobj(Text)]
 
 
-def shown(value, monkeypatch, drawn):
+def shown(value, monkeypatch, drawn, lang="xx"):
     """Everything that terminal, page and figures show of a value; `drawn`: it has a figure for print."""
     level, found = level_of(value), []
-    with language.speaking("xx"):
+    with language.speaking(lang):
         face = view_of(value).face(value, level)
         sheets = [replace(sheet, parts=without_code(sheet.parts)) for sheet in face.sheets]
         parts = {name: without_code(getattr(face, name)) for name in ("parts", "close", "how")}
@@ -141,7 +141,7 @@ def shown(value, monkeypatch, drawn):
         found += Shown(made(html.render(replace(face, command="allanite"), Work.one(lambda: b"x")))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
     if drawn and view_of(value).plot is not None:
-        found += words_of(al.plot(value, lang="xx"))
+        found += words_of(al.plot(value, lang=lang))
     return found
 
 
@@ -314,6 +314,32 @@ def test_nothing_that_a_verb_shows_is_left_in_english(verb, values, pseudo, monk
         for part in shown(one, monkeypatch, verb != "info" and "--start" not in line)
     )
     assert not found, f"{verb}: {len(found)} lines have words that are not translated:\n" + "\n".join(found)
+
+
+PLAIN = r"(?<!\w)(deg(?!C)|ug|sqrt\((h|s|Hz)\))(?!\w)"
+"""Units as they are typed."""
+
+TYPED = r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|--\S+ \S+|^(time|enc|ref|g[xyz]|a[xyz]) \[.*"
+"""Where they may be."""
+
+
+@pytest.mark.parametrize("lang", language.LANGUAGES)
+@pytest.mark.filterwarnings("ignore::allanite.reporting.fonts.FontWarning")
+def test_units_are_shown_with_their_signs(verb, values, lang, monkeypatch):
+    found = [
+        line
+        for one in values
+        for line in shown(one, monkeypatch, drawn=False, lang=lang)
+        if re.search(PLAIN, re.sub(TYPED, "", line))
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_a_terminal_without_signs_has_letters_of_ascii(verb, values):
+    for one in values:
+        face = view_of(one).face(one, level_of(one))
+        odd = [line for line in text.render(face, ascii=True).splitlines() if not line.isascii()]
+        assert not odd, "\n".join(odd)
 
 
 def printed_words(figure):

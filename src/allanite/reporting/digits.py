@@ -95,16 +95,17 @@ def _decimals(size: float, half: float) -> int:
 
 _SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
 _POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
+_ATOM = "|".join(sorted(ATOMS, key=len, reverse=True))
 _FACTOR = (
-    rf"(?:sqrt\(\w+\)|\([A-Za-z/^\d.]+\)|(?:{'|'.join(sorted(ATOMS, key=len, reverse=True))})(?!\w))"
+    rf"(?:sqrt\((?:{_ATOM})\)|\([A-Za-z/^\d.]+\)|(?:{_ATOM})(?!\w))"
     r"(?:\^-?\d+(?:\.\d+)?)?"
 )
 _UNIT = re.compile(
     r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|--[\w-]+[ =]\S+"  # names, and what can be typed
-    rf"|(?<![\w./^-])(?P<unit>{_FACTOR}(?:[/*]{_FACTOR})*)"
+    rf"|(?<![\w./^-])(?P<unit>(?:1/)?{_FACTOR}(?:[/*]{_FACTOR})*)"
 )
 _SIGNS = (
-    (re.compile(r"sqrt\((\w+)\)"), r"√\1"),
+    (re.compile(r"sqrt\(([A-Za-z]+)\)"), r"√\1"),
     (re.compile(r"\bdeg(?=C?\b)"), "°"),
     (re.compile(r"\bu(?=(?:g|rad|A|V|T)\b)"), "µ"),
     (re.compile(r"\^(-?[\d.]+)"), lambda power: power[1].translate(RAISED)),

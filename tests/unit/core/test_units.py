@@ -1,6 +1,7 @@
 """The one table of units."""
 
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -8,6 +9,7 @@ from hypothesis import strategies as st
 
 import allanite as al
 from allanite.core.units import ATOMS, SIGNALS, convert, unit_of
+from allanite.reporting.digits import in_ascii, printed_unit
 
 DEGREE = math.pi / 180
 
@@ -45,6 +47,24 @@ def test_every_spelling_is_one_unit(unit, others):
     for other in others:
         assert unit_of(other).dimension == unit_of(unit).dimension
         assert unit_of(other).factor == pytest.approx(unit_of(unit).factor, rel=1e-15)
+
+
+SIZES = [-2.5, -2, -1.5, -1, -0.5, 0, 0.5, 1, 1.5]
+SHOWN = {table[power] for signal in SIGNALS for table in (signal.si, signal.sheet) for power in SIZES}
+SHOWN |= {*ATOMS, *(unit for signal in SIGNALS for unit in signal.density), "(deg/h)^2/Hz", "rad^2*s", "mdeg/sqrt(h)"}
+
+
+@pytest.mark.parametrize("unit", sorted(SHOWN))
+def test_a_unit_that_is_shown_can_be_typed(unit):
+    for shown in (printed_unit(unit), in_ascii(printed_unit(unit))):
+        assert unit_of(shown) == unit_of(unit), shown
+    assert not re.search(r"deg(?!C)|sqrt|\^", re.sub("[mu]deg", "", printed_unit(unit)))
+    assert in_ascii(printed_unit(unit)).isascii()
+
+
+@pytest.mark.parametrize("text", ["'gx [deg/h]' is clipped", "--unit deg/h", "as is known to us"])
+def test_names_and_what_is_typed_are_left_as_they_are(text):
+    assert printed_unit(text) == text
 
 
 @given(st.text(max_size=30))

@@ -303,7 +303,7 @@ def test_what_is_refused_says_so(files, arguments, code, words):
 def test_a_value_of_a_data_sheet_in_the_unit_of_a_field():
     done = run("convert", "0.66 deg/sqrt(h)", "--to", "kalibr")
     assert done.exit_code == 0, done.output
-    assert re.search(r"gyroscope_noise_density +0\.000191986 +rad/s/sqrt\(Hz\) +N", done.stdout)
+    assert re.search(r"gyroscope_noise_density +0\.000191986 +rad/s/√Hz +N", done.stdout)
     discrete = run("convert", "0.66 deg/sqrt(h)", "100 ug/sqrt(Hz)", "--to", "vins-mono", "--rate", "200")
     assert re.search(r"gyr_n +0\.00383972", discrete.stdout)
     assert re.search(r"acc_n +0\.0196133", discrete.stdout)
@@ -316,7 +316,7 @@ def test_from_one_target_to_another(tmp_path):
         al.export(noise(), name, rate=200.0).write(tmp_path / name)
     read = run("convert", "--from", "kalibr", tmp_path / "kalibr")
     assert read.exit_code == 0, read.output
-    assert re.search(r"N +angle random walk +0\.687549 +deg/sqrt\(h\) +0\.0002 +rad/sqrt\(s\)", read.stdout)
+    assert re.search(r"N +angle random walk +0\.687549 +°/√h +0\.0002 +rad/√s", read.stdout)
     made = run("convert", "--from", "kalibr", tmp_path / "kalibr", "--to", "vins-mono", "-o", "-")
     held = al.read_noise(tmp_path / "vins-mono", "vins-mono", rate=200.0)
     (tmp_path / "again").write_text(made.stdout)

@@ -42,9 +42,9 @@ REQUESTS = {
         lambda m: all(f.term == "K" for row in al.EXPORTS.values() for f in row.fields
                       if re.search(r"walk|_w$|Walk|BiasN|B_NOISE|BIAS_P|psd", f.name)),
     "LIO-SAM, LINS: which value of a data sheet goes into which field":
-        lambda m: "imuGyrBiasN gyro rad/s^2/sqrt(Hz) K" in said("explain", "lio-sam"),
+        lambda m: "imuGyrBiasN gyro rad/s²/√Hz K" in said("explain", "lio-sam"),
     "kalibr: a data sheet's ADIS16448 in kalibr's numbers":
-        lambda m: "0.000191986 rad/s/sqrt(Hz)" in said("convert", "0.66 deg/sqrt(h)", "--to", "kalibr"),
+        lambda m: "0.000191986 rad/s/√Hz" in said("convert", "0.66 deg/sqrt(h)", "--to", "kalibr"),
     "kalibr: no procedure for the random walk where only bias instability is known":
         lambda m: "K not identified, this is its 95 % upper limit" in al.export([m.quiet, m.acc], "kalibr").text,
     "kalibr: flicker is ignored, by what is the model to be replaced":
@@ -70,7 +70,7 @@ REQUESTS = {
     "NaveGo: units of the angle random walk of a STIM300":
         lambda m: "| 0.15 | | | deg/sqrt(h)" in said("convert", "0.0025 deg/s/sqrt(Hz)"),
     "NaveGo: how gb_psd is computed":
-        lambda m: "gb_psd gyro rad/s^2/sqrt(Hz) K" in said("explain", "navego"),
+        lambda m: "gb_psd gyro rad/s²/√Hz K" in said("explain", "navego"),
     "gnss-ins-sim: the drift of the bias depends on the sampling rate":
         lambda m: al.export([m.study, m.acc], "gnss-ins-sim")["gyro_b_stability"]
         == al.export([m.study, m.acc], "gnss-ins-sim", filter_rate=777.0)["gyro_b_stability"],

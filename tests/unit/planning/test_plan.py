@@ -151,9 +151,9 @@ def test_the_verb_plans_for_a_sensor():
     at = lines.index("mems  100 Hz, no ramp")
     assert lines[at + 2].strip() == "if it is known which terms there are"
     assert lines[at + 3].split()[-5:] == ["24", "h", "for", "5", "%"]
-    assert lines[at + 5].split() == ["B", "7.2", "deg/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
+    assert lines[at + 5].split() == ["B", "7.2", "°/h", "-", "17", "%", "1.4", "%", "1.97", "h"]
     assert lines[at + 8].strip() == "if all five terms are looked for, as analyze does"
-    assert lines[at + 11].split()[:6] == ["B", "7.2", "deg/h", "-", "19", "%"]
+    assert lines[at + 11].split()[:6] == ["B", "7.2", "°/h", "-", "19", "%"]
     whole = run("--sensor", "fog", "--rate", 100).stdout  # nothing more can be there
     assert "looked for" not in whole
 

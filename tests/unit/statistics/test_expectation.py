@@ -38,7 +38,7 @@ def test_curves_are_the_expectation_and_its_terms_add_up():
 def test_the_figure_of_five_slopes():
     figure = al.plot(al.Model(FIVE))
     said = texts(figure)
-    for label in ("Q = 0.5 arcsec", "N = 0.02 deg/√h", "B = 0.3 deg/h", "K = 1 deg/h/√h", "R = 5 deg/h²"):
+    for label in ("Q = 0.5 arcsec", "N = 0.02 °/√h", "B = 0.3 °/h", "K = 1 °/h/√h", "R = 5 °/h²"):
         assert label in said
     assert {line.rpartition(" ")[2] for line in said.splitlines() if "slope" in line} == {"−1", "−½", "0", "+½", "+1"}
     black = next(line for line in figure.axes[0].lines if line.get_label() == "model")
@@ -55,12 +55,12 @@ def test_slopes_are_those_of_the_statistic():
 def test_terms_of_one_symbol_share_a_label():
     figure = al.plot(al.Model("GM 0.1 deg/h 20 s, GM 0.3 deg/h 500 s, Sine 1 deg/h 3 Hz"))
     said = texts(figure)
-    assert "GM = 0.1 deg/h, T = 20 s\nGM = 0.3 deg/h, T = 500 s" in said
-    assert "Sine = 1 deg/h, f = 3 Hz" in said
+    assert "GM = 0.1 °/h, T = 20 s\nGM = 0.3 °/h, T = 500 s" in said
+    assert "Sine = 1 °/h, f = 3 Hz" in said
 
 
 def test_a_single_term_can_be_drawn_and_several_models_beside_each_other():
-    assert "N = 0.1 deg/√h" in texts(al.plot(al.N(0.1, "deg/sqrt(h)")))
+    assert "N = 0.1 °/√h" in texts(al.plot(al.N(0.1, "deg/sqrt(h)")))
     assert (
         len(al.plot([al.N(0.1, "deg/sqrt(h)") + al.B(1, "deg/h"), al.N(2.0, "ug/sqrt(Hz)") + al.B(1, "ug")]).axes) == 2
     )

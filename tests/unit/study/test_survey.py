@@ -245,7 +245,7 @@ def test_a_surface(record):
         surface = al.dynamic(record.with_values(values, ""), window=100.0)
         figure = plot(surface)
         curves, ratios = figure.axes[:2]
-        assert curves.get_ylabel() == "overlapping Allan deviation (deg/h)"
+        assert curves.get_ylabel() == "overlapping Allan deviation (°/h)"
         mesh = ratios.collections[0].get_array()
         assert mesh.shape == (surface.tau.size, surface.time.size)
         np.testing.assert_allclose(np.nanmedian(mesh.filled(np.nan), axis=1), 1.0, rtol=0.02)

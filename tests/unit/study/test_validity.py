@@ -86,7 +86,7 @@ def test_what_is_not_valid_is_no_result(study):
     assert len(rows) >= 5
     assert not any(".." in row or "below" in row for row in rows)
     wrong = table(study["good"].fit.invalid("the curve contradicts it", "N"))
-    assert re.search(r"N  angle random walk +\(0\.0023\d+\) +deg/sqrt\(h\) +not valid", wrong)
+    assert re.search(r"N  angle random walk +\(0\.0023\d+\) +°/√h +not valid", wrong)
     assert "N is not valid: the curve contradicts it" in wrong
     shown = page(study)
     assert 'class="number struck"' in shown

@@ -115,7 +115,7 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
     found.sort(key=lambda pair: OUTCOMES.index(pair[1].outcome))
     heads = (
         Column(say("file"), "name"), Column(say("channel"), "name"), Column(say("term"), "symbol"),
-        Column(say("found"), "name"), Column(say("limit"), "name"), Column(say("result"), "name"),
+        Column(say("found"), "name"), Column(say("limit"), "interval"), Column(say("result"), "name"),
     )  # fmt: skip
     rows = [
         [

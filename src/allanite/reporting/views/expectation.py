@@ -7,7 +7,7 @@ from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
 from allanite.core.model import model_of
 from allanite.core.units import convert
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Plot, Sheet, Table, one_sheet, toml
 from allanite.simulation.recording import Simulation
@@ -62,7 +62,7 @@ def expectation_view(found: Expectation, _: float) -> Face:
         rows = [[tau, *(v * factor for v in row)] for tau, *row in _numbers(found, curve)]
         title = say("expected {statistic}", statistic=STATISTICS[curve.statistic].title)
         parts.append(Table(heads, rows, title, details=True))
-    return one_sheet(str(found.model), BRAND, found.name or say("model"), parts)
+    return one_sheet(join("", [str(found.model)]), BRAND, found.name or say("model"), parts)
 
 
 MODEL = expectation_view.through(lambda model: expectation(model_of(model)))

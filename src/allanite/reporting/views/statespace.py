@@ -32,7 +32,7 @@ DRAWN = say("Allan deviation of the state space, of the model, and as measured; 
     say("State space of"),
     say("state space of an inertial sensor's noise"),
     KEY,
-    lambda space: f"{space.rate:.8g} Hz; {space.model}",
+    lambda space: join("; ", (f"{space.rate:.8g} Hz", str(space.model))),
 )
 def space_form(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
     """What it leaves out, its states, and its matrices."""

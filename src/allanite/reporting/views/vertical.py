@@ -81,8 +81,8 @@ def _sources(found: Optimum) -> Table:
     )  # fmt: skip
     known = {(source.sensor, source.text): source.rms / ARCSEC for source in second.sources}
     rows: list[list[Any]] = [
-        [say("gyro") if s.sensor == "gyro" else say("accelerometer"), s.text, s.rms / ARCSEC, s.rms**2 / first.rms**2,
-         known.get((s.sensor, s.text), 0.0)]
+        [say("gyro") if s.sensor == "gyro" else say("accelerometer"), join("", [s.text]), s.rms / ARCSEC,
+         s.rms**2 / first.rms**2, known.get((s.sensor, s.text), 0.0)]
         for s in first.sources
     ]  # fmt: skip
     rows.append([say("all"), "", f"{first.rms / ARCSEC:.4g}", "100 %", f"{second.rms / ARCSEC:.4g}"])
