@@ -16,6 +16,7 @@ from allanite.core.record import Record, Recording
 from allanite.core.units import convert
 from allanite.prepare.outliers import outliers
 from allanite.prepare.view import stretches
+from allanite.reporting.digits import printed_unit
 
 FACTOR = 16
 """Samples of a stretch, and stretches of the next longer one."""
@@ -101,7 +102,7 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
         level += 1
     times, low, high = _part(folder / "trace" / f"{i}.{level}.npy", (first, last, FACTOR**level), points)
     return {
-        "channel": one["name"], "channels": names, "unit": one["unit"], "rate": one["rate"],
+        "channel": one["name"], "channels": names, "unit": printed_unit(one["unit"]), "rate": one["rate"],
         "duration": one["size"] / one["rate"], "t": (times / one["rate"]).tolist(),
         "low": _listed(low + one["offset"]), "high": _listed(high + one["offset"]), "raw": one["raw"],
         "range": _range(low + one["offset"], high + one["offset"]),
