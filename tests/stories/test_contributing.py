@@ -97,7 +97,8 @@ print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.cs
          "    whole = trim(whole, recipe.settle, None)\n")), """
 from allanite.web.requests import Request
 from allanite.web.tables import tables
-assert {"name": "settle", "group": "selecting", "control": "number"} in tables("en")["choices"]
+row = {"name": "settle", "group": "selecting", "control": "number", "options": ("--settle",)}
+assert row in tables("en")["choices"]
 print(Request.of("analyze", {"settle": "96"}).line(["z.csv"]))
 Path("recipe.toml").write_text("settle = 96.0")
 for line in ("--settle 96", "--recipe recipe.toml"):

@@ -15,6 +15,7 @@ import allanite as al
 from allanite.cli import main
 from allanite.core.choices import choices_of
 from allanite.phrases.phrase import say
+from allanite.reporting.digits import printed_unit
 
 from .served import Client, served
 
@@ -98,7 +99,7 @@ def test_curves_have_bands_a_model_and_its_terms(client, analyzed):
     found = client.get(f"/api/jobs/{analyzed}/deviation", channel="gy", statistic="oadev").json()
     stored = client.get(f"/api/jobs/{analyzed}").json()["value"]["channels"][1]
     curve, fit = stored["curves"][0], stored["fit"]
-    assert found["unit"] == "deg/h"
+    assert found["unit"] == printed_unit("deg/h")
     scale = np.radians(1 / 3600)
     np.testing.assert_allclose(found["deviation"], np.array(curve["deviation"]) / scale)
     np.testing.assert_allclose(found["low"], np.array(curve["low"]) / scale)

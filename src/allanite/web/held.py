@@ -115,7 +115,7 @@ class Held:
             given |= ASSUMED[missing]
             try:
                 recording = whole_recording(path, replace(recipe, **given))
-            except AllaniteError as error:  # the first one is told
+            except AllaniteError as error:  # the first error remains that of the job
                 missing = error.choice
             else:
                 self._traced(path, json.dumps(["raw", *raw]), recording, raw)

@@ -45,7 +45,7 @@ def run(
 
 
 def prepare(held: Held) -> Answer:
-    """Load the kernels, or compile them, which is told."""
+    """Load the kernels, or compile them and report it."""
     with importing(IDENTIFICATION, kernels=True):
         imported(held.tell)
     return {}

@@ -44,7 +44,7 @@ function control({ name: key, control: kind }) {
     ? el("select", shared, menu(rows, "", t("auto")))
     : el("input", { ...shared, type: kind === "number" ? "number" : "text", step: kind === "number" ? "any" : undefined, list: key === "unit" ? "units" : undefined, autocomplete: "off", spellcheck: "false" });
   node.addEventListener("change", () => change(key, kind, node));
-  const help = helpOf(key);
+  const help = spoken(helpOf(key) ?? "");
   return el("div", { class: "control" },
     el("label", { for: `option-${key}` }, label(key)),
     node,

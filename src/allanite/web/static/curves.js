@@ -4,7 +4,7 @@ import * as api from "./api.js";
 import { byId, el, fill, menu, show } from "./dom.js";
 import { result } from "./jobs.js";
 import { labels } from "./labels.js";
-import { at, axis, between, color, dark, draw, layout, log, series } from "./plots.js";
+import { at, axis, beside, between, color, dark, draw, layout, log, series } from "./plots.js";
 import { choose, fileOf, on, run, state, tell } from "./state.js";
 import * as guides from "./guides.js";
 import { t } from "./words.js";
@@ -87,7 +87,7 @@ function ranges(curves, first) {
 
 function form(curves, first, units) {
   const lower = ratios(first).length > 0;
-  const one = (unit, more = {}) => log(unit, { domain: lower ? [0.34, 1] : [0, 1], ...more });
+  const domain = lower ? [0.34, 1] : [0, 1];
   const height = lower ? 560 : 440;
   const own = curves.filter((each) => each.unit === units[0]);
   const seen = { ...ranges(own, first), size: [Math.max(200, place().clientWidth - 80), (lower ? 0.66 : 1) * (height - 110)] };
@@ -97,8 +97,8 @@ function form(curves, first, units) {
     height,
     showlegend: true,
     xaxis: log(t("tau"), { anchor: lower ? "y3" : "y", range: seen.x }),
-    yaxis: one(units[0], { range: seen.y }),
-    ...(units[1] ? { yaxis2: one(units[1], { overlaying: "y", side: "right", showgrid: false }), margin: { l: 64, r: 64, t: 16, b: 48 } } : {}),
+    yaxis: log(units[0], { domain, range: seen.y }),
+    ...beside(units[1], { domain }),
     ...(lower ? { yaxis3: axis(`${t("deviation")} / ${t("model")}`, { domain: [0, 0.26] }) } : {}),
     shapes: guides.shapes(first),
     annotations: [...guides.labels(first), ...labels(named, others, seen)],

@@ -3,7 +3,8 @@
 import * as api from "./api.js";
 import { byId, complaint, el, fill, fragment, show } from "./dom.js";
 import { perform } from "./jobs.js";
-import { between, draw, layout, log, series } from "./plots.js";
+import { beside, between, draw, layout, log, series } from "./plots.js";
+import { spoken } from "./naming.js";
 import { on, state, tell } from "./state.js";
 import { t } from "./words.js";
 
@@ -12,7 +13,7 @@ let last = null;
 
 function heard(name, { text, channels }) {
   const log = byId("live-log");
-  if (name === "words") log.append(el("li", { test: "live-line" }, text));
+  if (name === "words") log.append(el("li", { test: "live-line" }, spoken(text)));
   while (log.children.length > LINES) log.firstChild.remove();
   log.scrollTop = log.scrollHeight;
   if (channels?.length) paint((last = channels));
@@ -20,11 +21,12 @@ function heard(name, { text, channels }) {
 
 function paint(curves) {
   show(byId("live-plot"), true);
+  const units = [...new Set(curves.map((one) => one.unit))];
   const traces = curves.flatMap((one, i) => [
     ...(one.low ? between(one.tau, one.low, one.high, series(i), 0.15, one.name) : []),
     { x: one.tau, y: one.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: series(i) }, name: one.name.replace(/[<>&]/g, " "), showlegend: true },
-  ]);
-  draw(byId("live-plot"), traces, layout({ height: 360, showlegend: true, xaxis: log(t("tau")), yaxis: log(curves[0].unit) }));
+  ].map((line) => ({ ...line, yaxis: units.indexOf(one.unit) ? "y2" : "y" })));
+  draw(byId("live-plot"), traces, layout({ height: 360, showlegend: true, xaxis: log(t("tau")), yaxis: log(units[0]), ...beside(units[1]) }));
 }
 
 const wanted = () => {

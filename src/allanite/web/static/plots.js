@@ -58,6 +58,9 @@ export function layout(more) {
   };
 }
 
+/** The axis of a second unit, at the right. */
+export const beside = (unit, more = {}) => (unit ? { yaxis2: log(unit, { overlaying: "y", side: "right", showgrid: false, ...more }), margin: { l: 64, r: 64, t: 16, b: 48 } } : {});
+
 export function draw(place, traces, form, settings = CONFIG) {
   place.style.height = `${form.height}px`;
   return Plotly.react(place, traces, form, settings);

@@ -80,6 +80,7 @@ const WORDS = {
   source: ["File that grows, port, or udp://127.0.0.1:9000", "Растущий файл, порт или udp://127.0.0.1:9000", "持续写入的文件、端口或 udp://127.0.0.1:9000"],
   startwatch: ["Watch", "Наблюдать", "开始监视"],
   stop: ["Stop", "Остановить", "停止"],
+  help: ["Help", "Справка", "帮助"],
   keys: ["Keyboard shortcuts", "Клавиши", "键盘快捷键"],
   theme: ["Light or dark", "Светлая или тёмная", "浅色或深色"],
   language: ["Language", "Язык", "语言"],
