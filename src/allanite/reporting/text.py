@@ -21,7 +21,10 @@ from .language import tr
 from .sheet import Code, Face, Note, Part, Table
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
-NOTES = {"alert": "bold red", "good": "green", "fair": "yellow", "note": "", "strong": "bold", "quiet": "dim"}
+NOTES = {
+    "alert": "bold red", "warning": "bold red", "remark": "", "good": "green", "fair": "yellow", "note": "",
+    "strong": "bold", "quiet": "dim",
+}  # fmt: skip
 LABEL = 10
 """Columns of the header's labels."""
 
@@ -62,10 +65,19 @@ def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
 
 def render(face: Face, *, width: int = 120, color: bool = False) -> str:
     """A result as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
+    return _printed(_lines(face, width), color=color)
+
+
+def text_of(parts: Iterable[Part], width: int) -> str:
+    """Parts of a result as text."""
+    return _printed(_parts(parts, width))
+
+
+def _printed(lines: Iterable[RenderableType], *, color: bool = False) -> str:
     out = io.StringIO()
     system: Literal["standard"] | None = "standard" if color else None
     console = Console(file=out, width=_WIDE, force_terminal=color, color_system=system, markup=False, emoji=False)
-    for item in _lines(face, width):
+    for item in lines:
         console.print(item, soft_wrap=isinstance(item, Text), highlight=False)
     return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())
 
@@ -94,7 +106,7 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
         if part.where == "page":
             continue
         if isinstance(part, Note):
-            first = "  ! " if part.level == "alert" else "  "
+            first = "  ! " if part.level in ("alert", "warning") else "  "
             yield from prose(part.text, width, first=first, indent=4, style=NOTES[part.level])
             for point in part.points:
                 yield from prose(point, width, first="    - ", indent=6)

@@ -26,7 +26,6 @@ from allanite.reporting.figures.residuals import plot_goodness
 from allanite.reporting.json import to_json
 from allanite.reporting.sheet import toml
 from allanite.reporting.style import encode
-from allanite.reporting.views.verdict import verdict
 from allanite.reporting.words import title
 from allanite.statistics import expected
 from allanite.study.recipe import Recipe
@@ -185,13 +184,22 @@ def test_an_accelerometer_has_its_own_words():
     assert printed_unit("ug/sqrt(Hz)") == "µg/√Hz"
 
 
-def test_the_verdict_is_a_plain_sentence():
-    assert verdict(channel_of(), 0.95) == (
-        "gyro_z is a gyroscope with angle random walk 0.0500 deg/√h, bias instability 0.50 deg/h (weak) and rate ramp "
-        "−0.400 deg/h². Not identified in 60 s of data: quantization noise, rate random walk."
-    )
-    assert verdict(channel_of(p=1e-9), 0.95) == "gyro_z: not explained. Its coefficients are not valid."
-    assert verdict(refused(), 0.95).startswith("gyro_x gives no result: 'gyro_x' never changes")
+def test_a_page_says_nothing_twice():
+    """In the part of a channel: one grade with all warnings, two densities, no coefficient in the data sheet."""
+    channel = channel_of(reasons=("gy: heavy tails",), warnings=("one outlier", "coarse steps"))
+    text = page(study_of(channel))
+    part = text[text.index('<section id="s1"') : text.index('<section id="method"')]
+    shown = re.sub("<svg.*?</svg>", "", part[: part.index("<details")], flags=re.DOTALL)
+    assert shown.count("xplained") == 1
+    assert re.findall("<li>(.*?)</li>", shown)[:3] == [
+        "gy: heavy tails",
+        "One outlier; look at them",
+        "Coarse steps; look at them",
+    ]
+    assert shown.count("noise density") == 2
+    assert 'class="alert"' not in text
+    for found in ("0.0500", "angle random walk", "1.454 × 10⁻⁵"):
+        assert shown.count(f">{found}<") == 1, found
 
 
 # figures
@@ -293,7 +301,7 @@ def test_the_page_loads_nothing(text):
 
 def test_the_pictures_are_in_the_page_and_share_no_names(text):
     tags = Tags(text).tags
-    assert [tag for tag, _ in tags].count("svg") == 11
+    assert [tag for tag, _ in tags].count("svg") == 22
     ids = [attrs["id"] for _, attrs in tags if "id" in attrs]
     # within one picture matplotlib names a glyph once; between pictures the prefix differs
     assert len(ids) == len(set(ids))
@@ -307,12 +315,12 @@ def test_hostile_names_come_out_as_text(text):
 def test_the_page_tells_the_whole_story(text):
     words = "".join(Tags(text).text)
     for part in (
-        "Its coefficients are not valid", "below 2.1", "Whittle", "upper limit",
+        "Coefficients not valid", "below 2.1", "Whittle", "upper limit",
         'unit = "deg/h"', "ab" * 32, "1.2.3", "What was assumed", "no result",
     ):  # fmt: skip
         assert part in words, part
     assert "<math" in text
-    assert words.index("Its coefficients are not valid") < words.index("angle random walk")
+    assert words.index("Coefficients not valid") < words.index("angle random walk")
 
 
 def test_warnings_stand_above_the_numbers_of_the_page(text):
