@@ -74,7 +74,7 @@ OPTIONS: dict[str, Decorator] = {
     "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
         help="Harmonics of the angle to estimate."),
     "report": _path("report", "Write a report: HTML, or PDF if PATH ends in .pdf."),
-    "plot": _path("plot", "Write the figure: .png, .svg or .pdf."),
+    "plot": _path("plot", "Write the figure: .png, .svg or .pdf; with {channel} in PATH one file a channel."),
     "json": _path("json", "Write all results as JSON; - is standard output."),
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
     "coefficients": click.option("--coefficients", "--table", "coefficients", metavar="PATH", type=click.Path(),

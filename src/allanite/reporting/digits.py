@@ -146,7 +146,7 @@ def printed(cell: str, kind: str) -> str:
     shown = printable(cell)
     if kind == "unit":
         return printed_unit(shown)
-    return printed_number(shown) if kind in ("number", "interval") else shown
+    return printed_number(shown) if kind in ("number", "interval") else shown.replace(" .. ", " … ")
 
 
 def printed_heading(heading: str) -> str:

@@ -131,7 +131,7 @@ def test_the_data_sheet_is_on_the_page_in_the_terminal_and_in_json(text, study):
     words = "".join(Tags(text).text)
     assert "noise density, one-sided" in words
     # 0.05 deg/sqrt(h) = 0.000833 deg/s/sqrt(Hz), and sqrt(2) times that
-    assert "0.00118" in words
+    assert "0.001179" in words
     assert "noise density, one-sided" in table(study)
     entries = study.to_dict()["channels"][0]["data_sheet"]
     assert {"quantity", "value", "low", "high", "unit", "tau", "remark", "coefficient"} == set(entries[0])

@@ -49,8 +49,10 @@ def written(monkeypatch, study):
 
 def test_text_and_figures_have_the_order_of_the_page(study, written):
     words = "\n".join(line for lines, _ in written for line in lines)
-    order = ("Summary", "✓ explained", "explained", "angle random walk", "Data sheet", "does the model", "Record and spectrum",
-             "gz", "no result", "How this was computed", "Command line", "Recipe", "Provenance")  # fmt: skip
+    order = (
+        "Summary", "✓ explained", "explained", "angle random walk", "Data sheet", "does the model",
+        "Record and spectrum", "gz", "no result", "How this was computed", "Command line", "Recipe", "Provenance",
+    )  # fmt: skip
     places = [0]
     for part in order:
         places.append(words.lower().index(part.lower(), places[-1]))
@@ -65,10 +67,10 @@ def test_nothing_lies_on_something_else_nor_beyond_the_paper(written):
         assert all(figure.bbox_inches.x0 > 0.5 for figure in figures)
 
 
+@pytest.mark.slow("forty figures by matplotlib")
 def test_a_report_of_six_channels_has_at_most_twenty_pages():
-    channels = [
-        channel_of(name, warnings=("one outlier", "coarse steps")) for name in ("gx", "gy", "gz", "ax", "ay", "az")
-    ]
+    names = ("gx", "gy", "gz", "ax", "ay", "az")
+    channels = [channel_of(name, warnings=("one outlier", "coarse steps")) for name in names]
     assert pages(document(study_of(*channels))) <= 20
 
 
