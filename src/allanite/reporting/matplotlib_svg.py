@@ -83,7 +83,7 @@ def picture(figure: "Figure") -> Picture:
 
 _STYLE = r'style="([^"]*)"'
 _SCROLLED = ' tabindex="0"'
-"""Of a figure without a narrow form: keys scroll it on a narrow screen, too."""
+"""A figure without a narrow form is scrolled on a narrow screen, by keys too."""
 
 
 def drawer(pictures: Mapping[int, Picture]) -> Callable[[Drawing], Markup]:

@@ -45,7 +45,7 @@ def plot_panels(
 ) -> Figure:
     """One panel for each curve: sensors side by side, the channels of each one below the other, with equal decades.
 
-    Without `titled`, what is shown and how well it is explained is said elsewhere.
+    `titled`: with the name, and how well the model explains it, above each panel.
     """
     columns = columns_of(panels)
     rows = max(map(len, columns))
