@@ -20,7 +20,9 @@ def demand_level(level: float) -> None:
         The level is not between 0 and 1.
     """
     if not 0 < level < 1:
-        raise UsageError(f"a confidence level must be between 0 and 1, not {given(level)}")
+        share = f"{level / 100:g}" if 1 < level < 100 else ""
+        said = f"a confidence level must be between 0 and 1, not {given(level)}"
+        raise UsageError(said + (f"; did you mean {share}?" if share else ""), cure=(f"{level:g}" * bool(share), share))
 
 
 def quantile(p: float) -> float:

@@ -6,32 +6,14 @@ from allanite.terms import TERMS
 
 from .errors import UsageError
 from .model import Model, Term, term
+from .names import unknown
 from .units import convert
 
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 
 
-def parse_model(text: str) -> Model:
-    """The model that a text describes.
-
-    Terms are separated by commas. Each has a symbol, a number and a unit, followed by the parameters of a term
-    with a shape, whose units may be omitted if they are s, Hz and rad. The output of ``str(model)`` is accepted, too.
-
-    Parameters
-    ----------
-    text : str
-        For example ``"N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s, Sine 3 deg/h 0.5 Hz"``.
-
-    Raises
-    ------
-    UsageError
-        A term is unknown or incomplete, or a unit does not fit it.
-
-    Examples
-    --------
-    >>> print(parse_model("N 0.003 deg/sqrt(h), Q 0.2 arcsec, GM 0.1 deg/h 2 min"))
-    N = 0.003 deg/sqrt(h), Q = 0.2 arcsec, GM = 0.1 deg/h with time constant 120 s
-    """
+def terms_of(text: str) -> tuple[Term, ...]:
+    """The terms of a model that a text describes; see `Model`."""
     parts: list[list[str]] = []
     titles = (f"{p.name} {p.title}" for row in TERMS.values() for p in row.parameters)
     fillers = {"with", *" ".join(titles).replace("_", " ").split()}  # words that carry no information
@@ -41,16 +23,13 @@ def parse_model(text: str) -> Model:
             parts[-1] += words
         else:
             parts.append(words)
-    return Model(tuple(_term(words, text) for words in parts))
+    return tuple(_term(words, text) for words in parts)
 
 
 def _term(words: list[str], text: str) -> Term:
     if not words or words[0] not in TERMS:
-        what = repr(words[0]) if words else "nothing"
-        raise UsageError(
-            f"{what} in {text!r} is not a noise term; a term is a symbol ({', '.join(TERMS)}), a number and a unit, "
-            "e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'"
-        )
+        error = unknown("term", words[0] if words else "", TERMS, where=f" in {text!r}")
+        raise type(error)(f"{error}; a model has the form 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'", cure=error.cure)
     symbol, parameters = words[0], TERMS[words[0]].parameters
     # the unit of the coefficient may begin with 1, as 1/s
     plain = len(words) > 2 and _NUMBER.fullmatch(words[1]) and re.fullmatch(r"1(/.*)?", words[2])
@@ -88,12 +67,12 @@ def split_quantities(words: list[str]) -> list[tuple[float, str]]:
 
 
 def written(model: Model) -> str:
-    """The text from which `parse_model` makes exactly the same model.
+    """The text from which `Model` makes exactly the same model.
 
     Examples
     --------
-    >>> model = parse_model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
-    >>> parse_model(written(model)) == model
+    >>> model = Model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
+    >>> Model(written(model)) == model
     True
     """
     texts = list[str]()

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.files import reason
 from allanite.core.model import Model, Term
-from allanite.core.notation import parse_model, split_quantities
+from allanite.core.notation import split_quantities
 from allanite.core.plain import Value, from_dict
 from allanite.core.units import signal_with, unit_of
 from allanite.study.analysis import analyze
@@ -37,7 +38,7 @@ def models_of(texts: Iterable[str]) -> list[Model]:
     """
     found: dict[str, Model] = {}
     for text in texts:
-        model = parse_model(text) if text.split(maxsplit=1)[:1] and text.split()[0] in TERMS else _single(text)
+        model = Model(text) if text.split(maxsplit=1)[:1] and text.split()[0] in TERMS else _single(text)
         sensor = model.signal.name
         found[sensor] = found[sensor] + model if sensor in found else model
     return list(found.values())
@@ -69,10 +70,22 @@ def load(
             continue
         try:
             data = json.loads(Path(file).read_text("utf-8"))
-        except (OSError, ValueError) as error:
-            raise DataError(f"{file!r} is not a result of allanite in JSON: {error}") from None
-        found.append(from_dict(data))
+        except OSError as error:
+            raise DataError(f"{file}: {reason(error)}; check the name and the folder") from None
+        except (ValueError, RecursionError):
+            raise DataError(f"{file} is damaged: it is not JSON; write the result again with --json") from None
+        found.append(_result(file, data))
     return [*found, *models_of(models)]
+
+
+def _result(file: str, data: Any) -> Any:
+    """The result of a file; what was changed or written by another program is refused."""
+    try:
+        return from_dict(data)
+    except UsageError as error:
+        raise error.within(file) from None
+    except (KeyError, TypeError, ValueError, AttributeError, StopIteration, RecursionError, RuntimeError) as error:
+        raise DataError(f"{file} is no complete result of allanite; write it again with --json") from error
 
 
 @dataclass(frozen=True, repr=False)

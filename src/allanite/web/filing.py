@@ -9,10 +9,11 @@ from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError
+from allanite.core.names import demand_name
 
 from .messages import body_of
-from .store import CHOICES, MissingError, Store
+from .store import CHOICES, MissingError, Store, shown
 
 
 def menus(request: Request, lang: str = "") -> dict[str, Any]:
@@ -45,8 +46,12 @@ def workspace(request: Request, name: str) -> dict[str, Any]:
     """A workspace as it is; jobs that a server left unfinished are begun once more."""
     state = request.app.state.store.state(name)
     request.app.state.jobs.resume(state)
-    found = [{k: v for k, v in file.items() if k != "path" or not file["own"]} for file in state["files"].values()]
-    return {"id": state["id"], "files": found, "jobs": list(state["jobs"].values()), "choices": state["choices"]}
+    return {
+        "id": state["id"],
+        "files": list(map(_shown, state["files"].values())),
+        "jobs": list(state["jobs"].values()),
+        "choices": state["choices"],
+    }
 
 
 def drop_workspace(request: Request, name: str) -> dict[str, Any]:
@@ -96,7 +101,7 @@ def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
         raise DataError(f"there is no file {path!r}; give its path on this machine")
     size = os.path.getsize(where)
     own = f"{workspace}-{secrets.token_hex(8)}"
-    return store.add({"id": own, "name": path, "bytes": size, "path": where, "own": False})
+    return store.add({"id": own, "name": shown(path), "bytes": size, "path": where, "own": False})
 
 
 async def example(request: Request, name: str) -> dict[str, Any]:
@@ -104,8 +109,7 @@ async def example(request: Request, name: str) -> dict[str, Any]:
     from .tables import EXAMPLES, simulation
 
     which = str((await body_of(request)).get("name") or next(iter(EXAMPLES)))
-    if which not in EXAMPLES:
-        raise UsageError(f"unknown example {which!r}; examples: {', '.join(EXAMPLES)}")
+    demand_name("example", which, EXAMPLES)
     store, jobs = request.app.state.store, request.app.state.jobs
     file, path = store.new_file(name, f"example-{which}.npz")
     line = simulation(which, str(path))
@@ -114,7 +118,8 @@ async def example(request: Request, name: str) -> dict[str, Any]:
 
 
 def _shown(file: dict[str, Any]) -> dict[str, Any]:
-    return {key: file[key] for key in ("id", "name", "bytes")}
+    """A file as the page shows it; where an upload is kept is not said."""
+    return {key: file[key] for key in ("id", "name", "bytes", *(() if file["own"] else ("path",)))}
 
 
 def drop_file(request: Request, name: str, file: str) -> dict[str, Any]:

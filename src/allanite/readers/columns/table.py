@@ -122,7 +122,10 @@ class Sense:
         """Ask for what is not known."""
         questions = [*beat.questions, *self.choice.questions]
         if questions:
-            raise UsageError("; ".join((*questions, *self.choice.left)), choice="rate" if beat.questions else "unit")
+            left = self.choice.left if beat.questions else ()
+            typed, instead = self.choice.cure
+            cure = typed, f"{'' if typed or not beat.questions else '--rate 100 '}{instead}".strip()
+            raise UsageError("; ".join((*questions, *left)), choice="rate" if beat.questions else "unit", cure=cure)
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""
@@ -231,11 +234,11 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
                 raise ValueError(unit)
             # JSON text may contain 1.0 as an integer
             values = column.values if channel["integers"] else column.values.astype(np.float64)
-            scale, history = None if scale is None else _positive(scale), tuple(map(str, channel["history"]))
+            scale, history = None if scale is None else _positive(scale), channel["history"]
             columns.append(
                 replace(
                     column, values=values, name=str(channel["name"]), unit=unit, kind=kind, scale=scale,
-                    history=history,
+                    history=tuple(join("", [str(step)]) for step in history),
                 )
             )  # fmt: skip
         start = None if said["start"] is None else float(said["start"])

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
-from allanite.reporting.digits import digits, printed_unit
+from allanite.reporting.digits import digits
 from allanite.statistics import STATISTICS
 
 from .drawing import TIME, UNREAD, draw_label, draw_legend, draw_titles, fractions, shade, with_unit
@@ -134,7 +134,7 @@ def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: fl
     deviation = readings.minimum.deviation * factor
     found = digits(deviation, low * factor, high * factor)
     number = found.value + found.power if panel.brief else found.pretty()
-    size = {"value": f"{number} {printed_unit(panel.unit)}", "tau": words.averaging(readings.minimum.tau)}
+    size = {"value": f"{number} {panel.unit}", "tau": words.averaging(readings.minimum.tau)}
     text, shape = say("minimum {value}\nat τ = {tau}", **size), "v"
     if not readings.inside:
         text, shape = say("last well-determined point:\n{value} at τ = {tau}", **size), "s"

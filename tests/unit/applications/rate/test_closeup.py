@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import allanite as al
-from allanite.applications.rate import EstimatorSettings, ExperimentSettings, closeup, estimate
+from allanite.applications.constant_rate import EstimatorSettings, ExperimentSettings, closeup, estimate
 from allanite.cli import main
 
 
@@ -44,7 +44,7 @@ def test_it_is_stored_and_drawn(record):
     np.testing.assert_array_equal(again.kept, found.kept)
     top, stairs, misfit = al.plot(found).axes
     assert "slope less 12.3" in top.get_ylabel()
-    assert misfit.get_ylabel() == "counts less staircase"
+    assert misfit.get_ylabel() == "counts minus staircase"
     drawn = np.asarray(stairs.lines[1].get_ydata())
     np.testing.assert_array_equal(drawn, np.floor(found.line[: drawn.size]))
 
@@ -87,7 +87,7 @@ def test_every_interval_is_written(record, tmp_path):
 
 
 def test_what_wanders_is_drawn_beside_the_prediction(record):
-    from allanite.applications.rate.campaign import RateSettings
+    from allanite.applications.constant_rate.campaign import RateSettings
 
     model = al.N(0.0003, "deg/sqrt(h)") + al.Q(0.3, "arcsec") + al.B(0.003, "deg/h")
     study = al.measure_rates(record, None, RateSettings(SETTINGS, model, durations=(1.0, 3.0)))
