@@ -141,11 +141,11 @@ def unit_of(file: str, study: Study, limits: Specification | None) -> BatchUnit:
     return BatchUnit(file, study, () if limits is None else judge_study(study, limits), judged=limits is not None)
 
 
-def lightened(study: Study) -> Study:
-    """A study that no longer holds the samples: headers in place of records, and no alternative models."""
+def lightened(study: Study, *, samples: bool = False) -> Study:
+    """A study without alternative models and, but for a single one, whose figures show `samples`, without records."""
     channels = []
     for channel in study.channels:
-        record = channel.record.header if isinstance(channel.record, Record) else channel.record
+        record = channel.record.header if isinstance(channel.record, Record) and not samples else channel.record
         noise = channel.noise
         if noise is not None:
             residuals = None if noise.residuals is None else Stored(noise.residuals)

@@ -94,7 +94,7 @@ def analyze_files(
             errors.append(error)
             units.append(BatchUnit(file, error=reason_of(error, file), judged=specification is not None))
         else:
-            units.append(unit_of(file, lightened(study), specification))
+            units.append(unit_of(file, lightened(study, samples=len(sources.files) == 1), specification))
     if len(errors) == len(units):
         kind = UsageError if all(isinstance(error, UsageError) for error in errors) else DataError
         raise kind(_reasons(units))

@@ -1,6 +1,7 @@
 """Where results go: the terminal, standard output, files."""
 
 import os
+import re
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -172,13 +173,15 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
 
     more, context = extra or Extra(), click.get_current_context(silent=True)
     command = "" if context is None else context.meta.get(LINE, "")
-    forms = [name for name in out.paths if name not in more.recordings]
+    places = [(name, *place) for name, path in out.paths.items() for place in _places(value, path)]
+    forms = [place for place in places if place[0] not in more.recordings]
     shown = not (out.quiet or out.piped)
 
-    def work(name: str) -> Work[str | bytes]:
+    def work(place: tuple[str, str, Any]) -> Work[str | bytes]:
+        name, path, part = place
         if name in more.data:
-            return Work((), lambda _: more.data[name](value))
-        return work_of(value, name, out.paths[name], out.lang, command)
+            return Work((), lambda _: more.data[name](part))
+        return work_of(part, name, path, out.lang, command)
 
     with _warnings(FontWarning):
         text = [Work.one(lambda: text_of(value, out.lang))] if shown else []
@@ -186,8 +189,8 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
         if shown:
             with while_read():
                 click.echo(next(made), nl=False)
-        for name, path in out.paths.items():
-            if name in forms:
+        for name, path, _ in places:
+            if name not in more.recordings:
                 put(path, next(made), force=out.force)
             else:
                 from allanite.readers import write as write_recording
@@ -196,6 +199,24 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
             if path != STDOUT and not out.quiet:
                 with while_read():
                     click.echo(f"{name}: {path}", err=out.piped)
+
+
+CHANNEL = "{channel}"
+"""Stands in the path of a figure for the name of a channel: each has a file of its own then."""
+
+
+def _places(value: Any, path: str) -> Iterator[tuple[str, Any]]:
+    """The files of a path, each with the part of the result that it shows."""
+    if CHANNEL not in path:
+        yield path, value
+        return
+    apart = getattr(value, "apart", ())
+    if not apart:
+        raise UsageError(f"{path!r} is a file for each channel, but this result has none; leave out {CHANNEL}")
+    names = [re.sub(r"[^\w.+-]+", "_", name).strip("_.") for name, _ in apart]
+    for i, (name, (_, part)) in enumerate(zip(names, apart, strict=True)):
+        own = name if name and name not in names[:i] else f"{name}{i + 1}"
+        yield path.replace(CHANNEL, own), part
 
 
 def put(path: str, data: str | bytes, *, force: bool) -> None:

@@ -69,7 +69,7 @@ class Means(Value):
 class Quantity(NamedTuple):
     """One line of a table of readings: `value`, `low` and `high` in SI units of the signal times time to the `power`.
 
-    `power` is None for a slope, which has no unit.
+    `power` is None for a slope, which has no unit. `quoted`: whether data sheets have it.
     """
 
     title: str
@@ -79,6 +79,7 @@ class Quantity(NamedTuple):
     high: float
     power: float | None
     remark: str = ""
+    quoted: bool = False
 
 
 MINIMUM = "minimum"
@@ -165,7 +166,9 @@ class Readings(Value):
                 say("at {tau:.4g} s, the last point: an upper limit", tau=tau),
             )
             found.append(
-                _quantity(minimum_title(self.signal), self.minimum, level, 1.0, inside if self.inside else last)
+                _quantity(
+                    minimum_title(self.signal), self.minimum, level, 1.0, inside if self.inside else last
+                )._replace(quoted=True)
             )
             most = say("{term} at most", term=title_of("B", self.signal))
             found.append(_quantity(say("minimum / 0.664"), self.minimum, level, FLICKER, most))
@@ -178,6 +181,7 @@ class Readings(Value):
                 math.nan,
                 0,
                 say("of {count} means", count=m.count),
+                quoted=True,
             )
             for m in self.means
         ]

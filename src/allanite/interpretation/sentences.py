@@ -9,7 +9,7 @@ from allanite.core.readings import FLICKER, Readings
 from allanite.core.titles import title_of
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import duration
+from allanite.phrases.wording import averaging
 from allanite.terms import TERMS, WHITE
 
 from .asymptotes import Span, crossing, least, spans
@@ -71,7 +71,7 @@ def _dominating(found: dict[str, Estimate], rate: float, length: float) -> Itera
         if drift.start <= 1 / rate:
             parts.append(say("Drift ({term}) dominates at all averaging times", term=title))
         else:
-            parts.append(say("Drift ({term}) dominates from {start} on", term=title, start=duration(drift.start)))
+            parts.append(say("Drift ({term}) dominates from {start} on", term=title, start=averaging(drift.start)))
     if parts:
         yield _ended(join(". ", parts))
 
@@ -81,7 +81,7 @@ def _ended(sentence: str) -> str:
 
 
 def _white(span: Span, found: dict[str, Estimate], limits: tuple[float, float]) -> str:
-    title, start, end = _title(found[span.symbol]), duration(span.start), duration(span.end)
+    title, start, end = _title(found[span.symbol]), averaging(span.start), averaging(span.end)
     late = span.start > limits[0]
     if span.end >= limits[1]:
         if late:
@@ -112,7 +112,7 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
     said = say(
         "The minimum of the Allan deviation is {minimum} at {tau}; divided by 0.664 it would be a B of {flicker}",
         minimum=_size(level, flicker, 0),
-        tau=duration(tau),
+        tau=averaging(tau),
         flicker=_size(level * FLICKER, flicker, 0),
     )
     if flicker.claimed and flicker.value:
@@ -125,7 +125,7 @@ def _minimum(fit: Fit, readings: Readings | None, rate: float, length: float) ->
         parts = [said, missing]
         lowest = least(fit.estimates, 1 / rate, length / 2)
         if lowest is not None:  # the minimum that the other terms have together, if they have one within the record
-            size, at = _size(lowest[1], fit.estimates[0], 0), duration(lowest[0])
+            size, at = _size(lowest[1], fit.estimates[0], 0), averaging(lowest[0])
             parts.append(say("the other terms alone make a minimum of {minimum} at {tau}", minimum=size, tau=at))
         yield _ended(join("; ", parts))
 
@@ -139,7 +139,7 @@ def _drift(fit: Fit, found: dict[str, Estimate], length: float) -> Iterator[str]
             "random part, K, of {random} (1 sigma); R is larger than K beyond {tau}.",
             systematic=_over(ramp, length),
             random=_over(walk, length),
-            tau=duration(crossing(walk, ramp)),
+            tau=averaging(crossing(walk, ramp)),
         )
     elif ramp is not None:
         change = _over(ramp, length)
@@ -173,7 +173,7 @@ def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
         yield say(
             "A Gauss-Markov process with a time constant of {time} was identified: look for a control loop, a "
             "temperature or a filter with this time constant.",
-            time=duration(process.shape[0]),
+            time=averaging(process.shape[0]),
         )
     if fit.scope is not None and fit.scope.filter is not None:
         cutoff = fit.scope.filter.cutoff

@@ -41,6 +41,17 @@ def duration(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
+def averaging(tau: float) -> str:
+    """An averaging time: in seconds, as on the axis of a curve.
+
+    Examples
+    --------
+    >>> averaging(5.119), averaging(927.4), averaging(16384.0)
+    ('5.12 s', '927 s', '16400 s')
+    """
+    return f"{float(f'{tau:.3g}'):.15g} s"
+
+
 _AT_COMMAND_LINE = ContextVar("_AT_COMMAND_LINE", default=False)
 
 

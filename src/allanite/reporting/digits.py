@@ -181,7 +181,7 @@ def printed_number(cell: str) -> str:
 def printed(cell: str, kind: str) -> str:
     """A cell as it is printed, by the kind of its column; names are left as they are."""
     shown = with_units(printable(cell), kind)
-    return printed_number(shown) if kind in ("number", "interval") else shown
+    return printed_number(shown) if kind in ("number", "interval") else shown.replace(" .. ", " … ")
 
 
 def with_units(cell: str, kind: str) -> str:

@@ -85,7 +85,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         finalize=tr,  # whatever a template shows is translated, here or by a filter
     )
-    env.filters["clean"] = lambda text: printable(tr(text))
+    env.filters["clean"] = lambda text: printable(tr(text)).replace(" .. ", " … ")
     env.filters["heading"] = lambda text: printed_heading(tr(text))
     env.filters["made"] = _made
     env.filters["capital"] = capital

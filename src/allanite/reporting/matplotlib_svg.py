@@ -25,12 +25,17 @@ def variable(color: str) -> str:
     return f"--{color.lower().lstrip('#')}"
 
 
+NARROW = 4.6
+"""Inches of a figure on a phone, whose letters are then as large as those of the text."""
+
+
 @dataclass(frozen=True)
 class Picture:
-    """A figure as text, before the page around it is known: `wide` points."""
+    """A figure as text, before the page around it is known: `wide` points; the same for narrow screens."""
 
     text: str
     wide: float
+    narrow: "Picture | None" = None
 
     def within(self, prefix: str, label: str) -> Markup:
         """With names that begin with `prefix`, so that figures do not share parts by mistake, and words for it."""
@@ -53,8 +58,8 @@ def drawn(drawing: Drawing, lang: str = "") -> Picture:
     with speaking(lang or spoken()):
         plot = drawing.draw()
         try:
-            chart = plot.sketched()
-            return Picture(chart.svg(), chart.width)
+            broad, narrow = plot.sketched(), plot.sketched(NARROW)
+            return Picture(broad.svg(), broad.width, Picture(narrow.svg(), narrow.width))
         except Unsketched:
             return picture(plot.printed())
 
@@ -76,6 +81,11 @@ def picture(figure: "Figure") -> Picture:
     return Picture(text, figure.get_figwidth() * 72)
 
 
+_STYLE = r'style="([^"]*)"'
+_SCROLLED = ' tabindex="0"'
+"""A figure without a narrow form is scrolled on a narrow screen, by keys too."""
+
+
 def drawer(pictures: Mapping[int, Picture]) -> Callable[[Drawing], Markup]:
     """Gives the figures of one page: each with a prefix of its own, the styles of all of them as common classes.
 
@@ -91,8 +101,13 @@ def drawer(pictures: Mapping[int, Picture]) -> Callable[[Drawing], Markup]:
 
     def draw(drawing: Drawing) -> Markup:
         known = len(classes)
-        shown = pictures.get(id(drawing)) or drawn(drawing)
-        made = re.sub(r'style="([^"]*)"', named, shown.within(f"f{next(numbers)}", drawing.label))
+        found = pictures.get(id(drawing)) or drawn(drawing)
+        shown = {"broad" if found.narrow else "only": found} | ({"narrow": found.narrow} if found.narrow else {})
+        texts = {width: one.within(f"f{next(numbers)}", drawing.label) for width, one in shown.items()}
+        made = "".join(
+            f'<div class="{width}"{_SCROLLED if width == "only" else ""}>{re.sub(_STYLE, named, text)}</div>'
+            for width, text in texts.items()
+        )
         new = "".join(f".{name}{{{style}}}" for style, name in list(classes.items())[known:])
         return Markup(f"<style>{new}</style>{made}" if new else made)  # noqa: S704 - as `within` has made it
 

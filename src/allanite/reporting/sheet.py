@@ -83,13 +83,14 @@ class Table:
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence: an "alert" must not be overlooked, "good" is reassuring, "fair" less so, "quiet" is small print.
+    """A sentence, with `points` below it, a line each.
 
-    `points` stand below it, a line each.
+    By an "alert" a number is wrong or missing, a "warning" affects the numbers, a "remark" does not; "good" is
+    reassuring, "fair" less so, "quiet" is small print. On a page warnings and remarks are points of the note before.
     """
 
     text: str
-    level: Literal["alert", "good", "fair", "note", "strong", "quiet"] = "note"
+    level: Literal["alert", "warning", "remark", "good", "fair", "note", "strong", "quiet"] = "note"
     where: Where = ""
     points: Sequence[str] = ()
 
@@ -97,11 +98,11 @@ class Note:
 class Plot(Protocol):
     """A figure that is yet to be drawn."""
 
-    def printed(self) -> "Figure":
-        """For print, by matplotlib."""
+    def printed(self, room: float = math.inf, make: "Callable[[float, float], Figure] | None" = None) -> "Figure":
+        """For print, by matplotlib, `room` inches wide at most; `make` gives an empty figure of (width, height)."""
 
-    def sketched(self) -> "Chart":
-        """For a page, by `sketch`."""
+    def sketched(self, room: float = math.inf) -> "Chart":
+        """The same for a page, by `sketch`."""
 
 
 @dataclass(frozen=True)
@@ -156,8 +157,20 @@ Part = Table | Note | Drawing | Code | Fold
 
 
 def on_page(parts: "Iterable[Part]") -> "Iterator[Part]":
-    """Those that are on a page."""
-    return (part for part in parts if part.where != "text")
+    """Those that are on a page; warnings and remarks in a row are points of one note, below the grade."""
+    box: Note | None = None
+    for part in (part for part in parts if part.where != "text"):
+        if isinstance(part, Note) and part.level in ("warning", "remark"):
+            box = box or Note("", "fair" if part.level == "warning" else "note")
+            box = replace(box, points=(*box.points, part.text))
+            continue
+        if box is not None:
+            yield box
+        box = part if isinstance(part, Note) and part.level in ("good", "fair", "alert") else None
+        if box is None:
+            yield part
+    if box is not None:
+        yield box
 
 
 def drawings(parts: "Iterable[Part]") -> Iterator[Drawing]:
@@ -194,8 +207,8 @@ class Card:
 class Sheet:
     """The results of one channel.
 
-    `verdicts` stand at the top of the page too, with the name before them; `doubt` marks them there, `fair` less so.
-    A sheet with a `card` has that at the top instead, and its verdicts above its parts.
+    `verdicts` stand at the top of the page, with the name before them; `doubt` marks them there, `fair` less so.
+    A sheet with a `card` has that at the top instead.
     """
 
     name: str

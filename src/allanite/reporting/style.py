@@ -82,30 +82,40 @@ FORMATS: dict[str, dict[str, Any]] = {
 }
 
 
-NewFigure = Callable[[float, float], Figure]
-"""(width, height) in inches -> an empty figure."""
+@dataclass(frozen=True)
+class NewFigure:
+    """Makes an empty figure of (width, height) in inches, of `room` at most in width."""
+
+    make: Callable[[float, float], Figure]
+    room: float = math.inf
+
+    def __call__(self, width: float, height: float) -> Figure:
+        """The figure."""
+        return self.make(min(width, self.room), height)
+
 
 P = ParamSpec("P")
 
 
 @dataclass(frozen=True)
 class StyledPlot:
-    """A figure that is yet to be drawn, on whatever `draw` is given."""
+    """A figure that is yet to be drawn, on whatever `draw` is given; `room` inches wide at most, made by `make`."""
 
     draw: Callable[[NewFigure], Figure]
 
-    def printed(self) -> Figure:
+    def printed(self, room: float = math.inf, make: Callable[[float, float], Figure] | None = None) -> Figure:
         """For print, by matplotlib. Figures are drawn with phrases; afterwards they are in the language spoken."""
         with look():
-            figure = self.draw(new_figure)
+            figure = self.draw(NewFigure(make or new_figure, room))
         for text in figure.findobj(Text):
             assert isinstance(text, Text)  # noqa: S101 - as asked for
             text.set_text(tr(text.get_text()))
         return figure
 
-    def sketched(self) -> Chart:
+    def sketched(self, room: float = math.inf) -> Chart:
         """For a page, by `sketch`; what that cannot draw raises `Unsketched`."""
-        return cast(Chart, self.draw(lambda width, height: cast(Figure, Chart(width, height, Look(INK, "#555b63")))))
+        make = lambda width, height: cast(Figure, Chart(width, height, Look(INK, "#555b63")))  # noqa: E731
+        return cast(Chart, self.draw(NewFigure(make, room)))
 
 
 def plotted(function: Callable[Concatenate[NewFigure, P], Figure]) -> Callable[P, StyledPlot]:

@@ -22,7 +22,10 @@ from .language import tr
 from .sheet import Code, Column, Face, Note, Part, Table
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
-NOTES = {"alert": "bold red", "good": "green", "fair": "yellow", "note": "", "strong": "bold", "quiet": "dim"}
+NOTES = {
+    "alert": "bold red", "warning": "bold red", "remark": "", "good": "green", "fair": "yellow", "note": "",
+    "strong": "bold", "quiet": "dim",
+}  # fmt: skip
 LABEL = 10
 """Columns of the header's labels."""
 
@@ -64,14 +67,24 @@ def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
 
 def render(face: Face, *, width: int = 120, color: bool = False, ascii: bool = False) -> str:  # noqa: A002 - as in repr
     """A result as text for a terminal of `width` columns; with `color`, ANSI codes in it, with `ascii`, no signs."""
-    out, token = io.StringIO(), _ASCII.set(ascii)
-    system: Literal["standard"] | None = "standard" if color else None
-    console = Console(file=out, width=_WIDE, force_terminal=color, color_system=system, markup=False, emoji=False)
+    token = _ASCII.set(ascii)
     try:
-        for item in _lines(face, width):
-            console.print(item, soft_wrap=isinstance(item, Text), highlight=False)
+        return _printed(_lines(face, width), color=color)
     finally:
         _ASCII.reset(token)
+
+
+def text_of(parts: Iterable[Part], width: int) -> str:
+    """Parts of a result as text."""
+    return _printed(_parts(parts, width))
+
+
+def _printed(lines: Iterable[RenderableType], *, color: bool = False) -> str:
+    out = io.StringIO()
+    system: Literal["standard"] | None = "standard" if color else None
+    console = Console(file=out, width=_WIDE, force_terminal=color, color_system=system, markup=False, emoji=False)
+    for item in lines:
+        console.print(item, soft_wrap=isinstance(item, Text), highlight=False)
     return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())
 
 
@@ -99,7 +112,7 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
         if part.where == "page":
             continue
         if isinstance(part, Note):
-            first = "  ! " if part.level == "alert" else "  "
+            first = "  ! " if part.level in ("alert", "warning") else "  "
             yield from prose(part.text, width, first=first, indent=4, style=NOTES[part.level])
             for point in part.points:
                 yield from prose(point, width, first="    - ", indent=6)

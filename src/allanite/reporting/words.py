@@ -15,7 +15,8 @@ from allanite.core.titles import title_of
 from allanite.core.validity import UNEXPLAINED, graded
 from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
-from allanite.phrases.wording import duration as duration  # noqa: PLC0414 - of this module too
+from allanite.phrases.wording import averaging as averaging  # noqa: PLC0414 - of this module too
+from allanite.phrases.wording import duration as duration  # noqa: PLC0414
 from allanite.terms import TERMS
 
 from .digits import Digits, digits, printed_unit

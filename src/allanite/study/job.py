@@ -1,7 +1,7 @@
 """The result of a job over the channels of a recording."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
 
@@ -57,6 +57,12 @@ class Job(Value, Generic[Result]):
         """Names of the channels: their own, or those of their records."""
         channels: tuple[Any, ...] = self.channels
         return [channel.name if hasattr(channel, "name") else channel.record.name for channel in channels]
+
+    @property
+    def apart(self) -> "list[tuple[str, Self]]":
+        """The channels that have a result: the name of each, and the job with it alone."""
+        pairs = zip(self._names, self.channels, strict=True)
+        return [(name, replace(self, channels=(one,))) for name, one in pairs if not one.refusal]  # type: ignore[attr-defined]
 
     @property
     def rejected(self) -> tuple[str, ...]:

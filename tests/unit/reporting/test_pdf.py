@@ -1,14 +1,17 @@
 """The document for archives: text of the terminal, all figures, the same bytes for the same result."""
 
 import re
+from itertools import pairwise
 
 import pytest
 from click.testing import CliRunner
+from matplotlib.backends import backend_pdf
 from tests.unit.reporting.test_report import channel_of, refused, study_of
 
 from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.reporting import document, page, report
+from allanite.reporting.pdf import PAPER
 
 HOSTILE = "gx $\\frac{1}{$ \u202e"
 
@@ -30,9 +33,45 @@ def pages(made):
     return len(re.findall(rb"/Type /Page\b", made))
 
 
-def test_it_has_a_page_for_the_text_and_one_for_each_figure(study, made):
-    assert made.startswith(b"%PDF-")
-    assert pages(made) == 1 + page(study).count('<svg role="img"')
+@pytest.fixture
+def written(monkeypatch, study):
+    """The lines of each page, and its figures."""
+    pages = []
+    monkeypatch.setattr(
+        backend_pdf.PdfPages,
+        "savefig",
+        lambda _, page: pages.append(([text.get_text() for text in page.texts], list(getattr(page, "placed", ())))),
+    )
+    monkeypatch.setattr(backend_pdf.PdfPages, "close", lambda _: None)
+    document(study, command=COMMAND)
+    return pages
+
+
+def test_text_and_figures_have_the_order_of_the_page(study, written):
+    words = "\n".join(line for lines, _ in written for line in lines)
+    order = (
+        "Summary", "✓ explained", "explained", "angle random walk", "Data sheet", "does the model",
+        "Record and spectrum", "gz", "no result", "How this was computed", "Command line", "Recipe", "Provenance",
+    )  # fmt: skip
+    places = [0]
+    for part in order:
+        places.append(words.lower().index(part.lower(), places[-1]))
+    assert sum(len(figures) for _, figures in written) * 2 == page(study).count('<svg role="img"')
+
+
+def test_nothing_lies_on_something_else_nor_beyond_the_paper(written):
+    for _, figures in written:
+        boxes = sorted((figure.bbox_inches.y0, figure.bbox_inches.y1) for figure in figures)
+        assert all(top <= foot for (_, top), (foot, _) in pairwise(boxes))
+        assert all(low > 0.5 and high < PAPER[1] - 0.5 for low, high in boxes)
+        assert all(figure.bbox_inches.x0 > 0.5 for figure in figures)
+
+
+@pytest.mark.slow("forty figures by matplotlib")
+def test_a_report_of_six_channels_has_at_most_twenty_pages():
+    names = ("gx", "gy", "gz", "ax", "ay", "az")
+    channels = [channel_of(name, warnings=("one outlier", "coarse steps")) for name in names]
+    assert pages(document(study_of(*channels))) <= 20
 
 
 @pytest.mark.slow("two reports as PDF")

@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.batch.batch import Batch, unit_of
+from allanite.batch.specification import Specification
+from allanite.cli.deliver import Outputs, deliver
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
@@ -20,13 +23,14 @@ from allanite.core.fit import Fit, Goodness
 from allanite.core.model import B, N, R, term
 from allanite.core.record import Record
 from allanite.core.units import signal_named
+from allanite.phrases.phrase import say
 from allanite.reporting import page, plot, report, table, to_csv
 from allanite.reporting.digits import printed_unit
 from allanite.reporting.figures.residuals import plot_goodness
 from allanite.reporting.json import to_json
-from allanite.reporting.sheet import toml
+from allanite.reporting.sheet import Table, toml
 from allanite.reporting.style import encode
-from allanite.reporting.views.verdict import verdict
+from allanite.reporting.views import view_of
 from allanite.reporting.words import title
 from allanite.statistics import expected
 from allanite.study.recipe import Recipe
@@ -185,16 +189,48 @@ def test_an_accelerometer_has_its_own_words():
     assert printed_unit("ug/sqrt(Hz)") == "µg/√Hz"
 
 
-def test_the_verdict_is_a_plain_sentence():
-    assert verdict(channel_of(), 0.95) == (
-        "gyro_z is a gyroscope with angle random walk 0.0500 °/√h, bias instability 0.50 °/h (weak) and rate ramp "
-        "−0.400 °/h². Not identified in 60 s of data: quantization noise, rate random walk."
-    )
-    assert verdict(channel_of(p=1e-9), 0.95) == "gyro_z: not explained. Its coefficients are not valid."
-    assert verdict(refused(), 0.95).startswith("gyro_x gives no result: 'gyro_x' never changes")
+def test_a_page_says_nothing_twice():
+    """In the part of a channel: one grade with all warnings, two densities, no coefficient in the data sheet."""
+    channel = channel_of(reasons=("heavy tails",), warnings=(say("one outlier"), say("coarse steps")))
+    text = page(study_of(channel))
+    part = text[text.index('<section id="s1"') : text.index('<section id="method"')]
+    shown = re.sub("<svg.*?</svg>", "", part[: part.index("<details")], flags=re.DOTALL)
+    assert shown.count("xplained") == 1
+    assert re.findall("<li>(.*?)</li>", shown)[:3] == [
+        "Heavy tails",
+        "One outlier; look at them",
+        "Coarse steps; look at them",
+    ]
+    assert shown.count("noise density") == 2
+    assert 'class="alert"' not in text
+    for found in ("0.0500", "angle random walk", "1.454 × 10⁻⁵"):
+        assert shown.count(f">{found}<") == 1, found
 
 
 # figures
+
+
+def test_each_channel_has_a_figure_of_its_own_where_the_path_says_so(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    study = study_of(channel_of("Gyro. X"), channel_of("../y"), channel_of("..:y"), refused())
+    deliver(study, Outputs({"plot": "curve_{channel}.svg"}, quiet=True))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["curve_Gyro._X.svg", "curve_y.svg", "curve_y3.svg"]
+    with pytest.raises(UsageError, match="already exists"):
+        deliver(study, Outputs({"plot": "curve_{channel}.svg"}, quiet=True))
+    with pytest.raises(UsageError, match="leave out"):
+        deliver(study.channels[0].curve, Outputs({"plot": "{channel}.svg"}, quiet=True))
+
+
+def test_limits_add_to_the_report_of_one_file():
+    study = study_of(channel_of(), refused())
+    limits = Specification.from_toml({"limits": {"N": {"max": "0.04 deg/sqrt(h)"}}})
+    batch = Batch((unit_of("fog.csv", study, limits),), {}, 0.95, limits)
+    alone, judged = view_of(study).face(study, 0.95), view_of(batch).face(batch, 0.95)
+    assert [sheet.name for sheet in judged.sheets] == [sheet.name for sheet in alone.sheets]
+    assert judged.how == alone.how
+    added = [part for part in judged.parts if part not in alone.parts]
+    assert len(judged.parts) == len(alone.parts) + len(added)
+    assert any("0.04 deg/sqrt(h)" in cell for part in added if isinstance(part, Table) for cell in part.rows[0])
 
 
 def test_a_figure_has_a_panel_for_each_curve(study):
@@ -293,7 +329,7 @@ def test_the_page_loads_nothing(text):
 
 def test_the_pictures_are_in_the_page_and_share_no_names(text):
     tags = Tags(text).tags
-    assert [tag for tag, _ in tags].count("svg") == 11
+    assert [tag for tag, _ in tags].count("svg") == 22
     ids = [attrs["id"] for _, attrs in tags if "id" in attrs]
     # within one picture matplotlib names a glyph once; between pictures the prefix differs
     assert len(ids) == len(set(ids))
@@ -307,12 +343,12 @@ def test_hostile_names_come_out_as_text(text):
 def test_the_page_tells_the_whole_story(text):
     words = "".join(Tags(text).text)
     for part in (
-        "Its coefficients are not valid", "below 2.1", "Whittle", "upper limit",
+        "Coefficients not valid", "below 2.1", "Whittle", "upper limit",
         'unit = "deg/h"', "ab" * 32, "1.2.3", "What was assumed", "no result",
     ):  # fmt: skip
         assert part in words, part
     assert "<math" in text
-    assert words.index("Its coefficients are not valid") < words.index("angle random walk")
+    assert words.index("Coefficients not valid") < words.index("angle random walk")
 
 
 def test_warnings_stand_above_the_numbers_of_the_page(text):

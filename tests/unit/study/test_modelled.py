@@ -161,7 +161,7 @@ def test_what_a_channel_cannot_support_is_said_and_the_others_go_on(tmp_path):
 def test_a_check_says_which_limit_it_exceeds(recording):
     job = run_model_job(recording, SETTINGS["selfcheck"])
     assert any(sentence.startswith("gx ") for sentence in job.exceeded)
-    assert f"limit exceeded: {job.exceeded[0].split('+-')[0].strip()}" in page(job)
+    assert f"Limit exceeded: {job.exceeded[0].split('+-')[0].strip()}" in page(job)
 
 
 def test_single_results_have_their_forms(recording):

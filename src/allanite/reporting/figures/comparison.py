@@ -47,15 +47,14 @@ def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | P
             drawn += [partial(_draw_pooled, c, value.names, level) for c in value if c.curve is not None]
     if not drawn:
         raise UsageError("there are no curves to draw: only coefficients were compared")
-    alone = len(drawn) == 1
-    figure = new_figure(*((7.2, 6.8) if alone else (12.4, 0.6 + 3.3 * len(drawn))))
-    grid = (
-        figure.subplots(2, 1, height_ratios=(3, 2), sharex=True)[None, :] if alone else figure.subplots(len(drawn), 2)
-    )
+    # one below the other, or side by side if there are several and room for them
+    count, beside = len(drawn), len(drawn) > 1 and new_figure.room > 12
+    figure = new_figure(*((12.4, 0.6 + 3.3 * count) if beside else (7.2, 0.6 + 6.2 * count)))
+    grid = figure.subplots(count, 2) if beside else figure.subplots(2 * count, 1, height_ratios=(3, 2) * count)
     for draw, (above, below) in zip(drawn, np.reshape(grid, (-1, 2)), strict=True):
         draw((above, below))
         below.set_xlabel(TIME)
-        if not alone:
+        if count > 1:
             above.set_xlabel(TIME)
     draw_legend(figure, marks=False)
     return figure

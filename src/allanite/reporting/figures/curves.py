@@ -14,7 +14,7 @@ from allanite.reporting import style, words
 from allanite.reporting.digits import digits
 from allanite.statistics import STATISTICS
 
-from .drawing import TIME, draw_label, draw_legend, draw_titles, fractions, shade, with_unit
+from .drawing import TIME, UNREAD, draw_label, draw_legend, draw_titles, fractions, shade, with_unit
 from .labels import LabelBox
 from .panels import CurvePanel, columns_of, points, span
 from .terms import draw_model
@@ -25,23 +25,35 @@ FEW = 2.0
 WEIGHS = 0.37
 """Frequency times averaging time where the Allan deviation is most sensitive."""
 
+FILTERED = say("lowered by the filter")
+"""What is shaded at averaging times at which the filter, which the model includes, has not settled."""
+
 LANDMARKS = ((60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 d"))
 
 LEAST, MOST = 3.2, 5.6
 """Height of a panel, inches."""
 
+LEAST_LABELLED = 4.5
+"""Width of a panel with room for intervals and slopes, inches."""
+
 Span = tuple[tuple[float, float], tuple[float, float]]
 
 
 @style.plotted
-def plot_panels(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95) -> Figure:
-    """One panel for each curve: sensors side by side, the channels of each one below the other, with equal decades."""
+def plot_panels(
+    new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, level: float = 0.95, titled: bool = True
+) -> Figure:
+    """One panel for each curve: sensors side by side, the channels of each one below the other, with equal decades.
+
+    `titled`: with the name, and how well the model explains it, above each panel.
+    """
     columns = columns_of(panels)
     rows = max(map(len, columns))
-    wide = 6.4 if len(panels) == 1 else 5.8
+    wide = min(6.4 if len(panels) == 1 else 5.8, new_figure.room / len(columns) - 0.8)
     sizes = [_scaled([span(panel) for panel in column], wide) for column in columns]
     width = sum(size[1] for size in sizes) + 0.8 * len(columns)
-    height = rows * (max(size[2] for size in sizes) + 0.3) + 1.1
+    above = 1.1 if wide > LEAST_LABELLED else 1.6  # the legend has more lines in a narrow figure
+    height = rows * (max(size[2] for size in sizes) + (0.3 if titled else 0.0)) + above
     figure = new_figure(width, height)
     grid = figure.subplots(rows, len(columns), squeeze=False, width_ratios=[size[1] for size in sizes])
     for ax in grid.flat:
@@ -55,8 +67,9 @@ def plot_panels(new_figure: style.NewFigure, panels: Sequence[CurvePanel], *, le
             ax.set_aspect("equal", adjustable="box", anchor="N")
             style.plain_ticks(ax.xaxis)
             style.plain_ticks(ax.yaxis, most=3000)
-            _draw_panel(ax, panel, level)
-            draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
+            _draw_panel(ax, panel._replace(brief=inches < LEAST_LABELLED), level)
+            if titled:
+                draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
             ax.tick_params(labelbottom=ax is axes[-1])
         axes[-1].set_xlabel(TIME)
     draw_legend(figure)
@@ -103,7 +116,8 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
             # of a frequency, the averaging times at which it weighs most in the deviation
             shortest, longest = fit.scope.times
             masks = ((WEIGHS / high, WEIGHS / low) for low, high in fit.scope.masks)
-            shade(ax, ((0.0, shortest), *masks, (longest, math.inf)))
+            shade(ax, ((0.0, shortest),), FILTERED if fit.scope.filter else UNREAD)
+            shade(ax, (*masks, (longest, math.inf)), UNREAD)
     if panel.drawn is not None:
         draw_model(ax, panel, drawn, placed, level)
     _draw_minimum(ax, panel, placed, level)
@@ -118,12 +132,13 @@ def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: fl
     low, high = readings.minimum.interval(level)
     factor = convert(1.0, readings.unit, panel.unit)
     deviation = readings.minimum.deviation * factor
-    number = digits(deviation, low * factor, high * factor).pretty()
-    size = {"value": f"{number} {panel.unit}", "tau": words.duration(readings.minimum.tau)}
-    text = say("minimum {value}\nat τ = {tau}", **size)
+    found = digits(deviation, low * factor, high * factor)
+    number = found.value + found.power if panel.brief else found.pretty()
+    size = {"value": f"{number} {panel.unit}", "tau": words.averaging(readings.minimum.tau)}
+    text, shape = say("minimum {value}\nat τ = {tau}", **size), "v"
     if not readings.inside:
-        text = say("minimum at most {value}\nat τ = {tau}", **size)
-    ax.plot(readings.minimum.tau, deviation, "v", ms=6.5, color=style.INK, zorder=5)
+        text, shape = say("last well-determined point:\n{value} at τ = {tau}", **size), "s"
+    ax.plot(readings.minimum.tau, deviation, shape, ms=6.5, color=style.INK, zorder=5)
     anchor = fractions(ax, np.array([[readings.minimum.tau, deviation]]))
     data = (np.asarray(line.get_xydata()) for line in ax.lines)
     drawn = np.concatenate([points for points in data if len(points) > 2])  # no rules, whose ordinates are fractions

@@ -24,6 +24,9 @@ from .labels import FloatArray, IntArray, LabelBox, nearest, place
 TIME = say("averaging time τ (s)")
 """What the abscissa of a deviation is called."""
 
+UNREAD = say("not used by the fit")
+"""What is shaded where the fit reads nothing."""
+
 MODEL, EXPECTED = say("model"), say("expected by the model")
 """Labels of lines that the legend explains."""
 
@@ -33,12 +36,22 @@ def with_unit(quantity: str, unit: str) -> Phrase:
     return say("{quantity} ({unit})", quantity=quantity, unit=unit)
 
 
+COLUMN = 5.4
+"""Width of a column of panels, inches."""
+
+
 def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
-    """A figure of columns with so many panels; those of a column share the abscissa, and its labels stand below it."""
-    rows = max(lengths)
-    single = rows == len(lengths) == 1
-    figure = new_figure(*((7.2, 5.0) if single else (6.4 * len(lengths), 0.6 + 3.3 * rows)))
-    grid = figure.subplots(rows, len(lengths), squeeze=False, sharex="col")
+    """A figure of columns with so many panels; those of a column share the abscissa, and its labels stand below it.
+
+    Columns that have no room side by side stand below each other.
+    """
+    count, rows = len(lengths), max(lengths)
+    if count > 1 and COLUMN * count > new_figure.room:
+        figure = new_figure(COLUMN, 0.6 + 3.6 * sum(lengths))
+        panels = iter(figure.subplots(sum(lengths), 1, squeeze=False)[:, 0])
+        return figure, [[next(panels) for _ in range(length)] for length in lengths]
+    figure = new_figure(*((7.2, 4.4) if rows == count == 1 else (COLUMN * count, 0.6 + 3.3 * rows)))
+    grid = figure.subplots(rows, count, squeeze=False, sharex="col")
     columns = [list(axes[:length]) for axes, length in zip(grid.T, lengths, strict=True)]
     for axes, length in zip(grid.T, lengths, strict=True):
         for ax in axes[length:]:
@@ -90,13 +103,13 @@ def _long(text: str) -> float:
     return NAME * wide(text, bold=True)
 
 
-def shade(ax: Axes, spans: Iterable[tuple[float, float]]) -> None:
-    """Shade parts of the abscissa that the fit does not read."""
+def shade(ax: Axes, spans: Iterable[tuple[float, float]], why: str) -> None:
+    """Shade parts of the abscissa where the terms alone do not make the curve, and say `why`."""
     left, right = ax.get_xlim()
     for low, high in spans:
         a, b = max(low, left), min(high, right)
         if a < b:
-            ax.axvspan(a, b, color=style.SHADE, lw=0, zorder=0.5, label=say("not used by the fit"))
+            ax.axvspan(a, b, color=style.SHADE, lw=0, zorder=0.5, label=why)
 
 
 def by_share(line: FloatArray, whole: FloatArray) -> IntArray:
@@ -123,9 +136,10 @@ def draw_label(
     return box
 
 
-def label_of(estimate: Estimate, level: float) -> str:
-    """A coefficient for the figure, with the digits of the table: ``N = 0.310 (0.302 … 0.318) deg/√h``."""
-    return join(" = ", (words.symbol(estimate), words.in_print(estimate, estimate.sheet_unit, level)))
+def label_of(estimate: Estimate, level: float, *, brief: bool = False) -> str:
+    """A coefficient with the digits of the table: ``N = 0.310 (0.302 … 0.318) deg/√h``; without limits if `brief`."""
+    size = words.number(estimate, level) if brief else words.in_print(estimate, estimate.sheet_unit, level)
+    return join(" = ", (words.symbol(estimate), size))
 
 
 def _inside(ax: Axes) -> tuple[float, float]:
@@ -163,7 +177,7 @@ def draw_legend(figure: Figure, *, marks: bool = True, columns: int = 3) -> None
     if EXPECTED in entries:
         entries[EXPECTED] = style.key(figure, color=style.OTHER, lw=1.0, ls=(0, (5, 3)))
     # points of a label of 8 points with its line and the space beside it; columns are filled one by one
-    points = [4.9 * cell_len(tr(label)) + 45 for label in entries]
+    points = [8 * wide(tr(label)) + 38 for label in entries]
     widths = {n: sum(float(part.max()) for part in np.array_split(points, n)) for n in range(2, len(points) + 1)}
     fitting = (n for n in range(min(columns, len(points)), 1, -1) if widths[n] <= 72 * figure.get_figwidth())
     columns = next(fitting, 1)

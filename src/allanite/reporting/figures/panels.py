@@ -27,7 +27,7 @@ class CurvePanel(NamedTuple):
     """A curve and what explains it.
 
     `readings` have its minimum, `facts` are its file, rate and length, `wanted` are units asked for. A curve
-    that is the expectation of a `model` has no fit: its terms are those of the model.
+    that is the expectation of a `model` has no fit: its terms are those of the model. `brief` labels have no intervals.
     """
 
     name: str
@@ -37,6 +37,7 @@ class CurvePanel(NamedTuple):
     facts: str = ""
     wanted: Sequence[str] = ()
     model: Model | None = None
+    brief: bool = False
 
     @property
     def drawn(self) -> Model | None:

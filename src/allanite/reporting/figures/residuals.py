@@ -96,8 +96,12 @@ def plot_series(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
     residuals : Residuals
         With checks.
     """
-    figure = new_figure(7.2, 2.6)
-    axes = figure.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0])
+    if new_figure.room < 7:
+        figure = new_figure(7.2, 6.6)
+        axes = figure.subplots(3, 1)
+    else:
+        figure = new_figure(7.2, 2.6)
+        axes = figure.subplots(1, 3, width_ratios=[1.9, 1.0, 1.0])
     _draw(axes, residuals)
     return figure
 

@@ -18,6 +18,7 @@ from allanite.terms import TERMS, WHITE
 
 from .drawing import (
     MODEL,
+    UNREAD,
     by_share,
     color_of,
     dashes,
@@ -78,10 +79,10 @@ def plot_spectra(
             ax.plot(f, amplitude, color=style.DATA, lw=width, marker="o", ms=size, mew=0, zorder=3, label=label)
             draw_titles(ax, (spectrum.name,), fit, before=spectrum.method)
             if fit is not None and fit.valid is not None:
-                shade(ax, fit.scope.unread if fit.scope else ())
+                shade(ax, fit.scope.unread if fit.scope else (), UNREAD)
                 _draw_model(ax, shown, fit, level)
             sides, unit = SIDED[spectrum.sides], shown.amplitude_unit
-            ax.set_ylabel(say("{sides} amplitude spectral density ({unit})", sides=sides, unit=unit))
+            ax.set_ylabel(say("{sides} amplitude\nspectral density ({unit})", sides=sides, unit=unit))
         axes[-1].set_xlabel(say("frequency (Hz)"))
     draw_legend(figure, marks=False, columns=4)
     return figure

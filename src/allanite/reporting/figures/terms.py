@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
@@ -54,9 +53,9 @@ def draw_model(ax: Axes, panel: CurvePanel, drawn: DrawnPoints, placed: list[Lab
     points = [pairs(drawn.tau, drawn.deviation), pairs(lines.tau[inside], lines.whole[inside])]
     curves = fractions(ax, np.concatenate(points))
     paths = {symbol: fractions(ax, pairs(lines.tau, line)) for symbol, line in lines.parts.items()}
-    named = _labels(fit, model, level)
+    named = _labels(panel, model, level)
     _draw_labels(ax, panel, [n for n in named if n.symbol in paths], (lines, curves, paths), placed)
-    for symbol, path in paths.items():
+    for symbol, path in () if panel.brief else paths.items():
         line = lines.parts[symbol]
         known = np.isfinite(line)
         if known.sum() < 2 or not math.isfinite(TERMS[symbol].slope):
@@ -76,11 +75,11 @@ def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
     return ModelLines(tau, panel.expected(model, tau), parts)
 
 
-def _labels(fit: Fit | None, model: Model, level: float) -> list[Named]:
+def _labels(panel: CurvePanel, model: Model, level: float) -> list[Named]:
     """The terms that were found, with their intervals; of a model that was given those of one symbol share a label."""
-    if fit is not None:
-        found = [e for e in fit if e.value is not None and e.symbol in {t.symbol for t in model}]
-        return [Named(e.symbol, label_of(e, level), e.sheet_unit, model[e.symbol]) for e in found]
+    if panel.fit is not None:
+        found = [e for e in panel.fit if e.value is not None and e.symbol in {t.symbol for t in model}]
+        return [Named(e.symbol, label_of(e, level, brief=panel.brief), e.sheet_unit, model[e.symbol]) for e in found]
     named = []
     for symbol in dict.fromkeys(t.symbol for t in model):
         terms, sizes = [t for t in model if t.symbol == symbol], []
@@ -105,9 +104,9 @@ def _draw_labels(
 ) -> None:
     lines, curves, paths = seen
     for symbol in (symbol for symbol in paths if TERMS[symbol].periodic and panel.fit is not None):
-        # the word at the highest hump of the sinusoids
-        hump = lines.parts[symbol]
-        top = paths[symbol][int(np.nanargmax(hump[np.isfinite(hump)]))]
+        # the word at the highest hump of the sinusoids, if the model holds anywhere near
+        path = paths[symbol]
+        top = path[path[:, 1].argmax()] if len(path) else np.array([-1.0, -1.0])
         if ((top > 0.01) & (top < 0.99)).all():
             placed.append(draw_label(ax, (symbol, say("sinusoids taken out")), top[None, :], curves, placed))
     for label in named:
@@ -144,14 +143,14 @@ def _label(panel: CurvePanel, label: Named, line: FloatArray, mark: tuple[float,
     """A coefficient, and the value on the axis: the level of a flat line, or that of the point where it is read."""
     text, term, unit = label.text, label.term, printed_unit(panel.unit)
     flat = term is not None and TERMS[label.symbol].slope == 0 and not term.shape
-    if term is not None and flat and unit_of(label.unit).dimension == unit_of(panel.unit).dimension:
+    if term is not None and flat and not panel.brief and unit_of(label.unit).dimension == unit_of(panel.unit).dimension:
         # 0.664 in the Allan deviation; other statistics have other levels
         flat_at = float(np.nanmedian(line))
         factor = flat_at / abs(term.to(panel.unit))
         return join("\n", (f"{factor:.3g} {label.symbol} = {flat_at:.3g} {unit}", text))
-    if mark is None:
+    if mark is None or panel.brief:
         return text
-    at, size = words.duration(mark[0]), f"{mark[1]:.3g} {unit}"
+    at, size = words.averaging(mark[0]), f"{mark[1]:.3g} {unit}"
     return say("{coefficient}\nat τ = {tau}: {deviation}", coefficient=text, tau=at, deviation=size)
 
 

@@ -1,7 +1,7 @@
 """How a study is shown."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,19 +11,19 @@ from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
 from allanite.identification.methods import METHODS
+from allanite.interpretation.causes import Meaning
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Sheet, Table, header_of
 from allanite.study.results import Channel, Study
 
 from . import Rows, view
-from .datasheet import alternative, card_of, data_sheet_table
-from .details import details, over_time, overlay
+from .datasheet import DATA_SHEET, alternative, card_of, data_sheet_table
+from .details import details, fitness, over_time, overlay
 from .fit import coefficients, definitions, plot_curves
 from .jobs import channel_sheet, job_face, source_of
-from .meaning import meanings
+from .meaning import causes, meaning_notes, meaning_of, meanings
 from .values import readings_table, rows_of
-from .verdict import fitness, verdict
 
 BRAND = say("noise coefficients of an inertial sensor")
 
@@ -70,17 +70,18 @@ SHARED = say(
 )
 
 
-def _sheet(channel: Channel, level: float, panel: "figures.CurvePanel | None" = None) -> Sheet:
+def _sheet(
+    channel: Channel, level: float, panel: "figures.CurvePanel | None" = None, meant: Meaning | None = None
+) -> Sheet:
     doubt = channel.noise is None or not channel.explained
     fair = channel.noise is not None and channel.noise.validity == APPROXIMATE
-    verdicts = (verdict(channel, level),) if channel.fit or channel.refusal else ()
     if panel is None:
         panel = next(iter(figures.panels_of(channel, demand=False)), None)
-    sheet = channel_sheet(channel, _parts(channel, level, panel), verdicts, doubt=doubt, fair=fair)
+    sheet = channel_sheet(channel, _parts(channel, level, panel, meant), doubt=doubt, fair=fair)
     return replace(sheet, card=card_of(channel, level))
 
 
-def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None") -> Iterator[Part]:
+def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None", meant: Meaning | None) -> Iterator[Part]:
     if channel.fit is None:
         yield from map(Note, filter(None, [fitness(channel)]))
         if isinstance(channel.record, Record) and not channel.record.out_of_range:
@@ -90,40 +91,38 @@ def _parts(channel: Channel, level: float, panel: "figures.CurvePanel | None") -
     points = channel.noise.statement.points if channel.noise else ()
     warned = tuple(finding.what for finding in channel.quality.warnings)
     untold = (note for note in channel.fit.advice if not note.startswith(warned))
-    yield from (Note(note) for note in untold if not any(point.startswith(note) for point in points))
+    yield from (Note(note, "remark") for note in untold if not any(point.startswith(note) for point in points))
     yield from coefficients(channel.fit, level)
     if channel.curve is not None and panel is not None:
-        share = words.percent(level)
-        shown = say("Deviation by averaging time with its {share} confidence band", share=share)
-        if channel.fit.valid is not None:
-            shown = say(
-                "Deviation by averaging time with its {share} confidence band, the model, and each of its terms",
-                share=share,
-            )
-        caption = say("{sentence}.", sentence=join("; ", filter(None, (shown, channel.curve.supposed))))
-        yield Drawing(
-            lambda: figures.plot_panels([panel], level=level), alternative(channel, channel.curve, level), caption
-        )
-    yield replace(data_sheet_table(channel, level), where="page")
-    if channel.explained:
-        yield replace(data_sheet_table(channel, level, whole=False), where="text")
+        supposed = channel.curve.supposed
+        caption = say("{sentence}.", sentence=words.capital(supposed)) if supposed else ""
+        label = alternative(channel, channel.curve, level)
+        yield Drawing(lambda: figures.plot_panels([panel], level=level, titled=False), label, caption)
+    yield from meaning_notes(meant, say("what it means"), "page")
+    yield replace(data_sheet_table(channel, level), where="" if channel.explained else "page")
     if channel.readings is not None:
-        table = readings_table(channel.readings, level)
         # in the terminal only where there is no data sheet, most of which it repeats
-        yield from () if channel.explained else (replace(table, where="text"),)
-        yield Fold(say("read off the curve"), [table], shut=True)
+        yield from () if channel.explained else (replace(readings_table(channel.readings, level), where="text"),)
+        quoted = readings_table(channel.readings, level, quoted=False)
+        yield Fold(say("read off the curve"), [quoted], shut=True)
     yield from details(channel, level, panel)
 
 
-def _close(study: Study) -> Iterator[Part]:
-    """How the channels are correlated, and the statuses of the coefficients."""
+def _together(study: Study, panels: "Sequence[figures.CurvePanel]", level: float) -> Iterator[Part]:
+    """All channels in one figure, and how they are correlated."""
     if study.shared is not None:
-        yield from (Note(str(finding), "alert") for finding in study.shared.findings)
+        yield from (Note(str(finding), "warning") for finding in study.shared.findings)
+    yield from overlay(panels, level)
+    if study.shared is not None:
         heads = (
             Column(say("channel"), "name"), Column(say("and"), "name"), Column(say("fast"), form="+.3f"),
             Column(say("slow"), form="+.2f"),
         )  # fmt: skip
-        yield Table(heads, study.shared.rows()[1], say("correlation of the channels"), key=SHARED, where="page")
+        table = Table(heads, study.shared.rows()[1], key=SHARED)
+        yield Fold(say("correlation of the channels"), [table], shut=True)
+
+
+def _statuses(study: Study) -> Iterator[Part]:
     met = {e.status for c in study.channels for e in c.fit or ()}
     for status in STATUSES.values():
         if status.name in met:
@@ -144,6 +143,7 @@ def _how(study: Study) -> Iterator[Part]:
             "The coefficients were read off a curve, {statistic}: the notes say from which points.", statistic=statistic
         )
     yield Note(join(" ", (alone, LIMITS)))
+    yield Note(DATA_SHEET)
     met = {e.status for fit in fits for e in fit}
     rows = [[status.name, status.meaning] for status in STATUSES.values() if status.name in met]
     yield Table((Column(say("status"), "status"), Column(say("meaning"), "text")), rows)
@@ -182,7 +182,11 @@ def study_view(study: Study, level: float) -> Face:
     """A study: its channels, with what their coefficients mean."""
     fitted = any(channel.fit for channel in study.channels)
     panels = {panel.name: panel for panel in figures.panels_of(study, demand=False)}
-    sheets = [_sheet(channel, level, panels.get(channel.record.name)) for channel in study.channels]
+    meant = [meaning_of(channel, study.recipe.device) for channel in study.channels]
+    sheets = [
+        _sheet(channel, level, panels.get(channel.record.name), one)
+        for channel, one in zip(study.channels, meant, strict=True)
+    ]
     method = say(", method {method}", method=study.recipe.method)
     # sensors, sampling rate, length and program in a line
     records = [channel.record for channel in study.channels]
@@ -199,9 +203,9 @@ def study_view(study: Study, level: float) -> Face:
         study,
         (say("Noise of {source}", source=source_of(study)), BRAND),
         sheets,
-        overlay(list(panels.values()), level),
+        [*_together(study, list(panels.values()), level), *causes([one for one in meant if one is not None])],
         header=header_of(study.provenance, study.notes, method if fitted else ""),
-        close=[*meanings(study), *_close(study)],
+        close=[*meanings(meant), *_statuses(study)],
         how=list(_how(study)),
         device=study.recipe.labels,
         facts=[*found, f"sha256 {digest[:12]}…"] if digest else found,

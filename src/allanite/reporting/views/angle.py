@@ -90,7 +90,7 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
 
 
 def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
-    yield from (Note(warning, "alert") for warning in solution.warnings)
+    yield from (Note(warning, "warning") for warning in solution.warnings)
     yield from (Note(str(check), "good") for check in solution.checks if check.passed)
     yield _harmonics(result, level)
     share = words.percent(level)

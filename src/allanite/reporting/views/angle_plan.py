@@ -49,7 +49,7 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
         prior=prior,
         condition=plan.condition,
     )
-    alerts = [Note(str(finding), "alert") for finding in plan.findings]
+    alerts = [Note(str(finding), "warning") for finding in plan.findings]
     total = say_count(
         plan.amplitudes,
         "sum over the {count} amplitude: {total:.4g} (all in the unit of sigma)",

@@ -1,6 +1,7 @@
 """How many units are shown: one row for each channel of a unit, and what they have in common."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from allanite.batch.batch import Batch, BatchUnit
@@ -51,15 +52,20 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
         if unit.error:
             told = say("not analyzed: {file}: {reason}", file=batch.label(unit), reason=unit.error)
             yield Note(told, "alert")
-    if batch.specification is not None:
-        yield from _limits_table(batch)
-        yield Note(RULE, "quiet", where="page")
+    yield from _judged(batch)
     if any(channel.curve for unit in batch for channel in unit.channels):
         yield Drawing(lambda: _plot([batch], None, level), say("deviations of all units"), CAPTION)
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     for signal in signals.values():
         yield _main(batch, signal, level)
     yield _across_table(batch, batch.across)
+
+
+def _judged(batch: Batch) -> Iterator[Part]:
+    """What the limits say."""
+    if batch.specification is not None:
+        yield from _limits_table(batch)
+        yield Note(RULE, "quiet", where="page")
 
 
 def _across_table(batch: Batch, across: Iterable[Across]) -> Table:
@@ -240,20 +246,29 @@ def _coefficients(batch: Batch, level: float) -> Rows:
     return ("file", *heads, "limit", "result"), rows
 
 
+def _limits(batch: Batch) -> Iterator[tuple[str, str]]:
+    """The line on the limits of the first lines."""
+    if batch.specification is not None:
+        yield say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))
+
+
 @view(_plot, _rows, _coefficients)
 def batch_view(batch: Batch, level: float) -> Face:
-    """The units, what they have in common, and which of them pass."""
+    """The units, what they have in common, and which of them pass; of a single one all that was found."""
+    if len(batch) == 1 and batch[0].study is not None:
+        face = study_view.face(batch[0].study, level)
+        return replace(
+            face, header=[*face.header, *_limits(batch)], parts=[_summary(batch), *_judged(batch), *face.parts]
+        )
     fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
     files: str = str(len(batch))
     if batch.folder:
         files = say("{files} in {folder}", files=files, folder=batch.folder)
     lines: list[tuple[str, str]] = [(say("files"), files), *(("", note) for note in batch.notes)]
-    if batch.specification is not None:
-        lines.append((say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))))
     return Face(
         say_count(len(batch), "Noise of {count} unit", "Noise of {count} units"),
         say("noise coefficients of inertial sensors"),
-        header=[*lines, (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
+        header=[*lines, *_limits(batch), (say("made by"), f"allanite {batch.provenance.get('allanite', '')}")],
         parts=list(_parts(batch, level)),
         close=list(_details(batch, level)),
         how=(definitions(fits),),

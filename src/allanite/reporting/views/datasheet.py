@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from allanite.core.curve import Curve
+from allanite.core.datasheet import DataSheetRow
 from allanite.core.display_units import readable_unit
 from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
@@ -15,7 +16,7 @@ from allanite.reporting.sheet import Card, Column, Mark, Table, known
 from allanite.statistics import STATISTICS
 from allanite.study.results import Channel
 
-KEY = say(
+DATA_SHEET = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
     "spectrum analyzers and many data sheets, is larger by the square root of 2. The flat part of an Allan deviation "
     "lies at 0.664 B. N-second stability is the standard deviation of successive means."
@@ -24,17 +25,18 @@ SIGNS = {EXPLAINED: "✓", APPROXIMATE: "≈", UNEXPLAINED: "✗"}
 LEVELS = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
 
 
-def data_sheet_table(channel: Channel, level: float, *, whole: bool = True) -> Table:
-    """The quantities and units that data sheets quote, with intervals; else those that no table of coefficients has."""
+def data_sheet_table(channel: Channel, level: float) -> Table:
+    """The quantities of data sheets that no table of coefficients has, each in one unit, with intervals."""
     heads = (
         Column(say("quantity"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
         Column(say("unit"), "unit"), Column(say("at"), "name", aside=True, form=known(".4g", unit=" s")),
         Column(say("remark"), "text", aside=True),
     )  # fmt: skip
     rows = []
+    found = dict[str, DataSheetRow]()
     for entry in channel.data_sheet(level):
-        if not whole and entry.coefficient:
-            continue
+        found |= {} if entry.coefficient or entry.quantity in found else {entry.quantity: entry}
+    for entry in found.values():
         low, high = (np.nan if limit is None else limit for limit in (entry.low, entry.high))
         shown: tuple[str, str] = "", ""
         if entry.value is not None:
@@ -44,7 +46,7 @@ def data_sheet_table(channel: Channel, level: float, *, whole: bool = True) -> T
         unit = entry.unit if entry.high or entry.value else ""
         rows.append([entry.quantity, *shown, unit, entry.tau, entry.remark])
     marks: list[Mark] = ["" if row[1] else "quiet" for row in rows]
-    return Table(heads, rows, say("data sheet"), marks=marks, key=KEY)
+    return Table(heads, rows, say("data sheet"), marks=marks)
 
 
 def card_of(channel: Channel, level: float) -> Card | None:
@@ -79,7 +81,7 @@ def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
     number = digits(convert(readings.minimum.deviation, readings.unit, unit), figures=3).pretty()
     most = "" if readings.inside else "≤ "
     size, tau = f"{most}{number} {unit}", readings.minimum.tau
-    yield say("in-run bias stability"), say("{value} at {tau:.3g} s", value=size, tau=tau)
+    yield say("in-run bias stability"), say("{value} at {tau}", value=size, tau=words.averaging(tau))
 
 
 def _capital(channel: Channel) -> Iterator[tuple[str, str]]:

@@ -7,9 +7,10 @@ import numpy as np
 
 from allanite.core.arrays import mean_and_deviation
 from allanite.core.errors import DataError
+from allanite.core.header import Header
 from allanite.core.record import Record
 from allanite.core.units import convert
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Deferred, Drawing, Fold, Note, Part, Table
 from allanite.statistics import STATISTICS
@@ -67,6 +68,24 @@ def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") 
     if panel is not None:
         shown = panel.curve.to(panel.unit)
         yield numbers_table(shown, level, say("the curve in numbers"), where="page")
+
+
+def fitness(channel: Channel) -> str:
+    """Mean and spread of a channel, and whether it can be analyzed."""
+    record = channel.record
+    if isinstance(record, Header):
+        return ""
+    unit = record.signal.sheet[0]
+    values = record.rate_values / convert(1.0, unit, record.signal.unit)
+    mean, deviation = mean_and_deviation(values)
+    facts = say(
+        "mean {mean:.6g}, standard deviation {deviation:.4g} {unit}",
+        mean=mean, deviation=deviation, unit=unit,
+    )  # fmt: skip
+    if channel.refusal:
+        return facts
+    fit = say("fit for analysis, with caution") if channel.quality.warnings else say("fit for analysis")
+    return join("; ", (facts, fit))
 
 
 def over_time(record: Record) -> Drawing:

@@ -25,9 +25,9 @@ GOODNESS = say(
     "band; cells beyond three standard deviations are red."
 )
 RESIDUALS_CAPTION = say(
-    "Residuals in standard deviations: white, Gaussian and stationary if the model is right. Left: range of short "
-    "segments, and RMS of each eighth of the record. Middle: autocorrelation, with the 95 % band of white noise. "
-    "Right: quantiles against those of the normal distribution."
+    "Residuals in standard deviations: white, Gaussian and stationary if the model is right. Over time: range of short "
+    "segments, and RMS of each eighth of the record. Autocorrelation: the band holds 95 % of the values of white "
+    "noise. Quantiles: against those of the normal distribution."
 )
 
 
@@ -102,7 +102,7 @@ def definitions(fits: Iterable[Fit]) -> Table:
 def fit_parts(fit: Fit, level: float) -> Iterator[Part]:
     """Doubts, coefficients and notes of a fit."""
     yield from statement_note(statement(fit.validity, fit, None))
-    yield from (Note(note) for note in fit.advice)
+    yield from (Note(note, "remark") for note in fit.advice)
     yield from coefficients(fit, level)
 
 

@@ -58,7 +58,7 @@ def job_face(
         brand,
         kept,
         header_of(job.provenance, job.notes),
-        parts=[*(Note(str(finding), "alert") for finding in job.findings), *once, *parts],
+        parts=[*(Note(str(finding), "warning") for finding in job.findings), *once, *parts],
         choices=toml(job.choices()),
         provenance=job.provenance,
         notes=job.notes,
@@ -68,22 +68,22 @@ def job_face(
 
 def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     """Warnings that several sheets have in common, with the names of the channels, and the sheets without them."""
-    where: dict[str, list[str]] = {}
+    where: dict[Note, list[str]] = {}
     for sheet in sheets:
-        for text in dict.fromkeys(part.text for part in sheet.parts if _warns(part)):
-            where.setdefault(text, []).append(sheet.name)
-    common = {text: names for text, names in where.items() if len(names) > 1}
+        for note in dict.fromkeys(part for part in sheet.parts if _warns(part)):
+            where.setdefault(note, []).append(sheet.name)
+    common = {note: names for note, names in where.items() if len(names) > 1}
     once: list[Part] = []
-    for text, names in common.items():
+    for note, names in common.items():
         which = say("all channels") if len(names) == len(sheets) else say("channels {names}", names=", ".join(names))
-        once.append(Note(say("{channels}: {warning}", channels=which, warning=text), "alert"))
+        once.append(replace(note, text=say("{channels}: {warning}", channels=which, warning=note.text)))
     # a refusal that is shown elsewhere becomes a reference
     see = Note(say("no result: see above"), "alert")
     kept = []
     for sheet in sheets:
         parts: list[Part] = []
         for part in sheet.parts:
-            if not (_warns(part) and part.text in common):
+            if not (_warns(part) and part in common):
                 parts.append(part)
             elif part.text.startswith(REFUSED):
                 parts.append(see)
@@ -92,7 +92,7 @@ def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
 
 
 def _warns(part: Part) -> TypeGuard[Note]:
-    return isinstance(part, Note) and part.level == "alert"
+    return isinstance(part, Note) and part.level in ("alert", "warning") and not part.points
 
 
 def channel_sheet(
@@ -122,6 +122,6 @@ def warnings(channel: Warned, of: str = "") -> Iterator[Part]:
     if noise is not None:
         yield from statement_note(noise.statement, of)
     told = () if noise is None else noise.doubts
-    yield from (Note(alert, "alert") for alert in channel.alerts if alert not in told)
+    yield from (Note(alert, "warning") for alert in channel.alerts if alert not in told)
     if channel.refusal:
         yield Note(say("no result: {reason}", reason=channel.refusal), "alert")

@@ -7,8 +7,8 @@ from allanite.interpretation.causes import Meaning, meaning
 from allanite.interpretation.device import REFERENCES
 from allanite.interpretation.devices import DEVICES
 from allanite.phrases.phrase import join, say
-from allanite.reporting.sheet import Column, Face, Note, Part, Table, one_sheet
-from allanite.study.results import Channel, Study
+from allanite.reporting.sheet import Column, Face, Note, Part, Table, Where, one_sheet
+from allanite.study.results import Channel
 
 from . import view
 
@@ -22,31 +22,29 @@ def meaning_of(channel: Channel, device: str | None) -> Meaning | None:
     return replace(found, name=record.name)
 
 
-def meanings(study: Study) -> Iterator[Part]:
-    """What the coefficients of each channel mean, and of the device that the recipe names what may cause them."""
-    found = [meaning_of(channel, study.recipe.device) for channel in study.channels]
-    yield from _parts([one for one in found if one is not None])
+def meaning_notes(found: Meaning | None, head: str, where: Where = "") -> Iterator[Part]:
+    """What the coefficients of a channel mean, a line each."""
+    if found is not None and found.sentences:
+        yield Note(head, "strong", where, found.sentences)
+
+
+def meanings(found: Sequence[Meaning | None]) -> Iterator[Part]:
+    """What the coefficients of each channel mean, in the terminal; a page says it with the channel."""
+    for one in found:
+        if one is not None:
+            yield from meaning_notes(one, join(": ", (say("what it means"), one.name)), "text")
 
 
 def causes_of(channels: Iterable[Channel], device: str | None) -> Iterator[Part]:
     """What may cause the terms that were found in any of these channels, in a device; nothing where none is named."""
     if device is not None:
         found = [meaning_of(channel, device) for channel in channels]
-        yield from _causes([replace(one, name="") for one in found if one is not None])
+        yield from causes([replace(one, name="") for one in found if one is not None])
 
 
-def _parts(found: Sequence[Meaning]) -> Iterator[Part]:
-    for one in found:
-        if one.sentences:
-            head = say("what it means")
-            yield Note(join(": ", (head, one.name)) if one.name else head, "strong", points=one.sentences)
-    if found and found[0].device:
-        yield from _causes(found)
-
-
-def _causes(found: Sequence[Meaning]) -> Iterator[Part]:
+def causes(found: Sequence[Meaning]) -> Iterator[Part]:
     """The rows of a device's table for the terms that were found, with the channels that have them."""
-    if not found:
+    if not (found and found[0].device):
         return
     device = DEVICES[found[0].device]
     yield from (Note(note, "quiet") for note in dict.fromkeys(one.note for one in found if one.note))
@@ -85,5 +83,5 @@ def meaning_view(found: Meaning, _: float) -> Face:
         say("What it means"),
         say("noise coefficients of an inertial sensor"),
         found.name or say("record"),
-        _parts([found]),
+        (*meaning_notes(found, say("what it means")), *causes([found])),
     )

@@ -39,7 +39,8 @@ class ModelledForm(NamedTuple):
         for channel in job:
             about = [] if channel.record is None else [words.about(channel.record), *channel.record.history]
             about += [] if channel.result is None else [self.about(channel.result)]
-            parts = [*warnings(channel), *map(Note, channel.fit.advice if channel.fit else ())]
+            advice = channel.fit.advice if channel.fit else ()
+            parts = [*warnings(channel), *(Note(note, "remark") for note in advice)]
             if channel.missing:
                 parts.append(Note(say("not taken into account: {terms}", terms=channel.missing)))
             if channel.result is not None:

@@ -186,6 +186,6 @@ def estimate_view(found: RateEstimate, level: float) -> Face:
         found.name or say("Rate"),
         BRAND,
         found.name or say("rate"),
-        (*(Note(str(finding), "alert") for finding in found.findings), *_estimates([found], level)),
+        (*(Note(str(finding), "warning") for finding in found.findings), *_estimates([found], level)),
         about=found.history,
     )

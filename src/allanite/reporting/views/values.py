@@ -38,7 +38,7 @@ class NumbersForm(NamedTuple):
 
 def numbers_table(value: Any, level: float, title: str = "", where: Where = "") -> Table:
     """The numbers of a curve, spectrum or surface; folded away on a page."""
-    said = join("; ", filter(None, (title or _title(value), _supposed(value))))
+    said = title or join("; ", filter(None, (_title(value), _supposed(value))))
     return Table(*FORMS[type(value)].table(value, level), said, details=True, where=where)
 
 
@@ -177,22 +177,29 @@ def value_view(value: Curve | Spectrum | Surface, level: float) -> Face:
 READINGS_KEY = say(
     "Read off the overlapping Allan deviation, as data sheets do. No model is assumed; the intervals "
     "use the power law identified at each averaging time. The deviation at 1 s equals the random walk coefficient only "
-    "where the curve has slope -0.5. Data sheets quote the minimum as in-run bias stability. N-second stability is the "
-    "standard deviation of successive means; unless the noise is white it grows with the length of the record."
+    "where the curve has slope -0.5."
+)
+QUOTED_KEY = say(
+    "Data sheets quote the minimum as in-run bias stability. N-second stability is the standard deviation of "
+    "successive means; unless the noise is white it grows with the length of the record."
 )
 
 
-def readings_table(readings: Readings, level: float) -> Table:
-    """Values read off a curve, in the units of data sheets."""
+def readings_table(readings: Readings, level: float, *, quoted: bool = True) -> Table:
+    """Values read off a curve, in the units of data sheets; without `quoted`, those that no data sheet has."""
     heads = (
         Column(say("read off the curve"), "name"), Column(say("value")), Column(words.interval(level), "interval"),
         Column(say("unit"), "unit"), Column("", "name"),
     )  # fmt: skip
     rows = []
-    for title, _, value, low, high, unit, *_, remark in readings.rows(level)[1]:
+    for quantity, (title, _, value, low, high, unit, *_, remark) in zip(
+        readings.quantities(level), readings.rows(level)[1], strict=True
+    ):
+        if quantity.quoted and not quoted:
+            continue
         slope = (f"{value:.3f}", f"{low:.3f} .. {high:.3f}")  # which has no unit
         rows.append([title, *(digits(value, low, high).plain() if unit else slope), unit, remark])
-    return Table(heads, rows, key=READINGS_KEY)
+    return Table(heads, rows, key=join(" ", (READINGS_KEY, QUOTED_KEY)) if quoted else READINGS_KEY)
 
 
 @view(rows=lambda readings, level: readings.rows(level))

@@ -152,7 +152,7 @@ def _angle_parts(angle: Angle) -> Iterator[Part]:
         if isinstance(angle.record, Record) and angle.deviation >= BEYOND * p.rms:
             yield Note(
                 say("the angle scatters {ratio:.2g} times as much as predicted: the body moved, or noise is missing "
-                    "from the models (see the channels)", ratio=angle.deviation / p.rms), "alert",
+                    "from the models (see the channels)", ratio=angle.deviation / p.rms), "warning",
             )  # fmt: skip
     elif angle.optimum is None and not angle.doubts:
         yield Note(say("no prediction: the noise of its sensors is not known"), "alert")
@@ -198,7 +198,7 @@ def study_view(study: VerticalStudy, _: float) -> Face:
     parts: list[Part] = [Note(how, "strong"), *map(Note, study.remarks)]
     if study.falling:
         falling = say("{count} samples in free fall, during which the gyros alone were used", count=study.falling)
-        parts.append(Note(falling, "alert"))
+        parts.append(Note(falling, "warning"))
     if study.held > study.falling and row.name != "bortz":
         held = say("the accelerometers were ignored in {count} samples", count=study.held - study.falling)
         parts.append(Note(held))

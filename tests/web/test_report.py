@@ -1,0 +1,77 @@
+"""The report of six channels in a browser: how long it is, whether it fits, and whether it can be read by all."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import allanite as al
+
+from .browsing import SUITE
+
+pytestmark = SUITE
+
+AXE = Path(__file__).with_name("axe.min.js")
+HIGH = 800
+"""Pixels of a screen."""
+
+
+@pytest.fixture(scope="module")
+def reports(six: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """By language."""
+    study, folder = al.analyze(six), tmp_path_factory.mktemp("report")
+    paths = {lang: folder / f"{lang}.html" for lang in ("en", "ru", "zh")}
+    for lang, path in paths.items():
+        al.report(study, path, lang=lang)
+    return paths
+
+
+@pytest.fixture
+def opened(browser: Any, reports: dict[str, Path]) -> Any:
+    """Opens the report in a language, on a screen of so many pixels, light or dark."""
+    pages = []
+
+    def open_one(lang: str, width: int, theme: str = "light") -> Any:
+        page = browser.new_page(viewport={"width": width, "height": HIGH}, color_scheme=theme)
+        pages.append(page)
+        page.goto(reports[lang].as_uri())
+        return page
+
+    yield open_one
+    for page in pages:
+        page.close()
+
+
+@pytest.mark.parametrize("lang", ["en", "ru", "zh"])
+def test_a_channel_and_the_summary_have_two_screens_each(opened: Any, lang: str) -> None:
+    heights = opened(lang, 1280).evaluate(
+        "[...document.querySelectorAll('#summary, .channel')].map((part) => part.getBoundingClientRect().height)"
+    )
+    assert len(heights) == 7
+    assert max(heights) <= 2 * HIGH, heights
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("lang", ["en", "ru", "zh"])
+def test_no_barrier_and_nothing_beyond_the_screen(opened: Any, lang: str, width: int, theme: str) -> None:
+    page = opened(lang, width, theme)
+    page.evaluate("document.querySelectorAll('details').forEach((part) => { part.open = true })")
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    figures = page.evaluate("[...document.querySelectorAll('figure svg')].map((f) => f.getBoundingClientRect().width)")
+    shown = [wide for wide in figures if wide]
+    assert 2 * len(shown) == len(figures)  # one of two forms of each
+    assert max(shown) <= width
+    page.evaluate(AXE.read_text("utf-8"))
+    found = page.evaluate("axe.run({resultTypes: ['violations']}).then((r) => r.violations)")
+    assert [(one["id"], one["nodes"][0]["html"]) for one in found] == []
+
+
+def test_letters_of_figures_can_be_read_on_a_phone(opened: Any) -> None:
+    page = opened("en", 390)
+    sizes = page.evaluate(
+        """[...document.querySelectorAll('.channel > figure .narrow svg')].map((f) =>
+             f.getBoundingClientRect().width / f.viewBox.baseVal.width *
+             Math.min(...[...f.querySelectorAll('text')].map((t) => parseFloat(getComputedStyle(t).fontSize))))"""
+    )
+    assert min(sizes) > 7.5
