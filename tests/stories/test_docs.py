@@ -115,7 +115,7 @@ ADIS = "adis_16405_imu1.rda"
 def test_commands_of_the_gyro_vertical(desk, monkeypatch, request):
     monkeypatch.chdir(desk)
     exec("".join(blocks("vertical.md", "python")), {})  # noqa: S102 - our own page
-    every = commands((DOCS / "vertical.md").read_text("utf-8"))
+    every = [c for page in ("vertical.md", "vertical_recording.md") for c in commands((DOCS / page).read_text("utf-8"))]
     assert [ADIS in command for command in every] == [False, False, False, True]
     printed = []
     for command in every:
