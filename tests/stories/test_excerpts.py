@@ -1,7 +1,8 @@
 """What pages show below a command is what it prints today."""
 
-import excerpts
 import pytest
+
+import excerpts
 
 PAGES = [page for page in excerpts.pages() if excerpts.BLOCK.search(page.read_text("utf-8"))]
 
@@ -19,5 +20,5 @@ def test_a_stale_page_is_renewed_and_the_pipes_shorten(tmp_path):
     assert fresh.count("\n") == stale.count("\n")
     assert "fog  100 Hz" in fresh
     assert excerpts.renewed(fresh.replace("| grep", "| tail -1 | grep")).count("\n") == stale.count("\n") - 1
-    with pytest.raises(SystemExit, match="exit code 2"):
+    with pytest.raises(SystemExit, match="exit code 3"):
         excerpts.renewed("```console\n$ allanite analyze no.csv\n```\n")
