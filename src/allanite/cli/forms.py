@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from allanite.reporting.digits import WRITTEN
 from allanite.reporting.language import speaking
 
 if TYPE_CHECKING:
@@ -21,10 +22,17 @@ def text_of(value: Any, lang: str) -> str:
 
     terminal = sys.stdout.isatty()
     width = shutil.get_terminal_size().columns if terminal else WIDTH
-    text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ, lang=lang)
+    color, encoding = terminal and "NO_COLOR" not in os.environ, sys.stdout.encoding or "utf-8"
+    text = table(value, width=width, color=color, ascii=not _encodes(WRITTEN, encoding), lang=lang)
     # characters that the terminal cannot encode are escaped, not an error
-    encoding = sys.stdout.encoding or "utf-8"
     return text.encode(encoding, "backslashreplace").decode(encoding)
+
+
+def _encodes(text: str, encoding: str) -> bool:
+    try:
+        return bool(text.encode(encoding))
+    except UnicodeEncodeError:
+        return False
 
 
 def encoded(value: Any, name: str, path: str, lang: str, command: str = "") -> str | bytes:
