@@ -32,6 +32,11 @@ assert_type(curve, al.Curve)
 assert_type(al.dynamic(record, window=60.0), al.Surface)
 assert_type(al.spectrum(record, "multitaper"), al.Spectrum)
 
+assert_type(al.deviation(np.zeros(1000), rate=100.0, unit="deg/s"), al.Curve)
+assert_type(al.spectrum(np.zeros(1000), fs=100.0), al.Spectrum)
+assert_type(al.identify(np.zeros(1000), rate=100.0, unit="deg/s", terms=["N", "K"]), al.Fit)
+assert_type(al.simulate(model, rate=100.0, duration=60.0, rng=1), al.Record)
+
 fit = al.identify(record, terms="auto")
 assert_type(fit, al.Fit)
 assert_type(al.identify(curve, "gls"), al.Fit)

@@ -61,6 +61,7 @@ WORKS = (
     # fits
     ("al.identify(x, rate=100, unit='deg/s').N.to(SHOWN)", is_n),
     ("al.identify(series, fs=100, unit='deg/s')['N'].to(SHOWN)", is_n),
+    ("al.identify(df['gx [deg/s]'], rate=100).N.to(SHOWN)", is_n),
     ("al.identify(df, rate=100)['gy'].N.to(SHOWN)", is_n),
     ("al.identify(record, terms=['N', 'K'])", lambda f: [e.symbol for e in f] == ["N", "K"]),
     ("fit.N.value", lambda v: v == pytest.approx(TRUTH * np.pi / 180 / 60, rel=0.1)),

@@ -153,7 +153,7 @@ def test_reversal_and_north(folder):
 BAD = {
     "no latitude": (("--horizontal",), 2, "finding north needs the latitude"),
     "two references": (("--latitude", "50", "--reference", "3"), 2, "given twice"),
-    "an unknown method": (("--methods", "mean,median"), 2, "known estimators: mean, hamming"),
+    "an unknown method": (("--methods", "mean,median"), 2, "known rate estimators: mean, hamming"),
     "a term without unit": (("--noise", "N 0.003"), 2, "N must be followed by a number and a unit"),
     "a term that is no number": (("--noise", "N much deg/sqrt(h)"), 2, "expected a number"),
     "a bias in degrees": (("--bias", "3 deg"), 2, "has a unit such as deg/h"),

@@ -129,7 +129,10 @@ def test_theoh_is_fitted_by_the_exact_expectation(file):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--bias", "banana"), "unknown bias correction 'banana'; known corrections: exact, published, model, plain"),
+        (
+            ("--bias", "banana"),
+            "unknown bias correction 'banana'; known bias corrections: exact, published, model, plain",
+        ),
         (("--bias", "model", "--statistic", "oadev,theo1"), "bias='model' is for theobr, theoh"),
         (("--bias", "exact", "--statistic", "theoh"), "theoh takes bias=model or None"),
         (("--edf", "foo"), "edf must be 'exact' or 'published', not 'foo'"),

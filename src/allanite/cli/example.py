@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from allanite.core.errors import UsageError
+from allanite.core.names import demand_name
 
 from .options import options
 
@@ -133,8 +133,7 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
         for row in EXAMPLES.values():
             click.echo(f"{row.name}  {row.title}\n     {row.source}")
         return
-    if paper not in EXAMPLES:
-        raise UsageError(f"unknown paper {paper!r}; examples: {', '.join(EXAMPLES)}")
+    demand_name("paper", paper, EXAMPLES)
     lines = [shlex.split(command) for command in EXAMPLES[paper].commands]
     shown = [shlex.join(["allanite", *line]) for line in lines]
     if commands:

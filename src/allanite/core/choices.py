@@ -27,6 +27,8 @@ class ChoiceRow:
     parts : tuple, optional
         The values that work where only sums of a record are kept; by default all. A choice that is not given always
         works.
+    synonyms : tuple of str
+        Other names of the option by which it is asked for; they are suggested, not taken.
     demand : callable, optional
         What a value must be beyond its kind: returns the value as it is kept, or raises UsageError.
     name, default
@@ -40,6 +42,7 @@ class ChoiceRow:
     flags: tuple[str, ...] = ()
     told: str | None = None
     parts: tuple[Any, ...] | None = None
+    synonyms: tuple[str, ...] = ()
     demand: Callable[[Any], Any] | None = None
     name: str = ""
     default: Any = None
@@ -50,11 +53,17 @@ class ChoiceRow:
         return self.flags or (f"--{self.name.replace('_', '-')}",)
 
     @property
+    def keys(self) -> tuple[str, ...]:
+        """Names of the option as keys of a recipe: ``from`` of ``--from``."""
+        return tuple(option.lstrip("-").replace("-", "_") for option in self.options)
+
+    @property
     def text(self) -> str:
         """What the help says."""
         usual = self.told
         if usual is None:
-            usual = "" if self.default is None or isinstance(self.default, bool) else written(self.default)
+            silent = self.default is None or isinstance(self.default, bool)
+            usual = "" if silent else (self.kind.write or written)(self.default)
         return self.help + (f"  [default: {usual}]" if usual else "")
 
     def read(self, data: Any) -> Any:
@@ -66,10 +75,10 @@ class ChoiceRow:
             It is none, in the words of the command line.
         """
         try:
-            return self.kind.read(data)
+            return self.kind.parse(data)
         except UsageError as error:
             names = " / ".join(f"'{option}'" for option in self.options)
-            raise UsageError(f"Invalid value for {names}: {error}", choice=self.name) from None
+            raise UsageError(f"Invalid value for {names}: {error}", choice=self.name, cure=error.cure) from None
 
     def words(self, value: Any) -> list[str]:
         """The option with a value, as it is typed."""

@@ -59,7 +59,7 @@ def as_source(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> 
         path = os.fspath(source)
         raise UsageError(f"{call} takes samples, not a file; read it first: al.{call}(al.read({path!r})[0])")
     if hasattr(source, "to_frame") and _describes_itself(source, sampling):
-        source = source.to_frame()
+        return import_module(READERS).read(source.to_frame(), **sampling)[0]
     if hasattr(source, "columns"):
         return import_module(READERS).read(source, **sampling)
     if not np.ndim(source):

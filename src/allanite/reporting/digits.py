@@ -110,7 +110,7 @@ _SIGNS = (
     (re.compile(r"\^(-?[\d.]+)"), lambda power: power[1].translate(RAISED)),
 )
 _ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
-_ASCII = {
+_ASCII: dict[str, str | int | None] = {
     "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
     "τ": "tau",
 }  # fmt: skip

@@ -152,8 +152,7 @@ class StateSpaces(ModelJob):
 
 
 def _plan(settings: PlanSettings, _: Random, noise: Supposed, __: Recipe, ___: Progress) -> RecordingPlan:
-    share = settings.accuracy / 100
-    return plan(noise.model, noise.rate, durations=settings.durations, accuracy=share, ramp=settings.ramp)
+    return plan(noise.model, noise.rate, durations=settings.durations, accuracy=settings.accuracy, ramp=settings.ramp)
 
 
 def _check(settings: SelfCheckSettings, rng: Random, noise: Supposed, recipe: Recipe, tell: Progress) -> SelfCheck:
@@ -174,7 +173,7 @@ def _space(settings: StateSpaceSettings, _: Random, noise: Supposed, __: Recipe,
         )
     low, high = settings.tau
     return state_space(
-        noise.model, noise.rate, tau=(low, high), ripple=settings.ripple / 100, order=settings.order, turn_on=bias,
+        noise.model, noise.rate, tau=(low, high), ripple=settings.ripple, order=settings.order, turn_on=bias,
         measurement=settings.measurement,
     )  # fmt: skip
 

@@ -61,7 +61,7 @@ class NoiseSettings(NoiseChoices, Value):
 
 @dataclass(frozen=True, repr=False)
 class PlanSettings(PlanChoices, NoiseSettings):
-    """Choices of a plan: `durations` in s, `accuracy` in percent, `ramp` as for `plan`."""
+    """Choices of a plan: `durations` in s, `accuracy` as a share, `ramp` as for `plan`."""
 
     durations: tuple[float, ...] = DURATIONS
 
@@ -77,7 +77,7 @@ class SelfCheckSettings(CheckChoices, NoiseSettings):
     records, seed : int
         Number of records to simulate, and the seed of the random number generator.
     max_bias, min_coverage, max_false, max_missed : float, optional
-        Limits in percent, see `SelfCheck.exceeded`.
+        Limits as shares, see `SelfCheck.exceeded`.
     """
 
     identifies: ClassVar[bool] = True
@@ -88,12 +88,12 @@ class SelfCheckSettings(CheckChoices, NoiseSettings):
         named = {
             "bias": self.max_bias, "coverage": self.min_coverage, "false": self.max_false, "missed": self.max_missed
         }  # fmt: skip
-        return {name: value / 100 for name, value in named.items() if value is not None}
+        return {name: value for name, value in named.items() if value is not None}
 
 
 @dataclass(frozen=True, repr=False)
 class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
-    """Choices of a state space: `ripple` in percent, `turn_on` with its unit, others as for `state_space`."""
+    """Choices of a state space: `ripple` as a share, `turn_on` with its unit, others as for `state_space`."""
 
     def __post_init__(self) -> None:
         if len(self.tau) != 2:

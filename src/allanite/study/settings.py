@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, PERCENT
+from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, PERCENT
 from allanite.core.choices import choice
 
 # fmt: off
@@ -63,7 +63,7 @@ class DensityChoices:
     estimator: str = choice("NAME", "Estimator: welch or multitaper.", default="welch")
     sides: str = choice("NAME", "One- or two-sided power spectral density.", default="one")
     bins: int | None = choice("", "Values per decade; 0 keeps all frequencies.", default=20)
-    segment: float | None = choice("S", "Length of Welch's segments.", told="an eighth of the record")
+    segment: float | None = choice("TIME", "Length of Welch's segments.", kind=INSTANT, told="an eighth of the record")
     window: str | None = choice("NAME", "Window of the Welch estimator.", told="hann")
     bandwidth: float | None = choice("NW", "Time-half-bandwidth product NW of the tapers.", told="4")
     tapers: int | None = choice("K", "Number of tapers.", told="2 NW - 3")
@@ -78,8 +78,8 @@ class WindowChoices:
     """The choices of `Windows`."""
 
     statistic: str = choice("NAME", "Statistic.", default="oadev")
-    window: float | None = choice("S", "Length of a window.", told="a tenth of the record")
-    step: float | None = choice("S", "Distance between windows.", told="an eighth of a window")
+    window: float | None = choice("TIME", "Length of a window.", kind=INSTANT, told="a tenth of the record")
+    step: float | None = choice("TIME", "Distance between windows.", kind=INSTANT, told="an eighth of a window")
     taus: str | tuple[float, ...] = grid("octave")
     m: tuple[int, ...] | None = _factors()
     to: str | None = _unit()
@@ -110,7 +110,8 @@ class PlanChoices:
     durations: tuple[float, ...] = choice(
         "A,B,...", "Record lengths.", kind=DURATIONS, default=(), told="10 min,1 h,6 h,24 h")
     accuracy: float = choice(
-        "PERCENT", "Relative standard error of a coefficient to reach.", default=10.0, told="10; of a live stream 20")
+        "PERCENT", "Relative standard error of a coefficient to reach.", kind=PERCENT, default=0.1,
+        told="10; of a live stream 20")
     ramp: bool | None = choice(
         "", "Assume a rate ramp of unknown size.", told="if the model has one", flags=("--ramp/--no-ramp",))
 
@@ -121,10 +122,11 @@ class CheckChoices(LengthChoices):
 
     records: int = choice("N", "Number of records to simulate.", default=100)
     seed: int = 1
-    max_bias: float | None = choice("PERCENT", "Limit on the bias of the coefficients.")
-    min_coverage: float | None = choice("PERCENT", "Limit on the coverage of the intervals.")
-    max_false: float | None = choice("PERCENT", "Limit on the records in which absent terms are reported.")
-    max_missed: float | None = choice("PERCENT", "Limit on the records in which terms are missed.")
+    max_bias: float | None = choice("PERCENT", "Limit on the bias of the coefficients.", kind=PERCENT)
+    min_coverage: float | None = choice("PERCENT", "Limit on the coverage of the intervals.", kind=PERCENT)
+    max_false: float | None = choice(
+        "PERCENT", "Limit on the records in which absent terms are reported.", kind=PERCENT)
+    max_missed: float | None = choice("PERCENT", "Limit on the records in which terms are missed.", kind=PERCENT)
 
 
 @dataclass(frozen=True, repr=False)
@@ -133,7 +135,7 @@ class StateSpaceChoices:
 
     tau: tuple[float, ...] = choice(
         "LO,HI", "Averaging times between which flicker is matched.", kind=DURATIONS, default=(1.0, 1000.0))
-    ripple: float = choice("PERCENT", "Largest deviation from flicker.", default=2.0)
+    ripple: float = choice("PERCENT", "Largest deviation from flicker.", kind=PERCENT, default=0.02)
     order: int | None = choice("N", "Or the number of Gauss-Markov processes for flicker.")
     turn_on: str | None = choice("RATE", "Standard deviation of the turn-on bias, e.g. '3 deg/h'.")
     measurement: str = choice("NAME", "Measurement: auto, mean (exact) or sample.", default="auto")
@@ -144,7 +146,8 @@ class ComparisonChoices:
     """The choices of `ComparisonSettings`."""
 
     against: tuple[str, ...] | None = choice("A,B,...", "Channels of the second file to compare with --channels.")
-    part: float | None = choice("S", "Compare the first S seconds of a file with the rest.")
+    part: float | None = choice("TIME", "Compare the first part of a file, of this length, with the rest.",
+        kind=INSTANT)
 
 
 @dataclass(frozen=True, repr=False)

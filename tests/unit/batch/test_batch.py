@@ -71,7 +71,7 @@ def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; limits are set for Q, F, N, B"),
+        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; known terms: Q, F, N, B"),
         ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
         ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is not a unit of N (angle random walk)"),
         ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
@@ -142,7 +142,7 @@ def test_the_rule(seen, value, upper):
 def test_an_interval_that_holds_the_limit_is_said():
     near = judge("gz", LIMIT, Seen(*(v * LIMIT.factor for v in (1.9, 1.7, 2.1))))
     assert near.near
-    assert near.reason == "1.9 deg/h (1.7 .. 2.1), the interval holds the limit"
+    assert near.reason == "1.9 deg/h (1.7 .. 2.1), the interval contains the limit"
 
 
 def test_the_size_of_a_ramp_is_judged(tmp_path):

@@ -22,9 +22,9 @@ from allanite.study.noise import noise_of
 from allanite.study.recipe import Recipe
 
 SETTINGS = {
-    "plan": PlanSettings(durations=(600.0, 7200.0), accuracy=7.0),
-    "selfcheck": SelfCheckSettings(records=3, samples=1000, max_bias=1e-6),
-    "statespace": StateSpaceSettings(tau=(1.0, 100.0), ripple=3.0, turn_on="3 deg/h"),
+    "plan": PlanSettings(durations=(600.0, 7200.0), accuracy=0.07),
+    "selfcheck": SelfCheckSettings(records=3, samples=1000, max_bias=1e-8),
+    "statespace": StateSpaceSettings(tau=(1.0, 100.0), ripple=0.03, turn_on="3 deg/h"),
 }
 OPTIONS = {
     "plan": ("--durations", "10 min,2h", "--accuracy", 7),

@@ -121,7 +121,7 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
-        (["deviation", "{file}", "--statistic", "oadev,nadev"], 2, "unknown statistic 'nadev'; known statistics: "),
+        (["deviation", "{file}", "--statistic", "oadev,nadev"], 2, "unknown statistic 'nadev'; did you mean adev?"),
         (["dynamic", "{file}", "--statistic", "nadev"], 2, "known statistics"),
         (["deviation", "{file}", "--m", "1.5"], 2, "expected integers"),
         (["deviation", "{file}", "--taus", "often"], 2, "known grids: octave"),
@@ -162,7 +162,7 @@ def test_a_recipe_repeats_the_run(file, tmp_path):
     recipe.write_text("statistics = 'adev'", encoding="utf-8")
     refused = run("deviation", file, "--recipe", recipe)
     assert refused.exit_code == 2
-    assert "unknown key 'statistics' in the recipe; known keys:" in refused.stderr
+    assert "unknown key 'statistics' in the recipe; did you mean statistic?" in refused.stderr
 
 
 def test_refusals_are_named_and_others_go_on():
