@@ -12,10 +12,10 @@ author = "The allanite authors"
 copyright = "The allanite authors, MIT license"  # noqa: A001 - Sphinx wants this name
 version = release = __version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml", "navigation"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml", "navigation", "tables"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
-INCLUDED = ("help", "methods", "efficiencies", "accuracies", "devices", "exports")
+INCLUDED = ("help", "methods", "efficiencies", "accuracies", "devices", "exports", "recordings")
 exclude_patterns = [f"generated/{name}.md" for name in INCLUDED]  # included by others
 default_role = "py:obj"  # names in docstrings lead to their own
 suppress_warnings = ["ref.python"]  # an attribute such as `count` is one of several classes: the first will do

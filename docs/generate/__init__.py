@@ -16,6 +16,7 @@ from generate.exports import exports_page
 from generate.gallery import gallery_page
 from generate.methods import efficiencies, methods_page
 from generate.planning import accuracies
+from generate.recordings import recordings_page
 from generate.reference import help_pages, units_page
 from generate.slopes import slopes_figure
 from generate.statistics import statistic_index, statistic_page
@@ -53,6 +54,7 @@ def write_pages(docs: Path) -> None:
     _write(root / "efficiencies.md", efficiencies(results / "methods.md"))
     _write(root / "curve_efficiencies.md", efficiencies(results / "curves.md"))
     _write(root / "devices.md", devices_page())
+    _write(root / "recordings.md", recordings_page(results / "recordings.md"))
     _write(root / "exports.md", exports_page())
     benchmark_pages(results, root / "benchmarks")
     slopes_figure(root)

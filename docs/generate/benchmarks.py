@@ -21,7 +21,7 @@ def _index(results: Path, names: Iterable[str]) -> list[str]:
     rows = []
     for name in names:
         text = (results / f"{name}.md").read_text(encoding="utf-8")
-        title, command = re.search(r"^# (.*)", text), re.search(r"`(python benchmarks/[^`]*)`", text)
+        title, command = re.search(r"^# (.*)", text), re.search(r"`(python benchmarks/\w+\.py)", text)
         rows.append((f"[{title[1] if title else name}]({name}.md)", f"`{command[1]}`" if command else ""))
     return [
         "# Benchmarks", "",

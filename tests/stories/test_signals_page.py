@@ -1,4 +1,4 @@
-"""What the page on compensation and signals shows is run."""
+"""What the pages on compensation and on currents show is run."""
 
 from table import read
 
@@ -14,7 +14,8 @@ from tests import ROOT
 import allanite as al
 from allanite.cli import main
 
-PAGE = (ROOT / "docs" / "compensation.md").read_text(encoding="utf-8")
+PAGES = ("budget.md", "compensation.md", "compensation_method.md")
+PAGE = "\n".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in PAGES)
 
 
 def blocks(language):
