@@ -42,6 +42,8 @@ class Outputs:
     quiet: bool = False
     strict: bool = False
     lang: str = ENGLISH
+    details: bool = False
+    brief: bool = False
     threads: int | None = 1
 
     @property
@@ -179,7 +181,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
         return work_of(value, name, out.paths[name], out.lang, command)
 
     with _warnings(FontWarning):
-        text = [Work.one(lambda: text_of(value, out.lang))] if shown else []
+        text = [Work.one(lambda: text_of(value, out.lang, details=out.details, brief=out.brief))] if shown else []
         made = done(*text, *map(work, forms))
         if shown:
             with while_read():

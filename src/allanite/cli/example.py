@@ -10,7 +10,7 @@ import click
 
 from allanite.core.errors import UsageError
 
-from .options import options
+from .options import SHOWN, options
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ EXAMPLES: dict[str, Example] = {
     click.argument("paper", required=False),
     click.argument("folder", required=False, default=".", type=click.Path(file_okay=False)),
     click.option("--commands", is_flag=True, help="Print the commands only."),
-    "lang", "force", "quiet",
+    *SHOWN,
 )  # fmt: skip
 def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> None:
     """Reproduce a table and figure of a paper.

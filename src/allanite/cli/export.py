@@ -9,12 +9,12 @@ import click
 from allanite.study.settings import ExportChoices
 
 from .deliver import Extra, carry_out, outputs, recipe_of, settings_of
-from .options import IDENTIFYING, RECORDING, options
+from .options import IDENTIFYING, RECORDING, SHOWN, options
 
 FILE = (
     click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
         help="Write the file; - is standard output. The suffix chooses the form if there are several."),
-    "json", "lang", "force", "quiet",
+    "json", *SHOWN,
 )  # fmt: skip
 
 

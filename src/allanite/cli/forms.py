@@ -15,15 +15,19 @@ WIDTH = 120
 """Width of text where no terminal limits it."""
 
 
-def text_of(value: Any, lang: str) -> str:
-    """A result as text for the terminal, at its width."""
-    from allanite.reporting import table
+def text_of(value: Any, lang: str, *, details: bool = False, brief: bool = False) -> str:
+    """A result as text for the terminal, at its width: the first screen, all of it, or a line for each channel."""
+    from allanite.reporting import first_screen, table
 
-    terminal = sys.stdout.isatty()
+    terminal, encoding = sys.stdout.isatty(), sys.stdout.encoding or "utf-8"
     width = shutil.get_terminal_size().columns if terminal else WIDTH
-    text = table(value, width=width, color=terminal and "NO_COLOR" not in os.environ, lang=lang)
+    color = terminal and "NO_COLOR" not in os.environ
+    if details and not brief:
+        text = table(value, width=width, color=color, lang=lang)
+    else:
+        signs = encoding.lower().replace("-", "").startswith("utf")
+        text = first_screen(value, width=width, color=color, lang=lang, signs=signs, brief=brief)
     # characters that the terminal cannot encode are escaped, not an error
-    encoding = sys.stdout.encoding or "utf-8"
     return text.encode(encoding, "backslashreplace").decode(encoding)
 
 

@@ -159,6 +159,34 @@ def table(value: Any, *, level: float | None = None, width: int = 120, color: bo
         return render(view_of(value).face(value, level_of(value, level)), width=width, color=color)
 
 
+def first_screen(
+    value: Any,
+    *,
+    level: float | None = None,
+    width: int = 100,
+    color: bool = False,
+    lang: str = "en",
+    signs: bool = True,
+    brief: bool = False,
+) -> str:
+    """The answer on a first screen, or with `brief` on a line for each channel; without `signs` in ASCII."""
+    from .first import First
+    from .language import speaking
+    from .screen import render, render_brief
+    from .text import render as whole
+
+    view = view_of(value)
+    level = level_of(value, level)
+    with speaking(lang):
+        if view.first is None:
+            face = view.face(value, level)
+            lines = whole(face, width=width).splitlines()[len(face.header) :]
+            first = First(face.title, answer=[line for line in lines if line.strip()])
+        else:
+            first = view.first(value, level)
+        return render_brief(first, signs=signs) if brief else render(first, width=width, color=color, signs=signs)
+
+
 def html_of(value: Any) -> str:
     """The result as a fragment of HTML for a notebook: its tables and sentences, and its figure."""
     from .html import fragment

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from allanite.core.arrays import mean_and_deviation
 from allanite.core.header import Header
+from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, graded
 from allanite.phrases.phrase import Phrase, join, say
@@ -12,14 +13,17 @@ from allanite.reporting.digits import printable
 from allanite.study.results import Channel
 
 
+def mean_and_spread(record: Record) -> tuple[float, float]:
+    """Mean and standard deviation of a record, in the unit of data sheets."""
+    return mean_and_deviation(record.rate_values / convert(1.0, record.signal.sheet[0], record.signal.unit))
+
+
 def fitness(channel: Channel) -> str:
     """Mean and spread of a channel, and whether it can be analyzed."""
     record = channel.record
     if isinstance(record, Header):
         return ""
-    unit = record.signal.sheet[0]
-    values = record.rate_values / convert(1.0, unit, record.signal.unit)
-    mean, deviation = mean_and_deviation(values)
+    unit, (mean, deviation) = record.signal.sheet[0], mean_and_spread(record)
     facts = say(
         "mean {mean:.6g}, standard deviation {deviation:.4g} {unit}",
         mean=mean, deviation=deviation, unit=unit,
