@@ -170,20 +170,14 @@ def first_screen(
     brief: bool = False,
 ) -> str:
     """The answer on a first screen, or with `brief` on a line for each channel; without `signs` in ASCII."""
-    from .first import First
+    from .first import condensed
     from .language import speaking
     from .screen import render, render_brief
-    from .text import render as whole
 
     view = view_of(value)
     level = level_of(value, level)
     with speaking(lang):
-        if view.first is None:
-            face = view.face(value, level)
-            lines = whole(face, width=width).splitlines()[len(face.header) :]
-            first = First(face.title, answer=[line for line in lines if line.strip()])
-        else:
-            first = view.first(value, level)
+        first = view.first(value, level) if view.first else condensed(view.face(value, level))
         return render_brief(first, signs=signs) if brief else render(first, width=width, color=color, signs=signs)
 
 

@@ -4,12 +4,13 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from typing import TypeGuard
 
 from allanite.core.finding import Finding
 from allanite.phrases.phrase import Phrase, join, say
 
 from .digits import digits, printed_unit
-from .sheet import Column, Table
+from .sheet import Code, Column, Face, Note, Part, Table
 
 _OPTION = re.compile(r"(?:\(|: )(--[a-z][^);]*)")
 
@@ -100,6 +101,18 @@ class Axes:
 
 
 @dataclass(frozen=True)
+class Section:
+    """A part of an answer that shares the room with others: its name, sentences, and the beginning of its tables."""
+
+    name: str
+    said: Sequence[str] = ()
+    tables: Sequence[Table] = ()
+
+
+Answer = Axes | Section | Table | str
+
+
+@dataclass(frozen=True)
 class First:
     """The first screen.
 
@@ -107,7 +120,7 @@ class First:
     ----------
     title, verdict : str
         What it is about, and the answer in a few words: the first line.
-    answer : sequence of Axes, Table or str
+    answer : sequence of Axes, Section, Table or str
     remarks : sequence of Remark
         One line each, the most important first; what does not fit is counted.
     legend : sequence of str
@@ -120,7 +133,7 @@ class First:
 
     title: str
     verdict: str = ""
-    answer: Sequence[Axes | Table | str] = ()
+    answer: Sequence[Answer] = ()
     remarks: Sequence[Remark] = ()
     legend: Sequence[str] = ()
     read: Sequence[str] = ()
@@ -134,9 +147,44 @@ class First:
                 lines += part.lines()
             elif isinstance(part, Table):
                 lines += [join("  ", filter(None, row)) for row in part.rows]
+            elif isinstance(part, Section):
+                rows = [join("  ", filter(None, row)) for table in part.tables[:1] for row in table.rows]
+                lines += [join("  ", filter(None, (part.name, said))) for said in (part.said[:1] or rows)]
             else:
                 lines.append(part)
         return [*(lines or [self.title]), *(shown(remark) for remark in self.remarks if remark.grave)]
+
+
+def condensed(face: Face) -> First:
+    """The first screen of a result that is shown as sheets: sentences and the first table of each, warnings."""
+    alerts = [Remark.of("", part.text, grave=True) for part in face.parts if _warns(part)]
+    sections = [_section("", face.parts)] if any(map(_told, face.parts)) else []
+    for sheet in face.sheets:
+        sections.append(_section(sheet.name, sheet.parts))
+        alerts += [Remark.of(sheet.name, part.text, grave=True) for part in sheet.parts if _warns(part)]
+    alerts += [Remark.of("", part.text) for part in face.close if _warns(part)]
+    assumed = face.notes or [text for label, text in face.header if label == "assumed"]
+    return First(face.title, answer=sections, remarks=alerts, read=list(assumed))
+
+
+def _section(name: str, parts: Iterable[Part]) -> Section:
+    told = [part for part in parts if _told(part)]
+    notes = [part for part in told if isinstance(part, Note)]
+    strong = [part for part in notes if part.level == "strong"] or notes[:1]
+    tables = [part for part in told if isinstance(part, Table)]
+    codes = [line for part in told if isinstance(part, Code) and not tables for line in part.text.splitlines() if line]
+    said = [text for note in strong for text in (note.text, *note.points)]
+    return Section(name, [*said, *codes], tables[:1])
+
+
+def _told(part: Part) -> bool:
+    """Whether a part is an answer, and not a warning, a grade of the noise or small print."""
+    shown = isinstance(part, (Table, Code)) or (isinstance(part, Note) and part.level in ("note", "strong"))
+    return shown and part.where != "page"
+
+
+def _warns(part: Part) -> TypeGuard[Note]:
+    return isinstance(part, Note) and part.level == "alert" and part.where != "page"
 
 
 def shown(remark: Remark, clauses: int | None = None) -> Phrase:

@@ -11,9 +11,10 @@ from rich.text import Text
 from allanite.phrases.phrase import join, say, say_count
 
 from .digits import printable
-from .first import Axes, First, Remark, shown
+from .first import Answer, Axes, First, Remark, Section, shown
 from .language import tr
 from .sheet import Table
+from .text import wrapped
 
 LINES, COLUMNS = 20, 100
 """The size of a first screen."""
@@ -167,29 +168,59 @@ class _Screen:
             at = kept.rfind(" ")
         return (kept[:at] if at > width / 3 else kept).rstrip(" ,;:") + dots
 
-    def answer(self, parts: Sequence[Axes | Table | str], room: int) -> list[str]:
+    def answer(self, parts: Sequence[Answer], room: int) -> list[str]:
         """The parts of the answer, of which rows of little weight are left out where there are too many."""
+        sections = [part for part in parts if isinstance(part, Section)]
+        if sections:
+            return self.sections(sections, room)
         made = list[str]()
         for rank in (3, 2, 1):
             self.left = []
             made = [line for part in parts for line in self.part(part, rank)]
             if len(made) <= room:
                 return made
-        return made if len(made) <= room else list(self.shortened(parts, room))
+        return list(self.shortened(parts, room))
 
-    def shortened(self, parts: Sequence[Axes | Table | str], room: int) -> Iterator[str]:
+    def sections(self, sections: Sequence[Section], room: int) -> list[str]:
+        """All sections with equal shares of the room; if that is too little, the first ones."""
+        kept = sections[: room // 2] if 2 * len(sections) > room else sections
+        left, made = len(sections) - len(kept), list[str]()
+        room -= 1 if left else 0
+        for i, section in enumerate(kept):
+            made += self.section(section, (room - len(made)) // (len(kept) - i))
+        more = say_count(left, "and {count} more channel: --details", "and {count} more channels: --details")
+        return [*made, *([self.text(more)] if left else [])]
+
+    def section(self, section: Section, room: int) -> list[str]:
+        """Its sentences, then as much of its table as there is room for."""
+        name, said = self.text(section.name), list(section.said)
+        lead = f"{name}  " if name else ""
+        tables = [self.table(table) for table in section.tables]
+        wanted = min(sum(map(len, tables)), max(room // 2, 3))
+        lines = wrapped(self.text(said.pop(0)), self.width, lead, "  ") if said else [name] if name else []
+        for text in said:
+            lines += wrapped(self.text(text), self.width, "  ", "    ")
+        if len(lines) > room - wanted:
+            kept = max(room - wanted, 1)
+            lines = [*lines[: kept - 1], self.cut(f"{lines[kept - 1]} …" if self.signs else f"{lines[kept - 1]} ...")]
+        rows = [line for table in tables for line in table][: room - len(lines)]
+        return [*lines, *rows]
+
+    def shortened(self, parts: Sequence[Answer], room: int) -> Iterator[str]:
         """Each channel on a line, and how many there are beside those shown."""
-        tables = [part.listed() if isinstance(part, Axes) else part for part in parts]
+        tables: list[Answer] = [part.listed() if isinstance(part, Axes) else part for part in parts]
         lines = [line for part in tables for line in self.part(part, 1)]
         yield from lines[: room - 1]
         left = len(lines) - room + 1
         yield self.text(say_count(left, "and {count} more line: --details", "and {count} more lines: --details"))
 
-    def part(self, part: Axes | Table | str, rank: int) -> list[str]:
+    def part(self, part: Answer, rank: int) -> list[str]:
         """The lines of a part, with rows below this rank."""
         if isinstance(part, Axes):
             return self.axes(part, rank)
-        return self.table(part) if isinstance(part, Table) else [self.cut(part)]
+        if isinstance(part, Section):
+            return self.section(part, LINES)
+        return self.table(part) if isinstance(part, Table) else wrapped(self.text(part), self.width, "", "  ")
 
     def axes(self, axes: Axes, rank: int) -> list[str]:
         """Channels side by side, or a row for each where they do not fit."""
@@ -197,9 +228,13 @@ class _Screen:
         self.left += [row.label for row in axes.rows if row not in left.rows and row.label not in self.left]
         for titles in (True, False):
             table = left.table(titles=titles)
-            if sum(self.widths(table)) + 2 * len(table.columns) - 2 <= self.width:
+            if self.wide(table) <= self.width:
                 return self.table(table)
         return self.table(left.listed())
+
+    def wide(self, table: Table) -> int:
+        """Cells that the whole table takes."""
+        return sum(self.widths(table)) + 2 * len(table.columns) - 2
 
     def widths(self, table: Table) -> list[int]:
         """Cells that each column takes."""
@@ -219,7 +254,12 @@ class _Screen:
         return rows
 
     def table(self, table: Table) -> list[str]:
-        """Columns with two blanks between, as many as fit."""
+        """Columns with two blanks between; those aside, and at last those at the end, where all are too wide."""
+        kept = [i for i, column in enumerate(table.columns) if not column.aside]
+        if self.wide(table) > self.width and len(kept) < len(table.columns):
+            return self.table(table.only(kept))
+        if self.wide(table) > self.width and len(kept) > 2:
+            return self.table(table.only(kept[:-1]))
         cells, widths = self.cells(table), self.widths(table)
         numbers = [column.kind == "number" for column in table.columns]
         lines = []
