@@ -3,6 +3,7 @@
 import contextlib
 import os
 import shlex
+import textwrap
 from dataclasses import dataclass
 from typing import Any
 
@@ -131,7 +132,8 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
     """
     if paper is None:
         for row in EXAMPLES.values():
-            click.echo(f"{row.name}  {row.title}\n     {row.source}")
+            source = textwrap.wrap(row.source, 95, initial_indent="     ", subsequent_indent="     ")
+            click.echo("\n".join([f"{row.name}  {row.title}", *source]))
         return
     if paper not in EXAMPLES:
         raise UsageError(f"unknown paper {paper!r}; examples: {', '.join(EXAMPLES)}")

@@ -177,7 +177,9 @@ def first_screen(
     view = view_of(value)
     level = level_of(value, level)
     with speaking(lang):
-        first = view.first(value, level) if view.first else condensed(view.face(value, level))
+        first = (
+            view.first(value, level) if view.first else condensed(view.face(value, level), drawn=view.plot is not None)
+        )
         return render_brief(first, signs=signs) if brief else render(first, width=width, color=color, signs=signs)
 
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TypeGuard
 
 from allanite.core.finding import Finding
@@ -13,6 +13,10 @@ from .digits import digits, printed_unit
 from .sheet import Code, Column, Face, Note, Part, Table
 
 _OPTION = re.compile(r"(?:\(|: )(--[a-z][^);]*)")
+
+
+DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
+"""What next, after any result."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +141,7 @@ class First:
     remarks: Sequence[Remark] = ()
     legend: Sequence[str] = ()
     read: Sequence[str] = ()
-    after: Sequence[tuple[str, str]] = field(default=(("--details", say("all numbers")),))
+    after: Sequence[tuple[str, str]] = (DETAILS,)
 
     def brief(self) -> list[str]:
         """A line for each channel, or for each row of the answer."""
@@ -155,23 +159,25 @@ class First:
         return [*(lines or [self.title]), *(shown(remark) for remark in self.remarks if remark.grave)]
 
 
-def condensed(face: Face) -> First:
+def condensed(face: Face, *, drawn: bool = False) -> First:
     """The first screen of a result that is shown as sheets: sentences and the first table of each, warnings."""
+    after = [DETAILS, *([FIGURES] if drawn else [])]
     alerts = [Remark.of("", part.text, grave=True) for part in face.parts if _warns(part)]
     sections = [_section("", face.parts)] if any(map(_told, face.parts)) else []
     for sheet in face.sheets:
-        sections.append(_section(sheet.name, sheet.parts))
+        name = "" if len(face.sheets) == 1 and isinstance(sheet.name, Phrase) else sheet.name
+        sections.append(_section(name, sheet.parts))
         alerts += [Remark.of(sheet.name, part.text, grave=True) for part in sheet.parts if _warns(part)]
     alerts += [Remark.of("", part.text) for part in face.close if _warns(part)]
     assumed = face.notes or [text for label, text in face.header if label == "assumed"]
-    return First(face.title, answer=sections, remarks=alerts, read=list(assumed))
+    return First(face.title, answer=sections, remarks=alerts, read=list(assumed), after=after)
 
 
 def _section(name: str, parts: Iterable[Part]) -> Section:
     told = [part for part in parts if _told(part)]
     notes = [part for part in told if isinstance(part, Note)]
-    strong = [part for part in notes if part.level == "strong"] or notes[:1]
-    tables = [part for part in told if isinstance(part, Table)]
+    tables = sorted((part for part in told if isinstance(part, Table)), key=lambda table: table.details)
+    strong = [part for part in notes if part.level == "strong" or part.where == "text"] or notes[: not tables]
     codes = [line for part in told if isinstance(part, Code) and not tables for line in part.text.splitlines() if line]
     said = [text for note in strong for text in (note.text, *note.points)]
     return Section(name, [*said, *codes], tables[:1])

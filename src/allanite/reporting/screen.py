@@ -10,7 +10,7 @@ from rich.text import Text
 
 from allanite.phrases.phrase import join, say, say_count
 
-from .digits import printable
+from .digits import printable, printed_heading, printed_unit
 from .first import Answer, Axes, First, Remark, Section, shown
 from .language import tr
 from .sheet import Table
@@ -21,6 +21,9 @@ LINES, COLUMNS = 20, 100
 
 FEWEST = 2
 """Lines of remarks for which rows of limits give way."""
+
+SHORTEST = 12
+"""Columns to which titles may be cut before they are left out."""
 
 _ASCII = (
     ("√h", "sqrt(h)"), ("√s", "sqrt(s)"), ("√Hz", "sqrt(Hz)"), ("√", "sqrt "), ("¹·⁵", "^1.5"), ("²·⁵", "^2.5"),
@@ -194,8 +197,9 @@ class _Screen:
     def section(self, section: Section, room: int) -> list[str]:
         """Its sentences, then as much of its table as there is room for."""
         name, said = self.text(section.name), list(section.said)
-        lead = f"{name}  " if name else ""
-        tables = [self.table(table) for table in section.tables]
+        lead, tables = f"{name}  " if name else "", [self.table(table) for table in section.tables]
+        if not said and tables and name and tables[0][0].startswith(" " * (cell_len(name) + 1)):
+            tables[0][0], name = name + tables[0][0][cell_len(name) :], ""  # in the empty heading of the first column
         wanted = min(sum(map(len, tables)), max(room // 2, 3))
         lines = wrapped(self.text(said.pop(0)), self.width, lead, "  ") if said else [name] if name else []
         for text in said:
@@ -223,14 +227,16 @@ class _Screen:
         return self.table(part) if isinstance(part, Table) else wrapped(self.text(part), self.width, "", "  ")
 
     def axes(self, axes: Axes, rank: int) -> list[str]:
-        """Channels side by side, or a row for each where they do not fit."""
-        left = replace(axes, rows=[row for row in axes.rows if row.rank < rank])
-        self.left += [row.label for row in axes.rows if row not in left.rows and row.label not in self.left]
-        for titles in (True, False):
-            table = left.table(titles=titles)
-            if self.wide(table) <= self.width:
-                return self.table(table)
-        return self.table(left.listed())
+        """Channels side by side, with titles as long as there is room for; or a row for each where they do not fit."""
+        rows = [row for row in axes.rows if row.rank < rank]
+        self.left += [row.label for row in axes.rows if row not in rows and row.label not in self.left]
+        longest = max((cell_len(self.text(row.title)) for row in rows), default=0)
+        excess = max(self.wide(replace(axes, rows=rows).table()) - self.width, 0)
+        if longest - excess >= SHORTEST:
+            cut = [replace(row, title=self.cut(row.title, longest - excess)) for row in rows]
+            return self.table(replace(axes, rows=cut).table())
+        short = replace(axes, rows=rows).table(titles=False)
+        return self.table(short if self.wide(short) <= self.width else replace(axes, rows=rows).listed())
 
     def wide(self, table: Table) -> int:
         """Cells that the whole table takes."""
@@ -242,8 +248,11 @@ class _Screen:
 
     def cells(self, table: Table) -> list[list[str]]:
         """Heading and rows as shown; in a column the signs of the intervals stand below each other."""
-        rows = [[self.text(column.heading) for column in table.columns]]
-        rows += [[self.text(cell) for cell in row] for row in table.rows]
+        units = [column.kind == "unit" for column in table.columns]
+        rows = [[self.text(printed_heading(tr(column.heading))) for column in table.columns]]
+        for row in table.rows:
+            shown = (tr(cell).replace("+- ", "± ") for cell in row)
+            rows.append([self.text(printed_unit(s) if u else s) for s, u in zip(shown, units, strict=True)])
         sign = " ± " if self.signs else " +- "
         for j in range(len(table.columns)):
             split = [row[j].split(sign) if sign in row[j] else None for row in rows]

@@ -16,8 +16,8 @@ from allanite.core.units import Signal, convert
 from allanite.core.validity import APPROXIMATE, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
-from allanite.reporting.digits import digits
-from allanite.reporting.first import Axes, First, Quantity, Remark, plus_minus, told_of
+from allanite.reporting.digits import digits, rounded
+from allanite.reporting.first import FIGURES, Axes, First, Quantity, Remark, plus_minus, told_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
@@ -28,8 +28,7 @@ from .verdict import mean_and_spread
 MAIN = ("N", "B", "K")
 """Terms whose limits are told as long as there is room for any."""
 
-DETAILS = ("--details", say("intervals, densities, meaning"))
-FIGURES = ("--report page.html", say("figures"))
+MEANING = ("--details", say("intervals, densities, meaning"))
 MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
 """Findings that change numbers little, or that the fit takes into account: they are told last."""
 
@@ -50,7 +49,7 @@ def first_of(study: Study, level: float) -> First:
         [*_doubts(channels), *weighed([*alerts(study), *_reservations(channels)])],
         list(_legend(fitted, level)),
         how_read(study),
-        [FIGURES, DETAILS, *([LONGER] if lost else [])],
+        [FIGURES, MEANING, *([LONGER] if lost else [])],
     )
 
 
@@ -247,8 +246,8 @@ def _seen(study: Study) -> First:
         unit = alike[0].record.signal.sheet[0]
         found = [None if isinstance(c.record, Header) else mean_and_spread(c.record) for c in alike]
         rows = [
-            Quantity(say("mean"), "", unit, ["" if f is None else f"{f[0]:.5g}" for f in found]),
-            Quantity(say("standard deviation"), "", unit, ["" if f is None else f"{f[1]:.4g}" for f in found]),
+            Quantity(say("mean"), "", unit, ["" if f is None else rounded(f[0]) for f in found]),
+            Quantity(say("standard deviation"), "", unit, ["" if f is None else rounded(f[1]) for f in found]),
             Quantity(say("fit for analysis"), "", "", [_fitness(channel) for channel in alike]),
         ]
         tables.append(Axes(names_of(alike), rows, alike[0].record.signal.sensor))
