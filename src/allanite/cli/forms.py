@@ -9,24 +9,31 @@ from typing import TYPE_CHECKING, Any
 from allanite.reporting.language import speaking
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from allanite.parallel.sharing import Work
+    from allanite.reporting.first import First
+
+    from .deliver import Outputs
 
 WIDTH = 120
 """Width of text where no terminal limits it."""
 
 
-def text_of(value: Any, lang: str, *, details: bool = False, brief: bool = False) -> str:
+def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = None) -> str:
     """A result as text for the terminal, at its width: the first screen, all of it, or a line for each channel."""
     from allanite.reporting import first_screen, table
 
     terminal, encoding = sys.stdout.isatty(), sys.stdout.encoding or "utf-8"
     width = shutil.get_terminal_size().columns if terminal else WIDTH
     color = terminal and "NO_COLOR" not in os.environ
-    if details and not brief:
-        text = table(value, width=width, color=color, lang=lang)
+    if out.details and not out.brief:
+        text = table(value, width=width, color=color, lang=out.lang)
     else:
         signs = encoding.lower().replace("-", "").startswith("utf")
-        text = first_screen(value, width=width, color=color, lang=lang, signs=signs, brief=brief)
+        text = first_screen(
+            value, width=width, color=color, lang=out.lang, signs=signs, brief=out.brief, first=first and first()
+        )
     # characters that the terminal cannot encode are escaped, not an error
     return text.encode(encoding, "backslashreplace").decode(encoding)
 

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from allanite.core.fit import Fit
     from allanite.parallel.sharing import Work
 
+    from .first import First
+
 PathLike = str | os.PathLike[str]
 
 MOST_DATA = 300_000
@@ -168,8 +170,12 @@ def first_screen(
     lang: str = "en",
     signs: bool = True,
     brief: bool = False,
+    first: "First | None" = None,
 ) -> str:
-    """The answer on a first screen, or with `brief` on a line for each channel; without `signs` in ASCII."""
+    """The answer on a first screen, or with `brief` on a line for each channel; without `signs` in ASCII.
+
+    `first` is used in place of what the view makes of the result.
+    """
     from .first import condensed
     from .language import speaking
     from .screen import render, render_brief
@@ -177,9 +183,9 @@ def first_screen(
     view = view_of(value)
     level = level_of(value, level)
     with speaking(lang):
-        first = (
-            view.first(value, level) if view.first else condensed(view.face(value, level), drawn=view.plot is not None)
-        )
+        if first is None and view.first is not None:
+            first = view.first(value, level)
+        first = first or condensed(view.face(value, level), drawn=view.plot is not None)
         return render_brief(first, signs=signs) if brief else render(first, width=width, color=color, signs=signs)
 
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeGuard
 
 from allanite.core.finding import Finding
@@ -164,6 +164,9 @@ def condensed(face: Face, *, drawn: bool = False) -> First:
     after = [DETAILS, *([FIGURES] if drawn else [])]
     alerts = [Remark.of("", part.text, grave=True) for part in face.parts if _warns(part)]
     sections = [_section("", face.parts)] if any(map(_told, face.parts)) else []
+    verdicts = [text for sheet in face.sheets for text in sheet.verdicts]
+    if sections and not sections[0].said and verdicts:  # tables of all, and below what follows from them
+        sections[0] = replace(sections[0], said=verdicts)
     for sheet in face.sheets:
         name = "" if len(face.sheets) == 1 and isinstance(sheet.name, Phrase) else sheet.name
         sections.append(_section(name, sheet.parts))
@@ -210,7 +213,7 @@ def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
 
 
 def _names(found: Sequence[tuple[str, Finding]], every: int) -> str:
-    """The channels of which the first finding is told: all that share it, or the first with those of others like it."""
+    """The channels that a remark is about: all with the same finding, or the first and those with one of its kind."""
     names = list(dict.fromkeys(name for name, _ in found))
     if len({finding.what for _, finding in found}) == 1:
         return say("all channels") if len(names) == every > 1 else ", ".join(names)

@@ -28,7 +28,7 @@ SHORTEST = 12
 _ASCII = (
     ("√h", "sqrt(h)"), ("√s", "sqrt(s)"), ("√Hz", "sqrt(Hz)"), ("√", "sqrt "), ("¹·⁵", "^1.5"), ("²·⁵", "^2.5"),
     ("²", "^2"), ("³", "^3"), ("µ", "u"), ("±", "+-"), ("≤", "<="), ("≥", ">="), ("≈", "~"), ("×", "x"), ("−", "-"),
-    ("…", "..."), ("°", "deg"),
+    ("→", "->"), ("…", "..."), ("°", "deg"),
 )  # fmt: skip
 """Signs where the terminal has letters only."""
 
@@ -90,14 +90,14 @@ class _Screen:
         blanks = LINES - len(head) - sum(map(len, parts))
         made = head
         for part in parts:
-            made, blanks = [*made, *([("", "")] if blanks > 0 else []), *part], blanks - 1
+            made, blanks = [*made, *([("", "")] if blanks > 0 and made else []), *part], blanks - 1
         return made
 
     def head(self, first: First) -> list[str]:
         """Title and verdict on a line, or on two."""
         title, verdict = self.text(first.title), self.text(first.verdict)
         if not verdict:
-            return [self.cut(title)]
+            return [self.cut(title)] if title else []
         if cell_len(title) + 3 + cell_len(verdict) <= self.width:
             return [f"{title}   {verdict}"]
         return [self.cut(title), self.cut(verdict)]

@@ -109,8 +109,7 @@ def _axes(channels: Sequence[Channel], level: float) -> Iterator[Axes]:
 
 def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> Iterator[Quantity]:
     met = {e.symbol for channel in channels for e in channel.fit or ()}
-    order = [*MAIN, *(symbol for symbol in TERMS if symbol not in MAIN)]
-    for symbol in (symbol for symbol in order if symbol in met):
+    for symbol in names_in_order(met):
         found = [next((e for e in c.fit or () if e.symbol == symbol), None) for c in channels]
         there = [e for e in found if e is not None]
         cells = [cell_of(e, level) if e and c.explained else "" for e, c in zip(found, channels, strict=True)]
@@ -124,6 +123,12 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
         yield Quantity(say("in-run bias stability"), "", unit, [_minimum(c) for c in channels], short=say("in-run"))
     fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
     yield Quantity(say("model fit"), "", "", fits, short=say("model"))
+
+
+def names_in_order(symbols: Iterable[str]) -> list[str]:
+    """Symbols of terms, each once: the main ones first."""
+    met = set(symbols)
+    return [symbol for symbol in (*MAIN, *(s for s in TERMS if s not in MAIN)) if symbol in met]
 
 
 def cell_of(estimate: Estimate, level: float) -> str:

@@ -9,7 +9,7 @@ from allanite.study.survey import Survey
 
 from . import view
 from .jobs import channel_sheet, job_face, source_of
-from .numbers_first import first_of_survey
+from .numbers import first_of_survey
 from .values import BRAND, FORMS, numbers_table, rows_of
 
 
