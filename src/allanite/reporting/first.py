@@ -180,7 +180,8 @@ def _section(name: str, parts: Iterable[Part]) -> Section:
     told = [part for part in parts if _told(part)]
     notes = [part for part in told if isinstance(part, Note)]
     tables = sorted((part for part in told if isinstance(part, Table)), key=lambda table: table.details)
-    strong = [part for part in notes if part.level == "strong" or part.where == "text"] or notes[: not tables]
+    strong = [part for part in notes if part.level == "strong"] or [part for part in notes if part.where == "text"]
+    strong = strong or notes[: not tables]
     codes = [line for part in told if isinstance(part, Code) and not tables for line in part.text.splitlines() if line]
     said = [text for note in strong for text in (note.text, *note.points)]
     return Section(name, [*said, *codes], tables[:1])

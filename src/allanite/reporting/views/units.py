@@ -30,6 +30,9 @@ SPREAD = say(
     "the errors of the values."
 )
 
+BELOW = 7
+"""Column of that table with the limits of the units in which the term was not identified."""
+
 FEW = 12
 """Rows up to which every channel of every unit has one."""
 
@@ -51,7 +54,8 @@ def first_of_batch(batch: Batch, level: float) -> First:
     count = sum(len(unit.channels) for unit in batch)
     answer: list[Answer] = [_table(batch, signal, level) for signal in signals.values()]
     if count > FEW:
-        answer = [across_table(batch, batch.across)]
+        found = across_table(batch, (one for one in batch.across if one.row()[3]))
+        answer = [found.only([i for i in range(len(found.columns)) if i != BELOW])]
     alerts = sum(any(channel.alerts for channel in unit.channels) for unit in batch)
     if alerts:
         remarks.append(Remark("", [say("warnings in {warned} of {count} units", warned=alerts, count=len(batch))]))
