@@ -212,7 +212,7 @@ def does_not_fit(name: str, noise: Noise, warnings: Iterable[Finding] = ()) -> R
     left = noise.residuals.findings if noise.residuals is not None else ()
     findings = [*noise.fit.findings, *left, *warnings]
     helped = [Remark.about_finding(about, finding, grave=True) for finding in findings]
-    typed = next((remark for remark in helped if remark.command), None)
+    typed = min((r for r in helped if r.command), key=lambda r: not any(map(str.isdigit, r.command)), default=None)
     why = typed.clauses if typed else noise.statement.points or (noise.statement.head,)
     return Remark(about, why, typed.command if typed else "allanite deviation FILE", grave=True)
 
