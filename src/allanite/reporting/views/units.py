@@ -54,8 +54,8 @@ def first_of_batch(batch: Batch, level: float) -> First:
     count = sum(len(unit.channels) for unit in batch)
     answer: list[Answer] = [_table(batch, signal, level) for signal in signals.values()]
     if count > FEW:
-        found = across_table(batch, (one for one in batch.across if one.row()[3]))
-        answer = [found.only([i for i in range(len(found.columns)) if i != BELOW])]
+        whole = across_table(batch, (one for one in batch.across if one.row()[3]))
+        answer = [whole.only([i for i in range(len(whole.columns)) if i != BELOW])]
     alerts = sum(any(channel.alerts for channel in unit.channels) for unit in batch)
     if alerts:
         remarks.append(Remark("", [say("warnings in {warned} of {count} units", warned=alerts, count=len(batch))]))
