@@ -49,7 +49,7 @@ def dense(model: al.Model, n: int, rate: float, ramp: bool) -> tuple[np.ndarray,
 
 def made(name: str, n: int, rate: float, *, ramp: bool) -> list[tuple[str, ...]]:
     """The rows of a model; a ramp's error is shown for one of 1e-6 rad/s^2."""
-    model = al.parse_model(MODELS[name])
+    model = al.Model(MODELS[name])
     noise = al.Model(tuple(t for t in model if t.row.waveform is None))
     errors, slope = dense(noise, n, rate, ramp)
     found = al.bound(noise, n, rate, ramp=ramp)

@@ -64,7 +64,7 @@ def make(path: Path, samples: int) -> None:
     for i, (name, unit, model) in enumerate(
         [(f"gyro_{axis}", "deg/s", GYRO) for axis in "xyz"] + [(f"accel_{axis}", "m/s^2", ACCEL) for axis in "xyz"]
     ):
-        record = al.simulate(al.parse_model(model), samples, 100.0, rng=np.random.default_rng([1, i]))
+        record = al.simulate(al.Model(model), samples, 100.0, rng=np.random.default_rng([1, i]))
         values = np.degrees(record.values) if unit == "deg/s" else record.values
         columns[f"{name} [{unit}]"] = np.round(values, 9)
     csv.write_csv(pa.table(columns), path, csv.WriteOptions(quoting_style="none"))

@@ -194,7 +194,7 @@ def answered(job: tuple[str, int]) -> Answer | None:
     """The answer on one record; None where it was refused."""
     name, i = job
     cell, rng = CELLS[name], np.random.default_rng((list(CELLS).index(name), i))
-    model = al.parse_model(cell.model)
+    model = al.Model(cell.model)
     quiet = al.simulate(model, cell.size + SETTLING, cell.rate, rng=rng)
     y = (cell.change(quiet.values, rng) if cell.change else quiet.values)[SETTLING:]
     truth: dict[str, list[float]] = {}

@@ -22,7 +22,7 @@ from scipy.linalg import solve_toeplitz
 from tests.reference.rate import descent
 
 import allanite as al
-from allanite.applications.rate import (
+from allanite.applications.constant_rate import (
     RATE_ESTIMATORS,
     EstimatorSettings,
     Experiment,
@@ -30,8 +30,8 @@ from allanite.applications.rate import (
     experiment,
     predicted_standard_error,
 )
-from allanite.applications.rate.measure import task_of
-from allanite.applications.rate.setting import TARGETS
+from allanite.applications.constant_rate.measure import task_of
+from allanite.applications.constant_rate.setting import TARGETS
 from allanite.simulation.ring_laser import GL1
 from allanite.statistics.moments.gls import autocovariance
 
@@ -55,7 +55,7 @@ def gl1_run(seed: int, warm_up: float = 0.0) -> Experiment:
 
 def exact(method: str) -> float:
     """Standard deviation on the GL-1, from the covariance alone, deg/h."""
-    return predicted_standard_error(method, GL1.model, n=N, rate=RATE, options=OPTIONS) / ARCSEC
+    return predicted_standard_error(method, GL1.model, size=N, rate=RATE, options=OPTIONS) / ARCSEC
 
 
 def deviations(found: Experiment) -> list[float]:
@@ -101,7 +101,7 @@ def efficiency() -> Table:
     for rho in RHO:
         model = white + al.Q(rho * white.value * math.sqrt(T), "rad")
         errors = [
-            predicted_standard_error(m, model, n=N, rate=RATE) for m in ("mean", "hamming", "regression", "optimal")
+            predicted_standard_error(m, model, size=N, rate=RATE) for m in ("mean", "hamming", "regression", "optimal")
         ]
         rows.append((f"{rho:g}", *(f"{error / errors[-1]:.4g}" for error in errors[:-1])))
     return ("sigma / (N sqrt T)", "mean", "hamming", "regression"), rows
@@ -149,7 +149,7 @@ def bounds() -> Table:
         if target == "start" and not set(symbols) & set("BK"):
             continue
         model = al.Model(tuple(SIZES[s] for s in symbols))
-        seconds, found = timed(partial(predicted_standard_error, "optimal", model, n=N, rate=RATE, target=target))
+        seconds, found = timed(partial(predicted_standard_error, "optimal", model, size=N, rate=RATE, target=target))
         start = time.perf_counter()
         bound = levinson_bound(model, target)
         slow = time.perf_counter() - start
@@ -175,7 +175,9 @@ def search(records: int) -> Table:
             options = {"default": EstimatorSettings(), "certified": EstimatorSettings(certified=True)}
             found = {}
             for name, chosen in options.items():
-                seconds, found[name] = timed(lambda o=chosen, r=record: al.rate.estimate(r, "staircase", options=o), 1)
+                seconds, found[name] = timed(
+                    lambda o=chosen, r=record: al.constant_rate.estimate(r, "staircase", options=o), 1
+                )
                 times[name].append(seconds)
             seconds, down = timed(lambda y=y: descent(y), 1)
             times["descent"].append(seconds)
@@ -185,7 +187,7 @@ def search(records: int) -> Table:
             excess["default"].append(found["default"].details["misfit"] - least)
             excess["descent"].append(down - least)
             truth = (0.094 + 1e-4 * seed) * RATE * PULSE
-            regression = al.rate.estimate(record, "regression").to("deg/h")
+            regression = al.constant_rate.estimate(record, "regression").to("deg/h")
             errors.append((found["certified"].to("deg/h") - truth, regression - truth))
         rms = np.sqrt(np.square(errors).mean(axis=0))
         cells = [f"{sigma:g}", f"{least:.0f}", f"{max(excess['default']):.0f}", f"{np.mean(excess['descent']):.0f}"]
@@ -201,7 +203,7 @@ def predictions(records: int) -> Table:
     for seed in range(1, records + 1):
         record = al.simulate_ring_laser(GL1, TRUE, N, RATE, rng=np.random.default_rng(seed))
         for method, errors in found.items():
-            estimate = al.rate.estimate(record, method, model=GL1.model)
+            estimate = al.constant_rate.estimate(record, method, model=GL1.model)
             errors.append(((estimate.to("deg/h") - TRUE - GL1.bias), estimate.standard_error / ARCSEC))
     rows = []
     for method, pairs in found.items():
@@ -214,12 +216,12 @@ def predictions(records: int) -> Table:
 
 def speed() -> Table:
     full = al.Model(tuple(SIZES.values()))
-    seconds, _ = timed(lambda: predicted_standard_error("optimal", full, n=N, rate=RATE))
-    million, _ = timed(lambda: predicted_standard_error("optimal", full, n=10**6, rate=RATE), times=1)
+    seconds, _ = timed(lambda: predicted_standard_error("optimal", full, size=N, rate=RATE))
+    million, _ = timed(lambda: predicted_standard_error("optimal", full, size=10**6, rate=RATE), times=1)
     record = al.simulate_ring_laser(GL1, TRUE, 94 * N, RATE, rng=np.random.default_rng(1))
     whole, _ = timed(lambda: experiment(record, GL1.model), times=1)
     single = al.Record(record.values[:N], rate=RATE, unit="arcsec", kind="count", scale=PULSE)
-    stairs, _ = timed(lambda: al.rate.estimate(single, "staircase"), times=9)
+    stairs, _ = timed(lambda: al.constant_rate.estimate(single, "staircase"), times=9)
     rows = [
         ("optimal weights of Q, N, B, K, 48 000 samples", f"{seconds:.3f} s", "0.3 s", met(seconds < 0.3)),
         ("the same, 1 000 000 samples", f"{million:.1f} s", "-", "-"),

@@ -52,7 +52,7 @@ def with_phase(model: al.Model, phase: float) -> al.Model:
 
 def simulated(name: str, records: int) -> tuple[np.ndarray, np.ndarray]:
     """Allan variances and mean powers of octaves of the cosine transform, shapes (records, 12)."""
-    model = al.parse_model(MODELS[name])
+    model = al.Model(MODELS[name])
     curves, powers = [], []
     for seed in range(1, records + 1):
         rng = np.random.default_rng(seed)
@@ -71,7 +71,7 @@ def bands(power: np.ndarray) -> np.ndarray:
 
 def expected(name: str) -> tuple[np.ndarray, np.ndarray]:
     """What `simulated` should be on average."""
-    model, k = al.parse_model(MODELS[name]), np.arange(1.0, SIZE)
+    model, k = al.Model(MODELS[name]), np.arange(1.0, SIZE)
     power, ends = np.zeros(SIZE - 1), 4 / SIZE * np.cos(math.pi * k / (2 * SIZE)) ** 2
     for t in model:
         if t.row.waveform is None:

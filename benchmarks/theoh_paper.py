@@ -17,7 +17,7 @@ from allanite.core.units import convert
 from allanite.planning.properties import properties
 
 SIZE = 7200
-FOG = al.parse_model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
+FOG = al.Model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
 """A stand-in for the paper's fiber-optic gyro, whose record is not published."""
 
 FITS = [

@@ -83,7 +83,7 @@ CONING_FIGURES = {"1 sample": -4.05, "2 samples, without": -16.2, "2 samples": -
 
 def errors(models: tuple[str, str], tau: float, n: int, rate: float, rng: np.random.Generator) -> np.ndarray:
     """Errors of one angle in a run, rad, by the recursion of the filter of first order."""
-    gyro, tilt = (al.simulate(al.parse_model(text), n, rate, rng=rng).rate_values for text in models)
+    gyro, tilt = (al.simulate(al.Model(text), n, rate, rng=rng).rate_values for text in models)
     alpha = math.exp(-1 / (rate * tau))
     return lfilter([1.0], [1.0, -alpha], alpha * gyro / rate + (1 - alpha) * tilt / GRAVITY)
 
@@ -99,7 +99,7 @@ def within(error: np.ndarray, rate: float, lowest: float) -> float:
 
 def cell(models: tuple[str, str], tau: float, runs: int) -> tuple[float, float]:
     """Predicted and simulated standard deviation over the horizon, arcsec."""
-    noise = [al.parse_model(text) for text in models]
+    noise = [al.Model(text) for text in models]
     predicted = predicted_error(*noise, tau, duration=HORIZON, rate=RATE).to("arcsec")
     n = round(LONGER * HORIZON * RATE)
     settle = round(10 * tau * RATE)
@@ -112,13 +112,13 @@ def cell(models: tuple[str, str], tau: float, runs: int) -> tuple[float, float]:
 
 def whole(duration: float, runs: int = 30, rate: float = 20.0) -> tuple[float, float, float]:
     """Best time constant, predicted and simulated RMS over whole runs, of flicker and random walk together."""
-    found = optimal_time_constant(*map(al.parse_model, WHOLE), duration=duration)
+    found = optimal_time_constant(*map(al.Model, WHOLE), duration=duration)
     tau = found.time_constant
     squares = []
     for seed in range(1, runs + 1):
         e = errors(WHOLE, tau, round(duration * rate), rate, np.random.default_rng(seed))[round(10 * tau * rate) :]
         squares.append(e.var())
-    predicted = predicted_error(*map(al.parse_model, WHOLE), tau, duration=duration, rate=rate).to("arcsec")
+    predicted = predicted_error(*map(al.Model, WHOLE), tau, duration=duration, rate=rate).to("arcsec")
     return tau, predicted, math.sqrt(np.mean(squares)) / ARCSEC
 
 
@@ -158,11 +158,11 @@ def speeds(n: int = 1_000_000) -> dict[str, float]:
 
 
 def closed_forms() -> list[tuple[str, ...]]:
-    gyro, tilt = al.parse_model(GYRO), al.parse_model(TILT)
+    gyro, tilt = al.Model(GYRO), al.Model(TILT)
     N, K, a = gyro["N"].value, 20 * HOUR / 60, 1e-4
     best, loop = optimal_time_constant(gyro, tilt), kalman(N, a, K)
     biased = optimal_time_constant(gyro, tilt, gyro_bias="10 deg/h")
-    slow = optimal_time_constant(al.parse_model("GM 0.02 deg/s 5 s"), al.parse_model("GM 0.0087266 g 0.5 s"))
+    slow = optimal_time_constant(al.Model("GM 0.02 deg/s 5 s"), al.Model("GM 0.0087266 g 0.5 s"))
     detuned = ", ".join(f"{rms / ARCSEC:.2f}" for k, rms in best.detuning if k != 1)
     return [
         ("best time constant, s", f"{best.time_constant:.4f}", "1.1459"),
@@ -179,7 +179,7 @@ def closed_forms() -> list[tuple[str, ...]]:
 def losses() -> list[tuple[str, ...]]:
     rows = []
     for models in MODELS:
-        found = optimal_time_constant(*map(al.parse_model, models), duration=600.0, rate=100.0)
+        found = optimal_time_constant(*map(al.Model, models), duration=600.0, rate=100.0)
         second = "-" if found.second is None else f"{found.second.to('arcsec'):.2f}"
         rows.append((*models, f"{found.time_constant:.3g}", f"{found.first.to('arcsec'):.2f}", second,
                      f"{found.bound / ARCSEC:.2f}", f"{100 * found.loss:.2f} %"))  # fmt: skip
@@ -200,7 +200,7 @@ def swaying(tau: float, *, instant: bool, rate: float = 100.0) -> float:
 
 def trial(*, instant: bool) -> Trial:
     """The sensors of the prototype."""
-    return Trial(al.parse_model(GYRO), al.parse_model(TILT), BIAS, instant=instant)
+    return Trial(al.Model(GYRO), al.Model(TILT), BIAS, instant=instant)
 
 
 def scenario_rows() -> list[tuple[str, ...]]:

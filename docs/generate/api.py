@@ -23,7 +23,7 @@ TOPICS: dict[str, tuple[str, str]] = {
     ),
     "streaming": ("Streams", "Accumulator"),
     "spectra": ("Power spectral density", "spectrum deviation_of_spectrum Welch Multitaper Spectrum"),
-    "models": ("Models of noise", f"{' '.join(TERMS)} Term Model parse_model sensor"),
+    "models": ("Models of noise", f"{' '.join(TERMS)} Term Model sensor"),
     "simulating": ("Simulation and faults", "simulate faults simulate_ring_laser RingLaser"),
     "planning": (
         "Planning, self-check, Kalman filter",
@@ -43,7 +43,7 @@ TOPICS: dict[str, tuple[str, str]] = {
         "Quantization budget and torquer currents",
         "budget budget_file rate_from_current Budget Stage TorqueScale PathSettings",
     ),
-    "rate": ("A constant rate in a short time", "rate measure_rates"),
+    "rate": ("A constant rate in a short time", "constant_rate measure_rates"),
     "angle": ("Angle sensors", "angle"),
     "attitude": ("Roll and pitch", "attitude"),
     "checking": ("Checks of plug-ins", "testing"),

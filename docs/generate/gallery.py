@@ -45,7 +45,8 @@ PICTURES = {
         al.plot(al.state_space(al.sensor("fog"), 100.0, tau=(1.0, 1000.0)), path="filter.svg")
         """),
     "Ways to measure a constant rate": ("ranking", """\
-        found = al.rate.experiment(recording["gx"], fit.model, al.rate.ExperimentSettings(interval=60.0))
+        settings = al.constant_rate.ExperimentSettings(interval=60.0)
+        found = al.constant_rate.experiment(recording["gx"], fit.model, settings)
         al.plot(found, path="ranking.svg")
         """),
     "Where to calibrate the angle sensors of a gimbal": ("scan", """\

@@ -16,7 +16,10 @@ def __getattr__(name: str) -> Any:
         return _named(name)
     except AttributeError:
         from .core.model import TERMS, constructor
+        from .statistics import STATISTICS
 
+        if name in STATISTICS:
+            raise AttributeError(f"{name} is a statistic: type al.deviation(x, {name!r}, rate=100)") from None
         if name not in TERMS:
             raise
         return constructor(name)

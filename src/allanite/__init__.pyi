@@ -9,12 +9,12 @@ from . import testing as testing
 from .applications import angle as angle
 from .applications import attitude as attitude
 from .applications import compensation as compensation
-from .applications import rate as rate
+from .applications import constant_rate as constant_rate
 from .applications.compensation import Regression as Regression
 from .applications.compensation import compensate as compensate
 from .applications.compensation.compensating import compensate_file as compensate_file
 from .applications.compensation.settings import CompensationSettings as CompensationSettings
-from .applications.rate.campaign import measure_rates as measure_rates
+from .applications.constant_rate.campaign import measure_rates as measure_rates
 from .applications.signals import Budget as Budget
 from .applications.signals import Stage as Stage
 from .applications.signals import TorqueScale as TorqueScale
@@ -55,7 +55,6 @@ from .core.model import R as R
 from .core.model import Sine as Sine
 from .core.model import Term as Term
 from .core.model import W as W
-from .core.notation import parse_model as parse_model
 from .core.plain import from_dict as from_dict
 from .core.record import Record as Record
 from .core.record import Recording as Recording

@@ -185,7 +185,7 @@ def test_simulated_records_have_the_expected_curve_and_spectrum():
     rows, script = read("simulation.md").rows(), simulation
     again = "python benchmarks/simulation.py --write benchmarks/results/simulation.md"
     assert {row["noise"] for row in rows} == set(script.MODELS), f"make the table again: {again}"
-    simulated = {t.symbol for text in script.MODELS.values() for t in al.parse_model(text)}
+    simulated = {t.symbol for text in script.MODELS.values() for t in al.Model(text)}
     assert set(al.TERMS) == simulated, "add a model with each term to MODELS in benchmarks/simulation.py"
     assert all(float(row["largest"]) < 3 for row in rows)
 

@@ -64,9 +64,9 @@ def test_its_units_follow_from_the_power(signal):
 
 
 def test_it_is_written_and_read():
-    again = al.parse_model(str(model()))
+    again = al.Model(str(model()))
     assert str(again) == str(model())
-    assert al.parse_model(written(model())) == model() == al.Model.from_dict(model().to_dict())
+    assert al.Model(written(model())) == model() == al.Model.from_dict(model().to_dict())
     assert model()["RR"].unit == "rad/s^2.5"
     with pytest.raises(al.UnitError, match=r"usual units: deg/h\^2.5, ug/h\^1.5"):
         al.RR(1.0, "rad/s", time_constant=1.0)

@@ -151,7 +151,7 @@ def test_a_new_statistic_at_the_command_line_and_in_pictures(name, tmp_path):
 
 
 def test_a_new_term_is_made_written_and_read():
-    model = al.parse_model(MODEL)
+    model = al.Model(MODEL)
     assert str(model) == str(al.Z(3.0, "arcsec") + al.N(0.01, "deg/sqrt(h)"))
     assert model["Z"] == term("Z", 3.0, "arcsec")
     assert al.Model.from_dict(model.to_dict()) == model
@@ -163,7 +163,7 @@ def test_a_new_term_is_made_written_and_read():
 
 @pytest.mark.parametrize("name", ["oadev", "mdev", "ohdev", "totdev", "fdev"])
 def test_a_new_term_has_expectation_and_limits_in_every_statistic(name):
-    model = al.parse_model(MODEL)
+    model = al.Model(MODEL)
     curves = [al.deviation(simulated(model, 2048, seed), name, m=[1, 8, 64], noise=model) for seed in range(40)]
     expected = al.expected(model, name, curves[0].tau, rate=1.0, size=2048)
     error = expected * np.sqrt(2 / curves[0].edf / len(curves))
@@ -192,16 +192,14 @@ def test_a_filter_refuses_a_term_without_states_and_takes_one_that_has_some():
     with pytest.raises(
         al.UsageError, match=r"Z \(wander of the angle\) has no states in a filter, Q, N, B, K, R, GM, GMA, GM2"
     ):
-        al.state_space(al.parse_model(MODEL), 1.0)
+        al.state_space(al.Model(MODEL), 1.0)
 
 
 def test_a_new_term_with_a_block_is_a_state(monkeypatch):
     monkeypatch.setitem(TERMS, "W", replace(TERMS["K"], symbol="W", title="another walk"))
-    plain, other = (
-        al.state_space(al.parse_model(f"N 1 rad/sqrt(s), {symbol} 0.1 rad/s^1.5"), 2.0) for symbol in ("K", "W")
-    )
+    plain, other = (al.state_space(al.Model(f"N 1 rad/sqrt(s), {symbol} 0.1 rad/s^1.5"), 2.0) for symbol in ("K", "W"))
     np.testing.assert_array_equal(plain.Qd, other.Qd)
-    both = al.state_space(al.parse_model("N 1 rad/sqrt(s), K 0.3 rad/s^1.5, W 0.4 rad/s^1.5"), 2.0)
+    both = al.state_space(al.Model("N 1 rad/sqrt(s), K 0.3 rad/s^1.5, W 0.4 rad/s^1.5"), 2.0)
     assert both.Qd[0, 0] == pytest.approx(0.25 * 0.5)
 
 
@@ -260,7 +258,7 @@ def test_what_is_no_model_is_refused_by_name(noise):
         lambda: al.bound(noise, 100, 1.0),
         lambda: al.plan(noise, 1.0),
         lambda: al.selfcheck(noise, 100, 1.0, rng=np.random.default_rng(1)),
-        lambda: al.rate.rank(noise, n=100, rate=1.0),
+        lambda: al.constant_rate.rank(noise, size=100, rate=1.0),
     ]
     came = repr(noise) if isinstance(noise, str) else type(noise).__name__
     for call in calls:

@@ -32,7 +32,7 @@ def test_a_term_is_that_of_a_rate(signal, symbol):
     row = al.TERMS[symbol]
     shape = tuple(p.typical for p in row.parameters)
     term = al.Term(symbol, 2.0, signal, shape)
-    model = al.parse_model(str(al.Model((term,))))
+    model = al.Model(str(al.Model((term,))))
     assert model.signal is signal
     assert model[symbol].value == pytest.approx(2.0, rel=1e-3)
     assert al.Model.from_dict(al.Model((term,)).to_dict()) == al.Model((term,))

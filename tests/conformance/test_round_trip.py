@@ -19,8 +19,8 @@ from allanite.applications.attitude.trials import VerticalDesign
 from allanite.applications.compensation import FitSettings, compensate
 from allanite.applications.compensation.compensating import compensate_file
 from allanite.applications.compensation.settings import CompensationSettings
-from allanite.applications.rate import closeup
-from allanite.applications.rate.campaign import RateSettings, measure_rates
+from allanite.applications.constant_rate import closeup
+from allanite.applications.constant_rate.campaign import RateSettings, measure_rates
 from allanite.applications.signals import TorqueScale
 from allanite.applications.signals.budgeting import PathSettings
 from allanite.applications.signals.stage import codes
@@ -45,8 +45,8 @@ from allanite.study.theory import TheorySettings
 from allanite.terms import TERMS
 
 LEVEL = 0.9
-WHITE_AND_WALK = [al.parse_model("N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
-                  al.parse_model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")]  # fmt: skip
+WHITE_AND_WALK = [al.Model("N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
+                  al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")]  # fmt: skip
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.5, "deg/h") + al.Sine(3, "deg/h", frequency=0.5)
 
 
@@ -203,7 +203,7 @@ def exported():
 def rate_study():
     noise = al.N(0.1, "deg/sqrt(h)") + al.Q(5, "arcsec")
     up, down = (al.simulate(noise, 4096, 100.0, rng=np.random.default_rng(i)) for i in range(2))
-    settings = RateSettings(al.rate.ExperimentSettings(interval=5.0), noise, latitude=55.8, durations=(2.0,))
+    settings = RateSettings(al.constant_rate.ExperimentSettings(interval=5.0), noise, latitude=55.8, durations=(2.0,))
     return measure_rates(up, al.Recipe(level=LEVEL), settings, second=down)
 
 
@@ -284,9 +284,9 @@ MAKERS = {
     "VerticalSettings": lambda: al.attitude.VerticalSettings("mahony", 2.0, gate=1.0),
     "VerticalStudy": level,
     "Estimate with a shape": lambda: next(e for e in fit(i=0) if TERMS[e.symbol].parameters),
-    "EstimatorSettings": lambda: al.rate.EstimatorSettings(lines=3, allowed=1e-9),
+    "EstimatorSettings": lambda: al.constant_rate.EstimatorSettings(lines=3, allowed=1e-9),
     "Experiment": lambda: rate_study().channels[0].experiment,
-    "ExperimentSettings": lambda: al.rate.ExperimentSettings(methods=("mean",), dither=(400.0,)),
+    "ExperimentSettings": lambda: al.constant_rate.ExperimentSettings(methods=("mean",), dither=(400.0,)),
     "Finding": lambda: Finding("gaps", "10 samples are missing", place=(0.5, 1.0)),
     "Fit": fit,
     **{f"Fit by {method}": lambda method=method: fit(method) for method in al.METHODS if method != "whittle"},
@@ -305,7 +305,7 @@ MAKERS = {
     "Mixture": lambda: regression().mixture,
     "LowPass": lambda: filtered().scope.filter,
     "Model": lambda: MODEL,
-    "North": lambda: al.rate.north(rate_study().channels[0].bias, 55.8),
+    "North": lambda: al.constant_rate.north(rate_study().channels[0].bias, 55.8),
     "Pair": lambda: comparison().pairs[0],
     "PathSettings": lambda: rounded().settings,
     "PlanSettings": lambda: PlanSettings(model="N 0.01 deg/sqrt(h)", durations=(600.0,), ramp=True),
@@ -313,7 +313,7 @@ MAKERS = {
     "PooledChannel": lambda: pool().channels[0],
     "PooledTerm": lambda: pool().terms[0],
     "Quality": lambda: inspect(al.Record(np.full(300, 1.25), 10.0, "deg/h")),
-    "Ranking": lambda: al.rate.rank(al.N(0.1, "deg/sqrt(h)"), n=1000, rate=100.0),
+    "Ranking": lambda: al.constant_rate.rank(al.N(0.1, "deg/sqrt(h)"), size=1000, rate=100.0),
     "RateChannel": lambda: rate_study().channels[0],
     "RateEstimate": lambda: rate_study().channels[0].bias,
     "Judgement": lambda: batch()[0].judgements[0],
@@ -339,7 +339,7 @@ MAKERS = {
     "Residuals": residuals,
     "Properties": lambda: properties("theo1", 200),
     "Closeup": lambda: closeup(al.simulate_ring_laser(al.GL1, 12.0, 2000, 400.0, rng=np.random.default_rng(1))),
-    "Expectation": lambda: expectation(al.parse_model(WHITE), rate=10.0, size=200),
+    "Expectation": lambda: expectation(al.Model(WHITE), rate=10.0, size=200),
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
     "Scope": lambda: filtered().scope,
     "SelfCheck": selfcheck,

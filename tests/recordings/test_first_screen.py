@@ -10,12 +10,12 @@ from allanite.cli import main
 
 SCREENS = {
     "analyze adis_16405_imu1.rda --unit gyro=deg/s,accel=g": (
-        r"N +angle random walk +deg/√h +2\.4\d+ ±", r"\+2090 ug at 2222 s\. Try --from", r"not valid", r"in part"
+        r"N +angle random walk +°/√h +2\.4\d+ ±", r"\+2090 µg at 2222 s\. Try --from", r"not valid", r"in part"
     ),
     "analyze phone_gyro4.txt --unit rad/s": (
-        r"N +angle random walk +deg/√h +1\.6\d+ ±", r"the bias steps", r"Try --from 930", r"up to 25\.6 s", "not valid"
+        r"N +angle random walk +°/√h +1\.6\d+ ±", r"the bias steps", r"Try --from 930", r"up to 25\.6 s", "not valid"
     ),
-    "info psins_lasergyro.imu": (r"mean +deg/h +-12\.27", r"the body moved: .* Try --from 1011 --until 1847"),
+    "info psins_lasergyro.imu": (r"mean +°/h +-12\.27", r"the body moved: .* Try --from 1011 --until 1847"),
     "info format_only_vn100_moving.mcap": (r"0 of 6 channels are fit for analysis", r"gz NO RESULT: moves from 0 s"),
     "info cubeorange_sample_log_small.ulg": (r"3 × gyroscope, 3 × accelerometer", r"missing in 1 gap"),
 }  # fmt: skip

@@ -97,9 +97,7 @@ def files(tmp_path_factory):
     """Recordings with the faults that are complained of."""
     bag_files = pytest.importorskip("bag_files") if importlib.util.find_spec("rosbags") else None
     folder, rng = tmp_path_factory.mktemp("complaints"), np.random.default_rng(7)
-    gyros = [
-        al.simulate(al.parse_model(TRUTH), 20_000, 20.0, rng=rng, unit="deg/h", name=n) for n in ("gx", "gy", "gz")
-    ]
+    gyros = [al.simulate(al.Model(TRUTH), 20_000, 20.0, rng=rng, unit="deg/h", name=n) for n in ("gx", "gy", "gz")]
     al.write(al.Recording(tuple(gyros)), folder / "gyro.csv")
     times, values = INTERVAL * np.arange(4000), 0.01 * rng.normal(size=(4000, 3))
     csv(folder / "short.csv", times[:300], values[:300])

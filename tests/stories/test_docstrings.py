@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import inspect
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -28,3 +29,23 @@ def test_examples(name):
 @pytest.mark.parametrize("name", [n for n in dir(allanite) if not n.startswith("_") and callable(getattr(allanite, n))])
 def test_public_things_are_documented(name):
     assert inspect.getdoc(getattr(allanite, name))
+
+
+PLACES = (allanite, *map(partial(getattr, allanite), ("angle", "attitude", "compensation", "constant_rate", "faults")))
+CLASSES = {
+    thing.__name__: thing
+    for place in PLACES
+    for thing in (getattr(place, name) for name in dir(place) if not name.startswith("_"))
+    if inspect.isclass(thing) and thing.__module__.startswith("allanite.") and not issubclass(thing, Exception)
+}
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_public_class_lists_its_attributes(name):
+    assert "Attributes\n----------" in inspect.getdoc(CLASSES[name])
+
+
+@pytest.mark.parametrize("name", [n for n in dir(allanite) if callable(getattr(allanite, n)) and not n.startswith("_")])
+def test_examples_of_public_things_import_from_the_package_alone(name):
+    imports = [line for line in inspect.getdoc(getattr(allanite, name)).splitlines() if "import" in line]
+    assert not [line for line in imports if ">>> from allanite." in line or ">>> from ." in line]

@@ -14,7 +14,7 @@ from matplotlib.text import Text
 
 import allanite as al
 from allanite.applications.attitude import FILTERS
-from allanite.applications.rate import RATE_ESTIMATORS
+from allanite.applications.constant_rate import RATE_ESTIMATORS
 from allanite.cli import VERBS, deliver, main
 from allanite.exporting.exports import EXPORTS
 from allanite.identification.methods import METHODS

@@ -31,7 +31,7 @@ def folder(tmp_path_factory):
         ("volts", VOLTS, "mV", 3),
     ):
         rng = np.random.default_rng(seed)
-        record = al.simulate(al.parse_model(model), 6000, 10.0, rng=rng, unit=unit)
+        record = al.simulate(al.Model(model), 6000, 10.0, rng=rng, unit=unit)
         rows = np.column_stack([np.arange(6000) / 10, record.values])
         np.savetxt(where / f"{name}.csv", rows, "%.10g", ",", header=f"t [s],az [{unit}]", comments="")
     return where
@@ -108,7 +108,7 @@ def test_two_runs_are_compared(folder):
 
 
 def test_three_runs_are_pooled():
-    model = al.parse_model(VOLTS)
+    model = al.Model(VOLTS)
     fits = [al.identify(al.simulate(model, 3000, 10.0, rng=np.random.default_rng(i))) for i in range(3)]
     assert {fit.signal.name for fit in fits} == {"voltage"}
     assert fits[0].rows()[1][1][1] == "white noise of the voltage"

@@ -53,7 +53,7 @@ def test_which_method(vertical):
     assert result.exit_code == 0, result.stderr
     assert "in 2 min: use optimal: 2.11 times better than averaging, and 8.9 % better than regression" in result.stdout
     assert "10 intervals of 2 min; errors against the true rate, 12.4392 deg/h" in result.stdout
-    for method in al.rate.RATE_ESTIMATORS:
+    for method in al.constant_rate.RATE_ESTIMATORS:
         assert f"\n  {method}" in result.stdout
     assert max(map(len, result.stdout.splitlines())) <= 120
     assert result.stdout.isascii()
@@ -133,7 +133,7 @@ def test_a_staircase_without_noise_has_certain_limits(folder):
 
 
 def test_reversal_and_north(folder):
-    horizontal = al.rate.earth_rate(55.8, "north") * 206264.806247
+    horizontal = al.constant_rate.earth_rate(55.8, "north") * 206264.806247
     heading = 97.0
     east = float(horizontal * np.cos(np.radians(heading)))
     biased = replace(GL1, bias=0.7)
@@ -261,7 +261,7 @@ def test_results_travel(brief):
     assert (again.methods, again.ranking.verdict) == (found.methods, found.ranking.verdict)
     np.testing.assert_array_equal(again.rates, found.rates)
     assert al.plot(again).axes
-    measured = al.rate.estimate(channel.record, "mean", model=GL1.model)
+    measured = al.constant_rate.estimate(channel.record, "mean", model=GL1.model)
     assert al.from_dict(json.loads(json.dumps(measured.to_dict()))).words() == measured.words()
     for value in (again, found.ranking, measured):
         assert "mean" in table(value)

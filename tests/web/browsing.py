@@ -12,6 +12,8 @@ needed = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machin
 SUITE = [needed, pytest.mark.slow("the whole suite of the page in a browser")]
 """Marks of its modules but the story."""
 
+AXE = Path(__file__).with_name("axe.min.js")
+
 PATIENCE = 40_000
 """Milliseconds that a step may take on a machine that is busy."""
 

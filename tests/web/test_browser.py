@@ -11,7 +11,7 @@ import pytest
 
 import allanite as al
 
-from .browsing import PATIENCE, SUITE, curves, drag, drop, finished, saved, state, written
+from .browsing import AXE, PATIENCE, SUITE, curves, drag, drop, finished, saved, state, written
 from .served import served
 
 pytest.importorskip("playwright.sync_api", reason="the stories of the page need playwright")
@@ -19,7 +19,6 @@ pytest.importorskip("fastapi", reason="the page needs allanite[web]")
 
 pytestmark = SUITE
 
-AXE = Path(__file__).with_name("axe.min.js")
 HOSTILE = "<img src=x onerror=document.title='broken'>.csv"
 
 
@@ -80,12 +79,12 @@ def test_a_term_is_toggled_and_fitted_again(page: Any, six: Path) -> None:
     drop(page, six)
     curves(page)
     before = page.get_by_test_id("sheet").inner_text()
-    page.get_by_test_id("term-K").click()
+    page.get_by_test_id("term-GM").click()
     page.wait_for_selector("#curve-plot[data-refits='1']")
-    assert page.get_by_test_id("term-K").is_checked()
+    assert page.get_by_test_id("term-GM").is_checked()
     assert page.get_by_test_id("sheet").inner_text() != before
     page.get_by_test_id("undo").click()
-    page.wait_for_function("() => !document.querySelector('[data-testid=term-K]').checked")
+    page.wait_for_function("() => !document.querySelector('[data-testid=term-GM]').checked")
 
 
 def test_a_guide_reads_a_coefficient(page: Any, six: Path) -> None:

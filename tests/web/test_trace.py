@@ -47,3 +47,19 @@ def test_the_whole_has_every_extreme(folder):
     assert max(found["high"]) == pytest.approx(VALUES.max(), rel=1e-5)
     assert found["t"][0] == pytest.approx(1.5, abs=1.5)
     assert found["t"][-1] == pytest.approx(2998.5, abs=1.5)
+
+
+@pytest.mark.parametrize(("wild", "shown"), [([], None), ([5], 10.0), ([5, 250_000], 10.0)])
+def test_a_few_wild_samples_do_not_set_the_range(tmp_path, wild, shown):
+    values = VALUES.copy()
+    values[wild] = 1e5
+    build(tmp_path, al.Recording((al.Record(values, RATE, "deg/h"),)), "as it is")
+    found = window(tmp_path, "", None, None, 1000)["range"]
+    assert found is None if shown is None else (-shown < found[0] < VALUES.min() and VALUES.max() < found[1] < shown)
+
+
+def test_numbers_without_a_unit_are_those_of_the_file(tmp_path):
+    build(tmp_path, al.Recording((al.Record(VALUES[:100], 1.0, "deg/s"),)), "as it is", ["unit", "rate"])
+    found = window(tmp_path, "", None, None, 100)
+    np.testing.assert_allclose(found["low"], VALUES[:100], rtol=1e-5)
+    assert (found["unit"], found["raw"]) == ("", ["unit", "rate"])

@@ -7,5 +7,5 @@ temperature effects.
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, submodules=["angle", "attitude", "compensation", "rate", "signals"]
+    __name__, submodules=["angle", "attitude", "compensation", "constant_rate", "signals"]
 )

@@ -64,9 +64,7 @@ def analyze_files(
     >>> import tempfile
     >>> import numpy as np
     >>> from pathlib import Path
-    >>> from allanite.core.model import N
-    >>> from allanite.readers import write
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate, write
     >>> folder = tempfile.TemporaryDirectory()
     >>> for i, size in enumerate((0.1, 0.2)):
     ...     record = simulate(N(size, "deg/sqrt(h)"), 4096, 10.0, rng=np.random.default_rng(i))
@@ -160,8 +158,7 @@ def run_batch(
     --------
     >>> import tempfile
     >>> import numpy as np
-    >>> from allanite.core.record import Record
-    >>> from allanite.readers import write
+    >>> from allanite import Record, write
     >>> folder = tempfile.TemporaryDirectory()
     >>> write(Record(np.random.default_rng(0).normal(size=2000), 10.0, "deg/h"), f"{folder.name}/a.csv")
     >>> [run_batch(folder.name, f"{folder.name}/results").analyzed for _ in range(2)]

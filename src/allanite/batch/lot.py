@@ -71,7 +71,7 @@ class Spool:
 
     Examples
     --------
-    >>> from allanite.study.recipe import Recipe
+    >>> from allanite import Recipe
     >>> load = Spool().put(Study((), Recipe(), (), (), {}))
     >>> len(load().channels)
     0
@@ -134,9 +134,7 @@ def read_lot(results: PathLike, limits: Specification | PathLike | None = None) 
     Examples
     --------
     >>> import tempfile
-    >>> from allanite.batch.job import run_batch
-    >>> from allanite.core.record import Record
-    >>> from allanite.readers import write
+    >>> from allanite import Record, run_batch, write
     >>> folder = tempfile.TemporaryDirectory()
     >>> for i in range(2):
     ...     write(Record(np.random.default_rng(i).normal(size=4096), 10.0, "deg/h"), f"{folder.name}/unit{i}.csv")

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from allanite.reporting.digits import WRITTEN
 from allanite.reporting.language import speaking
 
 if TYPE_CHECKING:
@@ -26,16 +27,23 @@ def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = No
 
     terminal, encoding = sys.stdout.isatty(), sys.stdout.encoding or "utf-8"
     width = shutil.get_terminal_size().columns if terminal else WIDTH
-    color = terminal and "NO_COLOR" not in os.environ
+    form: dict[str, Any] = {
+        "width": width, "color": terminal and "NO_COLOR" not in os.environ, "ascii": not _encodes(WRITTEN, encoding),
+        "lang": out.lang,
+    }  # fmt: skip
     if out.details and not out.brief:
-        text = table(value, width=width, color=color, lang=out.lang)
+        text = table(value, **form)
     else:
-        signs = encoding.lower().replace("-", "").startswith("utf")
-        text = first_screen(
-            value, width=width, color=color, lang=out.lang, signs=signs, brief=out.brief, first=first and first()
-        )
+        text = first_screen(value, **form, brief=out.brief, first=first and first())
     # characters that the terminal cannot encode are escaped, not an error
     return text.encode(encoding, "backslashreplace").decode(encoding)
+
+
+def _encodes(text: str, encoding: str) -> bool:
+    try:
+        return bool(text.encode(encoding))
+    except UnicodeEncodeError:
+        return False
 
 
 def encoded(value: Any, name: str, path: str, lang: str, command: str = "") -> str | bytes:

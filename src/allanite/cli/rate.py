@@ -12,7 +12,7 @@ from .forms import encoded
 from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
-    from allanite.applications.rate.campaign import RateSettings, RateStudy
+    from allanite.applications.constant_rate.campaign import RateSettings, RateStudy
 
 
 @click.command()
@@ -49,7 +49,7 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
         from allanite.reporting.style import demand_figure_path
 
         demand_figure_path(out.paths["closeup"], force=out.force)
-    from allanite.applications.rate.campaign import measure_rates
+    from allanite.applications.constant_rate.campaign import measure_rates
     from allanite.core.record import Record
     from allanite.reporting import to_csv
     from allanite.reporting.views.rate import first_of
@@ -72,8 +72,8 @@ def rate(file: str, second: str | None, **choices: Any) -> None:
 
 def _settings(given: dict[str, Any]) -> "RateSettings":
     """The settings of a study from the options given, which are taken out of `given`."""
-    from allanite.applications.rate import EstimatorSettings, ExperimentSettings
-    from allanite.applications.rate.campaign import RateSettings
+    from allanite.applications.constant_rate import EstimatorSettings, ExperimentSettings
+    from allanite.applications.constant_rate.campaign import RateSettings
     from allanite.core.units import signal_with, unit_of
 
     if "latitude" in given and "reference" in given and not given["horizontal"]:

@@ -66,7 +66,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     from allanite.applications.attitude import optimal_time_constant
     from allanite.applications.attitude.prediction import biases
     from allanite.applications.attitude.trials import design
-    from allanite.core.notation import parse_model
+    from allanite.core.model import Model
 
     if choices["gyro"] is None or choices["accelerometer"] is None:
         raise UsageError(
@@ -78,7 +78,7 @@ def _design(choices: dict[str, Any]) -> "VerticalDesign":
     if extra:
         name = {"filter_name": "filter", "samples": "coning", "start": "from"}.get(extra[0], extra[0].replace("_", "-"))
         raise UsageError(f"--{name} applies to a recording, but none is given; omit it, or give FILE")
-    noise = parse_model(choices["gyro"]), parse_model(choices["accelerometer"])
+    noise = Model(choices["gyro"]), Model(choices["accelerometer"])
     bias = choices["gyro_bias"] or 0.0, choices["accelerometer_bias"] or 0.0
     found = optimal_time_constant(
         *noise, duration=choices["duration"] or USUAL_DURATION, rate=choices["rate"], gyro_bias=bias[0],

@@ -1,11 +1,13 @@
 """What has changed between recordings: two of them, many, the channels of one, or its beginning and the rest."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
+from allanite.core.aliases import aliased
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.phrases.phrase import say
@@ -27,6 +29,7 @@ from .two_records import compare_records
 Source = channels.Source | Study
 
 
+@aliased
 def compare(
     before: Source | Fit,
     after: Source | Fit,
@@ -35,6 +38,7 @@ def compare(
     against: Sequence[str] | None = None,
     rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
+    **choices: Any,
 ) -> Comparison:
     """Compare the noise of two records, and test whether it has changed.
 
@@ -46,9 +50,9 @@ def compare(
 
     Parameters
     ----------
-    before, after : Recording, Record, Study, path, or Fit
-        Paths are read with the recipe's options. Channels are paired by name; two recordings of one channel each, or of
-        equally many, otherwise in order. Two fits are compared by their intervals only.
+    before, after : Recording, Record, Study, path, table, array, or Fit
+        Paths and tables are read with the recipe's options. Channels are paired by name; two recordings of one channel
+        each, or of equally many, otherwise in order. Two fits are compared by their intervals only.
     recipe : Recipe, optional
         How to read, which terms and averaging times to compare (those of the octaves by default), the level.
     against : sequence of str, optional
@@ -57,6 +61,8 @@ def compare(
         For the calibration; ``default_rng(1)`` by default, so that the same records have the same verdict.
     progress : callable, optional
         Called with a description of the current step and the fraction completed.
+    **choices
+        Fields of `Recipe`: ``compare(x, y, rate=100, unit="deg/s")``.
 
     Returns
     -------
@@ -73,8 +79,7 @@ def compare(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> one, two = (
     ...     simulate(N(size, "deg/sqrt(h)"), 8192, 100.0, rng=np.random.default_rng(1)) for size in (0.3, 0.24)
     ... )
@@ -82,7 +87,7 @@ def compare(
     >>> found["N"].outcome, round(found["N"].percent), found["K"].outcome
     ('smaller', -20, 'not resolvable')
     """
-    recipe = _ready(recipe)
+    recipe = _ready(recipe, choices)
     if isinstance(before, Fit) or isinstance(after, Fit):
         return compare_fits(before, after, recipe)
     sources = open_sources((before, after), recipe, against=against, progress=progress)
@@ -117,18 +122,20 @@ def compare_channels(
     return _pool(sources, recipe, rng=rng, progress=progress)
 
 
+@aliased
 def pool(
     runs: Sequence[Source],
     recipe: Recipe | None = None,
     *,
     rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
+    **choices: Any,
 ) -> Pool:
     """Pool several runs, or several units: common coefficients and curve, scatter, and outlying runs.
 
     Parameters
     ----------
-    runs : sequence of Recording, Record, Study or path
+    runs : sequence of Recording, Record, Study, path, table or array
         Three or more of one kind of sensor; the channels that all of them have are pooled.
     recipe : Recipe, optional
         How to read, which terms and averaging times (those of the octaves by default), the level.
@@ -136,6 +143,8 @@ def pool(
         For the calibration of the test; ``default_rng(1)`` by default.
     progress : callable, optional
         Called with a description of the current step and the fraction completed.
+    **choices
+        Fields of `Recipe`.
 
     Returns
     -------
@@ -151,8 +160,7 @@ def pool(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> sizes = (0.3, 0.3, 0.36, 0.3)
     >>> runs = [
     ...     simulate(N(size, "deg/sqrt(h)"), 8192, 100.0, rng=np.random.default_rng(i))
@@ -162,7 +170,7 @@ def pool(
     >>> list(found.channels[0].apart)
     ['run 3']
     """
-    recipe = _ready(recipe)
+    recipe = _ready(recipe, choices)
     if len(runs) < 3:
         raise UsageError(f"pooling needs at least three runs, not {len(runs)}; use compare(before, after) for two")
     return _pool(open_sources(runs, recipe, progress=progress), recipe, rng=rng, progress=progress)
@@ -195,8 +203,7 @@ def truncation(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> record = simulate(N(0.3, "deg/sqrt(h)"), 20_000, 100.0, rng=np.random.default_rng(1))
     >>> found = truncation(record, 100.0)
     >>> found.pairs[0].changed, found.pairs[0].whole["N"].status
@@ -219,9 +226,9 @@ def truncation(
     return replace(found, channels=tuple(pair if pair.refusal else with_whole(pair) for pair in found))
 
 
-def _ready(recipe: Recipe | None) -> Recipe:
+def _ready(recipe: Recipe | None, choices: Mapping[str, Any] | None = None) -> Recipe:
     """The recipe of a comparison, before anything is read."""
-    recipe = recipe or Recipe(taus="octave")
+    recipe = (recipe or Recipe(taus="octave")).but(choices or {})
     if recipe.method != "whittle":
         raise UsageError(f"records are compared by their likelihood, method 'whittle', not {recipe.method!r}")
     return recipe

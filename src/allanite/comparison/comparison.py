@@ -228,7 +228,15 @@ class Comparison(Together[Pair]):
     """Every channel of two recordings, compared.
 
     ``comparison["z"]`` is the `Pair` of a channel; of a single channel ``comparison["N"]`` is the `Change` of a term.
-    The attributes are those of `Together`, and `settings`.
+
+    Attributes
+    ----------
+    channels : tuple of Pair
+    names : tuple of str
+        Names of the recordings.
+    settings : ComparisonSettings
+    recipe, findings, notes, provenance
+        As for `Study`; ``source 2`` is the second recording.
     """
 
     _channel = Pair

@@ -155,7 +155,16 @@ class PooledChannel(ComparedChannel):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pool(Together[PooledChannel]):
-    """Every channel of several recordings; ``pool["z"]`` is that of a channel. Attributes as for `Together`."""
+    """Every channel of several recordings; ``pool["z"]`` is that of a channel.
+
+    Attributes
+    ----------
+    channels : tuple of PooledChannel
+    names : tuple of str
+        Names of the recordings.
+    recipe, findings, notes, provenance
+        As for `Study`; ``source 2`` and so on are the other recordings.
+    """
 
     _channel = PooledChannel
 

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
+from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
@@ -98,7 +99,7 @@ def open_source(source: Source | Job[Any], recipe: Recipe, progress: Progress | 
         if len(records) < len(source.channels):
             raise UsageError("a stored study has no samples; compare its file instead")
         source = Recording(records, *made, source.notes, source.findings)
-    if not isinstance(source, (Recording, Record, str, os.PathLike)):
+    if isinstance(source, Value) and not isinstance(source, (Recording, Record)):
         raise UsageError(f"a {type(source).__name__} cannot be compared; give records, recordings, studies or paths")
     return open_recording(source, recipe, progress=progress)
 

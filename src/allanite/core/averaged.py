@@ -27,7 +27,7 @@ class Averaged(Value):
 
     Examples
     --------
-    >>> from allanite.core.model import K, N
+    >>> from allanite import K, N
     >>> quiet, drifting = N(0.1, "deg/sqrt(h)"), N(0.1, "deg/sqrt(h)") + K(1, "deg/h/sqrt(h)")
     >>> both = averaged([quiet, drifting], [0.75, 0.25])
     >>> print(both.model)
@@ -102,7 +102,7 @@ def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Litera
     if isinstance(value, str):
         raise UsageError(
             "noise must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' or None, not "
-            f"{value!r}; parse_model converts a text to a model"
+            f"{value!r}; allanite.Model(text) makes one of a text"
         )
     found = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
     return found if isinstance(found, Averaged) else averaged([value], [1.0])

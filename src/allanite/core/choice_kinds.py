@@ -121,9 +121,9 @@ def _grid(value: Any) -> Any:
 
 
 def _model(text: Any) -> Any:
-    from .notation import parse_model
+    from .model import Model
 
-    return parse_model(str(text))
+    return Model(str(text))
 
 
 def seconds_of(text: Any) -> float:
@@ -144,6 +144,9 @@ NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number")
 INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number")
 PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
 WORD = ChoiceKind("text", str, _demand_word)
+SYMBOLS = ChoiceKind(
+    "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v)
+)
 FLAG = ChoiceKind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag")
 NAMES = separated(str, "names", example="gx,gy")
 NUMBERS = separated(float, "numbers", example="1,10,100")

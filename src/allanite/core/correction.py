@@ -18,6 +18,10 @@ class Correction(Value, ABC):
     defines two things: `what` is subtracted, and the `error` of each sample. Subtraction, with an entry in the record's
     history, is common to all.
 
+    Attributes
+    ----------
+    what : str
+
     Examples
     --------
     >>> @dataclass(frozen=True, eq=False, repr=False)

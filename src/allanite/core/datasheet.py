@@ -61,7 +61,7 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
 
     Examples
     --------
-    >>> from allanite.core.model import Model, N
+    >>> from allanite import N, Model
     >>> white = N(0.12, "deg/sqrt(h)")
     >>> walk = Estimate("N", white.signal, white.value, None, "identified", None, "whittle")
     >>> found = data_sheet(Fit((walk,), "whittle", white.signal, Model((white,))), None, 10.0)

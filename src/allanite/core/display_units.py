@@ -24,7 +24,7 @@ def shown_unit(signal: Signal, power: float, wanted: Sequence[str] = ()) -> str:
         if signal_with(unit_of(unit).dimension, power, values=True) is signal:
             return unit
     for unit in wanted:
-        if unit_of(unit).dimension == signal.dimension and unit != signal.sheet[0]:
+        if unit_of(unit).dimension == signal.dimension and unit_of(unit) != unit_of(signal.sheet[0]):
             return f"{unit}/sqrt(Hz)" if power == 0.5 else times(unit, power)  # white noise as a density
     return signal.sheet[power]
 

@@ -24,6 +24,10 @@ class UnitError(UsageError):
     """A unit is unknown, or has the wrong dimension."""
 
 
+class UndrawnError(UsageError):
+    """There is nothing in a value that could be drawn."""
+
+
 class LongJobWarning(UserWarning):
     """The job takes minutes or more; the message says how long, and what is faster."""
 

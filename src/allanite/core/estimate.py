@@ -162,6 +162,16 @@ class Estimate(Value):
         demand_level(level)
         return (math.nan, math.nan) if self.limits is None else self.limits(level)
 
+    @property
+    def low(self) -> float:
+        """Lower limit of the 95 % interval, SI."""
+        return self.interval()[0]
+
+    @property
+    def high(self) -> float:
+        """Upper limit of the 95 % interval, SI."""
+        return self.interval()[1]
+
     def to(self, unit: str) -> float:
         """The value in `unit`; NaN if there is none."""
         return math.nan if self.value is None else self.value / coefficient_factor(self.symbol, unit, self.signal)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from allanite.phrases.phrase import Phrase, join, say
+from allanite.terms import TERMS
 
 from .arrays import FloatArray
 from .averaged import Averaged, averaged
@@ -123,18 +124,51 @@ class Alternative(Value):
         return f"AIC {self.aic:+.1f}: {self.model}"
 
 
+def _estimate_of(symbol: str) -> Any:
+    """The property of a fit that is its estimate of a term."""
+
+    def estimate(fit: "Fit") -> Estimate:
+        try:
+            return fit[symbol]
+        except UsageError as error:
+            raise AttributeError(*error.args) from None
+
+    return property(estimate, doc=f"The estimate of {TERMS[symbol].title}, if the fit has this term.")
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(Value):
-    """Noise coefficients of a record or curve.
+    """Noise coefficients of a record or curve; ``fit.N``, or ``fit["N"]``, is the `Estimate` of a term.
 
-    `lines` are sinusoids that were removed first; they are part of the model. `alternatives` are other families of
-    terms for the bias drift (flicker, Gauss-Markov, both, two of these), the best first, computed on first use.
-    ``fit["N"]`` is the `Estimate` of a term; absent terms are included. `model` is the single best model. Its
-    coefficients differ slightly from the estimates, which are averaged over several models, and a term of it may be
-    called absent if other terms could take its place (`notes` then say so). `correlation` of the estimates of its noise
-    terms has shape (terms, terms), NaN for terms that it lacks. `scope` states which frequencies were used,
-    and any low-pass filter in the model. `findings` name slow behaviour that the terms do not describe: a warm-up, or a
-    power law other than that of flicker. `checked` is the grade from the residuals, if they were computed.
+    Attributes
+    ----------
+    estimates : tuple of Estimate
+        Absent terms are included.
+    method : str
+        Its name in `METHODS`.
+    signal : Signal
+    model : Model
+        The single best model. Its coefficients differ slightly from the estimates, which are averaged over several
+        models, and a term of it may be called absent if other terms could take its place (`notes` then say so).
+    name : str
+        Of the channel.
+    goodness : Goodness or None
+        Goodness of fit, if the method tests it.
+    correlation : array, shape (terms, terms), or None
+        Of the estimates of the noise terms of `model`; NaN for terms that it lacks.
+    curve : Curve or None
+        The curve that was fitted, or is drawn with the fit.
+    notes : tuple of str
+    lines : tuple of Line
+        Sinusoids that were removed first; they are part of the model.
+    rivals, nodes : callable or None
+        What `alternatives` and `averaged` are computed by.
+    scope : Scope or None
+        Which frequencies were used, and any low-pass filter in the model.
+    findings : tuple of Finding
+        Slow behaviour that the terms do not describe: a warm-up, or a power law other than that of flicker.
+    checked : str
+        Grade from the residuals, if they were computed.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives", "nodes": "averaged"}
@@ -154,6 +188,10 @@ class Fit(Value):
     findings: tuple[Finding, ...] = ()
     checked: str = ""
     nodes: Callable[[], Averaged] | None = None
+
+    Q, F, N, B, K, R, W, GM, GMA, GM2, Sine = map(
+        _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GMA", "GM2", "Sine")
+    )
 
     @property
     def averaged(self) -> Averaged:
@@ -195,7 +233,10 @@ class Fit(Value):
 
     @property
     def alternatives(self) -> tuple[Alternative, ...]:
-        """Other models of the record; empty if the method has none."""
+        """Other families of terms for the bias drift (flicker, Gauss-Markov, both, two of these), the best first.
+
+        They are computed on first use; empty if the method has none.
+        """
         return self.rivals() if self.rivals else ()
 
     def __getitem__(self, symbol: str) -> Estimate:
@@ -211,7 +252,7 @@ class Fit(Value):
 
     def rows(self, level: float = 0.95) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows, data sheet and SI side by side."""
-        headings = ["term", "", "value", "low", "high", "unit", "SI value", "SI unit", "status"]
+        headings = ["term", "name", "value", "low", "high", "unit", "SI value", "SI unit", "status"]
         rows = []
         for e in self.estimates:
             si = e.value if e.value is not None else e.upper

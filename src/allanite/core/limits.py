@@ -20,7 +20,8 @@ def demand_level(level: float) -> None:
         The level is not between 0 and 1.
     """
     if not 0 < level < 1:
-        raise UsageError(f"a confidence level must be between 0 and 1, not {given(level)}")
+        meant = f"; did you mean {level / 100:g}?" if 1 < level < 100 else ""
+        raise UsageError(f"a confidence level must be between 0 and 1, not {given(level)}{meant}")
 
 
 def quantile(p: float) -> float:

@@ -1,7 +1,7 @@
 """Term and Model: the noise terms that describe a sensor's random errors."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from inspect import Parameter, Signature
 from typing import Any, Protocol
@@ -20,10 +20,19 @@ from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
 
 @dataclass(frozen=True, repr=False)
 class Term(Value):
-    """One noise term with its coefficient in SI.
+    """One noise term with its coefficient; terms add up to a model.
 
-    Terms add up to a model, each symbol at most once. `shape` holds the values of the row's `parameters`, SI: the time
-    constant of GM, GMA and W, natural frequency and damping of GM2, frequency and phase of Sine.
+    Attributes
+    ----------
+    symbol : str
+        A name in `TERMS`.
+    value : float
+        The coefficient, SI.
+    signal : Signal
+        The type of sensor.
+    shape : tuple of float
+        Values of the `parameters` of the term's row, SI: the time constant of GM, GMA and W, natural frequency and
+        damping of GM2, frequency and phase of Sine.
 
     Examples
     --------
@@ -182,14 +191,32 @@ R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
 F, GMA, GM2, W = (constructor(symbol) for symbol in ("F", "GMA", "GM2", "W"))
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, init=False)
 class Model(Value):
     """A sum of terms of one signal; their structure functions and spectra add.
 
     A symbol occurs once, or, if its term has a shape, several times with different shapes.
 
+    Parameters
+    ----------
+    terms : str, Term or sequence of Term
+        In a text they are separated by commas: ``"N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s, Sine 3 deg/h 0.5 Hz"``. Each
+        has a symbol, a number and a unit, followed by the parameters of a term with a shape, whose units may be omitted
+        if they are s, Hz and rad. The output of ``str(model)`` is accepted, too.
+
+    Attributes
+    ----------
+    terms : tuple of Term
+
+    Raises
+    ------
+    UsageError
+        A term is unknown, incomplete or occurs twice, or a unit does not fit it.
+
     Examples
     --------
+    >>> print(Model("N 0.003 deg/sqrt(h), Q 0.2 arcsec, GM 0.1 deg/h 2 min"))
+    N = 0.003 deg/sqrt(h), Q = 0.2 arcsec, GM = 0.1 deg/h with time constant 120 s
     >>> model = N(1.0, "rad/sqrt(s)") + K(0.1, "rad/s^1.5")
     >>> [str(t.symbol) for t in model], model.structure(np.array([6.0])).round(12).tolist()
     (['N', 'K'], [5.64])
@@ -197,7 +224,11 @@ class Model(Value):
 
     terms: tuple[Term, ...]
 
-    def __post_init__(self) -> None:
+    def __init__(self, terms: str | Term | Iterable[Term]) -> None:
+        from .notation import terms_of
+
+        found = terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
+        object.__setattr__(self, "terms", found)
         symbols = [t.symbol for t in self.terms]
         if not symbols:
             raise UsageError("a model needs at least one term, for example N(0.01, 'deg/sqrt(h)')")
@@ -287,6 +318,6 @@ def model_of(value: ModelLike) -> Model:
         return inner
     shown = f"the text {value!r}" if isinstance(value, str) else f"an object of type {type(value).__name__}"
     raise UsageError(
-        f"a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; parse_model "
-        "converts a text to a model"
+        f"a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; Model(text) "
+        "makes one of a text"
     )

@@ -11,27 +11,8 @@ from .units import convert
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
 
 
-def parse_model(text: str) -> Model:
-    """The model that a text describes.
-
-    Terms are separated by commas. Each has a symbol, a number and a unit, followed by the parameters of a term
-    with a shape, whose units may be omitted if they are s, Hz and rad. The output of ``str(model)`` is accepted, too.
-
-    Parameters
-    ----------
-    text : str
-        For example ``"N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s, Sine 3 deg/h 0.5 Hz"``.
-
-    Raises
-    ------
-    UsageError
-        A term is unknown or incomplete, or a unit does not fit it.
-
-    Examples
-    --------
-    >>> print(parse_model("N 0.003 deg/sqrt(h), Q 0.2 arcsec, GM 0.1 deg/h 2 min"))
-    N = 0.003 deg/sqrt(h), Q = 0.2 arcsec, GM = 0.1 deg/h with time constant 120 s
-    """
+def terms_of(text: str) -> tuple[Term, ...]:
+    """The terms of a model that a text describes; see `Model`."""
     parts: list[list[str]] = []
     titles = (f"{p.name} {p.title}" for row in TERMS.values() for p in row.parameters)
     fillers = {"with", *" ".join(titles).replace("_", " ").split()}  # words that carry no information
@@ -41,7 +22,7 @@ def parse_model(text: str) -> Model:
             parts[-1] += words
         else:
             parts.append(words)
-    return Model(tuple(_term(words, text) for words in parts))
+    return tuple(_term(words, text) for words in parts)
 
 
 def _term(words: list[str], text: str) -> Term:
@@ -88,12 +69,12 @@ def split_quantities(words: list[str]) -> list[tuple[float, str]]:
 
 
 def written(model: Model) -> str:
-    """The text from which `parse_model` makes exactly the same model.
+    """The text from which `Model` makes exactly the same model.
 
     Examples
     --------
-    >>> model = parse_model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
-    >>> parse_model(written(model)) == model
+    >>> model = Model("N 0.003 deg/sqrt(h), GM 0.1 deg/h 20 s")
+    >>> Model(written(model)) == model
     True
     """
     texts = list[str]()

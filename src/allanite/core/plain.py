@@ -3,7 +3,6 @@
 import importlib
 from dataclasses import MISSING, fields
 from functools import cache
-from html import escape
 from typing import Any, ClassVar, Self, cast, get_type_hints
 
 from .encoding import plain, read_plain, write_plain
@@ -98,10 +97,25 @@ class Value(Portable):
         named = sorted(((n, short(item)) for n, item in shown if short(item)), key=lambda pair: pair[0] != "name")
         return " ".join(f"{name}={text}" for name, text in named)
 
+    def plot(self, *args: Any, **options: Any) -> Any:
+        """Draw the value; arguments are those of `allanite.plot`."""
+        return importlib.import_module(RESULTS).plot(self, *args, **options)
+
+    def summary(self, **options: Any) -> str:
+        """The value as text, as at the terminal; `level`, `width` (120), `color` and `lang` are its options."""
+        return str(importlib.import_module(RESULTS).table(self, **options))
+
+    def to_dataframe(self, **options: Any) -> Any:
+        """The numbers as a DataFrame of pandas, with the columns of the CSV file; `level` is that of the limits.
+
+        With ``coefficients=True`` those of a study, whose curves are its numbers otherwise.
+        """
+        headings, rows = importlib.import_module(RESULTS).numbers(self, **options)
+        return importlib.import_module("pandas").DataFrame(rows, columns=list(headings))
+
     def _repr_html_(self) -> str:
         """What a notebook shows; the renderer is imported only then."""
-        render = getattr(importlib.import_module(RESULTS), "html_of", None)
-        return f"<pre>{escape(repr(self))}</pre>" if render is None else str(render(self))
+        return str(importlib.import_module(RESULTS).html_of(self))
 
 
 def short(item: object) -> str:

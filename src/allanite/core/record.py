@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from allanite.phrases.phrase import join, say
 
+from .aliases import aliased
 from .arrays import FloatArray, complete
 from .errors import DataError, UsageError, given
 from .finding import Finding
@@ -40,7 +41,7 @@ LARGEST = 1e30
 class Record(Value):
     """One evenly sampled channel of an inertial sensor.
 
-    Parameters
+    Attributes
     ----------
     values : array, shape (n,)
         Samples in `unit`; integers for ``kind="count"``. NaN marks a missing sample and is kept.
@@ -59,6 +60,10 @@ class Record(Value):
     cut : float
         Time cut off before the first sample, s. Messages give
         times of the whole recording, as ``--from`` and ``--until`` take them.
+    signal : Signal
+        The type of sensor, from the unit and the kind; not given.
+    factor : float
+        Size of one step of `values` in SI; not given.
 
     Raises
     ------
@@ -110,6 +115,12 @@ class Record(Value):
         object.__setattr__(self, "rate", float(self.rate))
         object.__setattr__(self, "factor", unit.factor * (1.0 if self.scale is None else float(self.scale)))
         object.__setattr__(self, "signal", signal)
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        return np.array(self.values, dtype=dtype, copy=copy)
 
     @property
     def size(self) -> int:
@@ -232,13 +243,24 @@ class Record(Value):
         return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
 
 
+Record.__init__ = aliased(Record.__init__)  # type: ignore[method-assign]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording(Value):
     """Records with common sample times, by name and in channel order.
 
-    `notes` list the assumptions made when reading, `findings` the defects of the common clock, `source` and `digest`
-    the origin of the data (path, sha256). `others` are columns of the same file that are not channels but may explain
-    them: temperatures, supply voltages.
+    Attributes
+    ----------
+    records : tuple of Record
+    source, digest : str
+        Origin of the data: path and sha256.
+    notes : tuple of str
+        Assumptions made when reading.
+    findings : tuple of Finding
+        Defects of the common clock.
+    others : tuple of Record
+        Columns of the same file that are not channels but may explain them: temperatures, supply voltages.
 
     Examples
     --------

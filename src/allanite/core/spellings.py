@@ -11,7 +11,15 @@ SPELLINGS: dict[str, str] = {
     "rtHz": "sqrt(Hz)", "rth": "sqrt(h)", "rts": "sqrt(s)", "micro_g": "ug",
 }  # fmt: skip
 
-SIGNS = {"√(": "sqrt(", "√": "rt", "µ": "u", "μ": "u", "²": "^2", "³": "^3", "·": "*", "**": "^", "mps2": "m/s^2"}
+SIGNS = {"√(": "sqrt(", "µ": "u", "μ": "u", "·": "*"}
+"""Signs of units that are no words."""
+
+RAISED = str.maketrans("-.0123456789", "⁻·⁰¹²³⁴⁵⁶⁷⁸⁹")
+"""How the letters of a power are printed."""
+
+_LOWERED = {chr(raised): chr(letter) for letter, raised in RAISED.items()}
+_RAISED = re.compile("⁻?[⁰¹²³⁴-⁹]+(?:·[⁰¹²³⁴-⁹]+)?")
+_ROOT = re.compile(r"√([A-Za-z]+)")
 
 WORDS: dict[str, str] = {
     "угл. сек": "arcsec", "угл.сек": "arcsec", "угл. с": "arcsec", "угл.с": "arcsec", "рад": "rad", "мрад": "mrad",
@@ -42,3 +50,20 @@ def latin(text: str) -> str:
     ('°/h', 'rad/s', 'm/s²', 'deg/s')
     """
     return text if text.isascii() else _WORD.sub(lambda found: WORDS[found[0]], text)
+
+
+def plain_letters(text: str) -> str:
+    """A text with the signs of its units in ASCII; the sign of degrees, which is a word, is unchanged.
+
+    Examples
+    --------
+    >>> plain_letters("µg/√Hz"), plain_letters("rad/s²·⁵"), plain_letters("V·√s"), plain_letters("s⁻¹")
+    ('ug/sqrt(Hz)', 'rad/s^2.5', 'V*sqrt(s)', 's^-1')
+    """
+    if text.isascii():
+        return text
+    text = _ROOT.sub(r"sqrt(\1)", text)
+    text = _RAISED.sub(lambda found: "^" + "".join(_LOWERED[letter] for letter in found[0]), text)
+    for sign, word in SIGNS.items():
+        text = text.replace(sign, word)
+    return text

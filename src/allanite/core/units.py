@@ -14,7 +14,7 @@ from functools import lru_cache
 from allanite.phrases.phrase import say
 
 from .errors import UnitError, given
-from .spellings import SIGNS, SPELLINGS, latin
+from .spellings import SPELLINGS, latin, plain_letters
 from .time_powers import Units
 
 Dimension = tuple[float, ...]
@@ -94,9 +94,7 @@ class _Parser:
     """Recursive descent over ``expression = power (('*' | '/' | nothing) power)*``."""
 
     def __init__(self, text: str) -> None:
-        text = latin(text)
-        for sign, word in SIGNS.items():
-            text = text.replace(sign, word)
+        text = plain_letters(latin(text)).replace("**", "^").replace("mps2", "m/s^2")
         text = _BARE_POWER.sub(r"^\1", text)
         self.tokens = [m.group(1) or m.group(2) or m.group(3) for m in _TOKEN.finditer(text.strip())]
 

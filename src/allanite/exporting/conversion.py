@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.model import Model, Term
-from allanite.core.notation import parse_model, split_quantities
+from allanite.core.notation import split_quantities
 from allanite.core.plain import Value, from_dict
 from allanite.core.units import signal_with, unit_of
 from allanite.study.analysis import analyze
@@ -37,7 +37,7 @@ def models_of(texts: Iterable[str]) -> list[Model]:
     """
     found: dict[str, Model] = {}
     for text in texts:
-        model = parse_model(text) if text.split(maxsplit=1)[:1] and text.split()[0] in TERMS else _single(text)
+        model = Model(text) if text.split(maxsplit=1)[:1] and text.split()[0] in TERMS else _single(text)
         sensor = model.signal.name
         found[sensor] = found[sensor] + model if sensor in found else model
     return list(found.values())

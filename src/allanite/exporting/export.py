@@ -146,8 +146,8 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     Examples
     --------
     >>> import allanite as al
-    >>> gyro = al.parse_model("N 0.15 deg/sqrt(h), K 3 deg/h/sqrt(h)")
-    >>> accelerometer = al.parse_model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
+    >>> gyro = al.Model("N 0.15 deg/sqrt(h), K 3 deg/h/sqrt(h)")
+    >>> accelerometer = al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
     >>> found = al.export([gyro, accelerometer], "vins-mono", rate=200.0)
     >>> round(found["gyr_n"], 7)
     0.0008727

@@ -1,3 +1,5 @@
+from allanite.core.aliases import aliased as aliased
+from allanite.core.aliases import size_and_rate as size_and_rate
 from allanite.core.arrays import BoolArray as BoolArray
 from allanite.core.arrays import FloatArray as FloatArray
 from allanite.core.arrays import IntArray as IntArray
@@ -7,6 +9,9 @@ from allanite.core.choice_kinds import separated as separated
 from allanite.core.choices import choice as choice
 from allanite.core.correction import Correction as Correction
 from allanite.core.curve import Curve as Curve
+from allanite.core.doors import Samples as Samples
+from allanite.core.doors import Sampling as Sampling
+from allanite.core.doors import as_record as as_record
 from allanite.core.encoding import finite as finite
 from allanite.core.encoding import plain as plain
 from allanite.core.encoding import read_plain as read_plain
@@ -30,7 +35,6 @@ from allanite.core.model import ModelLike as ModelLike
 from allanite.core.model import Term as Term
 from allanite.core.model import coefficient_factor as coefficient_factor
 from allanite.core.model import model_of as model_of
-from allanite.core.notation import parse_model as parse_model
 from allanite.core.notation import split_quantities as split_quantities
 from allanite.core.notation import written as written
 from allanite.core.plain import Value as Value

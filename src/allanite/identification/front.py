@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypedDict, Unpack, overload
+from typing import Any, Unpack, overload
 
+from allanite.core.aliases import aliased
 from allanite.core.curve import Curve
+from allanite.core.doors import Samples, Sampling, as_source
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.record import Record, Recording
@@ -13,6 +15,7 @@ from allanite.core.validity import Band, demand_band
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.prepare import outliers as robust
+from allanite.readers.options import FrameLike
 from allanite.statistics import deviation
 from allanite.terms import TERMS
 
@@ -36,10 +39,10 @@ FITS: dict[str, Callable[..., Fit]] = {
 """The function of each of the `METHODS`: from a record or a curve, symbols and options to the fit."""
 
 
-class Choices(TypedDict, total=False):
+class Choices(Sampling, total=False):
     """Options other than the method; see `identify`."""
 
-    terms: str
+    terms: str | Sequence[str]
     statistic: str | None
     band: Band | None
     masks: Sequence[tuple[float, float]]
@@ -49,24 +52,26 @@ class Choices(TypedDict, total=False):
 
 
 @overload
-def identify(source: Record | Curve, method: str | None = ..., **choices: Unpack[Choices]) -> Fit: ...
+def identify(source: Recording | FrameLike, method: str | None = ..., **choices: Unpack[Choices]) -> dict[str, Fit]: ...
 
 
 @overload
-def identify(source: Recording, method: str | None = ..., **choices: Unpack[Choices]) -> dict[str, Fit]: ...
+def identify(source: Samples | Curve, method: str | None = ..., **choices: Unpack[Choices]) -> Fit: ...
 
 
+@aliased
 def identify(  # noqa: PLR0913 - each is a choice of its own
-    source: Record | Curve | Recording,
+    source: Samples | Curve | Recording | FrameLike,
     method: str | None = None,
     *,
-    terms: str = "auto",
+    terms: str | Sequence[str] = "auto",
     statistic: str | None = None,
     band: Band | None = None,
     masks: Sequence[tuple[float, float]] = (),
     lines: bool = True,
     ranges: Mapping[str, tuple[float, float]] | None = None,
     outliers: str = "mark",
+    **sampling: Unpack[Sampling],
 ) -> Fit | dict[str, Fit]:
     """Identify the noise coefficients of a record, or of a curve of it.
 
@@ -74,15 +79,15 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
 
     Parameters
     ----------
-    source : Record, Curve or Recording
-        A recording is identified channel by channel.
+    source : Record, Curve, Recording, array or table
+        A recording, a table and the columns of an array of shape (n, channels) are identified channel by channel.
     method : {"whittle", "gls", "joint", "nnls", "piecewise", "ls", "slopes"}, optional
         "whittle", the default for a record, reaches the Cramer-Rao bound and gives intervals. "gls", the default for a
         curve, is the best method for curves and gives standard errors. The others are methods of papers and programs,
         for comparison, without intervals. `METHODS` lists the efficiency of each.
-    terms : str
+    terms : str or sequence of str
         "auto" for Q, N, B, K and R, where Gauss-Markov noise (GM) replaces flicker if there is clear evidence
-        ("whittle" only); or symbols, for example "QNK" or "N,GM,K".
+        ("whittle" only); or symbols, for example "QNK", "N,GM,K" or ["N", "K"].
     statistic : str, optional
         Statistic of the curve computed from a record, for methods that fit a curve; by default oadev.
     band : {"auto", "all"} or (low, high), optional
@@ -97,6 +102,9 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
         Range of averaging times, s, for each term ("piecewise" only).
     outliers : {"mark", "keep"}
         Whether outliers are excluded ("whittle" and "joint" only); `Fit.notes` say how many and where.
+    **sampling
+        `rate`, `unit`, `kind`, `scale` and `name` of a `Record`, for an array or a column of a table; `rate`, `unit`,
+        `kind` and `scale` as for `read` for a table.
 
     Returns
     -------
@@ -115,19 +123,21 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     Examples
     --------
     >>> import numpy as np
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 20_000, 100.0, rng=np.random.default_rng(1))
     >>> fit = identify(record)
     >>> low, high = fit["N"].interval(0.95)
     >>> fit["N"].status, fit["B"].status, low < fit.model["N"].value < high
     ('identified', 'absent', True)
     """
+    source = as_source(source, "identify", sampling)  # a table becomes a recording, an array a record
     if isinstance(source, Recording):
         same = Choices(
             terms=terms, statistic=statistic, band=band, masks=masks, lines=lines, ranges=ranges, outliers=outliers
         )
         return _by_channel(source, lambda record: identify(record, method, **same))
+    if not isinstance(source, Record | Curve):
+        raise UsageError(f"identify takes a record, samples or a curve, not a {type(source).__name__}")
     name = method or ("whittle" if isinstance(source, Record) else "gls")
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}; known methods: {', '.join(METHODS)}", choice="method")

@@ -1,6 +1,6 @@
 """The table of the methods of identification, and the terms that they support."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from allanite.core.curve import Curve
@@ -97,15 +97,15 @@ def automatic() -> str:
     return ",".join(symbol for symbol, row in TERMS.items() if row.automatic)
 
 
-def symbols_of(terms: str) -> tuple[str, ...]:
-    """Symbols from a text like ``QNGMK``: the longest match comes first; commas and blanks are allowed.
+def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
+    """Symbols from a list of them, or a text like ``QNGMK``: the longest match comes first; with or without commas.
 
     Raises
     ------
     UsageError
         A symbol is unknown or occurs twice, or none is a noise.
     """
-    rest = automatic() if terms == "auto" else terms
+    rest = automatic() if terms == "auto" else terms if isinstance(terms, str) else ",".join(terms)
     symbols: tuple[str, ...] = ()
     known = sorted(TERMS, key=len, reverse=True)
     while rest := rest.lstrip(", "):

@@ -49,7 +49,7 @@ def crossing(one: Estimate, other: Estimate) -> float:
 
     Examples
     --------
-    >>> from allanite.core.estimate import Estimate
+    >>> from allanite import Estimate
     >>> from allanite.core.units import SIGNALS
     >>> N, K = (Estimate(s, SIGNALS[0], v, 0.0, "identified", None, "whittle") for s, v in (("N", 2.0), ("K", 0.1)))
     >>> round(crossing(N, K), 3)  # sqrt(3) N / K

@@ -71,9 +71,7 @@ def meaning(
     Examples
     --------
     >>> import numpy as np
-    >>> from allanite.core.model import N
-    >>> from allanite.identification import identify
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, identify, simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 6000, 10.0, rng=np.random.default_rng(1))
     >>> found = meaning(identify(record), rate=10.0, length=600.0, device="mems")
     >>> found.causes["N"].sources[0]

@@ -30,9 +30,7 @@ def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length
     Examples
     --------
     >>> import numpy as np
-    >>> from allanite.core.model import N, R
-    >>> from allanite.identification import identify
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, R, identify, simulate
     >>> model = N(0.1, "deg/sqrt(h)") + R(3000.0, "deg/h^2")
     >>> record = simulate(model, 6000, 10.0, rng=np.random.default_rng(1))
     >>> sentences(identify(record), rate=10.0, length=600.0)[0]  # doctest: +ELLIPSIS

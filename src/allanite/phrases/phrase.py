@@ -4,6 +4,7 @@ The values that hold a phrase (findings, notes, statements) stay in English, as 
 Only where it is shown is it looked up in a catalogue, by its template, with its fields put in afterwards.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from string import Formatter
 from typing import Any, Protocol, Self
@@ -31,7 +32,7 @@ class Phrase(str):
         return made
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Phrase, (self.templates, dict(self.fields))
+        return type(self), (self.templates, dict(self.fields))
 
     def __str__(self) -> str:
         """Itself: str(error) of an error that was raised with a phrase is still one."""
@@ -39,12 +40,14 @@ class Phrase(str):
 
     def within(self, catalogue: Catalogue) -> str:
         """The phrase in the language of a catalogue; what that does not hold stays English."""
+        fields = {name: translate(value, catalogue) for name, value in self.fields.items()}
+        return _filled(self._template(catalogue), fields)
+
+    def _template(self, catalogue: Catalogue) -> str:
         one, many = self.templates[0], self.templates[-1]
         if not one:  # of nothing, a catalogue tells its own header
             return one
-        found = catalogue.gettext(one) if one is many else catalogue.ngettext(one, many, int(self.fields["count"]))
-        fields = {name: translate(value, catalogue) for name, value in self.fields.items()}
-        return _filled(found, fields)
+        return catalogue.gettext(one) if one is many else catalogue.ngettext(one, many, int(self.fields["count"]))
 
 
 PLAIN = 1e7
@@ -93,6 +96,25 @@ def say_count(count: int, one: str, many: str, /, **fields: Any) -> Phrase:
     return Phrase((one, many), {"count": count, **fields})
 
 
+class Joined(Phrase):
+    """Phrases with a separator between them, which is translated too; made by `join`."""
+
+    __slots__ = ()
+
+    def within(self, catalogue: Catalogue) -> str:
+        """The phrases in the language of a catalogue: signs of its own width need no blank behind them."""
+        return _BLANK.sub("", super().within(catalogue))
+
+    def _template(self, catalogue: Catalogue) -> str:
+        template = self.templates[0]
+        for separator in _SEPARATORS:
+            template = template.replace(separator, catalogue.gettext(separator))
+        return template
+
+
+_BLANK = re.compile("(?<=[，；：。！？]) ")
+
+
 def join(separator: str, parts: Iterable[str]) -> Phrase:
     """Texts one after the other, each of which is translated by itself.
 
@@ -103,7 +125,10 @@ def join(separator: str, parts: Iterable[str]) -> Phrase:
     """
     fields = {f"_{i}": part for i, part in enumerate(parts)}
     escaped = separator.replace("{", "{{").replace("}", "}}")
-    return Phrase((escaped.join(f"{{{name}}}" for name in fields),), fields)
+    return Joined((escaped.join(f"{{{name}}}" for name in fields),), fields)
+
+
+_SEPARATORS = (say(": "), say("; "), say(", "), say(". "))
 
 
 def translate(value: Any, catalogue: Catalogue) -> Any:

@@ -8,6 +8,7 @@ from functools import reduce
 
 import numpy as np
 
+from allanite.core.aliases import aliased, size_and_rate
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, model_of
@@ -41,7 +42,7 @@ class Bound(Value):
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> bound(N(0.1, "deg/sqrt(h)"), 20_001, 100.0)["N"]
     0.005
     """
@@ -64,14 +65,23 @@ class Bound(Value):
         return f"of {self.size} samples at {self.rate:g} Hz: {', '.join(errors)}"
 
 
-def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, terms: str = "known") -> Bound:
+@aliased
+def bound(
+    model: ModelLike,
+    size: int | None = None,
+    rate: float | None = None,
+    *,
+    duration: float | None = None,
+    ramp: bool | None = None,
+    terms: str = "known",
+) -> Bound:
     """The Cramer-Rao bound of a model's coefficients.
 
     Parameters
     ----------
     model : Model, Term or Fit
-    n : int
-        Number of samples, at least 8.
+    size : int
+        Number of samples, at least 8; or `duration`, s.
     rate : float
         Sampling rate, Hz.
     ramp : bool, optional
@@ -98,12 +108,13 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> noise = N(0.1, "deg/sqrt(h)")
     >>> [round(bound(noise, 500, 1.0, terms=terms)["N"], 3) for terms in ("known", "auto")]
     [0.032, 0.073]
     """
     model = model_of(model)
+    n, rate = size_and_rate(size, rate, duration)
     if n < 8:
         raise UsageError(f"a bound needs at least 8 samples, not {n}")
     if n > MOST:
@@ -120,13 +131,15 @@ def bound(model: ModelLike, n: int, rate: float, *, ramp: bool | None = None, te
     found = Information(grid, reduce(operator.add, own), ramp=unknown)
     # relative standard errors of the coefficients: half of those of their squares
     information = found.matrix([*parts, *others])
-    size = np.sqrt(np.diag(information))
-    scaled = information / np.where(size > 0, size, math.nan) / np.where(size > 0, size, math.nan)[:, None]
-    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(size.size)))
+    scale = np.sqrt(np.diag(information))
+    scaled = information / np.where(scale > 0, scale, math.nan) / np.where(scale > 0, scale, math.nan)[:, None]
+    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(scale.size)))
     known = values > 1e-13  # below that are the rounding errors of the sums
     variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
     lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
-    errors = np.where(lost | (size == 0), math.inf, np.sqrt(variance) / np.where(size > 0, 2 * size, 1.0))[: len(parts)]
+    errors = np.where(lost | (scale == 0), math.inf, np.sqrt(variance) / np.where(scale > 0, 2 * scale, 1.0))[
+        : len(parts)
+    ]
     relative = dict(zip(_names(noise, model), errors, strict=True))
     ramp_error = found.ramp if unknown else None
     relative |= dict(_deterministic(model, noise, ramp_error, n, rate))
@@ -156,7 +169,7 @@ def name_of(t: Term, model: Model) -> str:
 
     Examples
     --------
-    >>> from allanite.core.model import GM
+    >>> from allanite import GM
     >>> model = GM(1.0, "deg/h", time_constant=10.0) + GM(1.0, "deg/h", time_constant=99.0)
     >>> [name_of(t, model) for t in model]
     ['GM(10 s)', 'GM(99 s)']

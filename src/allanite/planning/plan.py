@@ -119,7 +119,7 @@ def plan(
 
     Examples
     --------
-    >>> from allanite.planning.sensors import sensor
+    >>> from allanite import sensor
     >>> found = plan(sensor("mems"), 100.0, accuracy=0.1)
     >>> [f"{100 * error:.2g}" for error in found.errors[1]]
     ['17', '7', '2.9', '1.4']

@@ -1,12 +1,13 @@
 """Test of the identification for a sensor, rate and length by simulated records."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from allanite.core.aliases import aliased, size_and_rate
 from allanite.core.encoding import plain
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
@@ -115,14 +116,16 @@ class SelfCheck(Value):
         return sentences
 
 
+@aliased
 def selfcheck(  # noqa: PLR0913 - the choices of the identification among its own
     model: ModelLike,
-    n: int,
-    rate: float,
+    size: int | None = None,
+    rate: float | None = None,
     *,
+    duration: float | None = None,
     records: int = 100,
-    rng: "np.random.Generator",
-    terms: str = "auto",
+    rng: "np.random.Generator | int",
+    terms: str | Sequence[str] = "auto",
     method: str | None = None,
     band: Band | None = None,
     level: float = 0.95,
@@ -134,14 +137,14 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     ----------
     model : Model, Term or Fit
         The sensor; of a fit, its model.
-    n : int
-        Number of samples of each record.
+    size : int
+        Number of samples of each record; or `duration`, s.
     rate : float
         Sampling rate, Hz.
     records : int
         Number of records to simulate, at least 2.
-    rng : numpy.random.Generator
-        The source of randomness.
+    rng : numpy.random.Generator or int
+        The source of randomness, or its seed.
     terms, method, band
         As for `identify`. The bound is that of the whole record, whatever the method and the band.
     level : float
@@ -162,17 +165,17 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> check = selfcheck(N(0.1, "deg/sqrt(h)"), 2000, 100.0, records=20, rng=np.random.default_rng(1))
     >>> check["N"].found[0], abs(check["N"].bias[0]) < 0.02, round(check["N"].bound, 4)
     (1.0, True, 0.0158)
     """
-    truth = model_of(model)
+    truth, (n, rate) = model_of(model), size_and_rate(size, rate, duration)
     if records < 2:
         raise UsageError(f"a check needs at least 2 records, not {records}")
     tell = progress or (lambda what, fraction: None)
     fits = []
-    for i, child in enumerate(rng.spawn(records)):
+    for i, child in enumerate(np.random.default_rng(rng).spawn(records)):
         tell(f"record {i + 1} of {records}", i / records)
         fits.append(identify(simulate(truth, n, rate, rng=child), method, terms=terms, band=band))
     checks = tuple(term_checks(truth, fits, bound(truth, n, rate), level))

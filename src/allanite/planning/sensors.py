@@ -2,7 +2,6 @@
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Model
-from allanite.core.notation import parse_model
 from allanite.simulation.ring_laser import RING_LASERS
 
 SENSORS: dict[str, str] = {
@@ -36,4 +35,4 @@ def sensor(name: str) -> Model:
         return RING_LASERS[known].model
     if known not in SENSORS:
         raise UsageError(f"unknown sensor {name!r}; known sensors: {', '.join((*SENSORS, *RING_LASERS))}")
-    return parse_model(SENSORS[known])
+    return Model(SENSORS[known])

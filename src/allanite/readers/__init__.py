@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from allanite.core.aliases import aliased
 from allanite.core.errors import AllaniteError, DataError
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from .options import FrameLike
 
 
+@aliased
 def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
     path: "str | os.PathLike[str] | FrameLike",
     *,

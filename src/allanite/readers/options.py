@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from allanite.core.errors import UsageError
 from allanite.core.kinds import KINDS, explain_kinds
@@ -23,6 +23,7 @@ KINDS_OF_SENSORS = {
 """Words for all gyros or all accelerometers of a file."""
 
 
+@runtime_checkable
 class FrameLike(Protocol):
     """A table in memory: ``frame[name].to_numpy()`` is the column of each of the names in `columns`."""
 

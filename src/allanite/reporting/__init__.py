@@ -5,7 +5,7 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .views import level_of, view_of
+from .views import has_view, level_of, view_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from allanite.parallel.sharing import Work
 
     from .first import First
+    from .views import Rows
 
 PathLike = str | os.PathLike[str]
 
@@ -152,13 +153,13 @@ def page_of(value: Any, *, level: float | None = None, command: str = "", lang: 
         return render(face, json_of(value).then(stored))
 
 
-def table(value: Any, *, level: float | None = None, width: int = 120, color: bool = False, lang: str = "en") -> str:
-    """The result as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
+def table(value: Any, *, level: float | None = None, lang: str = "en", **form: Any) -> str:
+    """The result as text; `form` are the width, color and ASCII of `text.render`."""
     from .language import speaking
     from .text import render
 
     with speaking(lang):
-        return render(view_of(value).face(value, level_of(value, level)), width=width, color=color)
+        return render(view_of(value).face(value, level_of(value, level)), **form)
 
 
 def first_screen(
@@ -168,11 +169,11 @@ def first_screen(
     width: int = 100,
     color: bool = False,
     lang: str = "en",
-    signs: bool = True,
+    ascii: bool = False,  # noqa: A002 - as in repr
     brief: bool = False,
     first: "First | None" = None,
 ) -> str:
-    """The answer on a first screen, or with `brief` on a line for each channel; without `signs` in ASCII.
+    """The answer on a first screen, or with `brief` on a line for each channel; with `ascii` without signs.
 
     `first` is used in place of what the view makes of the result.
     """
@@ -186,39 +187,53 @@ def first_screen(
         if first is None and view.first is not None:
             first = view.first(value, level)
         first = first or condensed(view.face(value, level), drawn=view.plot is not None)
-        return render_brief(first, signs=signs) if brief else render(first, width=width, color=color, signs=signs)
+        return render_brief(first, ascii=ascii) if brief else render(first, width=width, color=color, ascii=ascii)
 
 
 def html_of(value: Any) -> str:
     """The result as a fragment of HTML for a notebook: its tables and sentences, and its figure."""
+    from html import escape
+
+    from allanite.core.errors import UndrawnError
+
     from .html import fragment
 
-    view = view_of(value)
-    level = level_of(value)
-    drawn = None if view.plot is None else view.plot([value], None, level).printed()
+    if not has_view(value):
+        return f"<pre>{escape(repr(value))}</pre>"
+    view, level = view_of(value), level_of(value)
+    try:
+        drawn = None if view.plot is None else view.plot([value], None, level).printed()
+    except UndrawnError:
+        drawn = None
     return fragment(view.face(value, level), drawn)
 
 
-def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False) -> str:
-    """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings.
-
-    A name that a spreadsheet would compute (``=1+1``) has an apostrophe before it, as spreadsheets write text.
+def numbers(value: Any, *, level: float | None = None, coefficients: bool = False) -> "Rows":
+    """Headings and rows of a result, unrounded; of a study its curves, or its coefficients and readings.
 
     Raises
     ------
     UsageError
         The result has no table of numbers.
     """
-    import csv
-    import io
-
     from allanite.core.errors import UsageError
 
     view = view_of(value)
     rows_of = view.coefficients if coefficients else view.rows
     if rows_of is None:
-        raise UsageError(f"a {type(value).__name__} has no CSV; write it as JSON")
-    headings, rows = rows_of(value, level_of(value, level))
+        raise UsageError(f"a {type(value).__name__} has no table of numbers; to_dict() gives its content")
+    return rows_of(value, level_of(value, level))
+
+
+def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False) -> str:
+    """The numbers of a result as CSV, unrounded; of a study its curves, or its coefficients and readings.
+
+    A name that a spreadsheet would compute (``=1+1``) has an apostrophe before it, as spreadsheets write text.
+    """
+    import csv
+    import io
+
+    headings, rows = numbers(value, level=level, coefficients=coefficients)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(headings)

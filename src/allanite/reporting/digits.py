@@ -4,7 +4,8 @@ import math
 import re
 from dataclasses import dataclass
 
-SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+from allanite.core.spellings import RAISED, plain_letters
+from allanite.core.units import ATOMS
 
 LARGE, SMALL = 1e6, 1e-3
 """Sizes from and below which a power of ten is written."""
@@ -36,7 +37,7 @@ class Digits:
     @property
     def power(self) -> str:
         """The power of ten in print, empty where it is 1."""
-        return f" × 10{str(self.exponent).translate(SUPERSCRIPT)}" if self.exponent else ""
+        return f" × 10{str(self.exponent).translate(RAISED)}" if self.exponent else ""
 
 
 def digits(
@@ -94,10 +95,27 @@ def _decimals(size: float, half: float) -> int:
 
 _SIGN = re.compile(r"(?<![A-Za-z0-9\])])-(?=[\d.])")
 _POWER = re.compile(r"(?<=\d)e([+-]?\d+)")
-_UNITS = (
-    ("sqrt(h)", "√h"), ("sqrt(s)", "√s"), ("sqrt(Hz)", "√Hz"), ("^1.5", "¹·⁵"), ("^2.5", "²·⁵"), ("^2", "²"),
-    ("^3", "³"), ("ug", "µg"),
-)  # fmt: skip
+_FACTOR = (
+    rf"(?:sqrt\(\w+\)|\([A-Za-z/^\d.]+\)|(?:{'|'.join(sorted(ATOMS, key=len, reverse=True))})(?!\w))"
+    r"(?:\^-?\d+(?:\.\d+)?)?"
+)
+_UNIT = re.compile(
+    r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|--[\w-]+[ =]\S+"  # names, and what can be typed
+    rf"|(?<![\w./^-])(?P<unit>{_FACTOR}(?:[/*]{_FACTOR})*)"
+)
+_SIGNS = (
+    (re.compile(r"sqrt\((\w+)\)"), r"√\1"),
+    (re.compile(r"\bdeg(?=C?\b)"), "°"),
+    (re.compile(r"\bu(?=(?:g|rad|A|V|T)\b)"), "µ"),
+    (re.compile(r"\^(-?[\d.]+)"), lambda power: power[1].translate(RAISED)),
+)
+_ANGLE = re.compile(r"(?<=\d) °(?![/*C√²³])")
+_ASCII: dict[str, str | int | None] = {
+    "°": "deg", "√": "sqrt", "±": "+-", "≤": "<=", "≥": ">=", "≈": "~", "−": "-", "–": "-", "×": "x", "…": "..",
+    "τ": "tau",
+}  # fmt: skip
+WRITTEN = "µ²³·⁵" + "".join(_ASCII)
+"""Signs of results: an encoding that lacks one of them has ASCII instead."""
 
 
 _ENDLESS = re.compile(r"\S{401,}")
@@ -115,17 +133,35 @@ def printable(text: str) -> str:
     return _ENDLESS.sub(lambda found: f"{found[0][:60]}…{found[0][-60:]}", text)
 
 
-def printed_unit(unit: str) -> str:
-    """A unit as it is printed.
+def printed_unit(text: str) -> str:
+    """A unit as it is shown, which `unit_of` reads as well, or a sentence with all of its units so.
 
     Examples
     --------
-    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("m/s^2")
-    ('deg/h/√h', 'µg', 'm/s²')
+    >>> printed_unit("deg/h/sqrt(h)"), printed_unit("ug"), printed_unit("rad/s^2.5"), printed_unit("(deg/h)^2/Hz")
+    ('°/h/√h', 'µg', 'rad/s²·⁵', '(°/h)²/Hz')
+    >>> printed_unit("below 0.1 deg at 3 deg/h; to change it, --unit deg/s")
+    'below 0.1° at 3 °/h; to change it, --unit deg/s'
     """
-    for plain, shown in _UNITS:
-        unit = unit.replace(plain, shown)
+    return _ANGLE.sub("°", _UNIT.sub(_with_signs, text))
+
+
+def _with_signs(found: re.Match[str]) -> str:
+    unit = found[0]
+    for plain, sign in _SIGNS if found["unit"] else ():
+        unit = plain.sub(sign, unit)
     return unit
+
+
+def in_ascii(text: str) -> str:
+    """A text for a terminal that has no signs: the signs of its units and numbers in ASCII.
+
+    Examples
+    --------
+    >>> in_ascii("±0.3° at 3 °/√h"), in_ascii("≤ 1.2 µg")
+    ('+-0.3 deg at 3 deg/sqrt(h)', '<= 1.2 ug')
+    """
+    return plain_letters(re.sub(r"(?<=\d)°", " °", text)).translate(str.maketrans(_ASCII))
 
 
 def printed_number(cell: str) -> str:
@@ -137,16 +173,19 @@ def printed_number(cell: str) -> str:
     ('−9.02 × 10⁻⁵', '−1 … 2', '±5 V')
     """
     cell = cell.replace("+-", "±").replace(" .. ", " … ")
-    cell = _POWER.sub(lambda found: f" × 10{str(int(found[1])).translate(SUPERSCRIPT)}", cell)
+    cell = _POWER.sub(lambda found: f" × 10{str(int(found[1])).translate(RAISED)}", cell)
     return _SIGN.sub("−", cell)
 
 
 def printed(cell: str, kind: str) -> str:
     """A cell as it is printed, by the kind of its column; names are left as they are."""
-    shown = printable(cell)
-    if kind == "unit":
-        return printed_unit(shown)
+    shown = with_units(printable(cell), kind)
     return printed_number(shown) if kind in ("number", "interval") else shown
+
+
+def with_units(cell: str, kind: str) -> str:
+    """A cell with its units as they are printed; names are left as they are."""
+    return printed_unit(cell) if kind in ("unit", "number", "interval") else cell
 
 
 def printed_heading(heading: str) -> str:

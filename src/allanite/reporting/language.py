@@ -13,7 +13,9 @@ from importlib.resources import files
 from typing import Any
 
 from allanite.core.errors import UsageError
-from allanite.phrases.phrase import Catalogue, translate
+from allanite.phrases.phrase import Catalogue, Phrase
+
+from .digits import printed_unit
 
 LANGUAGES = {"en": "English", "ru": "русский", "zh": "中文"}
 """Codes of the languages, and their names in themselves; the catalogue of each but English is ``locale/<code>.po``."""
@@ -72,5 +74,5 @@ def spoken() -> str:
 
 
 def tr(value: Any) -> Any:
-    """A phrase in the language of this context; anything else, such as the name of a channel, unchanged."""
-    return translate(value, catalogue(_SPOKEN.get()))
+    """A phrase in the language of this context, its units as printed; anything else, such as a name, unchanged."""
+    return printed_unit(value.within(catalogue(_SPOKEN.get()))) if isinstance(value, Phrase) else value

@@ -4,7 +4,7 @@ import io
 import textwrap
 from collections.abc import Iterator
 
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import join, say
 
 from .digits import printable
 from .language import tr
@@ -42,7 +42,7 @@ def render(face: Face) -> bytes:
             # the figure with its title above and its caption below, outside of its own frame
             figure = drawing.draw().printed()
             width = int(14 * figure.get_figwidth())
-            above = ": ".join(filter(None, (printable(name), tr(drawing.title))))
+            above = tr(join(": ", filter(None, (printable(name), drawing.title))))
             below = "\n".join(textwrap.wrap(tr(drawing.caption or drawing.label), width))
             # the layout keeps within the frame: what stands beyond it is taken in when the page is cut
             for text, height, edge in ((above, 1.02, "bottom"), (below, -0.02, "top")):

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from allanite.phrases.phrase import join, say, say_count
 
-from .digits import printable, printed_heading, printed_unit
+from .digits import in_ascii, printable, printed_heading, printed_unit, with_units
 from .first import Answer, Axes, First, Remark, Section, shown
 from .language import tr
 from .sheet import Table
@@ -25,35 +25,15 @@ FEWEST = 2
 SHORTEST = 12
 """Columns to which titles may be cut before they are left out."""
 
-_ASCII = (
-    ("√h", "sqrt(h)"), ("√s", "sqrt(s)"), ("√Hz", "sqrt(Hz)"), ("√", "sqrt "), ("¹·⁵", "^1.5"), ("²·⁵", "^2.5"),
-    ("²", "^2"), ("³", "^3"), ("µ", "u"), ("±", "+-"), ("≤", "<="), ("≥", ">="), ("≈", "~"), ("×", "x"), ("−", "-"),
-    ("→", "->"), ("…", "..."), ("°", "deg"),
-)  # fmt: skip
-"""Signs where the terminal has letters only."""
+
+def render(first: First, *, width: int = COLUMNS, color: bool = False, ascii: bool = False) -> str:  # noqa: A002 - as in repr
+    """The first screen for a terminal of `width` columns; with `ascii`, no signs."""
+    return _printed(_Screen(min(width, COLUMNS), ascii=ascii).lines(first), color=color)
 
 
-def ascii_of(text: str) -> str:
-    """Text without the signs that a terminal may lack.
-
-    Examples
-    --------
-    >>> ascii_of("0.12 ± 1 % deg/√h")
-    '0.12 +- 1 % deg/sqrt(h)'
-    """
-    for sign, letters in _ASCII:
-        text = text.replace(sign, letters)
-    return text
-
-
-def render(first: First, *, width: int = COLUMNS, color: bool = False, signs: bool = True) -> str:
-    """The first screen for a terminal of `width` columns; without `signs` in ASCII as far as units and numbers go."""
-    return _printed(_Screen(min(width, COLUMNS), signs).lines(first), color=color)
-
-
-def render_brief(first: First, *, signs: bool = True) -> str:
+def render_brief(first: First, *, ascii: bool = False) -> str:  # noqa: A002 - as in repr
     """A line for each channel."""
-    screen = _Screen(COLUMNS, signs)
+    screen = _Screen(COLUMNS, ascii=ascii)
     return _printed(((screen.text(line), "") for line in first.brief()), color=False)
 
 
@@ -68,14 +48,18 @@ def _printed(lines: Iterable[tuple[str, str]], *, color: bool) -> str:
 class _Screen:
     """Lays out for a width, in lines with their styles."""
 
-    def __init__(self, width: int, signs: bool) -> None:
-        self.width, self.signs = width, signs
+    def __init__(self, width: int, *, ascii: bool) -> None:  # noqa: A002 - as in repr
+        self.width, self.ascii = width, ascii
         self.left = list[str]()
 
     def text(self, text: str) -> str:
         """As it is shown, in the language and with the signs of the terminal."""
         said = printable(tr(text))
-        return said if self.signs else ascii_of(said)
+        return in_ascii(said) if self.ascii else said
+
+    def prose(self, text: str) -> str:
+        """A sentence as it is shown, with its units."""
+        return self.text(printed_unit(printable(tr(text))))
 
     def lines(self, first: First) -> list[tuple[str, str]]:
         """All lines: the answer, and as many remarks as there is room for."""
@@ -133,7 +117,7 @@ class _Screen:
         for count in range(len(parts), 0, -1):
             left = len(parts) - count
             more = [say_count(left, "{count} more note: --details", "{count} more notes: --details")] if left else []
-            line = self.text(join("; ", [*parts[:count], *more]))
+            line = self.prose(join("; ", [*parts[:count], *more]))
             if cell_len(line) <= self.width:
                 return line
         return self.cut(parts[0])
@@ -151,12 +135,12 @@ class _Screen:
     def remark(self, remark: Remark) -> str:
         """On one line: clauses are left out at the end, and at last the rest of the first one."""
         for count in range(len(remark.clauses), 0, -1):
-            line = self.text(shown(remark, count))
+            line = self.prose(shown(remark, count))
             if cell_len(line) <= self.width:
                 return line
         command = self.text(say(". Try {command}", command=remark.command)) if remark.command else ""
         bare = Remark(remark.about, remark.clauses[:1])
-        return self.cut(self.text(shown(bare)), self.width - cell_len(command)) + command
+        return self.cut(self.prose(shown(bare)), self.width - cell_len(command)) + command
 
     def cut(self, text: str, width: int | None = None) -> str:
         """The text up to the last sign or word that fits."""
@@ -164,7 +148,7 @@ class _Screen:
         line = self.text(text)
         if cell_len(line) <= width:
             return line
-        dots = "…" if self.signs else "..."
+        dots = ".." if self.ascii else "…"
         kept = set_cell_size(line, width - cell_len(dots))
         at = max(kept.rfind(sign) for sign in (": ", "; ", ", "))
         if at < width / 2:
@@ -201,12 +185,12 @@ class _Screen:
         if not said and tables and name and tables[0][0].startswith(" " * (cell_len(name) + 1)):
             tables[0][0], name = name + tables[0][0][cell_len(name) :], ""  # in the empty heading of the first column
         wanted = min(sum(map(len, tables)), max(room // 2, 3))
-        lines = wrapped(self.text(said.pop(0)), self.width, lead, "  ") if said else [name] if name else []
+        lines = wrapped(self.prose(said.pop(0)), self.width, lead, "  ") if said else [name] if name else []
         for text in said:
-            lines += wrapped(self.text(text), self.width, "  ", "    ")
+            lines += wrapped(self.prose(text), self.width, "  ", "    ")
         if len(lines) > room - wanted:
             kept = max(room - wanted, 1)
-            lines = [*lines[: kept - 1], self.cut(f"{lines[kept - 1]} …" if self.signs else f"{lines[kept - 1]} ...")]
+            lines = [*lines[: kept - 1], self.cut(f"{lines[kept - 1]} {self.text('…')}")]
         rows = [line for table in tables for line in table][: room - len(lines)]
         return [*lines, *rows]
 
@@ -224,7 +208,7 @@ class _Screen:
             return self.axes(part, rank)
         if isinstance(part, Section):
             return self.section(part, LINES)
-        return self.table(part) if isinstance(part, Table) else wrapped(self.text(part), self.width, "", "  ")
+        return self.table(part) if isinstance(part, Table) else wrapped(self.prose(part), self.width, "", "  ")
 
     def axes(self, axes: Axes, rank: int) -> list[str]:
         """Channels side by side, with titles as long as there is room for; or a row for each where they do not fit."""
@@ -248,12 +232,12 @@ class _Screen:
 
     def cells(self, table: Table) -> list[list[str]]:
         """Heading and rows as shown; in a column the signs of the intervals stand below each other."""
-        units = [column.kind == "unit" for column in table.columns]
         rows = [[self.text(printed_heading(tr(column.heading))) for column in table.columns]]
+        kinds = [column.kind for column in table.columns]
         for row in table.rows:
             shown = (tr(cell).replace("+- ", "± ") for cell in row)
-            rows.append([self.text(printed_unit(s) if u else s) for s, u in zip(shown, units, strict=True)])
-        sign = " ± " if self.signs else " +- "
+            rows.append([self.text(with_units(cell, kind)) for cell, kind in zip(shown, kinds, strict=True)])
+        sign = " +- " if self.ascii else " ± "
         for j in range(len(table.columns)):
             split = [row[j].split(sign) if sign in row[j] else None for row in rows]
             wide = max((cell_len(parts[0]) for parts in split if parts), default=0)

@@ -25,7 +25,7 @@ from allanite.terms import TERMS
 
 from . import fonts
 from .digits import printable
-from .language import ENGLISH, spoken, tr
+from .language import spoken, tr
 from .sketch.chart import Chart, Look
 from .sketch.lines import line_of
 
@@ -98,7 +98,7 @@ class StyledPlot:
         """For print, by matplotlib. Figures are drawn with phrases; afterwards they are in the language spoken."""
         with look():
             figure = self.draw(new_figure)
-        for text in figure.findobj(Text) if spoken() != ENGLISH else ():
+        for text in figure.findobj(Text):
             assert isinstance(text, Text)  # noqa: S101 - as asked for
             text.set_text(tr(text.get_text()))
         return figure

@@ -1,9 +1,10 @@
-"""Sheets as text for the terminal: units and numbers in ASCII, so that they can be copied into a command."""
+"""Sheets as text for the terminal, in ASCII where it has no other signs."""
 
 import io
 import re
 import textwrap
 from collections.abc import Iterable, Iterator
+from contextvars import ContextVar
 from typing import Literal
 
 import numpy as np
@@ -16,9 +17,9 @@ from rich.text import Text
 from allanite.core.estimate import STATUSES
 from allanite.phrases.phrase import say
 
-from .digits import printable
+from .digits import in_ascii, printable, printed_heading, with_units
 from .language import tr
-from .sheet import Code, Face, Note, Part, Table
+from .sheet import Code, Column, Face, Note, Part, Table
 
 STYLES = {"good": "green", "weak": "yellow", "alarm": "red", "quiet": "dim", "strong": "bold", "struck": "dim", "": ""}
 NOTES = {"alert": "bold red", "good": "green", "fair": "yellow", "note": "", "strong": "bold", "quiet": "dim"}
@@ -28,6 +29,7 @@ LABEL = 10
 _WIDE = 10_000
 """Columns of the console that tables are laid out in: a number is never torn in two."""
 
+_ASCII = ContextVar("_ASCII", default=False)
 
 _BROAD = "\u2e80-\u9fff\uf900-\ufaff\uff00-\uff60"
 _CHUNK = re.compile(rf"\s+|[（「《【“]*[{_BROAD}][，。；：、！？）」》】”]*|[^\s{_BROAD}]+")
@@ -60,18 +62,21 @@ def wrapped(text: str, width: int, first: str, rest: str) -> list[str]:
     return lines if empty else [*lines, line.rstrip()]
 
 
-def render(face: Face, *, width: int = 120, color: bool = False) -> str:
-    """A result as text for a terminal of `width` columns; with `color`, ANSI codes in it."""
-    out = io.StringIO()
+def render(face: Face, *, width: int = 120, color: bool = False, ascii: bool = False) -> str:  # noqa: A002 - as in repr
+    """A result as text for a terminal of `width` columns; with `color`, ANSI codes in it, with `ascii`, no signs."""
+    out, token = io.StringIO(), _ASCII.set(ascii)
     system: Literal["standard"] | None = "standard" if color else None
     console = Console(file=out, width=_WIDE, force_terminal=color, color_system=system, markup=False, emoji=False)
-    for item in _lines(face, width):
-        console.print(item, soft_wrap=isinstance(item, Text), highlight=False)
+    try:
+        for item in _lines(face, width):
+            console.print(item, soft_wrap=isinstance(item, Text), highlight=False)
+    finally:
+        _ASCII.reset(token)
     return "".join(f"{line.rstrip()}\n" for line in out.getvalue().splitlines())
 
 
 def _lines(face: Face, width: int) -> Iterator[RenderableType]:
-    labels = [tr(label) for label, _ in face.header]
+    labels = [_plain(label) for label, _ in face.header]
     wide = max([LABEL, *(cell_len(label) + 1 for label in labels)])
     for label, (_, text) in zip(labels, face.header, strict=True):
         yield from prose(text, width, first=pad(label, wide), indent=wide)
@@ -107,7 +112,16 @@ def _parts(parts: Iterable[Part], width: int) -> Iterator[RenderableType]:
 
 
 def _plain(text: str) -> str:
-    return printable(tr(text))
+    shown = printable(tr(text))
+    return in_ascii(shown) if _ASCII.get() else shown
+
+
+def _heading(column: Column) -> str:
+    return _plain(printed_heading(tr(column.heading)))
+
+
+def _cell(column: Column, cell: str) -> str:
+    return _plain(with_units(tr(cell), column.kind))
 
 
 def prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str = "") -> Iterator[Text]:
@@ -120,39 +134,39 @@ def prose(text: str, width: int, *, first: str = "", indent: int = 0, style: str
 def _table(table: Table, width: int) -> Iterator[RenderableType]:
     if table.title:
         yield Text()
-        yield Text(f"  {tr(table.title)}", style="dim")
+        yield Text(f"  {_plain(table.title)}", style="dim")
     kept = spread(len(table.rows), table.most)
     for which in _blocks(table, width):
         grid = Grid(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
         for column in (table.columns[i] for i in which):
             grid.add_column(
-                Text(tr(column.heading)), justify="right" if column.kind == "number" else "left", no_wrap=True
+                Text(_heading(column)), justify="right" if column.kind == "number" else "left", no_wrap=True
             )
         for i in kept:
             mark, cells = table.mark(i), []
             for column, cell in ((table.columns[j], table.rows[i][j]) for j in which):
-                shown = f"({_plain(cell)})" if mark == "struck" and column.kind == "number" and cell else _plain(cell)
+                shown = _cell(column, cell)
+                shown = f"({shown})" if mark == "struck" and column.kind == "number" and cell else shown
                 status = STATUSES.get(cell) if column.kind == "status" else None
                 cells.append(Text(shown, style=status.color if status else ""))
             grid.add_row(*cells, style=STYLES[mark])
         yield Padding(grid, (0, 0, 0, 2))
     if len(kept) < len(table.rows):
         left = say("{shown} of {total} rows; --csv writes all", shown=len(kept), total=len(table.rows))
-        yield Text(f"  {tr(left)}", style="dim")
+        yield Text(f"  {_plain(left)}", style="dim")
 
 
 def _blocks(table: Table, width: int) -> list[list[int]]:
     """Columns that stand side by side: all, or the main ones and below them those aside."""
     every = list(range(len(table.columns)))
     aside = [i for i in every if table.columns[i].aside]
-    widths = [max(_width(c.heading), *(_width(r[i]) for r in table.rows), 0) for i, c in enumerate(table.columns)]
+    widths = [
+        max(cell_len(text) for text in (_heading(column), *(_cell(column, row[i]) for row in table.rows)))
+        for i, column in enumerate(table.columns)
+    ]
     if not aside or 2 * len(every) + sum(widths) <= width:
         return [every]
     return [[i for i in every if i not in aside], [0, *aside]]
-
-
-def _width(text: str) -> int:
-    return cell_len(tr(text))
 
 
 def spread(count: int, most: int) -> list[int]:

@@ -45,9 +45,6 @@ class Capital(Phrase):
         made.templates, made.fields = templates, fields
         return made
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Capital, (self.templates, dict(self.fields))
-
     def within(self, catalogue: Catalogue) -> str:
         """The phrase in the language of a catalogue."""
         return _capital(super().within(catalogue), self.fields["text"])

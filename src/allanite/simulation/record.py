@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from allanite.core.aliases import aliased, size_and_rate
 from allanite.core.errors import UnitError, UsageError, given
 from allanite.core.model import ModelLike, Term, model_of
 from allanite.core.record import Record
@@ -15,12 +16,14 @@ LONGER = (1, 2, 4, 8, 16)
 """Lengths of embeddings that are tried, over that of the record."""
 
 
+@aliased
 def simulate(
     model: ModelLike,
-    n: int,
-    rate: float,
+    size: int | None = None,
+    rate: float | None = None,
     *,
-    rng: "np.random.Generator",
+    duration: float | None = None,
+    rng: "np.random.Generator | int",
     name: str = "",
     unit: str | None = None,
     rounding: bool = False,
@@ -34,12 +37,12 @@ def simulate(
     Parameters
     ----------
     model : Model, Term or Fit
-    n : int
-        Number of samples, at least 2.
+    size : int
+        Number of samples, at least 2; or `duration`, s.
     rate : float
         Sampling rate, Hz.
-    rng : numpy.random.Generator
-        The source of randomness, for example ``numpy.random.default_rng(1)``.
+    rng : numpy.random.Generator or int
+        The source of randomness, for example ``numpy.random.default_rng(1)``, or its seed.
     name : str, optional
         Name of the channel.
     unit : str, optional
@@ -67,14 +70,15 @@ def simulate(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> record = simulate(N(1.0, "rad/sqrt(s)"), 10_000, 100.0, rng=np.random.default_rng(1))
+    >>> from allanite import N
+    >>> record = simulate(N(1.0, "rad/sqrt(s)"), 10_000, 100.0, rng=1)
     >>> bool(9.8 < record.values.std() < 10.2)
     True
     """
-    model = model_of(model)
-    if n < 2:
-        raise UsageError(f"a record needs at least 2 samples, not {n}")
+    model, rng = model_of(model), np.random.default_rng(rng)
+    size, rate = size_and_rate(size, rate, duration)
+    if size < 2:
+        raise UsageError(f"a record needs at least 2 samples, not {size}")
     if not (np.isfinite(rate) and rate > 0):
         raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
     rounded = None
@@ -82,10 +86,10 @@ def simulate(
         rounded = next((t for t in model if t.row.alpha == 2 and t.value), None)
         if rounded is None:
             raise UsageError(f"rounding generates quantization noise, but there is none in {model}: add Q to the model")
-    y = _noise([t for t in model if t is not rounded], n, rate, rng)
+    y = _noise([t for t in model if t is not rounded], size, rate, rng)
     for t in model:
         if (wave := t.sampled(rate).waveform) is not None:
-            y += t.value * rate**t.row.power * wave(n)
+            y += t.value * rate**t.row.power * wave(size)
     y -= y.mean()
     history = say("simulated: {model}", model=str(model))
     if rounded is not None:
@@ -135,12 +139,12 @@ def _embedded(covariance: Callable[[FloatArray], FloatArray], n: int) -> tuple[i
     raise UsageError("this model's covariance has no circulant embedding at this length; choose another length")
 
 
-def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Generator") -> FloatArray:
+def readout_noise(size: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Generator") -> FloatArray:
     """White noise and a random walk of a readout.
 
     Parameters
     ----------
-    n : int
+    size : int
         Number of samples.
     sigma : float
         Standard deviation of the white noise, in any unit.
@@ -151,7 +155,7 @@ def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Ge
 
     Returns
     -------
-    array, shape (n,)
+    array, shape (size,)
 
     Examples
     --------
@@ -159,11 +163,11 @@ def readout_noise(n: int, *, sigma: float, walk: float = 0.0, rng: "np.random.Ge
     >>> bool(1.95 < noise.std() < 2.05)
     True
     """
-    if n < 1 or not (np.isfinite([sigma, walk]).all() and min(sigma, walk) >= 0):
+    if size < 1 or not (np.isfinite([sigma, walk]).all() and min(sigma, walk) >= 0):
         raise UsageError(
-            f"noise needs at least one sample and standard deviations that are not negative: n={n}, {sigma=}, {walk=}"
+            f"noise needs at least one sample and standard deviations that are not negative: {size=}, {sigma=}, {walk=}"
         )
-    noise = sigma * rng.standard_normal(n)
+    noise = sigma * rng.standard_normal(size)
     if walk:
-        noise[1:] += walk * np.cumsum(rng.standard_normal(n - 1))
+        noise[1:] += walk * np.cumsum(rng.standard_normal(size - 1))
     return noise

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from allanite.core.aliases import aliased, size_and_rate
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, N, Q
-from allanite.core.notation import parse_model
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 
@@ -101,7 +101,7 @@ The pulse and the bias are printed there; random walk and residual fit the scatt
 True rate 12.4392 deg/h, sampled at 400 Hz.
 """
 
-GL1_SMOOTH = RingLaser(pulse=0.0819875, lock_in=0.0, bias=-0.0948, swing=parse_model("GMA 0.29 arcsec 15 s"))
+GL1_SMOOTH = RingLaser(pulse=0.0819875, lock_in=0.0, bias=-0.0948, swing=Model("GMA 0.29 arcsec 15 s"))
 """The same gyro as its means over 1 to 30 s (Table 1 of the paper) and over two minutes (Table 3) have it scatter.
 
 Quarter pulses, and an angle noise that keeps within bounds; whole pulses would scatter more at 1 s. Under it averaging
@@ -112,8 +112,16 @@ RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}
 """Ring laser gyros by name."""
 
 
+@aliased
 def simulate_ring_laser(
-    gyro: RingLaser, turning: float, n: int, rate: float, *, rng: "np.random.Generator", name: str = ""
+    gyro: RingLaser,
+    turning: float,
+    size: int | None = None,
+    rate: float | None = None,
+    *,
+    duration: float | None = None,
+    rng: "np.random.Generator | int",
+    name: str = "",
 ) -> Record:
     """Counts of a ring laser gyro that turns at a constant rate.
 
@@ -122,12 +130,12 @@ def simulate_ring_laser(
     gyro : RingLaser
     turning : float
         True rate about its axis, deg/h.
-    n : int
-        Number of samples.
+    size : int
+        Number of samples; or `duration`, s.
     rate : float
         Sampling rate, Hz.
-    rng : numpy.random.Generator
-        The source of randomness.
+    rng : numpy.random.Generator or int
+        The source of randomness, or its seed.
     name : str, optional
 
     Returns
@@ -141,22 +149,24 @@ def simulate_ring_laser(
     >>> record.kind, record.scale, bool(abs(record.values.sum() - 4513.5) < 10)
     ('count', 0.32795, True)
     """
-    if n < 2:
-        raise UsageError(f"a record needs at least 2 samples, not {n}")
+    size, rate = size_and_rate(size, rate, duration)
+    rng = np.random.default_rng(rng)
+    if size < 2:
+        raise UsageError(f"a record needs at least 2 samples, not {size}")
     if not rate > 2 * gyro.residual_band[1]:
         raise UsageError(f"residual dither up to {gyro.residual_band[1]:g} Hz needs more than {rate:g} Hz")
-    steps = gyro.random_walk * 60 / math.sqrt(rate) * rng.standard_normal(n)  # deg/sqrt(h) is 60 arcsec/sqrt(s)
+    steps = gyro.random_walk * 60 / math.sqrt(rate) * rng.standard_normal(size)  # deg/sqrt(h) is 60 arcsec/sqrt(s)
     steps += (turning + gyro.bias) / rate  # deg/h is arcsec/s
     if gyro.swing is not None:
-        steps += simulate(gyro.swing, n, rate, rng=rng).values * (math.degrees(1.0) * 3600 / rate)
+        steps += simulate(gyro.swing, size, rate, rng=rng).values * (math.degrees(1.0) * 3600 / rate)
     if gyro.wander is not None:
-        wander = simulate(gyro.wander, n, rate, rng=rng).values
+        wander = simulate(gyro.wander, size, rate, rng=rng).values
         steps += (wander - wander[0]) * (math.degrees(1.0) * 3600 / rate)
     angle = np.concatenate(([0.0], np.cumsum(steps)))
-    t = np.arange(n + 1) / rate
+    t = np.arange(size + 1) / rate
     angle -= gyro.warm_up * gyro.settling * np.expm1(-t / gyro.settling)
     # phase of the residual: a frequency of the band, and a walk that forgets it after the coherence time
-    n = n + 1
+    n = size + 1
     frequency = rng.uniform(*gyro.residual_band)
     walk = np.cumsum(rng.standard_normal(n)) * math.sqrt(2 / (gyro.coherence * rate))
     angle += gyro.residual * np.sin(np.asarray(2 * math.pi * (frequency * np.arange(n) / rate + rng.random()) + walk))

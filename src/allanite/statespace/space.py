@@ -150,7 +150,7 @@ def state_space(
 
     Examples
     --------
-    >>> from allanite.core.model import B, N
+    >>> from allanite import B, N
     >>> space = state_space(N(0.01, "deg/sqrt(h)") + B(0.5, "deg/h"), 100.0, tau=(10.0, 1000.0))
     >>> space.Phi.shape, space.measurement, space.ripple < 0.02
     ((3, 3), 'sample', True)

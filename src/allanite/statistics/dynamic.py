@@ -1,11 +1,14 @@
 """A statistic in sliding windows of a record: the dynamic Allan variance and related statistics."""
 
 from collections.abc import Sequence
+from typing import Unpack
 
 import numpy as np
 
+from allanite.core.aliases import aliased
 from allanite.core.arrays import complete
 from allanite.core.curve import Curve
+from allanite.core.doors import Samples, Sampling, as_record
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.model import ModelLike
@@ -23,8 +26,9 @@ FEWEST = 8
 """Minimum number of samples in a window."""
 
 
+@aliased
 def dynamic(
-    record: Record,
+    record: Samples,
     statistic: str = "oadev",
     *,
     window: float | None = None,
@@ -33,12 +37,13 @@ def dynamic(
     m: Sequence[int] | None = None,
     noise: ModelLike | None = None,
     threads: int = 1,
+    **sampling: Unpack[Sampling],
 ) -> Surface:
     """Compute a statistic in sliding windows of a record, which shows changes with time.
 
     Parameters
     ----------
-    record : Record
+    record : Record or array, shape (n,)
         NaN marks missing samples.
     statistic : str
         A name in `STATISTICS`.
@@ -49,6 +54,8 @@ def dynamic(
         As for `deviation`, for a record of one window.
     threads : int
         Maximum number of threads, used where windows are processed one by one; the results are the same.
+    **sampling
+        As for `deviation`.
 
     Returns
     -------
@@ -78,6 +85,7 @@ def dynamic(
     row = statistic_named(statistic)
     if threads < 1:
         raise UsageError(f"the number of threads must be at least 1, not {threads!r}")
+    record = as_record(record, "dynamic", sampling, unit="1")
     record.demand_range()
     samples, stride = _samples(record, window, step)
     # any window without missing samples: its curve has the grid, the counts and the law of all windows

@@ -87,7 +87,7 @@ def expectation(
 
     Examples
     --------
-    >>> from allanite.core.model import K, N
+    >>> from allanite import K, N
     >>> found = expectation(N(1.0, "rad/sqrt(s)") + K(1.0, "rad/s^1.5"), tau=[1.0, 3.0])
     >>> found.curves[0].variance.round(9).tolist()
     [1.333333333, 1.333333333]
@@ -136,7 +136,7 @@ def reach(model: Model) -> tuple[float, float]:
 
     Examples
     --------
-    >>> from allanite.core.model import K, N
+    >>> from allanite import K, N
     >>> low, high = reach(N(1.0, "rad/sqrt(s)") + K(1.0, "rad/s^1.5"))
     >>> bool(low < 0.1), bool(high > 30)
     (True, True)

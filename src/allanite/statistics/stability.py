@@ -123,7 +123,7 @@ def minimum(curve: Curve) -> Minimum:
 
     Examples
     --------
-    >>> from allanite.statistics import deviation
+    >>> from allanite import deviation
     >>> import numpy as np
     >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")
     >>> minimum(deviation(record)).inside

@@ -47,6 +47,11 @@ class Accumulator:
     start : int
         Place of the first sample in the whole stream, for parts that are to be merged.
 
+    Attributes
+    ----------
+    size : int
+        Number of samples so far.
+
     Raises
     ------
     UsageError

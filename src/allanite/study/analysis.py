@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
+from allanite.core.aliases import aliased
 from allanite.core.display_units import showing
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
@@ -19,22 +21,27 @@ from .recipe import Recipe
 from .results import Channel, Study
 
 
+@aliased
 def analyze(
     source: Source,
     recipe: Recipe | None = None,
     *,
     progress: Progress | None = None,
+    **choices: Any,
 ) -> Study:
     """Analyze a recording: noise coefficients of every channel, with intervals, and its curve.
 
     Parameters
     ----------
-    source : Recording, Record or path
-        A path is read with the recipe's options.
+    source : Recording, Record, path, table or array
+        A path or a table is read with the recipe's options. The columns of an array of shape (n, channels), or the
+        values of one of shape (n,), become records with its rate and unit.
     recipe : Recipe, optional
         All choices; the defaults are the standard analysis.
     progress : callable, optional
         Called with a description of the current step and the fraction completed.
+    **choices
+        Fields of `Recipe`: ``analyze(table, rate=100, unit="deg/s")``.
 
     Returns
     -------
@@ -48,7 +55,7 @@ def analyze(
     UsageError
         An option is wrong, or a required one is missing.
     """
-    recipe = recipe or Recipe()
+    recipe = (recipe or Recipe()).but(choices)
     study = analyzed(source, recipe, progress)
     demand_shown(recipe, study.channels)
     return study

@@ -6,8 +6,9 @@ Every analysis of a recording uses it, so that the same file gets the same findi
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
+from allanite.core.doors import Samples, Sampling, as_source
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding, Quality
 from allanite.core.ranges import demand_pieces
@@ -21,6 +22,7 @@ from allanite.prepare.quality import inspect
 from allanite.prepare.transform import averaged, mark_motion, mark_outliers
 from allanite.prepare.window import excluded, quiet_window, trim
 from allanite.readers import read
+from allanite.readers.options import FrameLike
 from allanite.readers.parts import demand_memory
 
 from .drift import drift_findings
@@ -29,7 +31,7 @@ from .parts import Keeping, in_parts, passed
 from .provenance import provenance_of
 from .recipe import READING, Recipe
 
-Source = Recording | Record | str | os.PathLike[str]
+Source = Recording | Samples | FrameLike | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
 Result = TypeVar("Result")
 
@@ -41,7 +43,7 @@ def open_recording(
 
     Parameters
     ----------
-    source : Recording, Record or path, which is read with the recipe's options
+    source : Recording, Record, array, or path or table, which are read with the recipe's options
     along : sequence of str
         Other columns of the file to read as the last channels; their outliers are not marked.
     progress : callable, optional, as for `each_channel`
@@ -74,10 +76,11 @@ def whole_recording(
     progress: Progress | None = None,
 ) -> Recording:
     """A recording before anything is selected; `otherwise` is that of `read`, the rest as for `open_recording`."""
-    if isinstance(source, Recording):
-        return source
-    if isinstance(source, Record):
-        return Recording((source,))
+    if isinstance(source, Record | Recording):
+        return source if isinstance(source, Recording) else Recording((source,))
+    if not isinstance(source, str | os.PathLike | FrameLike):
+        found = as_source(source, "analyze", cast(Sampling, recipe.to_dict(READING)))
+        return found if isinstance(found, Recording) else Recording((found,))
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
     options = recipe.to_dict(READING) | {"along": tuple(along) or None, "otherwise": otherwise}

@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Literal
+from typing import Literal, Unpack
 
 import numpy as np
 
 from allanite import statistics
+from allanite.core.aliases import aliased
 from allanite.core.curve import Curve
+from allanite.core.doors import Samples, Sampling, as_record
 from allanite.core.errors import DataError
 from allanite.core.model import ModelLike
 from allanite.core.record import Record
@@ -20,8 +22,9 @@ REPEATED = 0.5
 """Share of samples equal to the previous one above which a record is piecewise constant."""
 
 
+@aliased
 def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
-    record: Record,
+    record: Samples,
     statistic: str = "oadev",
     *,
     taus: str | Sequence[float] = "octave",
@@ -34,12 +37,13 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     edf: Literal["exact", "published"] = "exact",
     power_law: bool = False,
     threads: int = 1,
+    **sampling: Unpack[Sampling],
 ) -> Curve:
     """Compute a statistic of a record, such as the Allan deviation, at many averaging times.
 
     Parameters
     ----------
-    record : Record
+    record : Record or array, shape (n,)
         NaN marks missing samples; `Curve.count` is the number of remaining windows.
     statistic : str
         A name in `STATISTICS`.
@@ -81,6 +85,9 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         noise, 0, -1, -2 for white, flicker and random walk rate noise.
     threads : int
         Maximum number of threads; the results are the same except for the last digit.
+    **sampling
+        `rate`, `unit`, `kind`, `scale` and `name` of a `Record`, for an array or a column of a table. Samples without a
+        unit are dimensionless, as frequency stability data.
 
     Returns
     -------
@@ -115,10 +122,11 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
 
     Examples
     --------
-    >>> record = Record([892.0, 809, 823, 798, 671, 644, 883, 903, 677], rate=1.0, unit="1", kind="rate")
-    >>> deviation(record, "oadev", m=[1, 2]).deviation.round(5).tolist()
+    >>> samples = [892.0, 809, 823, 798, 671, 644, 883, 903, 677]
+    >>> deviation(samples, "oadev", rate=1.0, m=[1, 2]).deviation.round(5).tolist()
     [91.22945, 85.95287]
     """
+    record = as_record(record, "deviation", sampling, unit="1")
     own: Supposing = "auto" if "published" in (bias, edf) else partial(of_record, record)  # a single power law each
     supposing = own if noise == "identified" else noise
     return statistics.deviation(

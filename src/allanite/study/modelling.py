@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from allanite.core.errors import UsageError
 from allanite.core.model import Model
-from allanite.core.notation import parse_model, split_quantities
+from allanite.core.notation import split_quantities
 from allanite.core.plain import Value
 from allanite.core.units import convert
 from allanite.phrases.wording import spelled
@@ -23,7 +23,7 @@ class NoiseSettings(NoiseChoices, Value):
     Attributes
     ----------
     model : str, optional
-        Terms as `parse_model` reads them.
+        Terms as `Model` reads them.
     sensor : str, optional
         Or a name in `SENSORS`.
     unexplained : bool
@@ -49,7 +49,7 @@ class NoiseSettings(NoiseChoices, Value):
                 )
             )
         if self.model is not None:
-            return parse_model(self.model)
+            return Model(self.model)
         return None if self.sensor is None else typical(self.sensor)
 
     def counting(self, *, recorded: bool) -> tuple[str, ...]:

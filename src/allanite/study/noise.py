@@ -8,7 +8,7 @@ from allanite.core.fit import REJECTED, Fit
 from allanite.core.limits import Stored, Widened
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
-from allanite.core.validity import UNEXPLAINED, Band
+from allanite.core.validity import APPROXIMATE, UNEXPLAINED, Band
 from allanite.identification.checks.contradiction import MeasuredCurve, contradictions, held, measured, not_rounding
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import identify
@@ -128,7 +128,7 @@ def noise_of(
 def noise_in(seen: Inspected, recipe: Recipe) -> Noise:
     """The noise of a channel, in memory or read in parts; parameters and exceptions are those of `noise_of`.
 
-    Of a record that is read in parts the curve alone judges the coefficients.
+    Of a record that is read in parts the curve alone judges the coefficients, so that the model has a reservation.
     """
     if seen.keeper is None:
         return noise_of(seen.record, recipe)
@@ -138,4 +138,8 @@ def noise_in(seen: Inspected, recipe: Recipe) -> Noise:
         return replace(noise, fit=fit.invalid(REJECTED))
     for symbol, reason in contradictions(fit, curve).items():
         fit = fit.invalid(reason, (symbol,))
+    if fit.goodness is not None:
+        untested = say("the residuals are not tested where a file is read in parts")
+        tested = replace(fit.goodness, remarks=(*fit.goodness.remarks, untested))
+        fit = replace(fit, goodness=tested, checked=APPROXIMATE)
     return replace(noise, fit=_valid_until(fit, curve))

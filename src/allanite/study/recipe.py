@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, fields
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choice_kinds import BAND, LINES, RANGES, WORD, WORTH, ChoiceKind, pieces
+from allanite.core.choice_kinds import BAND, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, pieces
 from allanite.core.choices import choice, demand_choices, named
 from allanite.core.errors import UsageError
 
@@ -46,12 +46,6 @@ def _unit(unit: str | Mapping[str, str]) -> str:
     return str(_stated("unit")(stated_unit(unit)))
 
 
-def _level(level: float) -> float:
-    if not 0 < level < 1:
-        raise UsageError(f"a confidence level must be between 0 and 1, not {level!r}")
-    return level
-
-
 def _units_shown(units: tuple[str, ...]) -> tuple[str, ...]:
     from allanite.core.display_units import showing
 
@@ -73,17 +67,27 @@ def _facts(lines: tuple[str, ...]) -> tuple[str, ...]:
 class Recipe:
     """Every choice of an analysis as plain data.
 
-    The first group describes the contents of the file (None: taken from the file), the second selects the samples used,
-    the others define the analysis. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default
-    they are excluded from the fit only. `motion`: "mark" leaves out the seconds in which the sensor moves, in all
-    channels of its body; "refuse", the default, analyzes no record that moves for more than 2 % of the time. `unit` by
-    sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, is kept as the text ``"gyro=deg/s,ax=g"``. `average`: means
-    over so many seconds replace the samples, before anything else.
-    `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are missing.
-    `memory`: what a record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory
-    available. `ranges`: averaging times, s, of each term's line for method "piecewise". `mask`: pairs of
-    frequencies, Hz, or ``"0.4..2.1,19..20"``, between which the fit does not read the spectrum. `device` is a name in
-    `DEVICES`, whose likely causes of each term are shown.
+    Attributes
+    ----------
+    rate, unit, kind, scale, channels, time, dtype, columns, offset, sincos
+        What a file contains, as for `read`; None takes it from the file. `unit` by sensor or column, as
+        ``{"gyro": "deg/s", "ax": "g"}``, is kept as the text ``"gyro=deg/s,ax=g"``.
+    average, exclude, start, until, quiet_window, outliers, motion, memory
+        Which samples are used. `average`: means over so many seconds replace the samples, before anything else.
+        `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are
+        missing. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default they are excluded
+        from the fit only. `motion`: "mark" leaves out the seconds in which the sensor moves, in all channels of its
+        body; "refuse", the default, analyzes no record that moves for more than 2 % of the time. `memory`: what a
+        record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory available.
+    statistic, taus
+        The curve, as for `deviation`.
+    terms, method, ranges, band, mask, level
+        The identification, as for `identify`, and the confidence level, 0 to 1. `ranges`: averaging times, s, of each
+        term's line for method "piecewise". `mask`: pairs of frequencies, Hz, or ``"0.4..2.1,19..20"``, between which
+        the fit does not read the spectrum.
+    device, to, about
+        What is shown: likely causes of each term in a device of `DEVICES`; units of the coefficients; facts for the
+        header of the report, as ``"serial=SN-12"``.
     """
 
     # fmt: off
@@ -129,7 +133,7 @@ class Recipe:
         told="half of what is available", group="selecting", demand=_checked("readers.memory.bytes_of"))
     statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve")
     taus: str | tuple[float, ...] = grid("log")
-    terms: str = choice("QNBKR", "Noise terms to look for.", default="auto", group="identifying")
+    terms: str = choice("QNBKR", "Noise terms to look for.", kind=SYMBOLS, default="auto", group="identifying")
     method: str = choice(
         "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",
         group="identifying", parts=("whittle",))
@@ -142,7 +146,8 @@ class Recipe:
     mask: str | tuple[tuple[float, float], ...] | None = choice(
         "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.", kind=pieces("Hz"),
         group="identifying")
-    level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying", demand=_level)
+    level: float = choice("", "Confidence level of intervals.", default=0.95,
+        group="identifying", demand=_checked("core.limits.demand_level"))
     device: str | None = choice(
         "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
         demand=_checked("interpretation.devices.device"))
@@ -182,6 +187,10 @@ class Recipe:
                 raise UsageError(f"unknown key {key!r} in the recipe; known keys: {', '.join(known)}")
         values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in data.items()}
         return cls(**values)
+
+    def but(self, choices: Mapping[str, Any]) -> "Recipe":
+        """The recipe with other choices, by their keys."""
+        return Recipe.from_dict(self.to_dict() | dict(choices)) if choices else self
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "Recipe":

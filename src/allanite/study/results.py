@@ -236,7 +236,15 @@ class Channel(ChannelResult):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Job[Channel]):
-    """Recording, recipe, and the result of each channel."""
+    """Recording, recipe, and the result of each channel; ``study["gx"]`` is that of a channel.
+
+    Attributes
+    ----------
+    channels : tuple of Channel
+        In the order of the file; each has its `record`, and a `refusal` if there is no result.
+    recipe, findings, notes, provenance
+        All choices; findings about the file as a whole; assumptions made when reading; version and input files.
+    """
 
     _channel = Channel
 

@@ -253,8 +253,7 @@ def survey(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 4000, 10.0, rng=np.random.default_rng(1), name="z")
     >>> found = survey(record, Deviations(("adev", "oadev"), intervals=False))
     >>> [(value.name, value.statistic) for value in found.values]

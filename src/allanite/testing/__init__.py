@@ -5,7 +5,7 @@ Each raises an AssertionError that says what is wrong. The tests of this package
 Examples
 --------
 >>> from dataclasses import replace
->>> from allanite.statistics import STATISTICS
+>>> from allanite import STATISTICS
 >>> check_statistic(STATISTICS["oadev"])
 >>> check_statistic(replace(STATISTICS["oadev"], order=3))
 Traceback (most recent call last):

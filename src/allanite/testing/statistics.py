@@ -26,7 +26,7 @@ def check_statistic(row: Statistic) -> None:
 
     Examples
     --------
-    >>> from allanite.statistics import STATISTICS
+    >>> from allanite import STATISTICS
     >>> check_statistic(STATISTICS["hdev"])
     """
     about = f"statistic {row.name!r}:"

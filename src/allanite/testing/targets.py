@@ -29,7 +29,7 @@ def check_target(target: Target) -> None:
 
     Examples
     --------
-    >>> from allanite.exporting.exports import EXPORTS
+    >>> from allanite import EXPORTS
     >>> check_target(EXPORTS["kalibr"])
     """
     about = f"target {target.name!r}:"

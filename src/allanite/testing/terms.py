@@ -30,7 +30,7 @@ def check_term(row: NoiseTerm) -> None:
 
     Examples
     --------
-    >>> from allanite.terms import TERMS
+    >>> from allanite import TERMS
     >>> check_term(TERMS["K"])
     """
     for name, one in sampled(row).items():

@@ -9,6 +9,7 @@ from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term, coefficient_factor
 from allanite.reporting import words
+from allanite.reporting.digits import printed_unit
 from allanite.reporting.figures.panels import CurvePanel, panels_of, points
 from allanite.reporting.html import pieces
 from allanite.reporting.language import speaking, tr
@@ -72,8 +73,9 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
             "statistic": panel.curve.statistic,
             "title": tr(STATISTICS[panel.curve.statistic].title),
             "facts": tr(panel.facts),
-            "unit": panel.unit,
+            "unit": printed_unit(panel.unit),
             "level": level,
+            "interval": tr(words.interval(level)),
             "tau": listed(shown.tau),
             "deviation": listed(shown.deviation),
             "low": None if shown.low is None else listed(shown.low),
@@ -83,20 +85,23 @@ def drawn(panel: CurvePanel, level: float, lang: str) -> dict[str, Any]:
             "validity": panel.fit.validity if panel.fit is not None else "",
             "times": None if scope is None else [_plain(time) for time in scope.times],
             "model": None if model is None else {"tau": listed(tau), "deviation": listed(panel.expected(model, tau))},
-            "terms": [] if model is None else [_term(panel, term, tau) for term in model],
+            "terms": [] if model is None else [_term(panel, term, tau, level) for term in model],
             "guides": _guides(panel, tau),
         }
 
 
-def _term(panel: CurvePanel, term: Term, tau: Any) -> dict[str, Any]:
+def _term(panel: CurvePanel, term: Term, tau: Any, level: float) -> dict[str, Any]:
     unit = term.signal.sheet[term.row.power]
+    found = next((e for e in panel.fit or () if e.symbol == term.symbol and e.valued), None)
     return {
         "symbol": term.symbol,
         "title": tr(words.title(term.symbol, term.signal)),
         "color": term.row.color,
         "dark": term.row.dark,
         "value": term.to(unit),
-        "unit": unit,
+        "unit": printed_unit(unit),
+        "number": "" if found is None else tr(words.number(found, level)),
+        "coefficient": "" if found is None else tr(words.in_print(found, unit, level)),
         "tau": listed(tau),
         "deviation": listed(panel.expected(term, tau)),
     }
@@ -117,7 +122,7 @@ def _guides(panel: CurvePanel, tau: Any) -> list[dict[str, Any]]:
         if np.isfinite(deviation).any():
             found.append(
                 {"symbol": row.symbol, "title": tr(words.title(row.symbol, signal)), "color": row.color,
-                 "dark": row.dark, "slope": row.slope, "unit": unit, "tau": listed(tau),
+                 "dark": row.dark, "slope": row.slope, "unit": printed_unit(unit), "tau": listed(tau),
                  "deviation": listed(deviation)}
             )  # fmt: skip
     return found

@@ -12,7 +12,7 @@ from starlette.responses import Response
 from allanite.core.errors import DataError, UsageError
 
 from .messages import body_of
-from .store import CHOICES, MissingError, Store
+from .store import CHOICES, MissingError, Store, shown
 
 
 def menus(request: Request, lang: str = "") -> dict[str, Any]:
@@ -45,8 +45,12 @@ def workspace(request: Request, name: str) -> dict[str, Any]:
     """A workspace as it is; jobs that a server left unfinished are begun once more."""
     state = request.app.state.store.state(name)
     request.app.state.jobs.resume(state)
-    found = [{k: v for k, v in file.items() if k != "path" or not file["own"]} for file in state["files"].values()]
-    return {"id": state["id"], "files": found, "jobs": list(state["jobs"].values()), "choices": state["choices"]}
+    return {
+        "id": state["id"],
+        "files": list(map(_shown, state["files"].values())),
+        "jobs": list(state["jobs"].values()),
+        "choices": state["choices"],
+    }
 
 
 def drop_workspace(request: Request, name: str) -> dict[str, Any]:
@@ -96,7 +100,7 @@ def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
         raise DataError(f"there is no file {path!r}; give its path on this machine")
     size = os.path.getsize(where)
     own = f"{workspace}-{secrets.token_hex(8)}"
-    return store.add({"id": own, "name": path, "bytes": size, "path": where, "own": False})
+    return store.add({"id": own, "name": shown(path), "bytes": size, "path": where, "own": False})
 
 
 async def example(request: Request, name: str) -> dict[str, Any]:
@@ -114,7 +118,8 @@ async def example(request: Request, name: str) -> dict[str, Any]:
 
 
 def _shown(file: dict[str, Any]) -> dict[str, Any]:
-    return {key: file[key] for key in ("id", "name", "bytes")}
+    """A file as the page shows it; where an upload is kept is not said."""
+    return {key: file[key] for key in ("id", "name", "bytes", *(() if file["own"] else ("path",)))}
 
 
 def drop_file(request: Request, name: str, file: str) -> dict[str, Any]:

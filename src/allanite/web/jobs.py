@@ -6,7 +6,7 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.files import write
 from allanite.phrases.wording import command_line
 
@@ -16,6 +16,9 @@ from .workers import ProblemError, Workers
 
 WARM = "warm"
 """Lane of a worker that nobody uses: the first one that is started waits until everything is loaded."""
+
+WAITING = 0.3
+"""Seconds between looks whether what is compiled after an installation is ready."""
 
 UNFINISHED = ("waiting", "running")
 
@@ -39,6 +42,9 @@ class Jobs:
     def __init__(self, store: Store) -> None:
         self.store, self.workers = store, Workers()
         self.live: dict[str, Live] = {}
+        self.preparing: dict[str, Any] = {}
+        self.ready = threading.Event()
+        self.ready.set()
 
     def begin(self, workspace: str, asked: dict[str, Any]) -> State:
         """Enter a job and begin it.
@@ -56,7 +62,7 @@ class Jobs:
         if any(file["id"].partition("-")[0] != workspace for file in files):
             raise UsageError("the file belongs to another workspace")
         target = asked.get("target")
-        names = [target] if isinstance(target, str) and target else [file["name"] for file in files]
+        names = [target] if isinstance(target, str) and target else [_called(file) for file in files]
         verb, recipe, lang = str(asked.get("verb")), dict(choices), str(asked.get("lang") or "en")
         with command_line():
             request = Request.of(verb, recipe)
@@ -117,7 +123,15 @@ class Jobs:
 
     def warm(self) -> None:
         """Have the process ready from which workers are started."""
-        self.workers.of(WARM).ask("has", {"job": ""})
+
+        def told(_: str, data: dict[str, Any]) -> None:
+            self.preparing = data
+
+        self.ready.clear()
+        try:
+            self.workers.of(WARM).ask("prepare", {}, tell=told)
+        finally:
+            self.ready.set()
 
     def work(self, workspace: str, task: str, **arguments: Any) -> dict[str, Any]:
         """Ask the worker of a workspace for something that is no job."""
@@ -136,6 +150,11 @@ class Jobs:
             live.tell(kind, data)
 
         try:
+            while not self.ready.wait(WAITING):  # two processes that compile the same take longer
+                if self.preparing:
+                    tell("progress", self.preparing)
+                if job["state"] == "cancelled":
+                    raise DataError("cancelled")
             with command_line():
                 found = self.workers.of(_lane(job)).ask("run", self._arguments(job), tell=tell)
             value, shown = self._paths(job["id"])
@@ -169,13 +188,18 @@ class Jobs:
         return {
             "job": job["id"], "verb": job["verb"], "choices": job["recipe"], "shown": job["command"],
             "lang": job["lang"], "paths": [job["target"]] if job["target"] else [file["path"] for file in files],
-            "files": {file["path"]: (file["id"], str(self.store.place(file["id"])), file["name"]) for file in files},
+            "files": {file["path"]: (file["id"], str(self.store.place(file["id"])), _called(file)) for file in files},
         }  # fmt: skip
 
     def _paths(self, name: str) -> tuple[Path, Path]:
         workspace, _, own = name.partition("-")
         folder = self.store.folder / known(workspace)
         return folder / f"{known(own)}.value.json", folder / f"{known(own)}.shown.json"
+
+
+def _called(file: State) -> str:
+    """What a file is called where the job is repeated: by its name if it was uploaded, else by its path."""
+    return str(file["name"] if file["own"] else file["path"])
 
 
 def _lane(job: State) -> str:

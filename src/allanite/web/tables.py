@@ -77,6 +77,6 @@ def tables(lang: str) -> dict[str, Any]:
                          {"name": "keep", "title": tr(say("use everywhere"))}],
             "verbs": jobs(),
             "options": {verb: {name: row.text for name, row in accepted(verb).items()} for verb in jobs()},
-            "choices": [{"name": name, "group": row.group, "control": row.kind.control}
+            "choices": [{"name": name, "group": row.group, "control": row.kind.control, "options": row.options}
                         for name, row in choices_of(Recipe).items()],
         }  # fmt: skip

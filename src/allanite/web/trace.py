@@ -3,6 +3,7 @@
 import json
 import math
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from allanite.core.record import Record, Recording
 from allanite.core.units import convert
 from allanite.prepare.outliers import outliers
 from allanite.prepare.view import stretches
+from allanite.reporting.digits import printed_unit
 
 FACTOR = 16
 """Samples of a stretch, and stretches of the next longer one."""
@@ -27,25 +29,32 @@ MOST = 2000
 
 MOST_POINTS = 20_000
 
+USUAL, ROOM = (0.02, 0.98), 1.0
+"""Shares of the stretches whose extremes are the usual range, and what is shown beyond it, in widths of that."""
+
 Array = NDArray[Any]
 
 
-def build(folder: Path, recording: Recording, key: str) -> None:
-    """Write the trace of a recording that was read with the choices `key`; the one before it is replaced."""
+def build(folder: Path, recording: Recording, key: str, raw: Sequence[str] = ()) -> None:
+    """Write the trace of a recording that was read with the choices `key`; the one before it is replaced.
+
+    `raw` are the choices that are not known yet, unit or rate: numbers are shown as they are, or by their count.
+    """
     place = folder / "trace"
     if _meta(place).get("key") == key:
         return
     draft = folder / "trace.part"
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(mode=0o700)
-    channels = [_write(draft, i, record) for i, record in enumerate(recording)]
+    channels = [_write(draft, i, record, raw) for i, record in enumerate(recording)]
     write(draft / "meta.json", json.dumps({"key": key, "channels": channels}).encode())
     shutil.rmtree(place, ignore_errors=True)
     draft.rename(place)
 
 
-def _write(folder: Path, i: int, record: Record) -> dict[str, Any]:
-    unit = record.signal.sheet[0]
+def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str, Any]:
+    plain = not {"unit", "kind"}.isdisjoint(raw)
+    unit = record.unit if plain else record.signal.sheet[0]
     values = record.rate_values
     values *= convert(1.0, record.signal.si[0], unit)
     finite = np.isfinite(values)
@@ -62,7 +71,8 @@ def _write(folder: Path, i: int, record: Record) -> dict[str, Any]:
     gaps = (stretches(~finite) / record.rate).tolist()
     far = outliers(record).at
     return {
-        "name": record.name, "rate": record.rate, "size": record.size, "unit": unit, "offset": offset,
+        "name": record.name, "rate": record.rate, "size": record.size, "offset": offset,
+        "unit": "" if plain else unit, "raw": list(raw),
         "levels": levels, "gaps": gaps[:MOST], "gap_count": len(gaps),
         "outliers": (far[:MOST] / record.rate).tolist(), "outlier_count": int(far.size),
     }  # fmt: skip
@@ -90,12 +100,12 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     level = 0
     while level < one["levels"] and (last - first) >= points * FACTOR ** (level + 1):
         level += 1
-    found = _part(folder / "trace" / f"{i}.{level}.npy", (first, last, FACTOR**level), points)
-    times, low, high = found
+    times, low, high = _part(folder / "trace" / f"{i}.{level}.npy", (first, last, FACTOR**level), points)
     return {
-        "channel": one["name"], "channels": names, "unit": one["unit"], "rate": one["rate"],
+        "channel": one["name"], "channels": names, "unit": printed_unit(one["unit"]), "rate": one["rate"],
         "duration": one["size"] / one["rate"], "t": (times / one["rate"]).tolist(),
-        "low": _listed(low + one["offset"]), "high": _listed(high + one["offset"]),
+        "low": _listed(low + one["offset"]), "high": _listed(high + one["offset"]), "raw": one["raw"],
+        "range": _range(low + one["offset"], high + one["offset"]),
         "gaps": [gap for gap in one["gaps"] if gap[1] > first / one["rate"] and gap[0] < last / one["rate"]],
         "outliers": [at for at in one["outliers"] if first / one["rate"] <= at < last / one["rate"]],
         "gap_count": one["gap_count"], "outlier_count": one["outlier_count"],
@@ -114,6 +124,16 @@ def _part(path: Path, where: tuple[int, int, int], points: int) -> tuple[Array, 
     starts = np.linspace(0, low.size, points, endpoint=False).astype(np.int64)
     middle = (starts + np.append(starts[1:], low.size)) / 2
     return (begin + middle) * size, np.fmin.reduceat(low, starts), np.fmax.reduceat(high, starts)
+
+
+def _range(low: Array, high: Array) -> list[float] | None:
+    """What is shown where a few stretches reach so far that the others would be a line; None if all are shown."""
+    if not np.isfinite(low).any():
+        return None
+    bottom, top = float(np.nanquantile(low, USUAL[0])), float(np.nanquantile(high, USUAL[1]))
+    room = ROOM * (top - bottom)
+    inside = np.nanmin(low) >= bottom - room and np.nanmax(high) <= top + room
+    return None if inside or not room else [bottom - room / 4, top + room / 4]
 
 
 def _listed(values: Array) -> list[float | None]:

@@ -1,34 +1,28 @@
 """What a worker needs, loaded before it begins: importing this module makes the process that starts workers ready.
 
-It opens no file and starts no thread, so that the process can be forked safely.
+It starts no thread and compiles nothing, so that the process can be forked safely, and at once.
 """
 
-import numpy as np
+from importlib import import_module
 
 import allanite.cli
+import allanite.exporting.export
+import allanite.kernels.ahead
 import allanite.reporting.html
+import allanite.reporting.json
+import allanite.reporting.views.analysis
+import allanite.study.analysis
 import allanite.web.worker
 from allanite.cli import VERBS, main
-from allanite.core.model import B, N
-from allanite.core.record import Recording
-from allanite.reporting.json import to_json
-from allanite.simulation.record import simulate
-from allanite.study.analysis import analyze
-
-from . import faces
-
-SAMPLES = 20_000
+from allanite.parallel.processors import IDENTIFICATION
 
 
 def warm() -> None:
-    """Load the compiled loops and templates by a small analysis."""
+    """Load the commands and what the identification of noise needs."""
+    for name in IDENTIFICATION:
+        import_module(name)
     for verb in VERBS:
         main.get_command(allanite.cli.main.make_context("allanite", ["--"], resilient_parsing=True), verb)
-    model = N(0.1, "deg/sqrt(h)") + B(1.0, "deg/h")
-    record = simulate(model, SAMPLES, 100.0, rng=np.random.default_rng(1), name="z")
-    study = analyze(Recording((record,)))
-    faces.described(study, "en")
-    to_json(study)
 
 
 warm()

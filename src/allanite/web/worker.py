@@ -1,120 +1,25 @@
 """The process that does the work: does jobs, keeps what it has read, and answers questions about results."""
 
-import json
 import os
 import re
-import time
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing.connection import Connection
-from pathlib import Path
 from typing import Any
 
 from allanite.cli import main as allanite
 from allanite.cli.forms import encoded
 from allanite.cli.tasks import Reports
 from allanite.core.choices import choices_of, read_given
-from allanite.core.errors import DataError, UsageError
-from allanite.core.record import Recording
+from allanite.core.errors import UsageError
 from allanite.parallel.processes import ANSWER
+from allanite.parallel.processors import IDENTIFICATION, imported, importing, processes
 from allanite.phrases.wording import command_line
-from allanite.statistics import deviation as deviation_of
-from allanite.study.channels import whole_recording
-from allanite.study.parts import in_parts
-from allanite.study.recipe import READING, Recipe
 
-from . import faces, trace
+from . import faces
+from .held import Answer, Held
 from .requests import Request, problem_of
 from .workers import PROBLEM
-
-KEPT = 2
-"""Recordings that stay in memory."""
-
-SAID = 0.05
-"""Seconds between reports of progress."""
-
-SEEN = 1.0
-"""Seconds between the curves of a stream."""
-
-Answer = dict[str, Any]
-
-
-class Held:
-    """What the process has in memory, and where it reports to.
-
-    `values` are results by job, `recordings` what was read, by path and choices.
-    """
-
-    def __init__(self, connection: Connection) -> None:
-        self.connection = connection
-        self.values: dict[str, Any] = {}
-        self.recordings: dict[tuple[str, str], Recording] = {}
-        self.files: Mapping[str, tuple[str, str, str]] = {}
-        self.drawn: dict[tuple[Any, ...], Any] = {}
-        self.said = self.seen = 0.0
-        self.lang = "en"
-
-    def tell(self, what: str, fraction: float) -> None:
-        """Report progress, not too often."""
-        now = time.monotonic()
-        if now - self.said >= SAID or fraction >= 1.0:
-            self.said = now
-            self.send("progress", {"what": what, "fraction": fraction})
-
-    def event(self, words: str, watch: Any) -> None:
-        """Report what happens in a stream, and its curves so far."""
-        self.send("words", {"text": words})
-        now = time.monotonic()
-        if now - self.seen >= SEEN:
-            self.seen = now
-            curves = [channel.curve for channel in watch.latest or () if channel.curve is not None]
-            self.send("live", {"channels": [faces.drawn(faces.panel_of(curve), 0.95, self.lang) for curve in curves]})
-
-    def named(self, problem: Answer) -> Answer:
-        """A problem with the names of files instead of where they are kept."""
-        words = problem["error"]
-        for path, (_, _, name) in self.files.items():
-            words = words.replace(path, name)
-        return problem | {"error": words}
-
-    def source(self, path: str, recipe: Recipe) -> Recording | str:
-        """The recording of a file, read unless it is in memory; its path, if it does not fit into memory.
-
-        Its trace is written beside the upload.
-        """
-        with in_parts(path, recipe) as reader:
-            if reader is not None:
-                return path
-        key = json.dumps(recipe.to_dict(READING), sort_keys=True, default=str)
-        if (path, key) not in self.recordings:
-            while len(self.recordings) >= KEPT:
-                self.recordings.pop(next(iter(self.recordings)))
-            recording = whole_recording(path, recipe, progress=self.tell)
-            self.recordings[path, key] = replace(recording, source=self.files[path][2] if path in self.files else path)
-            self._traced(path, key)
-            drawn = []  # without their bands, which take longer
-            for record in recording:
-                with suppress(DataError):
-                    curve = deviation_of(record, "oadev", taus="octave", noise=None)
-                    drawn.append(faces.drawn(faces.panel_of(curve), 0.95, self.lang))
-            self.send("curves", {"channels": drawn})
-        else:
-            self._traced(path, key)
-        return self.recordings[path, key]
-
-    def _traced(self, path: str, key: str) -> None:
-        if path in self.files:
-            file, folder, _ = self.files[path]
-            trace.build(Path(folder), self.recordings[path, key], key)
-            self.send("trace", {"file": file})
-
-    def send(self, kind: str, data: Answer) -> None:
-        """Report to the server; without one there is nothing to go on for."""
-        try:
-            self.connection.send((kind, data))
-        except OSError:
-            os._exit(0)
 
 
 def run(
@@ -129,15 +34,21 @@ def run(
     files: dict[str, tuple[str, str, str]],
 ) -> Answer:
     """Do a job; its result as JSON, and as it is shown. `files` are id, folder and name of each path."""
-    from allanite.parallel.processors import processes
     from allanite.reporting.json import to_json
 
     held.files, held.lang = files, lang
     request = Request.of(verb, choices)
-    with processes(None):
+    with processes(None), importing(IDENTIFICATION, kernels=True):
         value = request.task.run(paths, request.recipe, request.settings, Reports(held.tell, held.event, held.source))
     held.values[job] = value, shown
     return {"json": to_json(value), "faces": faces.described(value, lang), "exit": request.task.code(value)}
+
+
+def prepare(held: Held) -> Answer:
+    """Load the kernels, or compile them, which is told."""
+    with importing(IDENTIFICATION, kernels=True):
+        imported(held.tell)
+    return {}
 
 
 def example(held: Held, line: list[str]) -> Answer:
@@ -232,8 +143,8 @@ def has(held: Held, job: str) -> Answer:
 
 
 TASKS: dict[str, Callable[..., Answer]] = {
-    "run": run, "example": example, "described": described, "deviation": deviation, "refit": refit, "export": export,
-    "save": save, "has": has,
+    "run": run, "prepare": prepare, "example": example, "described": described, "deviation": deviation, "refit": refit,
+    "export": export, "save": save, "has": has,
 }  # fmt: skip
 """What a worker can be asked."""
 

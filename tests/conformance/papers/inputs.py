@@ -64,7 +64,7 @@ def warmed(name):
     t = np.arange(3600.0)
     displacement = np.sin(2 * np.pi * t / 300) + 0.1 * rng.standard_normal(t.size)
     temperature = 25 + 2 * np.sin(2 * np.pi * t / 1100)
-    noise = al.simulate(al.parse_model("N 1 deg/sqrt(h), B 5 deg/h"), t.size, 1.0, rng=rng)
+    noise = al.simulate(al.Model("N 1 deg/sqrt(h), B 5 deg/h"), t.size, 1.0, rng=rng)
     rate = np.degrees(noise.values) * 3600 + 40 * displacement + 20 * temperature
     _columns(name, "time [s],gx [deg/h],disp [um],temp [degC]", t, rate, displacement, temperature)
 

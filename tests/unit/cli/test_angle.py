@@ -106,10 +106,10 @@ def test_an_encoder(encoder, tmp_path):
 def test_plan_finds_the_window_of_the_paper(tmp_path):
     done = run("plan", *EXPERIMENT, "--q-law", "linear", "--report", tmp_path / "p.html", "--plot", tmp_path / "p.svg")
     assert done.exit_code == 0, done.stderr
-    assert "h from 13.38 to 19.77 deg" in done.stdout
+    assert "h from 13.38 to 19.77°" in done.stdout
     assert "sum over the 8 amplitudes: 1.129" in done.stdout
     page = (tmp_path / "p.html").read_text(encoding="utf-8")
-    assert "h from 13.4 to 19.8 deg" in page
+    assert "h from 13.4 to 19.8°" in page
     assert page.count("<svg") == 1
     one = json.loads(run("plan", *EXPERIMENT, "--start", 0, "--sway", "1,60", "--json", "-").stdout)
     assert (one["type"], round(one["total"], 2)) == ("AnglePlan", 0.95)

@@ -274,7 +274,7 @@ def test_each_option_is_declared_in_one_file():
 def test_what_is_read_off_the_curve_is_said_everywhere(file, tmp_path):
     paths = [tmp_path / name for name in ("a.html", "a.json", "a.csv")]
     result = run("analyze", file, "--report", paths[0], "--json", paths[1], "--coefficients", paths[2])
-    assert re.search(r"in-run bias stability +\S+ .* deg/h", result.stdout)
+    assert re.search(r"in-run bias stability +\S+ .* °/h", result.stdout)
     assert "in-run bias stability" in paths[0].read_text(encoding="utf-8")
     x, _, flat = json.loads(paths[1].read_text(encoding="utf-8"))["channels"]
     assert flat["readings"] is None
@@ -299,7 +299,7 @@ def test_readings_do_not_depend_on_the_curve_that_is_shown(file, other):
 def test_a_method_that_cannot_know_the_sign_of_a_ramp_prints_its_size(tmp_path):
     sample, paths = ROOT / "examples" / "tactical_gyro.csv", [tmp_path / "a.html", tmp_path / "a.svg"]
     result = run("analyze", sample, "--channels", "gz", "--method", "gls", "--report", paths[0], "--plot", paths[1])
-    assert re.search(r"\|R\| +rate ramp +57 +41 \.\. 69 +deg/h\^2", result.stdout)
+    assert re.search(r"\|R\| +rate ramp +57 +41 \.\. 69 +°/h²", result.stdout)
     assert "+57" not in result.stdout
     assert 'style="color: ' in re.search(r"<th[^>]*>\|R\|", paths[0].read_text(encoding="utf-8"))[0]
     assert re.search(r" R +rate ramp +-58 ", run("analyze", sample, "--channels", "gz").stdout)
@@ -309,6 +309,6 @@ def test_a_method_that_cannot_know_the_sign_of_a_ramp_prints_its_size(tmp_path):
 def test_a_negative_square_is_explained():
     sample = ROOT / "examples" / "tactical_gyro.csv"
     result = run("analyze", sample, "--channels", "gy", "--method", "ls")
-    assert re.search(r" R +rate ramp +-46\.46 +deg/h\^2 +negative", result.stdout)
+    assert re.search(r" R +rate ramp +-46\.46 +°/h² +negative", result.stdout)
     assert "negative: the estimated square of the coefficient is negative" in result.stdout
     assert "negative:" not in run("analyze", sample, "--channels", "gy").stdout

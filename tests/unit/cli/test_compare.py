@@ -64,7 +64,7 @@ def test_before_and_after(folder, tmp_path):
     assert float(first["low_percent"]) < float(first["change_percent"]) < float(first["high_percent"])
     page = paths["report"].read_text("utf-8")
     assert page.startswith("<!DOCTYPE html>")
-    assert "deg/√h" in page
+    assert "°/√h" in page
     assert "<script" not in page
     assert "http" not in page.split("<body>")[1].replace("http://www.w3.org", "")
     assert paths["plot"].read_text("utf-8").startswith("<?xml")

@@ -106,14 +106,14 @@ def test_pairs_of_one_noise_are_told_from_independent_records():
 
 @pytest.mark.parametrize("drift", ["R 5 deg/h/s", "K 50 deg/h/sqrt(s)", "B 5 deg/s, R 5 deg/h/s"])
 def test_records_that_only_drift_alike_are_no_pair(drift):
-    model = al.parse_model(f"N 0.1 deg/sqrt(h), {drift}")
+    model = al.Model(f"N 0.1 deg/sqrt(h), {drift}")
     for seed in range(10):
         one, other = (al.simulate(model, 4096, 10.0, rng=np.random.default_rng([seed, i])) for i in range(2))
         assert resemblance((one, other)) < 0.5
 
 
 def test_a_smoothed_record_and_its_source_are_a_pair():
-    raw = al.simulate(al.parse_model("N 0.1 deg/sqrt(h), K 5 deg/h/sqrt(h)"), 65536, 10.0, rng=np.random.default_rng(1))
+    raw = al.simulate(al.Model("N 0.1 deg/sqrt(h), K 5 deg/h/sqrt(h)"), 65536, 10.0, rng=np.random.default_rng(1))
     smooth = raw.with_values(np.convolve(raw.values, np.full(5, 0.2), "same"), "smoothed")
     assert resemblance((raw, smooth)) > 0.9
 

@@ -15,7 +15,7 @@ import allanite as al
     ],
 )  # fmt: skip
 def test_what_people_write(text, model):
-    assert al.parse_model(text) == model
+    assert al.Model(text) == model
 
 
 def test_what_is_printed_is_understood():
@@ -25,7 +25,7 @@ def test_what_is_printed_is_understood():
         + al.GM(1.0, "deg/h", time_constant=3.0)
         + al.R(-0.5, "deg/h^2")
     )
-    assert al.parse_model(str(model)) == model
+    assert al.Model(str(model)) == model
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_what_is_printed_is_understood():
 )
 def test_what_is_refused(text, words):
     with pytest.raises(al.UsageError, match=words):
-        al.parse_model(text)
+        al.Model(text)
 
 
 def test_typical_sensors():

@@ -59,9 +59,9 @@ def test_the_units_of_an_angle_are_those_of_its_data_sheet():
     assert [angle.sheet[p] for p in (1, 0.5, 0, -0.5, -1)] == [
         "arcsec*s", "arcsec*sqrt(s)", "arcsec", "arcsec/sqrt(s)", "arcsec/s"
     ]  # fmt: skip
-    model = al.parse_model("Q 1 arcsec*s, N 1 arcsec*sqrt(s), B 1 arcsec, K 1 arcsec/sqrt(s), R 1 arcsec/s")
+    model = al.Model("Q 1 arcsec*s, N 1 arcsec*sqrt(s), B 1 arcsec, K 1 arcsec/sqrt(s), R 1 arcsec/s")
     assert model.signal is angle
-    assert al.parse_model(str(model)) == model
+    assert al.Model(str(model)) == model
 
 
 def test_terms_of_an_angle_and_of_a_gyro_cannot_be_added():

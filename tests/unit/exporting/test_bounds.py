@@ -15,8 +15,8 @@ from allanite.exporting.content import Axis
 from allanite.exporting.export import prepared
 from allanite.exporting.fields import How
 
-GYRO = al.parse_model("N 0.3 deg/sqrt(h), B 7 deg/h, K 30 deg/h/sqrt(h)")
-ACCELEROMETER = al.parse_model("N 60 ug/sqrt(Hz), B 30 ug, K 200 ug/sqrt(h)")
+GYRO = al.Model("N 0.3 deg/sqrt(h), B 7 deg/h, K 30 deg/h/sqrt(h)")
+ACCELEROMETER = al.Model("N 60 ug/sqrt(Hz), B 30 ug, K 200 ug/sqrt(h)")
 
 
 def shaken(model, name, seed):

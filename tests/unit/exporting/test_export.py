@@ -140,7 +140,7 @@ def test_the_rate_is_asked_for_where_it_is_needed():
 
 
 def test_values_outside_of_the_range_of_a_parameter_are_clipped_and_said():
-    found = al.export([al.parse_model("N 1e-6 rad/s/sqrt(Hz), K 1e-9 rad/s^2/sqrt(Hz)"), noise()[1]], "px4")
+    found = al.export([al.Model("N 1e-6 rad/s/sqrt(Hz), K 1e-9 rad/s^2/sqrt(Hz)"), noise()[1]], "px4")
     assert found["EKF2_GYR_NOISE"] == 1e-4
     assert "1e-05 is outside of what is accepted, 0.0001 to 0.1" in found.entries[0].remark
 
@@ -192,7 +192,7 @@ def test_the_same_input_gives_the_same_bytes_and_every_form(name):
 def test_forms_of_a_state_space():
     from allanite.statespace import state_space
 
-    model = al.parse_model("N 0.01 deg/sqrt(h), B 0.5 deg/h")
+    model = al.Model("N 0.01 deg/sqrt(h), B 0.5 deg/h")
     space = state_space(model, 100.0)
     held = np.load(io.BytesIO(al.export(model, "statespace", rate=100.0).data))
     for label in ("Phi", "Qd", "H", "R", "P0"):
@@ -233,8 +233,7 @@ def files(tmp_path_factory):
     for name, model, unit in (("gyro", "N 0.3 deg/sqrt(h), K 60 deg/h/sqrt(h)", "deg/h"),
                               ("acc", "N 100 ug/sqrt(Hz), K 3000 ug/sqrt(h)", "ug")):  # fmt: skip
         records = [
-            al.simulate(al.parse_model(model), 30_000, 20.0, rng=rng, unit=unit, name=f"{name[0]}{axis}")
-            for axis in "xyz"
+            al.simulate(al.Model(model), 30_000, 20.0, rng=rng, unit=unit, name=f"{name[0]}{axis}") for axis in "xyz"
         ]
         al.write(al.Recording(tuple(records)), folder / f"{name}.csv")
     return folder
@@ -363,7 +362,7 @@ def test_signs_of_latex_in_a_name_are_text():
 
 @pytest.fixture(scope="module")
 def tactical():
-    return al.analyze(ROOT / "examples" / "tactical_gyro.csv"), al.parse_model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
+    return al.analyze(ROOT / "examples" / "tactical_gyro.csv"), al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
 
 
 def test_a_line_break_in_a_path_is_no_line_of_the_file(tactical):

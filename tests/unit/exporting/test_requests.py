@@ -16,7 +16,7 @@ from allanite.cli import main
 def made(tmp_path_factory):
     """An export of a recording with a random walk, one without, and of given noise."""
     rng, folder = np.random.default_rng(5), tmp_path_factory.mktemp("imu")
-    walk = al.parse_model("N 0.3 deg/sqrt(h), K 60 deg/h/sqrt(h)")
+    walk = al.Model("N 0.3 deg/sqrt(h), K 60 deg/h/sqrt(h)")
     records = [al.simulate(m, 20_000, 20.0, rng=rng, unit="deg/h", name=n)
                for m, n in ((walk, "gx"), (al.N(0.3, "deg/sqrt(h)"), "gy"))]  # fmt: skip
     al.write(al.Recording(tuple(records)), folder / "gyro.csv")
@@ -30,7 +30,7 @@ def said(*arguments):
     return " ".join(done.stdout.split())
 
 
-FLICKER = al.parse_model("N 1 deg/sqrt(h), B 9 deg/h")
+FLICKER = al.Model("N 1 deg/sqrt(h), B 9 deg/h")
 REQUESTS = {
     "allan_variance_ros: confusion about the units":
         lambda m: "# rad/s/sqrt(Hz), N" in al.export([m.study, m.acc], "kalibr").text,

@@ -18,12 +18,12 @@ QUIET = 4096
 def made(model, n, rate, seed, change=lambda y, rng: y):
     """A record of a model, changed after it had time to settle."""
     rng = np.random.default_rng(seed)
-    quiet = al.simulate(al.parse_model(model), n + QUIET, rate, rng=rng)
+    quiet = al.simulate(al.Model(model), n + QUIET, rate, rng=rng)
     return al.Record(change(quiet.values, rng)[QUIET:], rate=rate, unit=quiet.unit)
 
 
 def truth(model, symbol):
-    return next(term.value for term in al.parse_model(model) if term.symbol == symbol)
+    return next(term.value for term in al.Model(model) if term.symbol == symbol)
 
 
 def holds(fit, model, symbol):
@@ -107,7 +107,7 @@ def test_limits_of_flicker_know_of_gauss_markov_noise_that_was_not_selected():
 
 def test_resonances_are_left_out_with_their_skirts_and_not_the_band_above():
     rng = np.random.default_rng(5)
-    quiet = al.simulate(al.parse_model(WHITE), 200_000, RATE, rng=rng)
+    quiet = al.simulate(al.Model(WHITE), 200_000, RATE, rng=rng)
     y = quiet.values
     for frequency in (0.46, 1.69):
         y = y + 0.7 * quiet.values.std() * resonance(y.size, RATE, frequency, 15, rng)

@@ -49,7 +49,7 @@ def test_the_other_slow_term_is_integrated_over():
     assert Inverted(ratios, 1).evidence > 4
 
 
-FOG = al.parse_model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
+FOG = al.Model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
 
 
 @pytest.mark.parametrize("seed", [7, 14])

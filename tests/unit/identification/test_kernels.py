@@ -133,7 +133,7 @@ def test_the_filter_is_that_of_an_exhaustive_search(row, b, a):
 
     best = {one.row: (one.cutoff, gained) for one, gained in zip(found.filters, found.gains, strict=True)}
     coarse = [gain(name, c) for name, other in FILTERS.items() for c in other.widest * 2.0 ** -np.arange(7)]
-    assert max(coarse) <= found.gains[0]
+    assert max(coarse) <= found.gains[0] * (1 + 1e-12)  # equal but for rounding
     cutoff, gained = best[row]
     fine = cutoff * np.exp(np.arange(-60, 61) * 2.5e-3)
     fine = fine[fine <= FILTERS[row].widest]

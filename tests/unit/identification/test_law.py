@@ -91,7 +91,7 @@ def test_estimates_are_correlated_as_the_fit_says():
 def test_an_interval_holds_its_value(level):
     # here a third term is weak: some of the models that are possible have it, and N differs between them
     model = al.N(0.1, "deg/sqrt(h)") + al.B(1, "deg/h")
-    fit = al.identify(al.simulate(model, n=2_000_000, rate=100.0, rng=np.random.default_rng(1)))
+    fit = al.identify(al.simulate(model, size=2_000_000, rate=100.0, rng=np.random.default_rng(1)))
     claimed = [estimate for estimate in fit if estimate.value is not None]
     assert {estimate.symbol for estimate in claimed} > {"N", "B"}
     for estimate in claimed:

@@ -131,7 +131,7 @@ def test_without_gaps_or_noise_of_the_angle_the_joined_record_is_read():
 
 
 def test_the_spectrum_is_that_expected():
-    model, total, told = al.parse_model("Q 0.5 arcsec, N 0.18 arcsec/sqrt(s)"), 0.0, 0.0
+    model, total, told = al.Model("Q 0.5 arcsec, N 0.18 arcsec/sqrt(s)"), 0.0, 0.0
     for seed in range(8):
         record = lossy(model, seed, 0.02)
         seen = spectrum(record, detrend=False)

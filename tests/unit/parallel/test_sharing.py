@@ -26,7 +26,7 @@ N = 4000
 @pytest.fixture(scope="module")
 def recording():
     model = al.N(0.2, "deg/sqrt(h)") + al.B(2.0, "deg/h")
-    records = [al.simulate(model, n=N, rate=50.0, rng=np.random.default_rng([5, i]), name=f"g{i}") for i in range(3)]
+    records = [al.simulate(model, size=N, rate=50.0, rng=np.random.default_rng([5, i]), name=f"g{i}") for i in range(3)]
     return al.Recording(tuple(records))
 
 

@@ -30,7 +30,7 @@ MODELS = {
 )  # fmt: skip
 def test_the_bound_is_that_of_dense_matrices(name, n, rate, ramp):
     """To 0.5 % at hundreds of readings; the table has 2048, and 0.2 %."""
-    model = al.parse_model(MODELS[name])
+    model = al.Model(MODELS[name])
     found = al.bound(model, n, rate, ramp=ramp)
     noise = al.Model(tuple(t for t in model if t.row.waveform is None))
     errors, slope = script.dense(noise, n, rate, ramp)
@@ -129,7 +129,7 @@ def test_a_term_that_is_not_known_to_be_absent_costs_as_much_as_a_tiny_one():
 
 
 def test_two_processes_are_told_apart_by_their_time_constants():
-    model = al.parse_model("N 1 deg/sqrt(h), GM 3 deg/h 10 s, GM 3 deg/h 100 s")
+    model = al.Model("N 1 deg/sqrt(h), GM 3 deg/h 10 s, GM 3 deg/h 100 s")
     names = al.bound(model, 10_000, 10.0).names
     assert names == ("N", "GM(10 s)", "GM(10 s) time constant", "GM(100 s)", "GM(100 s) time constant")
 

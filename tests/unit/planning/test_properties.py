@@ -34,7 +34,7 @@ def test_a_statistic_of_second_differences_has_no_bias_and_hadamard_is_its_own_t
 
 def test_the_scatter_of_simulated_records():
     found = properties("totdev", 256, m=[64])
-    model = al.parse_model("N 1 deg/sqrt(h)")
+    model = al.Model("N 1 deg/sqrt(h)")
     draws = [
         al.deviation(al.simulate(model, 256, 1.0, rng=np.random.default_rng(seed)), "totdev", m=[64], noise=None)
         for seed in range(400)
@@ -63,8 +63,8 @@ def test_bad_input(name, more, message):
 
 def test_limits_under_quantization_alone():
     """Only white angle noise: none of the terms is smooth."""
-    record = al.simulate(al.parse_model("Q 1 arcsec"), 1000, 1.0, rng=np.random.default_rng(1))
-    curve = al.deviation(record, "theo1", m=[10, 1000], noise=al.parse_model("Q 1 arcsec"))
+    record = al.simulate(al.Model("Q 1 arcsec"), 1000, 1.0, rng=np.random.default_rng(1))
+    curve = al.deviation(record, "theo1", m=[10, 1000], noise=al.Model("Q 1 arcsec"))
     low, high = curve.interval(0.95)
     assert (low < curve.deviation).all()
     assert (curve.deviation < high).all()

@@ -72,7 +72,7 @@ def test_limits_are_exceeded_beyond_chance_only():
 
 
 def test_terms_that_cannot_be_compared_are_named():
-    pair = al.parse_model("N 1 deg/sqrt(h), GM 1 deg/h 3 s, GM 1 deg/h 30 s")
+    pair = al.Model("N 1 deg/sqrt(h), GM 1 deg/h 3 s, GM 1 deg/h 30 s")
     check = al.selfcheck(pair, 400, 10.0, records=2, rng=np.random.default_rng(1), terms="NB")
     assert check.notes == ("Gauss-Markov noise (GM) is in the model, but was not identified in any record",)
     with pytest.raises(al.UsageError, match="'GM' was not looked for"):
@@ -84,7 +84,7 @@ def test_terms_that_cannot_be_compared_are_named():
 @pytest.mark.slow("ensemble")
 def test_time_constants_and_sinusoids():
     """Ten records of a strong process and a strong line: both are always found, within 5 standard errors."""
-    model = al.parse_model("N 0.1 deg/sqrt(h), GM 30 deg/h 5 s, Sine 30 deg/h 1.3 Hz")
+    model = al.Model("N 0.1 deg/sqrt(h), GM 30 deg/h 5 s, Sine 30 deg/h 1.3 Hz")
     check = al.selfcheck(model, 12_000, 10.0, records=10, rng=np.random.default_rng(1))
     for symbol in ("N", "GM", "Sine", "GM time constant"):
         found = check[symbol]

@@ -148,7 +148,7 @@ def test_the_stretch_that_is_offered_holds_samples_and_passes_as_it_is_typed(tmp
 
 
 def test_a_random_walk_is_no_motion():
-    model = al.parse_model("N 0.02 deg/sqrt(h), K 300 deg/h/sqrt(h)")
+    model = al.Model("N 0.02 deg/sqrt(h), K 300 deg/h/sqrt(h)")
     for seed in (4, 13, 24, 35, 40, 46):
         assert "moving" not in inspect(al.simulate(model, 2**14, 10.0, rng=np.random.default_rng(seed))).names
 

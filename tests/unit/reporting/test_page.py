@@ -15,6 +15,7 @@ from tests.unit.reporting.test_report import HOSTILE, Tags, channel_of, refused,
 from allanite.cli import main
 from allanite.core.errors import UsageError
 from allanite.reporting import page, table
+from allanite.reporting.language import tr
 from allanite.reporting.views.datasheet import alternative
 from allanite.study.analysis import analyze
 from allanite.study.recipe import Recipe
@@ -58,8 +59,8 @@ def test_every_figure_is_described_by_its_numbers(tags, study):
     assert all(attrs["role"] == "img" for attrs in named(tags, "svg"))
     assert len(labels) == len(set(labels))
     channel = study.channels[0]
-    assert alternative(channel, channel.curve, 0.95) in labels
-    assert any("N = 0.0500 (0.0480 … 0.0520) deg/√h" in label and "at 0.1 s" in label for label in labels)
+    assert tr(alternative(channel, channel.curve, 0.95)) in labels
+    assert any("N = 0.0500 (0.0480 … 0.0520) °/√h" in label and "at 0.1 s" in label for label in labels)
 
 
 def test_there_are_landmarks_and_a_way_to_each_channel(tags):
@@ -106,10 +107,10 @@ def test_the_cards_say_which_channels_can_be_used(text):
         for card in re.findall(r'<article class="card">.*?</article>', text, re.DOTALL)
     ]
     assert "✓ explained" in cards[0]
-    assert "0.0500 deg/√h ± 4 %" in cards[0]
+    assert "0.0500 °/√h ± 4 %" in cards[0]
     assert "Not identified in 60 s: Q, K" in cards[0]
     assert "✗ not explained" in cards[1]
-    assert "deg/√h" not in cards[1]
+    assert "°/√h" not in cards[1]
     assert "✗ no result" in cards[2]
     assert "never changes" in cards[2]
 
@@ -145,8 +146,8 @@ def test_a_page_of_three_channels_is_small():
 def test_another_unit_is_used_everywhere(study):
     shown = replace(study, channels=(study.channels[0].to("deg/s"),), recipe=Recipe(to=("deg/s",)))
     text = table(shown)
-    assert re.search(r"angle random walk +8.33e-4 .*deg/s/sqrt\(Hz\)", text)
-    assert re.search(r"bias instability +1.39e-4 .*deg/s", text)
+    assert re.search(r"angle random walk +8.33e-4 .*°/s/√Hz", text)
+    assert re.search(r"bias instability +1.39e-4 .*°/s", text)
 
 
 @pytest.mark.parametrize("wrong", ["deg/s^3", "m/s^7"])

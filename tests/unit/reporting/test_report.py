@@ -118,8 +118,8 @@ def test_no_line_of_the_table_is_wider_than_the_terminal(study, width):
 
 def test_the_terminal_shows_one_system_of_units_and_the_page_both(study):
     line = next(line for line in table(study, width=160).splitlines() if "angle random walk" in line)
-    assert "deg/sqrt(h)" in line
-    assert "rad/sqrt(s)" not in table(study, width=160)
+    assert "°/√h" in line
+    assert "rad/√s" not in table(study, width=160)
     assert "rad/√s" in page(study)
 
 
@@ -132,7 +132,7 @@ def test_values_carry_the_digits_of_their_interval(study):
 def test_absent_terms_are_said_to_be_not_identified_with_their_limit(study):
     text = table(study)
     assert re.search(r"Q  quantization noise +below 0.12 +arcsec +absent", text)
-    assert re.search(r"K  rate random walk +below 2.1 +deg/h/sqrt\(h\) +absent", text)
+    assert re.search(r"K  rate random walk +below 2.1 +°/h/√h +absent", text)
     assert "one-sided 95 % upper limit" in text
 
 
@@ -187,8 +187,8 @@ def test_an_accelerometer_has_its_own_words():
 
 def test_the_verdict_is_a_plain_sentence():
     assert verdict(channel_of(), 0.95) == (
-        "gyro_z is a gyroscope with angle random walk 0.0500 deg/√h, bias instability 0.50 deg/h (weak) and rate ramp "
-        "−0.400 deg/h². Not identified in 60 s of data: quantization noise, rate random walk."
+        "gyro_z is a gyroscope with angle random walk 0.0500 °/√h, bias instability 0.50 °/h (weak) and rate ramp "
+        "−0.400 °/h². Not identified in 60 s of data: quantization noise, rate random walk."
     )
     assert verdict(channel_of(p=1e-9), 0.95) == "gyro_z: not explained. Its coefficients are not valid."
     assert verdict(refused(), 0.95).startswith("gyro_x gives no result: 'gyro_x' never changes")
@@ -204,9 +204,9 @@ def test_a_figure_has_a_panel_for_each_curve(study):
 
 def test_labels_give_the_coefficients(study):
     texts = [text.get_text() for text in plot(study).axes[0].texts]
-    assert "N = 0.0500 (0.0480 … 0.0520) deg/√h\nat τ = 1 s: 3 deg/h" in texts
-    assert "0.664 B = 0.332 deg/h\nB = 0.50 (0.20 … 0.80) deg/h" in texts
-    assert "R = −0.400 (−0.480 … −0.320) deg/h²" in texts
+    assert "N = 0.0500 (0.0480 … 0.0520) °/√h\nat τ = 1 s: 3 °/h" in texts
+    assert "0.664 B = 0.332 °/h\nB = 0.50 (0.20 … 0.80) °/h" in texts
+    assert "R = −0.400 (−0.480 … −0.320) °/h²" in texts
     assert "slope −½" in texts
     assert not any(text.startswith("K =") for text in texts)
 
@@ -223,11 +223,11 @@ def test_a_bare_curve_can_be_drawn(study):
     curve = study.channels[0].curve
     bare = replace(curve, name="", noise=None, law=None)
     assert plot(bare).axes[0].get_xlabel() == "averaging time τ (s)"
-    assert plot(bare.to("deg/s")).axes[0].get_ylabel().endswith("(deg/s)")
+    assert plot(bare.to("deg/s")).axes[0].get_ylabel().endswith("(°/s)")
 
 
 def test_what_cannot_be_drawn_is_said():
-    with pytest.raises(UsageError, match="a int cannot be shown; results that can are Study"):
+    with pytest.raises(UsageError, match="a int cannot be shown: compute a result first"):
         plot(3)
     with pytest.raises(UsageError, match="no curve to draw"):
         plot(study_of(refused()))

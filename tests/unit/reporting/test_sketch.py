@@ -73,7 +73,7 @@ def drawings(parts):
 @pytest.fixture(scope="module")
 def study():
     """Three channels of two sensors."""
-    model = al.parse_model("N 0.1 deg/sqrt(h), K 20 deg/h/sqrt(h)")
+    model = al.Model("N 0.1 deg/sqrt(h), K 20 deg/h/sqrt(h)")
     made = [al.simulate(model, 4000, 20.0, rng=np.random.default_rng(i), name=f"g{i} $x_{{<&") for i in range(2)]
     other = al.simulate(al.N(100, "ug/sqrt(Hz)"), 4000, 20.0, rng=np.random.default_rng(9), name="ax")
     return al.analyze(al.Recording((*made, other)))

@@ -69,7 +69,7 @@ EXACT = {
 @pytest.mark.parametrize("name", list(EXACT))
 @pytest.mark.parametrize("rate", [1.0, 50.0])
 def test_the_allan_variance_of_the_matrices_is_that_of_the_model(name, rate):
-    model = al.parse_model(EXACT[name])
+    model = al.Model(EXACT[name])
     space = al.state_space(model, rate, measurement="mean", tau=(1.0, 400.0))
     m = np.array([1, 2, 3, 7, 50, 391])
     np.testing.assert_allclose(space.allan(m), al.expected(model, "oadev", m / rate), rtol=2e-8)
@@ -95,7 +95,7 @@ def simulated(space, n, rng):
 @pytest.mark.parametrize("measurement", ["mean", "sample"])
 def test_the_recursion_has_the_curve_of_the_matrices(measurement):
     """12 records of 4096 steps; every octave within 5 standard errors of the mean: one failure in 1e5."""
-    model = al.parse_model("N 0.5 rad/sqrt(s), B 1 rad/s, K 0.05 rad/s^1.5")
+    model = al.Model("N 0.5 rad/sqrt(s), B 1 rad/s, K 0.05 rad/s^1.5")
     if measurement == "mean":
         model = model + al.Q(0.4, "rad")
     space = al.state_space(model, 2.0, tau=(1.0, 200.0), measurement=measurement)
@@ -115,7 +115,7 @@ def test_the_recursion_has_the_curve_of_the_matrices(measurement):
 def test_a_filter_with_these_matrices_is_consistent(symbols):
     """Normalised innovations of exact records are white with variance 1: within 5 standard errors."""
     terms = {"Q": "Q 0.3 rad", "N": "N 1 rad/sqrt(s)", "K": "K 0.1 rad/s^1.5", "G": "GM 1 rad/s 5 s"}
-    model = al.parse_model(", ".join(terms[s] for s in symbols))
+    model = al.Model(", ".join(terms[s] for s in symbols))
     space = al.state_space(model, 4.0, turn_on=10.0, measurement="mean")
     record = al.simulate(model, 6000, 4.0, rng=np.random.default_rng(1))
     x, P, innovations = np.zeros(len(space.Phi)), space.P0, []
@@ -160,8 +160,8 @@ def test_the_deviation_from_the_model_is_told():
 
 
 def test_the_simpler_measurement_is_taken_where_it_does():
-    slow = al.parse_model("N 0.1 deg/sqrt(h), GM 1 deg/h 100 s")
-    fast = al.parse_model("N 0.001 deg/sqrt(h), GM 10 deg/h 0.02 s")
+    slow = al.Model("N 0.1 deg/sqrt(h), GM 1 deg/h 100 s")
+    fast = al.Model("N 0.001 deg/sqrt(h), GM 10 deg/h 0.02 s")
     assert al.state_space(slow, 100.0).measurement == "sample"
     assert al.state_space(fast, 100.0).measurement == "mean"
 
@@ -180,7 +180,7 @@ def test_the_simpler_measurement_is_taken_where_it_does():
 )
 def test_what_is_refused(text, options, words):
     with pytest.raises(al.UsageError, match=words):
-        al.state_space(al.parse_model(text), 10.0, **options)
+        al.state_space(al.Model(text), 10.0, **options)
 
 
 def run(*arguments):

@@ -22,11 +22,11 @@ MODELS = [
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("statistic", ["mdev", "tdev", "oadev", "hdev", "ohdev", "totdev", "theo1"])
 def test_every_limit_is_a_number(model, statistic):
-    record = al.simulate(al.parse_model(model), 20_000, 40.0, rng=np.random.default_rng(1))
+    record = al.simulate(al.Model(model), 20_000, 40.0, rng=np.random.default_rng(1))
     m = 2 * np.unique(np.geomspace(5, 3000, 60).astype(int))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        curve = al.deviation(record, statistic, m=m.tolist(), noise=al.parse_model(model))
+        curve = al.deviation(record, statistic, m=m.tolist(), noise=al.Model(model))
         low, high = curve.interval(0.95)
     assert np.isfinite(curve.edf).all()
     assert np.isfinite(low).all()
@@ -35,10 +35,10 @@ def test_every_limit_is_a_number(model, statistic):
 
 
 def test_a_third_difference_removes_a_ramp():
-    record = al.simulate(al.parse_model("N 1 rad/s/sqrt(Hz)"), 20_000, 40.0, rng=np.random.default_rng(1))
+    record = al.simulate(al.Model("N 1 rad/s/sqrt(Hz)"), 20_000, 40.0, rng=np.random.default_rng(1))
     m = [30, 300, 3000]
     alone, beside = (
-        al.deviation(record, "ohdev", m=m, noise=al.parse_model(model))
+        al.deviation(record, "ohdev", m=m, noise=al.Model(model))
         for model in ("N 1 rad/s/sqrt(Hz)", "N 1 rad/s/sqrt(Hz), R 1e3 rad/s^2")
     )
     np.testing.assert_allclose(beside.edf, alone.edf, rtol=1e-12)

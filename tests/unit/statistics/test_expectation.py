@@ -25,7 +25,7 @@ def run(*arguments):
 
 
 def test_curves_are_the_expectation_and_its_terms_add_up():
-    model = al.parse_model(FIVE)
+    model = al.Model(FIVE)
     found = expectation(model, ["oadev", "mdev", "tdev", "theoh"], rate=100.0, size=20_000)
     for curve in found.curves:
         exact = al.expected(model, curve.statistic, curve.tau, rate=100.0, size=20_000)
@@ -36,14 +36,14 @@ def test_curves_are_the_expectation_and_its_terms_add_up():
 
 
 def test_the_figure_of_five_slopes():
-    figure = al.plot(al.parse_model(FIVE))
+    figure = al.plot(al.Model(FIVE))
     said = texts(figure)
     for label in ("Q = 0.5 arcsec", "N = 0.02 deg/√h", "B = 0.3 deg/h", "K = 1 deg/h/√h", "R = 5 deg/h²"):
         assert label in said
     assert {line.rpartition(" ")[2] for line in said.splitlines() if "slope" in line} == {"−1", "−½", "0", "+½", "+1"}
     black = next(line for line in figure.axes[0].lines if line.get_label() == "model")
     tau, deviation = np.asarray(black.get_xydata()).T
-    exact = np.sqrt(al.expected(al.parse_model(FIVE), "oadev", tau)) / np.radians(1 / 3600)
+    exact = np.sqrt(al.expected(al.Model(FIVE), "oadev", tau)) / np.radians(1 / 3600)
     np.testing.assert_allclose(deviation, exact, rtol=1e-9)
 
 
@@ -53,7 +53,7 @@ def test_slopes_are_those_of_the_statistic():
 
 
 def test_terms_of_one_symbol_share_a_label():
-    figure = al.plot(al.parse_model("GM 0.1 deg/h 20 s, GM 0.3 deg/h 500 s, Sine 1 deg/h 3 Hz"))
+    figure = al.plot(al.Model("GM 0.1 deg/h 20 s, GM 0.3 deg/h 500 s, Sine 1 deg/h 3 Hz"))
     said = texts(figure)
     assert "GM = 0.1 deg/h, T = 20 s\nGM = 0.3 deg/h, T = 500 s" in said
     assert "Sine = 1 deg/h, f = 3 Hz" in said

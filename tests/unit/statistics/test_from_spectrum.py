@@ -51,7 +51,7 @@ def test_what_a_spectrum_does_not_tell_is_refused():
 
 
 def test_a_measured_angle_is_a_signal_of_its_own():
-    model = al.parse_model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s")
+    model = al.Model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s")
     record = al.simulate(model, 2**15, 40.0, rng=np.random.default_rng(1))
     curve, direct = al.deviation_of_spectrum(al.spectrum(record)), al.deviation(record, noise=None)
     assert (record.kind, curve.unit) == ("value", direct.unit)

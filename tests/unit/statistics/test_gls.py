@@ -116,4 +116,4 @@ def test_a_covariance_of_nothing_is_refused():
 def test_a_strong_random_walk_is_solved():
     """The norm of the residual is ruled by the walk; that of the preconditioned residual is what converges."""
     model = al.N(0.03734, "deg/sqrt(h)") + al.K(31.61, "deg/h/sqrt(h)")
-    assert al.rate.rank(model, n=1200, rate=20.0).best > 0
+    assert al.constant_rate.rank(model, size=1200, rate=20.0).best > 0

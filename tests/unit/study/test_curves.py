@@ -9,7 +9,7 @@ import pytest
 import allanite as al
 from allanite.study import curves
 
-GYRO = al.parse_model("N = 0.1 deg/sqrt(h), K = 0.5 deg/h/sqrt(h)")
+GYRO = al.Model("N = 0.1 deg/sqrt(h), K = 0.5 deg/h/sqrt(h)")
 
 
 def simulated(size=4096):

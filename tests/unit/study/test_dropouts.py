@@ -64,7 +64,7 @@ def test_a_log_of_two_rates_is_read_at_the_rate_of_the_channel(tmp_path):
 @pytest.mark.parametrize("seed", [11, 16])
 def test_what_gaps_leave_unreadable_contradicts_nothing(seed):
     rng = np.random.default_rng(seed)
-    record = al.simulate(al.parse_model("Q 0.5 arcsec, N 0.003 deg/sqrt(h), B 0.1 deg/h"), 2**15, 100.0, rng=rng)
+    record = al.simulate(al.Model("Q 0.5 arcsec, N 0.003 deg/sqrt(h), B 0.1 deg/h"), 2**15, 100.0, rng=rng)
     values = record.values.copy()
     for start in rng.integers(0, record.size - 20, 585):  # 30 % in bursts of 20
         values[start : start + 20] = np.nan

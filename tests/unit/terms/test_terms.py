@@ -140,15 +140,15 @@ def test_models_with_shapes():
 
 def test_a_damping_has_no_unit_and_models_are_read_as_they_are_written():
     text = "N 0.1 deg/sqrt(h), F 1 arcsec, GMA 2 arcsec 3 s, GM2 1 deg/h 0.5 Hz 0.2, W -3 deg/h 10 min"
-    model = al.parse_model(text)
+    model = al.Model(text)
     assert str(model["GM2"]) == "GM2 = 1 deg/h with natural frequency 0.5 Hz, damping ratio 0.2"
-    again = al.parse_model(str(model))
+    again = al.Model(str(model))
     assert [(t.symbol, t.shape) for t in again] == [(t.symbol, t.shape) for t in model]
     assert al.Model.from_dict(model.to_dict()) == model
     assert model["W"].shape == (600.0,)
     assert model["W"].value < 0
     with pytest.raises(al.UsageError, match="must be finite and not negative"):
-        al.parse_model("GM2 -1 deg/h 0.5 Hz 0.2")
+        al.Model("GM2 -1 deg/h 0.5 Hz 0.2")
 
 
 def test_names_of_the_angle_follow_the_sensor():

@@ -121,10 +121,11 @@ def estimate(
 
     Examples
     --------
-    >>> from allanite.applications.angle import Harmonics, gimbals, simulate
-    >>> true = {"h": Harmonics.of({128: (3e-6, 0.0)}), "q": Harmonics.of({256: (0.0, -2e-6)})}
-    >>> hour = gimbals(np.arange(7200.0, 10800.0, 10.0), latitude=np.radians(60))
-    >>> z = simulate(hour, true, sigma=1e-6, rng=np.random.default_rng(1))
+    >>> from allanite import angle
+    >>> one, two = ({128: (3e-6, 0.0)}, {256: (0.0, -2e-6)})
+    >>> true = {"h": angle.Harmonics.of(one), "q": angle.Harmonics.of(two)}
+    >>> hour = angle.gimbals(np.arange(7200.0, 10800.0, 10.0), latitude=np.radians(60))
+    >>> z = angle.simulate(hour, true, sigma=1e-6, rng=np.random.default_rng(1))
     >>> found = estimate(z, hour)
     >>> found["h"].orders, bool(abs(found["h"].sine[0] - 3e-6) < 3 * found.solution.error("S128 h"))
     ((128, 256), True)

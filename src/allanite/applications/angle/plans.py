@@ -186,10 +186,19 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Scan(Value):
-    """Expected accuracy by the start of the interval: starts, totals, conditions, shape (k,); h, shape (k, 2), rad.
+    """Expected accuracy by the start of the interval.
 
-    `errors`, shape (k, a), are the standard deviations of the a amplitudes `names`; `best` is the plan of the window
-    with the smallest total.
+    Attributes
+    ----------
+    starts, totals, conditions : arrays, shape (k,)
+    h : array, shape (k, 2)
+        rad.
+    names : tuple of str
+        The a amplitudes.
+    errors : array, shape (k, a)
+        Their standard deviations.
+    best : AnglePlan
+        The plan of the window with the smallest total.
     """
 
     _keys: ClassVar[dict[str, str]] = {"starts": "start", "totals": "total", "conditions": "condition"}

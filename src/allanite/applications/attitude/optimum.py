@@ -37,7 +37,7 @@ class Optimum(Value):
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> found = optimal_time_constant(N(0.3, "deg/sqrt(h)"), N(100, "ug/sqrt(Hz)"))
     >>> f"{found.time_constant:.4f} s, {found.first.to('arcsec'):.2f} arcsec, loss {abs(found.loss):.1g}"
     '1.1459 s, 19.27 arcsec, loss 0'

@@ -24,7 +24,17 @@ from .loop import Loop
 
 @dataclass(frozen=True, repr=False)
 class Source(Value):
-    """What one source of error contributes: `sensor`, `symbol` of the term or "bias", its text, and its RMS, rad."""
+    """What one source of error contributes.
+
+    Attributes
+    ----------
+    sensor : str
+    symbol : str
+        That of the term, or "bias".
+    text : str
+    rms : float
+        rad.
+    """
 
     sensor: str
     symbol: str
@@ -48,7 +58,7 @@ class Prediction(Value):
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> found = predicted_error(N(0.3, "deg/sqrt(h)"), N(100, "ug/sqrt(Hz)"), 1.1459)
     >>> f"{found.to('arcsec'):.2f}"
     '19.27'
@@ -195,7 +205,7 @@ def text_of(t: Term) -> str:
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> text_of(N(100, "ug/sqrt(Hz)"))
     'N = 100 ug/sqrt(Hz)'
     """

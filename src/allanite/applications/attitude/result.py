@@ -21,7 +21,6 @@ from allanite.extending import (
     Value,
     chosen,
     given,
-    parse_model,
     say,
     spelled,
 )
@@ -53,7 +52,7 @@ class VerticalSettings(VerticalChoices, Value):
     bias_time : float, optional
         1 / sqrt(k2), s, of a filter that estimates the gyro bias; by default five time constants where one is given.
     gyro, accelerometer : str, optional
-        Noise models as `parse_model` reads them, instead of identified ones.
+        Noise models as `Model` reads them, instead of identified ones.
     gate : float, optional
         Innovation of the angle, deg, above which the accelerometers are ignored.
     samples : int
@@ -88,7 +87,7 @@ class VerticalSettings(VerticalChoices, Value):
     def model(self, record: Record | Header) -> Model | None:
         """The given noise of a sensor."""
         text = self.gyro if record.signal.name == "gyro" else self.accelerometer
-        return None if text is None else parse_model(text)
+        return None if text is None else Model(text)
 
     def noises(self, channels: Sequence["VerticalChannel"], duration: float, rate: float) -> list[SensorNoise]:
         """The noise of roll and of pitch, given or identified; empty where that of one is not known."""

@@ -100,7 +100,7 @@ def simulate_motion(scenario: Scenario, trial: Trial, *, rng: np.random.Generato
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> trial = Trial(N(0.3, "deg/sqrt(h)"), N(100, "ug/sqrt(Hz)"), duration=60)
     >>> found, truth = simulate_motion(SCENARIOS["oscillation"], trial, rng=np.random.default_rng(1))
     >>> found.gyro.shape, float(np.degrees(truth.max(axis=0))[0].round(1))

@@ -153,8 +153,15 @@ class StageNoise(Value):
 class Budget(RecordResult):
     """Quantization noise compared with the noise of a rate record; see `budget`.
 
-    `record` is the rate, `noise` what was identified of it, `stages` what each adds, `findings` what must be known
-    beside them.
+    Attributes
+    ----------
+    record : Record
+        The rate.
+    noise : Noise
+        What was identified of it.
+    stages : tuple of StageNoise
+        What each adds.
+    findings : tuple of Finding
     """
 
     noise: Noise

@@ -42,6 +42,16 @@ class Stage(Value):
     What it rounds is a rate, or what is proportional to one (A, V): its rounding errors are white rate noise; or
     an angle (velocity), whose rounding errors are quantization noise.
 
+    Attributes
+    ----------
+    name : str
+    bits : int
+    full_scale : float
+    unit : str
+        Of the full scale.
+    gain : float
+        Gain before the stage.
+
     Raises
     ------
     UsageError

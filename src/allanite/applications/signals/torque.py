@@ -19,7 +19,7 @@ class TorqueScale(Value):
 
         K_i = k_L n B L l_m / (J_z Omega)        rad/s per A.
 
-    Parameters
+    Attributes
     ----------
     turns : float
         n, of a coil.

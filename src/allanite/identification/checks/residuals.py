@@ -56,9 +56,7 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.identification import identify
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, identify, simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 20_000, 100.0, rng=np.random.default_rng(1))
     >>> left = residuals(record, identify(record))
     >>> left.explained, [check.name for check in left.checks]

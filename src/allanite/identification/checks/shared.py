@@ -50,9 +50,7 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.identification import identify
-    >>> from allanite.core.record import Record
+    >>> from allanite import N, Record, identify
     >>> noise = np.random.default_rng(1).standard_normal((3, 20_000))
     >>> channels = [Record(noise[i] + noise[2], 100.0, "deg/s", name=name) for i, name in enumerate("xy")]
     >>> recording = Recording(tuple(channels))

@@ -47,8 +47,7 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
 
     Examples
     --------
-    >>> from allanite.core.model import K, N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import K, N, simulate
     >>> model = N(1.0, "deg/sqrt(h)") + K(3.0, "deg/h/sqrt(h)")
     >>> u = whitened(simulate(model, 10_000, 10.0, rng=np.random.default_rng(1)), model)
     >>> bool(abs(u.std() - 1) < 0.02)

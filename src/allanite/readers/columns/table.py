@@ -231,11 +231,11 @@ def restored(table: FileTable, text: str | bytes) -> FileTable:
                 raise ValueError(unit)
             # JSON text may contain 1.0 as an integer
             values = column.values if channel["integers"] else column.values.astype(np.float64)
-            scale, history = None if scale is None else _positive(scale), tuple(map(str, channel["history"]))
+            scale, history = None if scale is None else _positive(scale), channel["history"]
             columns.append(
                 replace(
                     column, values=values, name=str(channel["name"]), unit=unit, kind=kind, scale=scale,
-                    history=history,
+                    history=tuple(join("", [str(step)]) for step in history),
                 )
             )  # fmt: skip
         start = None if said["start"] is None else float(said["start"])

@@ -8,7 +8,7 @@ from matplotlib.ticker import MaxNLocator
 from allanite.applications.signals import Budget
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.digits import printable, printed_unit
+from allanite.reporting.digits import printable
 
 
 @style.plotted
@@ -38,7 +38,7 @@ def plot_budgets(new_figure: style.NewFigure, budgets: Sequence[Budget]) -> Figu
             ax.axhline(known, color=style.INK, lw=1.2, label=label)
             tenth = say("a tenth of it: 1 % of the variance")
             ax.axhline(known / 10, color=style.INK, lw=0.9, ls=(0, (5, 3)), label=tenth)
-        size = say("{symbol} by rounding ({unit})", symbol=first.symbol, unit=printed_unit(first.sheet_unit))
+        size = say("{symbol} by rounding ({unit})", symbol=first.symbol, unit=first.sheet_unit)
         ax.set(yscale="log", xlabel=say("bits"), ylabel=size)
         style.plain_ticks(ax.yaxis)
         ax.xaxis.set_major_locator(MaxNLocator(integer=True))

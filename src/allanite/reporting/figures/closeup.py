@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.applications.rate import RATE_ESTIMATORS, Closeup
+from allanite.applications.constant_rate import RATE_ESTIMATORS, Closeup
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
-from allanite.reporting.digits import digits, printed_unit
+from allanite.reporting.digits import digits
 from allanite.statistics import STATISTICS
 
 from .drawing import TIME, draw_label, draw_legend, draw_titles, fractions, shade, with_unit
@@ -119,7 +119,7 @@ def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: fl
     factor = convert(1.0, readings.unit, panel.unit)
     deviation = readings.minimum.deviation * factor
     number = digits(deviation, low * factor, high * factor).pretty()
-    size = {"value": f"{number} {printed_unit(panel.unit)}", "tau": words.duration(readings.minimum.tau)}
+    size = {"value": f"{number} {panel.unit}", "tau": words.duration(readings.minimum.tau)}
     text = say("minimum {value}\nat τ = {tau}", **size)
     if not readings.inside:
         text = say("minimum at most {value}\nat τ = {tau}", **size)

@@ -14,7 +14,7 @@ from allanite.core.fit import Fit
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting import style, words
-from allanite.reporting.digits import printable, printed_unit
+from allanite.reporting.digits import printable
 from allanite.reporting.language import tr
 from allanite.reporting.sketch.svg import wide
 from allanite.terms import TERMS
@@ -30,7 +30,7 @@ MODEL, EXPECTED = say("model"), say("expected by the model")
 
 def with_unit(quantity: str, unit: str) -> Phrase:
     """What an axis shows, and in which unit."""
-    return say("{quantity} ({unit})", quantity=quantity, unit=printed_unit(unit))
+    return say("{quantity} ({unit})", quantity=quantity, unit=unit)
 
 
 def stacked(new_figure: style.NewFigure, lengths: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
-from allanite.core.errors import UsageError
+from allanite.core.errors import UndrawnError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
@@ -134,7 +134,7 @@ def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> lis
     """
     found = _panels(value, fit)
     if demand and not found:
-        raise UsageError("there is no curve to draw; give a Curve, a Study, or a Fit that carries its curve")
+        raise UndrawnError("there is no curve to draw; give a Curve, a Study, or a Fit that carries its curve")
     return found
 
 

@@ -6,12 +6,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from allanite.applications.rate import RATE_ESTIMATORS, Experiment
+from allanite.applications.constant_rate import RATE_ESTIMATORS, Experiment
 from allanite.core.model import Model
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.reporting import style
-from allanite.reporting.digits import printable, printed_unit
+from allanite.reporting.digits import printable
 from allanite.statistics import expected
 
 from .drawing import with_unit
@@ -71,5 +71,5 @@ def _draw_accuracy(ax: Axes, series: tuple[Experiment, ...]) -> None:
         ax.plot(durations, moved, color=style.INK, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=label)
         ax.legend(handles=[ax.lines[-1]], loc="best")
     ax.set(xscale="log", yscale="log", xlabel=say("measuring time (s)"))
-    ax.set_ylabel(say("standard deviation ({unit})\npoints measured, lines predicted", unit=printed_unit(unit)))
+    ax.set_ylabel(say("standard deviation ({unit})\npoints measured, lines predicted", unit=unit))
     style.plain_ticks(ax.xaxis, ax.yaxis)

@@ -14,7 +14,6 @@ from allanite.core.spectrum import SIDES, Spectrum
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
-from allanite.reporting.digits import printed_unit
 from allanite.terms import TERMS, WHITE
 
 from .drawing import (
@@ -81,8 +80,8 @@ def plot_spectra(
             if fit is not None and fit.valid is not None:
                 shade(ax, fit.scope.unread if fit.scope else ())
                 _draw_model(ax, shown, fit, level)
-            unit = printed_unit(shown.amplitude_unit)
-            ax.set_ylabel(say("{sides} amplitude spectral density ({unit})", sides=SIDED[spectrum.sides], unit=unit))
+            sides, unit = SIDED[spectrum.sides], shown.amplitude_unit
+            ax.set_ylabel(say("{sides} amplitude spectral density ({unit})", sides=sides, unit=unit))
         axes[-1].set_xlabel(say("frequency (Hz)"))
     draw_legend(figure, marks=False, columns=4)
     return figure
@@ -112,7 +111,7 @@ def _draw_model(ax: Axes, spectrum: Spectrum, fit: Fit, level: float) -> None:
                 # its level on the axis, which depends on the convention: ``√2 N = 10.1 deg/h/√Hz, one-sided``
                 factor, unit = math.sqrt(SIDES[spectrum.sides]), spectrum.amplitude_unit
                 name = "N" if factor == 1 else "√2 N"
-                size = f"{name} = {factor * e.to(unit):.3g} {printed_unit(unit)}"
+                size = f"{name} = {factor * e.to(unit):.3g} {unit}"
                 text = join("", (text, "\n", join(", ", (size, SIDED[spectrum.sides]))))
             placed.append(draw_label(ax, (e.symbol, text), seen[::8], avoid, placed))
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.spellings import RAISED
 from allanite.reporting.language import tr
 
 from .limits import Unsketched
@@ -61,7 +62,6 @@ FAR = 20_000.0
 """Points beyond which a coordinate is not drawn any farther: browsers count in single precision."""
 
 _POWER = re.compile(r"\$(×?)10\^\{(-?\d+)\}\$")
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 _BLANKS = re.compile(" {2,}")
@@ -127,7 +127,7 @@ def element(d: str, styled: str) -> str:
 
 def shown(text: str) -> list[str]:
     """Lines of a text as they are read, in the language that is spoken; powers of ten in raised digits."""
-    said = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(_RAISED)}", str(tr(text)))
+    said = _POWER.sub(lambda found: f"{found[1]}10{found[2].translate(RAISED)}", str(tr(text)))
     return said.splitlines()
 
 

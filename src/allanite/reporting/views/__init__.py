@@ -127,9 +127,14 @@ def view_of(value: Any) -> View:
         It is no result.
     """
     name = type(value).__name__
-    if name not in VIEWS:
-        raise UsageError(f"a {name} cannot be shown; results that can are {', '.join(VIEWS)}")
+    if not has_view(value):
+        raise UsageError(f"a {name} cannot be shown: compute a result first, e.g. al.plot(al.deviation(record))")
     return _imported(VIEWS[name])
+
+
+def has_view(value: Any) -> bool:
+    """Whether it is a result that can be shown."""
+    return type(value).__name__ in VIEWS
 
 
 def import_type(name: str) -> None:

@@ -1,6 +1,6 @@
 """How a budget is shown."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from allanite.applications.signals import Budget, StageNoise, TorqueScale
@@ -8,7 +8,7 @@ from allanite.applications.signals.budgeting import BudgetChannel, BudgetStudy
 from allanite.core.validity import APPROXIMATE, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import printable, printed_unit
+from allanite.reporting.digits import printable
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of, known
 
 from . import Rows, view
@@ -47,9 +47,9 @@ HEADINGS = (
 )  # fmt: skip
 
 
-def sentence(s: StageNoise, shown: Callable[[str], str] = str) -> str:
-    """What the budget says of a stage; `shown` prints a unit."""
-    unit = shown(s.sheet_unit)
+def sentence(s: StageNoise) -> str:
+    """What the budget says of a stage."""
+    unit = s.sheet_unit
     adds = say(
         "{stage} adds {term} = {value} {unit}",
         stage=printable(s.stage.name),
@@ -85,7 +85,7 @@ def _sheet(channel: BudgetChannel) -> Sheet:
     if budget is None:
         refused = say("{channel}: no result: {reason}", channel=name, reason=channel.refusal)
         return channel_sheet(channel, (), (refused,), doubt=True)
-    named = tuple(join(": ", (name or say("channel"), sentence(s, printed_unit))) for s in budget.stages)
+    named = tuple(join(": ", (name or say("channel"), sentence(s))) for s in budget.stages)
     grade = budget.noise.validity
     sentences = (Note(sentence(s), where="text") for s in budget.stages)
     drawing = Drawing(lambda: figures.plot_budgets([budget]), say("noise of rounding by bits"), CAPTION)

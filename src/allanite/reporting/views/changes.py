@@ -72,7 +72,7 @@ def _cell(change: Change, level: float, *, values: bool) -> str:
     outcome: str = say("unknown")
     if change.outcome != "not resolvable":
         outcome = join(" ", (OUTCOME_WORDS[change.outcome], join("", ("(", size if size != "-" else interval, ")"))))
-    both = f"{words.brief(change.before, level)} → {words.brief(change.after, level)}"
+    both = f"{words.brief(change.before, level)} -> {words.brief(change.after, level)}"
     return join("  ", (both, outcome)) if values else outcome
 
 

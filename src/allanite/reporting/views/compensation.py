@@ -12,7 +12,7 @@ from allanite.applications.compensation.regressor import Effect
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits, printable, printed_number, printed_unit
+from allanite.reporting.digits import digits, printable, printed_number
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, known
 
 from . import view
@@ -68,16 +68,16 @@ def coefficients(regression: Regression, level: float) -> Table:
         error = digits(e.standard_error * scale, figures=2).plain()[0]
         rows.append([e.label, *size, unit, join(", ", status), error, e.t, e.p, e.inflation])
     drift = [say("The drift over time is not removed.")] if regression.trend else []
-    key = join(" ", (KEY, *drift, _beside(regression, printed_unit)))
+    key = join(" ", (KEY, *drift, _beside(regression)))
     return Table(heads, rows, marks=["strong" if e.significant else "quiet" for e in effects], key=key)
 
 
-def _beside(regression: Regression, shown: Callable[[str], str] = str) -> str:
-    """The noise of a regression; `shown` prints its units."""
+def _beside(regression: Regression) -> str:
+    """The noise of a regression."""
     return say(
         "Noise, identified with the coefficients: {model}; {effective:.4g} effective samples; scaled condition number "
         "{condition:.3g}.",
-        model=shown(str(regression.noise)),
+        model=str(regression.noise),
         effective=regression.effective,
         condition=regression.condition,
     )

@@ -10,7 +10,7 @@ from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
-from allanite.reporting.digits import digits, printed_unit
+from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Card, Column, Mark, Table, known
 from allanite.statistics import STATISTICS
 from allanite.study.results import Channel
@@ -78,7 +78,7 @@ def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
     unit = readings.shown_unit(0)
     number = digits(convert(readings.minimum.deviation, readings.unit, unit), figures=3).pretty()
     most = "" if readings.inside else "≤ "
-    size, tau = f"{most}{number} {printed_unit(unit)}", readings.minimum.tau
+    size, tau = f"{most}{number} {unit}", readings.minimum.tau
     yield say("in-run bias stability"), say("{value} at {tau:.3g} s", value=size, tau=tau)
 
 
@@ -90,7 +90,7 @@ def _capital(channel: Channel) -> Iterator[tuple[str, str]]:
 def alternative(channel: Channel, curve: Curve, level: float) -> str:
     """Description of a figure: the ends of the curve, its minimum, the coefficients."""
     shown = curve.to(readable_unit(curve.unit))
-    unit = printed_unit(shown.unit)
+    unit = shown.unit
     ends = say(
         "{statistic} of {channel}: {first:.3g} {unit} at {start:.4g} s and {last:.3g} {unit} at {end:.4g} s",
         statistic=STATISTICS[curve.statistic].title, channel=channel.record.name or say("the channel"), unit=unit,

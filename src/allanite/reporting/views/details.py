@@ -11,7 +11,6 @@ from allanite.core.record import Record
 from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import figures, words
-from allanite.reporting.digits import printed_unit
 from allanite.reporting.sheet import Column, Deferred, Drawing, Fold, Note, Part, Table
 from allanite.statistics import STATISTICS
 from allanite.statistics.spectra.spectrum import spectrum
@@ -81,7 +80,7 @@ def over_time(record: Record) -> Drawing:
         length=words.duration(record.duration),
         mean=mean,
         deviation=deviation,
-        unit=printed_unit(unit),
+        unit=unit,
     )
     return Drawing(lambda: figures.plot_record(record), label, RECORD)
 
@@ -96,7 +95,7 @@ def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
         return
     fits = {} if channel.fit is None else {record.name: channel.fit}
     found = density.to(unit)
-    first, last = (f"{found.amplitude[i]:.3g} {printed_unit(found.amplitude_unit)}" for i in (0, -1))
+    first, last = (f"{found.amplitude[i]:.3g} {found.amplitude_unit}" for i in (0, -1))
     label = say(
         "one-sided amplitude spectral density of {channel}: {first} at {low:.3g} Hz and {last} at {high:.3g} Hz",
         channel=record.name, first=first, low=found.frequency[0], last=last, high=found.frequency[-1],

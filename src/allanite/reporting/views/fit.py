@@ -136,7 +136,15 @@ def model_table(model: Model) -> Table:
     return Table(heads, [[t.symbol, words.title(t.symbol, t.signal), t.to(u), u] for t, u in sheets])
 
 
-@view(plot_curves, lambda fit, level: fit.rows(level))
+def _plot(fits: Sequence[Fit], fit: Fit | None, level: float) -> Plot:
+    """The curve of a fit with its model, or of one without a curve how well it explains the power of the record."""
+    good = fits[0].goodness
+    if len(fits) == 1 and fits[0].curve is None and good is not None:
+        return figures.plot_goodness(good, fits[0].name)
+    return plot_curves(fits, fit, level)
+
+
+@view(_plot, lambda fit, level: fit.rows(level))
 def fit_view(fit: Fit, level: float) -> Face:
     """The coefficients, and how well they explain the record."""
     return one_sheet(

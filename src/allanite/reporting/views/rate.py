@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from allanite.applications.rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
-from allanite.applications.rate.campaign import RateChannel, RateSettings, RateStudy
-from allanite.applications.rate.estimates import rate_factor
-from allanite.core.errors import UsageError
+from allanite.applications.constant_rate import RATE_ESTIMATORS, Closeup, Experiment, Ranking, RateEstimate, closeup
+from allanite.applications.constant_rate.campaign import RateChannel, RateSettings, RateStudy
+from allanite.applications.constant_rate.estimates import rate_factor
+from allanite.core.errors import UndrawnError
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
@@ -113,7 +113,7 @@ def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part
 def _draw(channels: Iterable[RateChannel]) -> Plot:
     shown = [(c.experiment, c.by_duration) for c in channels if c.experiment is not None]
     if not shown:
-        raise UsageError("there is nothing to draw: no channel was measured")
+        raise UndrawnError("there is nothing to draw: no channel was measured")
     return figures.plot_rates(shown)
 
 

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from allanite.applications.rate import Closeup, Experiment, Ranking
-from allanite.applications.rate.estimates import rate_factor
+from allanite.applications.constant_rate import Closeup, Experiment, Ranking
+from allanite.applications.constant_rate.estimates import rate_factor
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 
-from allanite.applications.rate import RateEstimate, estimate, subtract_bias
-from allanite.applications.rate.campaign import RateChannel, RateStudy
-from allanite.applications.rate.estimates import rate_factor
+from allanite.applications.constant_rate import RateEstimate, estimate, subtract_bias
+from allanite.applications.constant_rate.campaign import RateChannel, RateStudy
+from allanite.applications.constant_rate.estimates import rate_factor
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.reporting import words

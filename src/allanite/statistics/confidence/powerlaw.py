@@ -107,7 +107,7 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
 
     Examples
     --------
-    >>> from allanite.core.record import Record
+    >>> from allanite import Record
     >>> from allanite.statistics import integrated
     >>> record = Record(np.random.default_rng(1).standard_normal(5000), rate=1.0, unit="rad/s", kind="rate")
     >>> [law.alpha for law in identify_power_law(integrated(record, 2), OADEV, np.array([1.0, 10.0, 100.0]))]

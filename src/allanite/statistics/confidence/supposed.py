@@ -39,7 +39,7 @@ def supposed(noise: ModelLike | Literal["auto"]) -> SupposedNoise:
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> supposed(N(0.1, "deg/sqrt(h)")).words
     'intervals under the given model N = 0.1 deg/sqrt(h)'
     """

@@ -34,7 +34,7 @@ def autocovariance(terms: Iterable[Term], n: int, rate: float) -> FloatArray:
 
     Examples
     --------
-    >>> from allanite.core.model import N, Q
+    >>> from allanite import N, Q
     >>> autocovariance(N(1.0, "rad/sqrt(s)") + Q(1.0, "rad"), 3, 2.0).tolist()
     [10.0, -4.0, 0.0]
     """
@@ -51,7 +51,7 @@ class Covariance:
 
     Examples
     --------
-    >>> from allanite.core.model import K, N
+    >>> from allanite import K, N
     >>> covariance = Covariance((N(1.0, "rad/sqrt(s)"), K(0.1, "rad/s^1.5")), 5, 1.0)
     >>> v = covariance.solve(np.array([0.0, 0.0, 1.0, 0.0, 0.0]))
     >>> np.abs(np.round(covariance.times(v) - covariance.times(v)[0], 9)).tolist()

@@ -31,7 +31,7 @@ def covariance(
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> C = covariance(STATISTICS["theo1"], N(1.0, "rad/sqrt(s)"), np.array([10, 20]), 1000, 1.0)
     >>> (np.sqrt(np.diag(C)) * [7.5, 15]).round(3).tolist()
     [0.068, 0.089]

@@ -62,9 +62,7 @@ def deviation_of_spectrum(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
-    >>> from allanite.statistics.spectra.spectrum import spectrum
+    >>> from allanite import N, simulate, spectrum
     >>> record = simulate(N(1.0, "rad/sqrt(s)"), 100_000, 10.0, rng=np.random.default_rng(1))
     >>> curve = deviation_of_spectrum(spectrum(record), taus=[0.1, 1.0, 10.0])
     >>> curve.deviation.round(1).tolist()

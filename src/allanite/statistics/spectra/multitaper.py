@@ -27,7 +27,7 @@ class Multitaper:
 
     Frequencies below the full bandwidth, where a steep spectrum is strongly smeared, are omitted.
 
-    Parameters
+    Attributes
     ----------
     bandwidth : float
         Time-half-bandwidth product NW: power is spread over f - NW/T to f + NW/T.

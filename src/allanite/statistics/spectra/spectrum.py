@@ -2,10 +2,12 @@
 
 import math
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
+from allanite.core.aliases import aliased
+from allanite.core.doors import Samples, Sampling, as_record
 from allanite.core.errors import UsageError
 from allanite.core.header import Header
 from allanite.core.record import Record
@@ -21,15 +23,21 @@ METHODS: dict[str, SpectralEstimator] = {"welch": Welch(), "multitaper": Multita
 """Methods by name, with their default settings."""
 
 
+@aliased
 @one_thread()
 def spectrum(
-    record: Record, method: str | SpectralEstimator = "welch", *, sides: str = "one", bins: int | None = None
+    record: Samples,
+    method: str | SpectralEstimator = "welch",
+    *,
+    sides: str = "one",
+    bins: int | None = None,
+    **sampling: Unpack[Sampling],
 ) -> Spectrum:
     """Estimate the power spectral density of a record.
 
     Parameters
     ----------
-    record : Record
+    record : Record or array, shape (n,)
         Missing samples (NaN) are skipped by Welch's method and refused by the multitaper method.
     method : {"welch", "multitaper"} or Welch or Multitaper
         A name selects the default settings.
@@ -38,6 +46,9 @@ def spectrum(
     bins : int, optional
         Values per decade: values at adjacent frequencies are averaged and have more degrees of freedom. By default all
         frequencies of the method.
+    **sampling
+        `rate`, `unit`, `kind`, `scale` and `name` of a `Record`, for an array or a column of a table. Samples without a
+        unit are dimensionless.
 
     Returns
     -------
@@ -54,8 +65,7 @@ def spectrum(
 
     Examples
     --------
-    >>> from allanite.core.model import N
-    >>> from allanite.simulation.record import simulate
+    >>> from allanite import N, simulate
     >>> record = simulate(N(0.1, "deg/sqrt(h)"), 50_000, 100.0, rng=np.random.default_rng(1))
     >>> two = spectrum(record, sides="two", bins=1).to("deg/h")
     >>> float((two.amplitude[-1] / 60).round(2)), two.amplitude_unit
@@ -64,6 +74,7 @@ def spectrum(
     3
     """
     side_factor(sides)
+    record = as_record(record, "spectrum", sampling, unit="1")
     record.demand_range()
     chosen = method_named(method) if isinstance(method, str) else method
     return of_raw(chosen.estimate(record), record, chosen.title, sides=sides, bins=bins)

@@ -42,7 +42,7 @@ class Welch:
     omitted: the first one for ``"hann"``, so that white noise is estimated without bias at all others. Segments contain
     no missing samples.
 
-    Parameters
+    Attributes
     ----------
     segment : float, optional
         Length of a segment, s; by default an eighth of the record, or its longest stretch without a missing sample if

@@ -1,7 +1,7 @@
 // Two records side by side: did the noise change?
 
 import * as api from "./api.js";
-import { byId, el, fill, fragment, menu, show } from "./dom.js";
+import { byId, complaint, el, fill, fragment, menu, show } from "./dom.js";
 import { perform } from "./jobs.js";
 import { dark } from "./plots.js";
 import { on, recipe, state } from "./state.js";
@@ -27,7 +27,7 @@ export async function compare() {
       el("div", { class: "paper scroll", tabIndex: 0 }, image),
       (made.channels ?? []).map((one) => fragment(el("div", { class: "fragment", test: "compared" }), one.html)));
   } catch (error) {
-    fill(place, el("p", { class: "error", role: "alert", test: "error-compare" }, error.message));
+    fill(place, complaint(error, "error-compare"));
   }
 }
 

@@ -2,21 +2,20 @@
 
 import { button, byId, el, fill, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
-import { alter, on, recipe, state, tell } from "./state.js";
+import { label, spoken } from "./naming.js";
+import { alter, fileOf, on, recipe, run, state, tell } from "./state.js";
 import { t } from "./words.js";
 
 // choices that are always in sight; the others are among more options
 const FRONT = ["rate", "unit", "kind", "channels", "start", "until", "exclude", "outliers"];
 
-// choices with a label of another name, and those with a menu
-const LABELS = { start: "from", time: "timecolumn", mask: "masked" };
+// choices with a menu
 const MENUS = { kind: "kinds", outliers: "outliers", method: "methods", device: "devices" };
 
 // the choices of a recipe as the server lists them; the statistic has its place above the curve
 const controls = () => (state.tables?.choices ?? []).filter((row) => row.name !== "statistic");
 
 const placeOf = (row) => `${row.group === "reading" ? "reading" : "analysis"}${FRONT.includes(row.name) ? "" : "-more"}`;
-const label = (key) => t(LABELS[key] ?? key).replaceAll("_", " ");
 
 const parts = (text) => text.split(",").map((part) => part.trim()).filter(Boolean);
 
@@ -92,18 +91,22 @@ export function clearErrors() {
   show(byId("problem"), false);
 }
 
-/** The words of an error beside the control that cures it, else above everything. */
+/** The words of an error beside the control that cures it, else in place of the results of its file, or above everything. */
 export function refuse(error) {
   const key = error.option;
   if (!controls().some((row) => row.name === key)) {
-    fill(byId("problem"), el("span", { test: "problem-text" }, error.message), button("×", "problem-close", () => show(byId("problem"), false), { class: "small", "aria-label": t("close") }));
+    if (fileOf(error.file) && !run()) {
+      tell("failed", { file: error.file, words: spoken(error.message) });
+      return;
+    }
+    fill(byId("problem"), el("span", { test: "problem-text" }, spoken(error.message)), button("×", "problem-close", () => show(byId("problem"), false), { class: "small", "aria-label": t("close") }));
     show(byId("problem"), true);
     return;
   }
   const place = byId(`error-${key}`);
-  fill(place, error.message);
+  fill(place, spoken(error.message));
   show(place, true);
-  if (error.message.includes("--unit")) {
+  if (key === "unit" || error.message.includes("--unit")) {
     byId("error-unit").append(unitButtons());
     show(byId("error-unit"), true);
   }

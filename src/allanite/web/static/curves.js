@@ -3,10 +3,13 @@
 import * as api from "./api.js";
 import { byId, el, fill, menu, show } from "./dom.js";
 import { result } from "./jobs.js";
+import { labels } from "./labels.js";
 import { at, axis, between, color, dark, draw, layout, log, series } from "./plots.js";
 import { choose, fileOf, on, run, state, tell } from "./state.js";
 import * as guides from "./guides.js";
 import { t } from "./words.js";
+
+const NARROW = 480; // pixels of a chart whose legend has short names
 
 const cache = new Map();
 let listening = false;
@@ -48,16 +51,18 @@ const chosen = () => {
 
 export const hueOf = (row) => (row ? (dark() ? row.dark : row.color) : null) ?? color("--soft");
 const termOf = (symbol) => state.tables.terms.find((one) => one.symbol === symbol);
+const modelled = (curve) => (state.choices.model === false ? [] : [...(curve.terms ?? []), ...(curve.model ? [curve.model] : [])]);
 
 function lines(curve, one, index, first, yaxis) {
   const hue = series(index);
   const own = { x: curve.tau, yaxis, mode: "lines" };
   const label = `${one.name} (${fileOf(one.file)?.name ?? ""})`.replace(/[<>&]/g, " ");
-  const band = state.choices.bands !== false && curve.low ? between(curve.tau, curve.low, curve.high, hue, first ? 0.2 : 0.1, label).map((each) => ({ ...each, yaxis })) : [];
-  const drawn = [...band, { ...own, y: curve.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: hue, width: first ? 2 : 1.3 }, name: label, hovertemplate: `${label}<br>%{x:.4g} s: %{y:.4g} ${curve.unit}<extra></extra>` }];
+  const narrow = place().clientWidth < NARROW;
+  const band = state.choices.bands !== false && curve.low ? between(curve.tau, curve.low, curve.high, hue, first ? 0.2 : 0.1, curve.interval).map((each) => ({ ...each, yaxis, showlegend: first && Boolean(each.fill) })) : [];
+  const drawn = [...band, { ...own, y: curve.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: hue, width: first ? 2 : 1.3 }, name: narrow ? one.name : label, hovertemplate: `${label}<br>%{x:.4g} s: %{y:.4g} ${curve.unit}<extra></extra>` }];
   if (!first || state.choices.model === false) return drawn;
   for (const term of curve.terms ?? [])
-    drawn.push({ ...own, x: term.tau, y: term.deviation, line: { color: hueOf(termOf(term.symbol)), width: 1.2, dash: "dash" }, name: term.symbol, hovertemplate: `${term.symbol}: %{y:.4g} ${curve.unit}<extra></extra>` });
+    drawn.push({ ...own, x: term.tau, y: term.deviation, line: { color: hueOf(termOf(term.symbol)), width: 1.2, dash: "dash" }, name: narrow ? term.symbol : `${term.symbol} ${term.title}`, hovertemplate: `${term.symbol} = ${term.coefficient}<br>%{x:.4g} s: %{y:.4g} ${curve.unit}<extra></extra>` });
   if (curve.model) drawn.push({ ...own, x: curve.model.tau, y: curve.model.deviation, line: { color: color("--ink"), width: 1.4 }, name: t("model"), hovertemplate: `${t("model")}: %{y:.4g} ${curve.unit}<extra></extra>` });
   return drawn;
 }
@@ -67,20 +72,36 @@ function ratios(curve) {
   const over = (values) => values.map((value, i) => value / at(curve.model.tau, curve.model.deviation, curve.tau[i]));
   const own = { xaxis: "x", yaxis: "y3" };
   const band = curve.low ? between(curve.tau, over(curve.low), over(curve.high), series(0), 0.2, "").map((each) => ({ ...each, ...own })) : [];
-  return [...band, { ...own, x: curve.tau, y: over(curve.deviation), mode: "lines+markers", marker: { size: 4 }, line: { color: series(0), width: 1.3 }, name: t("residuals"), hovertemplate: "%{y:.3f}<extra></extra>" }];
+  return [...band, { ...own, x: curve.tau, y: over(curve.deviation), mode: "lines+markers", marker: { size: 4 }, line: { color: series(0), width: 1.3 }, name: t("residuals"), showlegend: false, hovertemplate: "%{y:.3f}<extra></extra>" }];
+}
+
+/** What is in sight, in decades: room below for the lines of the terms; the last limits of the band are not worth theirs. */
+function ranges(curves, first) {
+  const good = (values) => values.filter((value) => value > 0);
+  const tau = curves.flatMap((one) => one.tau);
+  const heights = good(curves.flatMap((one) => one.deviation));
+  const top = Math.max(...heights, ...good(modelled(first).includes(first.model) ? first.model.deviation : []));
+  const decades = (values, below, above) => [Math.log10(Math.min(...values) / below), Math.log10(Math.max(...values) * above)];
+  return { x: decades(tau, 1.4, 1.4), y: decades([...heights, top], modelled(first).length ? 6 : 2, 2) };
 }
 
 function form(curves, first, units) {
   const lower = ratios(first).length > 0;
   const one = (unit, more = {}) => log(unit, { domain: lower ? [0.34, 1] : [0, 1], ...more });
+  const height = lower ? 560 : 440;
+  const own = curves.filter((each) => each.unit === units[0]);
+  const seen = { ...ranges(own, first), size: [Math.max(200, place().clientWidth - 80), (lower ? 0.66 : 1) * (height - 110)] };
+  const named = modelled(first).filter((term) => term.number).map((term) => ({ x: term.tau, y: term.deviation, text: `${term.symbol} ${term.number}`, color: hueOf(termOf(term.symbol)) }));
+  const others = [...own.map((each) => ({ x: each.tau, y: each.deviation })), ...(first.model ? [{ x: first.model.tau, y: first.model.deviation }] : [])];
   return layout({
-    height: lower ? 560 : 440,
-    xaxis: log(t("tau"), { anchor: lower ? "y3" : "y" }),
-    yaxis: one(units[0]),
+    height,
+    showlegend: true,
+    xaxis: log(t("tau"), { anchor: lower ? "y3" : "y", range: seen.x }),
+    yaxis: one(units[0], { range: seen.y }),
     ...(units[1] ? { yaxis2: one(units[1], { overlaying: "y", side: "right", showgrid: false }), margin: { l: 64, r: 64, t: 16, b: 48 } } : {}),
     ...(lower ? { yaxis3: axis(`${t("deviation")} / ${t("model")}`, { domain: [0, 0.26] }) } : {}),
     shapes: guides.shapes(first),
-    annotations: guides.labels(first),
+    annotations: [...guides.labels(first), ...labels(named, others, seen)],
     uirevision: `${statistic()} ${state.choices.file}`,
   });
 }
@@ -102,6 +123,8 @@ export async function paint() {
   const units = [...new Set([curves[lead].unit, ...curves.map((one) => one.unit)])];
   const drawn = curves.flatMap((curve, i) => (units.indexOf(curve.unit) > 1 ? [] : lines(curve, wanted[i], i, i === lead, units.indexOf(curve.unit) ? "y2" : "y")));
   await draw(place(), [...drawn, ...ratios(curves[lead])], form(curves, curves[lead], units));
+  for (const id of ["model", "residuals"]) byId(id).disabled = !curves[lead].model;
+  byId("bands").disabled = !curves.some((one) => one.low);
   Object.assign(place().dataset, { curves: curves.length, statistic: statistic(), validity: curves[lead].validity ?? "" });
   guides.list(curves[lead]);
   listen(curves[lead]);
@@ -137,6 +160,8 @@ function legend(wanted) {
     return el("li", {}, el("label", {}, box, swatch, `${one.name} `, el("span", { class: "quiet" }, fileOf(one.file)?.name ?? "", runs(one) > 1 ? ` ${number(one)}` : "")));
   });
   fill(byId("over"), items);
+  const own = rows().filter((one) => one.job === run()).map((one) => key(one.job, one.name));
+  byId("over-all").disabled = own.every((id) => names.has(id));
 }
 
 const ofFile = (one) => state.jobs.filter((job) => job.verb === "analyze" && state.results[job.id] && job.files?.[0] === one.file);

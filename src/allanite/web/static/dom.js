@@ -1,5 +1,7 @@
 // Elements: text is always set as text, so that no name of a file or channel is read as markup.
 
+import { spoken } from "./naming.js";
+
 export const byId = (id) => document.getElementById(id);
 
 export function el(tag, props = {}, ...children) {
@@ -26,6 +28,9 @@ export function show(place, visible) {
   place.hidden = !visible;
 }
 
+/** What went wrong, where it was asked for. */
+export const complaint = (error, test) => el("p", { class: "error", role: "alert", test }, spoken(error.message));
+
 const asRow = (row) => (typeof row === "string" ? { name: row, title: row } : row);
 
 /** Options of a menu: rows {name, title} of a table of the server, or plain names. */
@@ -44,6 +49,9 @@ export function fragment(place, html) {
     const own = node.dataset.color;
     node.style.color = `var(--${own.slice(1).toLowerCase()}, ${own})`;
   }
+  for (const wide of place.querySelectorAll(".scroll")) wide.tabIndex = 0; // scrolled by keys, too
+  const texts = document.createTreeWalker(place, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) texts.currentNode.data = spoken(texts.currentNode.data);
   return place;
 }
 

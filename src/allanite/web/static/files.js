@@ -2,8 +2,8 @@
 
 import * as api from "./api.js";
 import { button, byId, el, fill } from "./dom.js";
-import { progress } from "./jobs.js";
-import { choose, on, state, tell } from "./state.js";
+import { busy, progress } from "./jobs.js";
+import { choose, fileOf, on, run, state, tell } from "./state.js";
 import { t } from "./words.js";
 
 const size = (bytes) => {
@@ -22,7 +22,25 @@ function added(file) {
 export function show(id) {
   choose({ file: id, window: null, channel: null });
   draw();
+  byId("open-fold").open = state.files.length === 0;
   tell("shown", id);
+}
+
+/** Come back to a file, which is analyzed if it never was. */
+function visit(id) {
+  show(id);
+  if (id && !run()) tell("file", id);
+}
+
+/** A file that cannot be analyzed: why, and the ways on from it. */
+function fail({ file, words }) {
+  byId("failed-words").textContent = words;
+  const others = state.files.filter((one) => one.id !== file).slice(-3);
+  fill(byId("failed-ways"), button(t("choose"), "failed-choose", () => byId("choose-file").click()),
+    others.map((one) => button(`${t("back")} ${one.name}`, "failed-back", () => visit(one.id))),
+    button(`${t("remove")} ${fileOf(file)?.name ?? ""}`, "failed-remove", () => remove(file)));
+  byId("failed").hidden = false;
+  byId("open-fold").open = true;
 }
 
 async function guarded(act) {
@@ -53,7 +71,7 @@ async function remove(id) {
     state.files = state.files.filter((file) => file.id !== id);
     const { [id]: _, ...runs } = state.choices.runs ?? {};
     choose({ runs });
-    show(state.files.at(-1)?.id ?? null);
+    visit(state.files.at(-1)?.id ?? null);
   });
 }
 
@@ -61,7 +79,7 @@ export function draw() {
   const rows = state.files.map((file) => {
     const current = file.id === state.choices.file;
     return el("li", { class: current ? "current" : "" },
-      button(file.name, "file", () => show(file.id), { class: "plain", "aria-current": current ? "true" : null, title: file.name }),
+      button(file.name, "file", () => visit(file.id), { class: "plain", "aria-current": current ? "true" : null, title: file.path ?? file.name }),
       el("span", { class: "quiet" }, size(file.bytes)),
       button("×", "file-remove", () => remove(file.id), { class: "small", "aria-label": `${t("remove")} ${file.name}` }));
   });
@@ -87,10 +105,16 @@ function dropping() {
 
 export function start() {
   dropping();
+  const path = byId("open-path");
+  const openable = () => { byId("open-form").querySelector("button").disabled = path.value.trim() === ""; };
+  path.addEventListener("input", openable);
+  openable();
+  on("failed", fail);
+  for (const name of ["shown", "busy"]) on(name, () => { if (name === "shown" || busy()) byId("failed").hidden = true; });
   byId("choose-file").addEventListener("change", (event) => several([...event.target.files]).then(() => { event.target.value = ""; }));
   byId("open-form").addEventListener("submit", (event) => {
     event.preventDefault();
-    openPath(byId("open-path").value.trim());
+    openPath(path.value.trim());
   });
   on("language", () => { examples(); draw(); });
   examples();

@@ -15,11 +15,13 @@ const ofFront = () => {
   return one ? (fits[`${one.job}/${one.name}`] ?? shown()?.value?.channels?.find((each) => each.name === one.name)?.fit) : null;
 };
 
-/** Terms of the model: those fitted, or those that are wanted. */
+const FOUND = ["identified", "weak", "reported"];
+
+/** Terms that the fit may find: those it looked for, or those that are wanted. */
 function symbols() {
   const wanted = recipe().terms;
   if (wanted && wanted !== "auto") return wanted.includes(",") ? wanted.split(",") : known(wanted);
-  return (ofFront()?.terms ?? []).filter((one) => one.status !== "absent").map((one) => one.symbol);
+  return (ofFront()?.terms ?? []).map((one) => one.symbol);
 }
 
 /** Symbols written one after another: the longest that fits each time. */
@@ -36,14 +38,19 @@ function known(text) {
 
 function draw() {
   const active = new Set(symbols());
+  const found = new Set((ofFront()?.terms ?? []).filter((one) => FOUND.includes(one.status)).map((one) => one.symbol));
   const boxes = state.tables.terms.map((row) => {
     const letter = el("strong", {}, row.symbol);
     letter.style.color = hueOf(row);
     const box = el("input", { type: "checkbox", checked: active.has(row.symbol), test: `term-${row.symbol}`, onchange: (event) => toggle(row.symbol, event.target.checked) });
-    return el("label", { class: "term", title: row.title ?? "" }, box, letter, el("span", { class: "quiet" }, row.title ?? ""));
+    const how = found.has(row.symbol) ? "found" : active.has(row.symbol) ? "allowed" : null;
+    const mark = el("span", { class: "mark", test: `mark-${row.symbol}`, ...(how ? { role: "img", "aria-label": t(how) } : {}) }, { found: "●", allowed: "○" }[how] ?? "");
+    mark.style.color = hueOf(row);
+    return el("label", { class: "term", title: row.title ?? "" }, box, mark, letter, el("span", { class: "quiet" }, row.title ?? ""));
   });
   fill(byId("terms"), boxes);
-  const band = recipe().band;
+  const { band, terms } = recipe();
+  byId("fit-auto").disabled = !band && !terms;
   const scope = ofFront()?.scope?.band ?? [];
   for (const [i, id] of [[0, "band-low"], [1, "band-high"]]) {
     byId(id).value = Array.isArray(band) ? band[i] : "";

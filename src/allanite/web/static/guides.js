@@ -73,5 +73,6 @@ export function list(curve) {
   fill(place, rows);
   const before = byId("guide-term").value;
   fill(byId("guide-term"), menu((curve.guides ?? []).map((one) => ({ name: one.symbol, title: one.title })), before || undefined));
+  byId("guide-add").disabled = byId("guide-term").disabled = !curve.guides?.length;
   byId("guide-add").onclick = () => add(curve);
 }

@@ -20,6 +20,7 @@ function draw() {
   fill(byId("progress"), rows);
   show(byId("progress"), rows.length > 0);
   document.body.classList.toggle("busy", rows.length > 0);
+  tell("busy");
 }
 
 export function progress(key, what, fraction, stop) {
@@ -62,7 +63,7 @@ export function follow(job, verb, heard = () => {}) {
     progress(job, t(verb), null, () => api.cancel(job).catch((error) => tell("error", error)));
     api.events(job, (name, told) => {
       if (name in ends) ends[name](told);
-      else if (name === "progress") progress(job, told.what ?? t(verb), told.fraction);
+      else if (name === "progress") progress(job, told.word ? t(told.word) : (told.what ?? t(verb)), told.fraction);
       else if (name === "trace") tell("readable", files(job));
       else if (name === "curves") tell("early", { file: files(job)[0], curves: told.channels });
       else if (name !== "away") heard(name, told);

@@ -1,7 +1,7 @@
 // A stream that is watched: what is said of it, and its curves as they grow.
 
 import * as api from "./api.js";
-import { byId, el, fill, fragment, show } from "./dom.js";
+import { byId, complaint, el, fill, fragment, show } from "./dom.js";
 import { perform } from "./jobs.js";
 import { between, draw, layout, log, series } from "./plots.js";
 import { on, state, tell } from "./state.js";
@@ -24,7 +24,7 @@ function paint(curves) {
     ...(one.low ? between(one.tau, one.low, one.high, series(i), 0.15, one.name) : []),
     { x: one.tau, y: one.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: series(i) }, name: one.name.replace(/[<>&]/g, " "), showlegend: true },
   ]);
-  draw(byId("live-plot"), traces, layout({ height: 360, showlegend: true, legend: { orientation: "h" }, xaxis: log(t("tau")), yaxis: log(curves[0].unit) }));
+  draw(byId("live-plot"), traces, layout({ height: 360, showlegend: true, xaxis: log(t("tau")), yaxis: log(curves[0].unit) }));
 }
 
 const wanted = () => {
@@ -42,13 +42,16 @@ async function watch(event) {
     const made = await perform("watch", [], wanted(), heard, { target: byId("live-source").value.trim() });
     fill(byId("live-results"), (made.channels ?? []).map((one) => fragment(el("div", { class: "fragment" }), one.html)));
   } catch (error) {
-    fill(byId("live-results"), el("p", { class: "error", role: "alert", test: "error-live" }, error.message));
+    fill(byId("live-results"), complaint(error, "error-live"));
   }
   running(false);
 }
 
+let watching = false;
+
 function running(yes) {
-  byId("live-start").disabled = yes;
+  watching = yes;
+  byId("live-start").disabled = yes || byId("live-source").value.trim() === "";
   byId("live-stop").disabled = !yes;
 }
 
@@ -58,6 +61,8 @@ function stop() {
 }
 
 export function start() {
+  byId("live-source").addEventListener("input", () => running(watching));
+  running(false);
   byId("live-form").addEventListener("submit", watch);
   byId("live-stop").addEventListener("click", stop);
   on("theme", () => last && paint(last));

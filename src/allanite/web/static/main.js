@@ -15,7 +15,7 @@ import * as selection from "./selection.js";
 import * as theme from "./theme.js";
 import * as trace from "./trace.js";
 import { byId } from "./dom.js";
-import { choose, keep, load, on, pending, recipe, redo, state, tell, undo } from "./state.js";
+import { choose, keep, load, on, pending, recipe, redo, run, state, tell, undo } from "./state.js";
 import { t } from "./words.js";
 
 let turn = 0;
@@ -31,13 +31,22 @@ async function analyze() {
     await jobs.follow(job, "analyze");
     if (mine === turn) finished(file, job);
   } catch (error) {
-    if (mine === turn && !(error instanceof jobs.Cancelled)) tell("error", error);
+    if (mine === turn && !(error instanceof jobs.Cancelled)) tell("error", Object.assign(error, { file }));
     if (mine === turn) choose({ pending: null }, true);
     throw error;
   }
 }
 
 const tried = () => analyze().catch(() => {});
+
+const written = (values) => JSON.stringify(Object.entries(values ?? {}).sort());
+
+/** An analysis with the same choices would repeat what is shown. */
+function enable() {
+  const job = state.jobs.find((one) => one.id === run());
+  const same = jobs.shown() && !state.choices.stale && written(job?.recipe) === written(recipe());
+  byId("analyze").disabled = !state.choices.file || jobs.busy() || Boolean(same);
+}
 
 /** The analysis is done: what lay over the curve is shown of the new run. */
 function finished(file, job) {
@@ -80,7 +89,7 @@ async function speakResults() {
 const KEYS = [
   ["o", "choose", () => byId("choose-file").click()],
   ["x", "example", () => byId("examples").querySelector("button")?.click()],
-  ["a", "analyze", tried],
+  ["a", "analyze", () => byId("analyze").click()],
   ["Escape", "cancel", () => jobs.cancelAll()],
   ["u", "undo", () => selection.back(undo)],
   ["Ctrl+z", null, () => selection.back(undo)],
@@ -129,6 +138,8 @@ async function begin() {
   output.start(renew);
   keys.start(KEYS);
   byId("analyze").addEventListener("click", tried);
+  for (const name of ["choices", "result", "shown", "busy", "refit"]) on(name, enable);
+  enable();
   await restore();
 }
 

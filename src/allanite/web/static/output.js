@@ -1,19 +1,20 @@
 // What is taken away: files for other programs, the data sheet, reports, the recipe, the command line that repeats it.
 
 import * as api from "./api.js";
-import { button, byId, copyable, el, fill, menu, show } from "./dom.js";
+import { button, byId, complaint, copyable, el, fill, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
 import { on, run, state, tell } from "./state.js";
 import { t } from "./words.js";
 
 const FORMS = [
-  ["report", "HTML"],
-  ["pdf", "PDF"],
-  ["json", "JSON"],
-  ["csv", "CSV"],
-  ["recipe", "TOML"],
-  ["figure.svg", "SVG"],
-  ["figure.png", "PNG"],
+  ["report", "report", "HTML"],
+  ["pdf", "report", "PDF"],
+  ["json", "results", "JSON"],
+  ["coefficients", "coefficients", "CSV"],
+  ["csv", "points", "CSV"],
+  ["recipe", "recipe", "TOML"],
+  ["figure.svg", "figure", "SVG"],
+  ["figure.png", "figure", "PNG"],
 ];
 
 let fresh = async () => {};
@@ -43,7 +44,7 @@ async function give(target) {
     const file = () => download(URL.createObjectURL(new Blob([text], { type: "text/plain" })), filename);
     fill(place, el("h3", {}, filename ?? target), copyable(text, "export-text", t("copy")), button(`${t("save")}: ${filename}`, "export-save", file));
   } catch (error) {
-    fill(place, el("p", { class: "error", role: "alert", test: "error-target" }, error.message));
+    fill(place, complaint(error, "error-target"));
   }
 }
 
@@ -54,21 +55,29 @@ function draw() {
   if (!result) return;
   const names = (result.channels ?? []).map((one) => one.name);
   fill(byId("export-channels"), names.map((name) => el("label", {}, el("input", { type: "checkbox", value: name, checked: true, test: "export-channel" }), name)));
+  enable();
   fill(byId("repeat"), result.command ? [el("h3", {}, t("command")), copyable(result.command, "command", t("copy"))] : [],
     result.toml ? el("details", {}, el("summary", { test: "recipe-fold" }, t("recipe")), copyable(result.toml, "toml", t("copy"))) : []);
 }
 
 function menus() {
   fill(byId("target"), menu(state.tables.exports, byId("target").value || undefined));
-  fill(byId("saves"), FORMS.map(([form, title]) => button(title, `save-${form}`, () => save(form))));
+  fill(byId("saves"), FORMS.map(([form, word, kind]) => button(`${t(word)} (${kind})`, `save-${form}`, () => save(form))));
 }
 
 export const exportNow = () => give(byId("target").value);
+
+/** Without a channel there is nothing to export. */
+function enable() {
+  const none = !byId("export-channels").querySelector("input:checked");
+  for (const id of ["export", "datasheet"]) byId(id).disabled = none;
+}
 
 /** `renew` makes the analysis agree with the choices before anything is taken away. */
 export function start(renew) {
   fresh = renew;
   byId("export").addEventListener("click", exportNow);
+  byId("export-channels").addEventListener("change", enable);
   byId("datasheet").addEventListener("click", () => give("datasheet"));
   on("result", draw);
   on("shown", draw);

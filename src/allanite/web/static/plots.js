@@ -33,12 +33,16 @@ export function axis(title, more = {}) {
     zerolinecolor: color("--line"),
     tickcolor: color("--soft"),
     showline: true,
+    automargin: true,
     ticks: "outside",
     ...more,
   };
 }
 
-export const log = (title, more = {}) => axis(title, { type: "log", tickformat: "~g", dtick: 1, minor: { dtick: "D1", showgrid: false, ticks: "outside", ticklen: 3 }, ...more });
+/** Numbers at every decade, or more of them where there are few decades. */
+const steps = ([low, high] = [0, 9]) => (high - low < 1.2 ? "D1" : high - low < 2.6 ? "D2" : 1);
+
+export const log = (title, more = {}) => axis(title, { type: "log", tickformat: "~g", dtick: steps(more.range), minor: { dtick: "D1", showgrid: false, ticks: "outside", ticklen: 3 }, ...more });
 
 export function layout(more) {
   return {
@@ -49,6 +53,7 @@ export function layout(more) {
     hovermode: "closest",
     hoverlabel: { bgcolor: color("--wash"), bordercolor: color("--line"), font: { color: color("--ink") } },
     showlegend: false,
+    legend: { orientation: "h", x: 0, y: 1.01, yanchor: "bottom", traceorder: "normal", itemclick: false, itemdoubleclick: false },
     ...more,
   };
 }

@@ -1,8 +1,9 @@
 // Results in the words of the report: its own sheets, one channel at a time.
 
-import { byId, el, fill, fragment, show } from "./dom.js";
+import { button, byId, el, fill, fragment, show } from "./dom.js";
 import { front } from "./curves.js";
 import { shown } from "./jobs.js";
+import { spoken } from "./naming.js";
 import { choose, on } from "./state.js";
 import { t } from "./words.js";
 
@@ -24,15 +25,33 @@ function walk(event, channels, i) {
   byId(`tab-${next}`)?.focus();
 }
 
+const sheetOf = (one) => fragment(el("div"), again.get(one.name) ?? one.html);
+
+/** The card of a channel, whose name makes it the one that is shown. */
+function card(one, current) {
+  const found = sheetOf(one).querySelector(".card");
+  if (!found) return null;
+  found.dataset.testid = "card";
+  if (one === current) found.dataset.current = "yes";
+  for (const value of found.querySelectorAll("dd")) fill(value, value.textContent.split(/(?<=[,，])/).map((part) => el("span", {}, part))); // broken after a comma only
+  const pick = () => choose({ channel: one.name });
+  found.addEventListener("click", pick);
+  found.querySelector("a").replaceWith(button(one.name || t("channel"), "card-name", pick, { class: "plain", "aria-current": one === current ? "true" : null }));
+  return found;
+}
+
 function assumed(result) {
   const notes = result.notes ?? result.value?.notes ?? [];
-  fill(byId("assumed"), notes.length ? el("details", { open: true }, el("summary", {}, t("assumed")), el("ul", { test: "assumed" }, notes.map((note) => el("li", {}, note)))) : []);
+  fill(byId("assumed"), notes.length ? el("details", { open: true }, el("summary", {}, t("assumed")), el("ul", { test: "assumed" }, notes.map((note) => el("li", {}, spoken(note))))) : []);
 }
 
 export function draw() {
   const result = shown();
   show(byId("results-section"), Boolean(result));
-  if (!result) return fill(byId("assumed"));
+  if (!result) {
+    fill(byId("cards"));
+    return fill(byId("assumed"));
+  }
   assumed(result);
   fragment(byId("whole-result"), result.html ?? "");
   const channels = result.channels ?? [];
@@ -41,8 +60,10 @@ export function draw() {
   fill(byId("tabs"), channels.length > 1 ? tabs(channels, current) : []);
   if (current) {
     byId("sheet").setAttribute("aria-labelledby", channels.length > 1 ? `tab-${channels.indexOf(current)}` : "results-title");
-    fragment(byId("sheet"), again.get(current.name) ?? current.html);
+    fill(byId("sheet"), ...sheetOf(current).childNodes);
+    byId("sheet").querySelector(".card")?.remove();
   } else fill(byId("sheet"));
+  fill(byId("cards"), channels.map((one) => card(one, current)));
   return undefined;
 }
 

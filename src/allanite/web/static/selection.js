@@ -2,10 +2,10 @@
 
 import * as api from "./api.js";
 import { byId, el, fill, fragment, show } from "./dom.js";
-import { perform } from "./jobs.js";
+import { perform, shown } from "./jobs.js";
 import { alter, cuts, depth, on, recipe, redo, state, tell, undo } from "./state.js";
 import { dark } from "./plots.js";
-import { channel, duration } from "./trace.js";
+import { channel, duration, known, outlying } from "./trace.js";
 import { t } from "./words.js";
 
 const written = (value) => Number(value.toFixed(3)).toString();
@@ -85,7 +85,9 @@ function picture(verb, made) {
 
 function enable() {
   const one = piece();
-  for (const id of ["cut", "only"]) byId(id).disabled = !one;
+  for (const id of ["cut", "only"]) byId(id).disabled = !one || !known();
+  for (const id of ["spectrum", "dynamic"]) byId(id).disabled = !shown();
+  byId("mask").disabled = recipe().outliers !== "mark" && !outlying();
   byId("mask").setAttribute("aria-pressed", String(recipe().outliers === "mark"));
   const { undo: behind, redo: ahead } = depth();
   byId("undo").disabled = behind === 0;
@@ -101,7 +103,6 @@ export function start() {
   for (const [id, act] of Object.entries(acts)) byId(id).addEventListener("click", act);
   on("selected", select);
   on("shown", () => { select(null); show(byId("looked"), false); });
-  on("history", enable);
-  on("choices", enable);
+  for (const name of ["history", "choices", "traced", "result"]) on(name, enable);
   enable();
 }

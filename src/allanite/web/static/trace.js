@@ -3,7 +3,8 @@
 import * as api from "./api.js";
 import { button, byId, el, fill, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
-import { CONFIG, axis, between, color, draw, faint, layout, series } from "./plots.js";
+import { CONFIG, axis, between, color, digits, draw, layout, series } from "./plots.js";
+import { plain, spoken } from "./naming.js";
 import { choose, cuts, on, run, state, tell } from "./state.js";
 import { t } from "./words.js";
 
@@ -20,12 +21,14 @@ let taken = null;
 
 const place = () => byId("trace-plot");
 export const duration = () => data?.duration ?? data?.t?.at(-1) ?? 0;
+export const known = () => Boolean(data) && !data.raw.includes("rate");
+export const outlying = () => data?.outlier_count > 0;
 export const channel = () => state.choices.channel ?? data?.channel ?? null;
 
 function findings() {
   const result = shown();
   const own = result?.channels?.find((one) => one.name === channel()) ?? result?.channels?.[0];
-  return (own?.findings ?? []).map((one) => ({ ...one, level: one.level ?? "note" }));
+  return (own?.findings ?? []).map((one) => ({ ...one, text: spoken(one.text), level: one.level ?? "note" }));
 }
 
 const hue = (level) => color(level === "alert" ? "--alarm" : level === "fair" ? "--fair" : "--soft");
@@ -46,7 +49,30 @@ function traces() {
   const marks = { x: data.outliers ?? [], y: (data.outliers ?? []).map(() => 0.02), yaxis: "y2", mode: "markers", name: t("outliers"), marker: { symbol: "triangle-up", size: 7, color: color("--alarm") }, hovertemplate: "%{x:.6g} s<extra></extra>" };
   const located = findings().filter((one) => one.at);
   const notes = { x: located.map((one) => (one.at[0] + one.at[1]) / 2), y: located.map(() => 0.97), yaxis: "y2", mode: "markers", marker: { symbol: "triangle-down", size: 9, color: located.map((one) => hue(one.level)) }, text: located.map((one) => one.text.replace(/[<>&]/g, " ")), hovertemplate: "%{text}<extra></extra>" };
-  return [{ ...low, line, hoverinfo: "x+y" }, { ...high, line, hoverinfo: "x+y" }, marks, notes];
+  return [{ ...low, line, hoverinfo: "x+y" }, { ...high, line, hoverinfo: "x+y" }, marks, notes, ...beyond().traces];
+}
+
+/** Stretches that reach beyond the range drawn: a mark at its edge for each, and the farthest of them. */
+function beyond() {
+  if (!data.range) return { traces: [], far: [] };
+  const sides = [["low", 0, "triangle-down", (value) => value < data.range[0]], ["high", 1, "triangle-up", (value) => value > data.range[1]]];
+  const far = [];
+  const traces = sides.map(([side, end, symbol, out]) => {
+    const places = data[side].flatMap((value, i) => (value !== null && out(value) ? [i] : []));
+    const values = places.map((i) => data[side][i]);
+    if (values.length) far.push((end ? Math.max : Math.min)(...values));
+    return { x: places.map((i) => data.t[i]), y: places.map(() => data.range[end]), text: values.map(digits), mode: "markers", cliponaxis: false, marker: { symbol, size: 9, color: color("--alarm") }, hovertemplate: `%{x:.6g}: %{text} ${data.unit}<extra></extra>` };
+  });
+  return { traces, far };
+}
+
+/** What the eye cannot see: that the numbers have no unit yet, and how far some of them are. */
+function captions() {
+  const { far } = beyond();
+  show(byId("raw"), data.raw.length > 0);
+  byId("raw").textContent = `${t("rawnote")} ${data.raw.map(plain).join(", ")}`;
+  show(byId("beyond"), far.length > 0);
+  byId("beyond").textContent = `${t("beyond")} ${far.map((value) => `${digits(value)} ${data.unit}`.trim()).join(", ")}`;
 }
 
 function paint() {
@@ -57,13 +83,15 @@ function paint() {
     dragmode: mode === "zoom" ? "zoom" : "select",
     selectdirection: "h",
     selections: [],
-    xaxis: axis(t("time"), { range: window ?? [0, duration()] }),
-    yaxis: axis(data.unit || "", { fixedrange: true, autorange: true }),
+    xaxis: axis(t(known() ? "time" : "count"), { range: window ?? [0, duration()] }),
+    yaxis: axis(data.unit || t("raw"), { fixedrange: true, ...(data.range ? { range: data.range, autorange: false } : { autorange: true }) }),
     yaxis2: { overlaying: "y", range: [0, 1], fixedrange: true, visible: false },
     shapes: strips(),
     uirevision: state.choices.file,
   });
   draw(place(), traces(), form, SETTINGS);
+  captions();
+  byId("whole").disabled = !window;
   place().dataset.points = data.t.length;
   listen();
 }
@@ -118,6 +146,7 @@ export async function load() {
   }
   names();
   paint();
+  tell("traced");
 }
 
 function names() {

@@ -18,10 +18,10 @@ from allanite.applications.attitude import (
 )
 from allanite.applications.attitude.density import GRAVITY
 
-GYRO, TILT = al.parse_model("N 0.3 deg/sqrt(h)"), al.parse_model("N 100 ug/sqrt(Hz)")
+GYRO, TILT = al.Model("N 0.3 deg/sqrt(h)"), al.Model("N 100 ug/sqrt(Hz)")
 N, A, K = GYRO["N"].value, TILT["N"].value / GRAVITY, al.K(20, "deg/h/sqrt(h)").value
 ARCSEC = math.pi / 648_000
-WHOLE = tuple(map(al.parse_model, benchmark.WHOLE))
+WHOLE = tuple(map(al.Model, benchmark.WHOLE))
 
 
 def test_closed_form_of_white_noises():
@@ -99,7 +99,7 @@ def test_predicted_against_simulated(which):
 
 @pytest.mark.parametrize("models", benchmark.MODELS)
 def test_no_filter_is_better_than_the_bound(models):
-    found = optimal_time_constant(*map(al.parse_model, models), duration=100.0, rate=10.0)
+    found = optimal_time_constant(*map(al.Model, models), duration=100.0, rate=10.0)
     assert found.bound <= found.first.rms * (1 + 1e-6)
     assert found.loss >= 0
     if found.second is not None:

@@ -192,7 +192,7 @@ def test_a_turning_body_and_a_time_constant_beyond_the_recording_are_said(still)
     settings = replace(KNOWN, keep_bias=False)
     turning = changed(still, "gz", lambda v: v + math.radians(20))
     shown = " ".join(table(vertical(turning, settings=replace(settings, time_constant=500.0))).split())
-    assert "a mean rate of 20 deg/s is no bias" in shown
+    assert "a mean rate of 20 °/s is no bias" in shown
     assert "the time constant is 500 s, but the recording lasts 400 s only" in shown
     plain = table(vertical(still, settings=settings))
     assert "is no bias" not in plain

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import allanite as al
-from allanite.applications.rate import (
+from allanite.applications.constant_rate import (
     RATE_ESTIMATORS,
     EstimatorSettings,
     ExperimentSettings,
@@ -19,8 +19,8 @@ from allanite.applications.rate import (
     experiment,
     predicted_standard_error,
 )
-from allanite.applications.rate.inputs import interval_of
-from allanite.applications.rate.measure import in_si, task_of
+from allanite.applications.constant_rate.inputs import interval_of
+from allanite.applications.constant_rate.measure import in_si, task_of
 from allanite.core.model import term
 from allanite.simulation.ring_laser import GL1
 
@@ -72,7 +72,7 @@ def runs(request):
 @pytest.mark.parametrize("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
 def test_predicted_errors_are_those_of_400_runs(runs, method):
     model, errors = runs
-    predicted = predicted_standard_error(method, model, n=N, rate=RATE)
+    predicted = predicted_standard_error(method, model, size=N, rate=RATE)
     assert np.sqrt(np.square(errors[method]).mean()) == pytest.approx(predicted, rel=0.11)
 
 
@@ -80,7 +80,7 @@ def test_predicted_errors_are_those_of_400_runs(runs, method):
 def test_intervals_cover(runs, method):
     """95 % intervals hold the truth in 92 to 98 of 100 runs: 2.7 standard errors."""
     model, errors = runs
-    predicted = predicted_standard_error(method, model, n=N, rate=RATE)
+    predicted = predicted_standard_error(method, model, size=N, rate=RATE)
     assert 0.92 <= (np.abs(errors[method]) < 1.959964 * predicted).mean() <= 0.98
 
 
@@ -96,8 +96,8 @@ def test_the_staircase_of_counts_is_predicted():
         angle = np.r_[0, np.cumsum(steps)] + 0.3 * rng.standard_normal(N + 1)
         counts = np.diff(np.floor(angle / PULSE + rng.random())).astype(int)
         record = al.Record(counts, rate=RATE, unit="arcsec", kind="count", scale=PULSE)
-        errors.append(al.rate.estimate(record, "staircase").value - TURNING * ARCSEC)
-    predicted = predicted_standard_error("staircase", model, n=N, rate=RATE, options=options)
+        errors.append(al.constant_rate.estimate(record, "staircase").value - TURNING * ARCSEC)
+    predicted = predicted_standard_error("staircase", model, size=N, rate=RATE, options=options)
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(predicted, rel=0.11)
     assert 0.92 <= (np.abs(errors) < 1.959964 * predicted).mean() <= 0.98
 
@@ -123,7 +123,7 @@ def gl1():
 
 def test_exact_covariance_of_the_gl1():
     errors = {
-        m: predicted_standard_error(m, GL1.model, n=48_000, rate=400.0) / ARCSEC
+        m: predicted_standard_error(m, GL1.model, size=48_000, rate=400.0) / ARCSEC
         for m in ("mean", "hamming", "regression", "optimal")
     }
     assert errors["mean"] > errors["hamming"] > errors["regression"] > errors["optimal"]
@@ -137,7 +137,7 @@ def test_exact_covariance_of_the_gl1():
 def test_under_random_walk_alone_averaging_wins():
     model = al.N(3e-3, "deg/sqrt(h)")
     mean, hamming, regression = (
-        predicted_standard_error(m, model, n=48_000, rate=400.0) for m in ("mean", "hamming", "regression")
+        predicted_standard_error(m, model, size=48_000, rate=400.0) for m in ("mean", "hamming", "regression")
     )
     assert mean <= 0.93 * regression
     assert mean <= 0.88 * hamming

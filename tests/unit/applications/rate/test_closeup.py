@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 import allanite as al
-from allanite.applications.rate import EstimatorSettings, ExperimentSettings, closeup, estimate
+from allanite.applications.constant_rate import EstimatorSettings, ExperimentSettings, closeup, estimate
 from allanite.cli import main
 
 
@@ -87,7 +87,7 @@ def test_every_interval_is_written(record, tmp_path):
 
 
 def test_what_wanders_is_drawn_beside_the_prediction(record):
-    from allanite.applications.rate.campaign import RateSettings
+    from allanite.applications.constant_rate.campaign import RateSettings
 
     model = al.N(0.0003, "deg/sqrt(h)") + al.Q(0.3, "arcsec") + al.B(0.003, "deg/h")
     study = al.measure_rates(record, None, RateSettings(SETTINGS, model, durations=(1.0, 3.0)))

@@ -8,7 +8,7 @@ import pytest
 from tests.reference.rate import turnaround_kick
 
 import allanite as al
-from allanite.applications.rate import (
+from allanite.applications.constant_rate import (
     EstimatorSettings,
     ExperimentSettings,
     earth_rate,
@@ -18,7 +18,7 @@ from allanite.applications.rate import (
     reversal,
     subtract_bias,
 )
-from allanite.applications.rate.campaign import RateSettings, measure_rates
+from allanite.applications.constant_rate.campaign import RateSettings, measure_rates
 from allanite.simulation.ring_laser import GL1, RingLaser
 
 DEG_H = math.pi / 180 / 3600

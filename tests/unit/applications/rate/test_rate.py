@@ -10,7 +10,7 @@ from scipy.linalg import toeplitz
 from tests.reference import rate as referee
 
 import allanite as al
-from allanite.applications.rate import (
+from allanite.applications.constant_rate import (
     RATE_ESTIMATORS,
     TARGETS,
     EstimatorSettings,
@@ -18,10 +18,10 @@ from allanite.applications.rate import (
     predicted_standard_error,
     rank,
 )
-from allanite.applications.rate.measure import task_of
-from allanite.applications.rate.optimal import white_and_angle
-from allanite.applications.rate.predict import through_dither
-from allanite.applications.rate.setting import Task
+from allanite.applications.constant_rate.measure import task_of
+from allanite.applications.constant_rate.optimal import white_and_angle
+from allanite.applications.constant_rate.predict import through_dither
+from allanite.applications.constant_rate.setting import Task
 from allanite.statistics.moments.gls import autocovariance
 
 ARCSEC = math.pi / 180 / 3600
@@ -139,7 +139,7 @@ def test_optimal_reaches_the_bound(name, target, n):
     wanders = [t for t in model if t.symbol in "BKR"]
     if target == "constant" and wanders:
         with pytest.raises(al.UsageError, match="drift is unbounded"):
-            predicted_standard_error("optimal", model, n=n, rate=100.0, target=target)
+            predicted_standard_error("optimal", model, size=n, rate=100.0, target=target)
         return
     aim = TARGETS[target](n)
     noise = [t for t in model if t.symbol != "R"]
@@ -148,7 +148,7 @@ def test_optimal_reaches_the_bound(name, target, n):
     w = bounded(C, settled, aim, ramp="R" in name)
     slow = C - settled
     bound = w @ settled @ w + (w - aim) @ slow @ (w - aim)
-    found = predicted_standard_error("optimal", model, n=n, rate=100.0, target=target)
+    found = predicted_standard_error("optimal", model, size=n, rate=100.0, target=target)
     scale = math.sqrt(np.abs(C).max() / n)
     assert found == pytest.approx(math.sqrt(max(bound, 0.0)), rel=1e-3, abs=1e-5 * scale)
 
@@ -168,9 +168,9 @@ def bounded(C, settled, aim, *, ramp):
 @pytest.mark.parametrize("method", RATE_ESTIMATORS)
 def test_nothing_beats_the_optimum(method):
     for model in MODELS.values():
-        bound = predicted_standard_error("optimal", model, n=500, rate=100.0)
+        bound = predicted_standard_error("optimal", model, size=500, rate=100.0)
         options = EstimatorSettings(quantum=0.3 * ARCSEC)
-        error = predicted_standard_error(method, model, n=500, rate=100.0, options=options)
+        error = predicted_standard_error(method, model, size=500, rate=100.0, options=options)
         assert math.isnan(error) or error >= bound * (1 - 1e-9)
 
 
@@ -188,7 +188,7 @@ def test_efficiency_against_rho(which):
     T = 120.0
     sigma = rho * WHITE.value * math.sqrt(T)
     model = WHITE + al.Q(sigma, "rad")
-    errors = {m: predicted_standard_error(m, model, n=48_000, rate=400.0) for m in (*EFFICIENCY, "optimal")}
+    errors = {m: predicted_standard_error(m, model, size=48_000, rate=400.0) for m in (*EFFICIENCY, "optimal")}
     for method, wanted in EFFICIENCY.items():
         assert errors[method] / errors["optimal"] == pytest.approx(wanted[which], rel=0.01)
     # the continuous limit of the bound: N^2 / (T - 2 tc tanh(T / 2 tc))
@@ -202,7 +202,7 @@ def test_efficiency_against_rho(which):
 def test_white_noise_factors(method):
     """1, 1.3628 and 1.2 times N^2 / T."""
     wanted = {"mean": 1.0, "hamming": 1.3628, "regression": 1.2}[method]
-    found = predicted_standard_error(method, WHITE, n=48_000, rate=400.0)
+    found = predicted_standard_error(method, WHITE, size=48_000, rate=400.0)
     assert (found / WHITE.value) ** 2 * 120.0 == pytest.approx(wanted, rel=1e-4)
 
 
@@ -217,18 +217,18 @@ def test_a_random_walk_is_measured_where_it_is_asked_for(target):
         walk = al.simulate(model["K"], n, 10.0, rng=rng).values
         record = al.Record(walk + white * rng.standard_normal(n), rate=10.0, unit="rad/s")
         errors.append(estimate(record, "optimal", model=model, target=target).value - TARGETS[target](n) @ walk)
-    predicted = predicted_standard_error("optimal", model, n=n, rate=10.0, target=target)
+    predicted = predicted_standard_error("optimal", model, size=n, rate=10.0, target=target)
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(predicted, rel=0.17)
 
 
 def test_a_ramp_is_no_error_of_the_mean_but_one_of_the_start():
     model = WHITE + al.R(10.0, "deg/h^2")
-    mean, start = (predicted_standard_error("mean", model, n=1000, rate=10.0, target=t) for t in ("mean", "start"))
-    assert mean == pytest.approx(predicted_standard_error("mean", WHITE, n=1000, rate=10.0))
+    mean, start = (predicted_standard_error("mean", model, size=1000, rate=10.0, target=t) for t in ("mean", "start"))
+    assert mean == pytest.approx(predicted_standard_error("mean", WHITE, size=1000, rate=10.0))
     drift = model["R"].value * 99.9 / 2
     assert start == pytest.approx(math.hypot(mean, drift), rel=1e-3)
     # the optimal weights do not see the ramp at all, and pay for it
-    assert predicted_standard_error("optimal", model, n=1000, rate=10.0, target="start") == pytest.approx(
+    assert predicted_standard_error("optimal", model, size=1000, rate=10.0, target="start") == pytest.approx(
         2 * mean, rel=2e-3
     )
 
@@ -383,12 +383,12 @@ def test_the_value_says_what_it_is():
 
 
 def test_the_ranking_says_which_method_to_use():
-    white = rank(WHITE, n=48_000, rate=400.0)
+    white = rank(WHITE, size=48_000, rate=400.0)
     assert white.verdict == "for this gyro averaging is already within 0.1 % of the optimum"
     assert white.rows()[1][0][0] in ("mean", "optimal")
-    angle = rank(MODELS["QN"], n=48_000, rate=400.0, options=EstimatorSettings(quantum=0.33 * ARCSEC))
+    angle = rank(MODELS["QN"], size=48_000, rate=400.0, options=EstimatorSettings(quantum=0.33 * ARCSEC))
     assert angle.verdict.startswith("use optimal: 2.0")
-    assert rank(MODELS["Q"], n=48_000, rate=400.0).verdict.startswith("use regression: ")
+    assert rank(MODELS["Q"], size=48_000, rate=400.0).verdict.startswith("use regression: ")
     assert angle.to_dict()["verdict"] == angle.verdict
     assert list(angle.errors) == list(RATE_ESTIMATORS)
 

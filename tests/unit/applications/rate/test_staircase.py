@@ -8,8 +8,8 @@ import pytest
 from tests.reference import rate as referee
 
 import allanite as al
-from allanite.applications.rate import EstimatorSettings, estimate, predicted_standard_error
-from allanite.applications.rate.staircase import CUBE_ROOT, DITHERED
+from allanite.applications.constant_rate import EstimatorSettings, estimate, predicted_standard_error
+from allanite.applications.constant_rate.staircase import CUBE_ROOT, DITHERED
 
 ARCSEC = math.pi / 180 / 3600
 PULSE = 0.33
@@ -129,14 +129,14 @@ def test_what_cannot_be_predicted_is_not():
         model = al.N(3e-4, "deg/sqrt(h)") + al.Q(sigma, "arcsec")
         options = EstimatorSettings(quantum=PULSE * ARCSEC)
         return [
-            predicted_standard_error(m, model, n=48_000, rate=400.0, options=options)
+            predicted_standard_error(m, model, size=48_000, rate=400.0, options=options)
             for m in ("staircase", "regression")
         ]
 
     assert math.isnan(predicted(0.9 * DITHERED * PULSE)[0])
     staircase, regression = predicted(1.1 * DITHERED * PULSE)
     assert regression < staircase < 1.01 * regression
-    without = predicted_standard_error("staircase", al.Q(0.2, "arcsec"), n=100, rate=1.0)
+    without = predicted_standard_error("staircase", al.Q(0.2, "arcsec"), size=100, rate=1.0)
     assert math.isnan(without)
 
 

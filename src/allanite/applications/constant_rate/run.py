@@ -95,7 +95,7 @@ def experiment(
 
     Examples
     --------
-    >>> from allanite.simulation.ring_laser import GL1, simulate_ring_laser
+    >>> from allanite import GL1, simulate_ring_laser
     >>> record = simulate_ring_laser(GL1, 12.4392, 60_000, 400.0, rng=np.random.default_rng(1))
     >>> found = experiment(record, GL1.model, ExperimentSettings(interval=10.0, methods=("mean", "regression")))
     >>> found.rates.shape, found.notes

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any
 
 from allanite.applications.choices import RateChoices
-from allanite.applications.rate import (
+from allanite.applications.constant_rate import (
     Experiment,
     ExperimentSettings,
     North,
@@ -31,6 +31,7 @@ from allanite.extending import (
     Source,
     UsageError,
     Value,
+    aliased,
     demand_result,
     each_channel,
     open_recording,
@@ -163,6 +164,7 @@ class RateStudy(Job[RateChannel]):
         return super().choices() | self.settings.choices(signal.unit) | ({"second": second} if second else {})
 
 
+@aliased
 def measure_rates(
     source: Source,
     recipe: Recipe | None = None,
@@ -170,12 +172,13 @@ def measure_rates(
     *,
     second: Source | None = None,
     progress: Progress | None = None,
+    **choices: Any,
 ) -> RateStudy:
     """Measure the constant rate of every channel of a recording with every method.
 
     Parameters
     ----------
-    source : Recording, Record or path
+    source : Recording, Record, path, table or array
     recipe : Recipe, optional
         How to read, how the noise is identified, the level of intervals.
     settings : RateSettings, optional
@@ -183,6 +186,8 @@ def measure_rates(
         The same gyro after it was turned; read with the same recipe. Removes the bias.
     progress : callable, optional
         Called with a description of the current step and the fraction completed.
+    **choices
+        Fields of `Recipe`: ``measure_rates(x, rate=400, unit="deg/h")``.
 
     Raises
     ------
@@ -191,7 +196,7 @@ def measure_rates(
     UsageError
         An option is wrong, or a required one is missing.
     """
-    recipe, settings = recipe or Recipe(), settings or RateSettings()
+    recipe, settings = (recipe or Recipe()).but(choices), settings or RateSettings()
     recordings = [open_recording(s, recipe, progress=progress) for s in (source, second) if s is not None]
     first = recordings[0]
     groups = [(name, tuple(recording[name] for recording in recordings)) for name in first.channels]

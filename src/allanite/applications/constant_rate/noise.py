@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import NamedTuple
 
-from allanite.applications.rate import rank
+from allanite.applications.constant_rate import rank
 from allanite.extending import (
     SHORTEST,
     TERMS,
@@ -92,7 +92,7 @@ def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     present = {t.symbol for t in fit.model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*fit.model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
-    bound, seen = (rank(model, n=n, rate=rate).best for model in (worst, fit.model))
+    bound, seen = (rank(model, size=n, rate=rate).best for model in (worst, fit.model))
     if bound < HIDDEN * seen:
         return fit.model, ()
     unit = fit.signal.sheet[0]

@@ -1,8 +1,9 @@
 """A rate measured by one of the estimators."""
 
 import math
+from typing import Unpack
 
-from allanite.extending import ModelLike, Record, UnitError, model_of
+from allanite.extending import ModelLike, Record, Samples, Sampling, UnitError, aliased, as_record, model_of
 
 from .estimates import RateEstimate
 from .estimators import estimator_named
@@ -12,20 +13,22 @@ from .row import Interval, RateMeasurement
 from .setting import EstimatorSettings, Task
 
 
+@aliased
 def estimate(
-    record: Record,
+    record: Samples,
     method: str = "optimal",
     *,
     model: ModelLike | None = None,
     target: str = "mean",
     dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
+    **sampling: Unpack[Sampling],
 ) -> RateEstimate:
     """Measure the constant rate of a record.
 
     Parameters
     ----------
-    record : Record
+    record : Record or array, shape (n,)
         Counts with their scale, increments, an angle or a rate; every sample finite.
     method : str
         A name in `RATE_ESTIMATORS`.
@@ -38,6 +41,8 @@ def estimate(
         squares.
     options : EstimatorSettings, optional
         Choices for individual methods.
+    **sampling
+        `rate`, `unit`, `kind`, `scale` and `name` of a `Record`, for an array or a column of a table.
 
     Returns
     -------
@@ -53,12 +58,13 @@ def estimate(
 
     Examples
     --------
-    >>> from allanite.core.model import N, Q
+    >>> from allanite import N, Q
     >>> record = Record([3, 4, 4, 5, 3, 4], rate=1.0, unit="arcsec", kind="count", scale=0.5)
     >>> found = estimate(record, "optimal", model=N(0.001, "deg/sqrt(h)") + Q(0.2, "arcsec"))
     >>> found.words("deg/h")
     '1.961 (1.872 .. 2.050) deg/h'
     """
+    record = as_record(record, "constant_rate.estimate", sampling)
     demand_whole(record)
     row, task = estimator_named(method), task_of(record, model, target, dither=dither, options=options)
     weights, interval = row.weights(task), interval_of(record, task)

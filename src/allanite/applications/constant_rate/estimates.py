@@ -117,8 +117,9 @@ def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error
 
     Examples
     --------
-    >>> from allanite.core.units import SIGNALS
-    >>> raw = RateEstimate(12.335042 * 4.84813681e-6, 0.0, "mean", "", SIGNALS[0], "mean", 120.0)
+    >>> from allanite import N
+    >>> gyro = N(0.001, "deg/sqrt(h)").signal
+    >>> raw = RateEstimate(12.335042 * 4.84813681e-6, 0.0, "mean", "", gyro, "mean", 120.0)
     >>> round(subtract_bias(raw, -0.0948, "deg/h").to("deg/h"), 4)
     12.4298
     """
@@ -147,8 +148,9 @@ def reversal(first: RateEstimate, second: RateEstimate) -> tuple[RateEstimate, R
 
     Examples
     --------
-    >>> from allanite.core.units import SIGNALS
-    >>> up, down = (RateEstimate(v, 0.3, "mean", "", SIGNALS[0], "mean", 120.0) for v in (11.0, -9.0))
+    >>> from allanite import N
+    >>> gyro = N(0.001, "deg/sqrt(h)").signal
+    >>> up, down = (RateEstimate(v, 0.3, "mean", "", gyro, "mean", 120.0) for v in (11.0, -9.0))
     >>> [e.value for e in reversal(up, down)]
     [10.0, 1.0]
     """

@@ -125,8 +125,9 @@ def north(
 
     Examples
     --------
-    >>> from allanite.core.units import SIGNALS
-    >>> measured = RateEstimate(0.0, 1e-8, "mean", "", SIGNALS[0], "mean", 120.0)
+    >>> from allanite import N
+    >>> gyro = N(0.001, "deg/sqrt(h)").signal
+    >>> measured = RateEstimate(0.0, 1e-8, "mean", "", gyro, "mean", 120.0)
     >>> north(measured, 60.0).words()[:56]
     'heading 90.0000 deg (89.9692 .. 90.0308), standard error'
     """

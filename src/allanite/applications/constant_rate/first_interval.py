@@ -71,7 +71,7 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
 
     Examples
     --------
-    >>> from allanite.simulation.ring_laser import GL1, simulate_ring_laser
+    >>> from allanite import GL1, simulate_ring_laser
     >>> record = simulate_ring_laser(GL1, 12.4392, 48_000, 400.0, rng=np.random.default_rng(1))
     >>> found = closeup(record)
     >>> found.slopes.size, bool(abs(found.misfit).mean() < 1)

@@ -6,7 +6,19 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from allanite.extending import Covariance, FloatArray, Model, ModelLike, Signal, Value, model_of, say, unit_of
+from allanite.extending import (
+    Covariance,
+    FloatArray,
+    Model,
+    ModelLike,
+    Signal,
+    Value,
+    aliased,
+    model_of,
+    say,
+    size_and_rate,
+    unit_of,
+)
 
 from .estimators import RATE_ESTIMATORS, estimator_named
 from .row import RateEstimator
@@ -51,12 +63,14 @@ def standard_error(row: RateEstimator, weights: FloatArray, task: Task) -> float
     return math.sqrt(variance(through_dither(weights, task), task) + row.excess(task))
 
 
+@aliased
 def predicted_standard_error(
     method: str,
     model: ModelLike,
     *,
-    n: int,
-    rate: float,
+    size: int | None = None,
+    rate: float | None = None,
+    duration: float | None = None,
     target: str = "mean",
     dither: tuple[float, ...] = (),
     options: EstimatorSettings | None = None,
@@ -68,8 +82,8 @@ def predicted_standard_error(
     method : str
         A name in `RATE_ESTIMATORS`.
     model : Model, Term or Fit
-    n : int
-        Number of samples.
+    size : int
+        Number of samples; or `duration`, s.
     rate : float
         Sampling rate, Hz.
     target, dither, options
@@ -82,13 +96,13 @@ def predicted_standard_error(
 
     Examples
     --------
-    >>> from allanite.core.model import N
+    >>> from allanite import N
     >>> white = N(0.003, "deg/sqrt(h)")
-    >>> errors = [predicted_standard_error(m, white, n=48000, rate=400.0) for m in ("mean", "regression")]
+    >>> errors = [predicted_standard_error(m, white, size=48000, rate=400.0) for m in ("mean", "regression")]
     >>> round(errors[1] / errors[0], 4)
     1.0954
     """
-    task = _expected(model, n, rate, target=target, dither=tuple(dither), options=options)
+    task = _expected(model, size_and_rate(size, rate, duration), target=target, dither=tuple(dither), options=options)
     row = estimator_named(method)
     return standard_error(row, row.weights(task), task)
 
@@ -166,24 +180,30 @@ def ranking(task: Task) -> Ranking:
     return Ranking(model.signal, task.duration, model, errors)
 
 
+@aliased
 def rank(
-    model: ModelLike, *, n: int, rate: float, target: str = "mean", options: EstimatorSettings | None = None
+    model: ModelLike,
+    *,
+    size: int | None = None,
+    rate: float | None = None,
+    duration: float | None = None,
+    target: str = "mean",
+    options: EstimatorSettings | None = None,
 ) -> Ranking:
     """The best method for a gyro, and its advantage; parameters as for `predicted_standard_error`.
 
     Examples
     --------
-    >>> from allanite.core.model import N, Q
-    >>> rank(N(0.003, "deg/sqrt(h)"), n=48000, rate=400.0).verdict
+    >>> from allanite import N, Q
+    >>> rank(N(0.003, "deg/sqrt(h)"), size=48000, rate=400.0).verdict
     'for this gyro averaging is already within 0.1 % of the optimum'
     """
-    return ranking(_expected(model, n, rate, target=target, options=options))
+    return ranking(_expected(model, size_and_rate(size, rate, duration), target=target, options=options))
 
 
 def _expected(
     model: ModelLike,
-    n: int,
-    rate: float,
+    sampling: tuple[int, float],
     *,
     target: str,
     dither: tuple[float, ...] = (),
@@ -192,4 +212,4 @@ def _expected(
     """The task of samples that nobody has recorded yet."""
     options = options or EstimatorSettings()
     pulse = math.nan if options.quantum is None else options.quantum
-    return Task(n, rate, model_of(model), target, dither, options, pulse)
+    return Task(*sampling, model_of(model), target, dither, options, pulse)
