@@ -74,7 +74,7 @@ def test_limits_on_one_side_are_those_of_the_wider_interval():
 @pytest.mark.parametrize(
     ("name", "options", "words"),
     [
-        ("oadev", {"bias": "best"}, "known corrections: exact, published, model"),
+        ("oadev", {"bias": "best"}, "known bias corrections: exact, published, model"),
         ("theo1", {"bias": "model"}, "for theobr, theoh"),
         ("theoh", {"bias": "exact"}, "takes"),
         ("theo1", {"bias": "exact", "noise": None}, "a bias correction depends on the noise"),

@@ -465,8 +465,8 @@ def test_the_outcome_of_a_change_is_read_with_limits_of_any_level():
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        ({"type": "Kurve"}, "of type 'Kurve' cannot be read; known types: Across, "),
-        ([], "of type None cannot be read"),
+        ({"type": "Kurve"}, "unknown type 'Kurve' of stored data; did you mean Curve"),
+        ([], "without a type cannot be read"),
         ({"type": "Finding", "name": "gaps"}, "the stored Finding has no 'what'"),
         ({"allanite": 2, "type": "Finding", "name": "gaps"}, "version 2; this program reads version 1"),
     ],

@@ -84,6 +84,7 @@ def test_its_claims_are_those_of_the_tables():
     assert f"At most {max(float(row['false, %']) for row in rows):g} % of" in README
 
 
+@pytest.mark.usefixtures("details")
 def test_the_excerpt_is_what_the_demo_prints(desk):
     done = run([str(Path(sys.executable).with_name("allanite")), "analyze", SAMPLE], desk)
     (excerpt,) = blocks("text")

@@ -105,12 +105,13 @@ def test_the_list_finds_what_it_names(tmp_path):
 
 
 def options_in(tree: ast.AST) -> list[str]:
-    """Strings with an option, outside of docstrings and of what renders options and arguments."""
+    """Strings with an option, outside of docstrings, of what renders options and arguments, and of what to type."""
     alone = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
     rendered = {
         id(part)
         for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("spelled", "choice")
+        if (isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("spelled", "choice"))
+        or (isinstance(node, ast.keyword) and node.arg == "cure")
         for part in ast.walk(node)
     }
     strings = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))

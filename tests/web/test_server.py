@@ -151,7 +151,7 @@ def test_a_file_for_a_filter_is_that_of_the_command_line(client, analyzed, file)
     options = ("--rate", "100", "--exclude", "40..60", "--channels", "gy", "--to", "datasheet", "--output", "-")
     assert found["text"] == printed("export", file, *options).replace(str(file), "gyro.csv")
     refused = client.post(f"/api/jobs/{analyzed}/export", {"target": "nonsense"})
-    assert refused.json()["error"].startswith("unknown target 'nonsense'; targets: kalibr")
+    assert refused.json()["error"].startswith("unknown target 'nonsense'; known targets: kalibr")
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.extending import DURATION, MODEL, choice, separated
+from allanite.extending import DURATION, INSTANT, MODEL, choice, separated
 
 SECONDS = separated(float, "seconds", example="60,300")
 
@@ -64,7 +64,7 @@ class CompensationChoices:
 class IntervalChoices:
     """The choices of `ExperimentSettings`."""
 
-    interval: float = choice("S", "Measuring time.", default=120.0)
+    interval: float = choice("TIME", "Measuring time.", kind=INSTANT, default=120.0)
     methods: tuple[str, ...] = choice("A,B,...", "Estimators, e.g. mean,optimal.", default=(), told="all")
     target: str = choice("WHAT", "What is estimated of a drifting rate: its mean, centre or start.", default="mean")
     dither: tuple[float, ...] = choice("HZ,...", "Frequencies of the residual dither to remove.", default=(), told="")

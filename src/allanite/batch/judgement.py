@@ -90,7 +90,7 @@ def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
     >>> limit = Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
     >>> unit = limit.factor
     >>> judge("gz", limit, Seen(1.9 * unit, 1.7 * unit, 2.1 * unit))
-    <Judgement 'gz': B pass, 1.9 deg/h (1.7 .. 2.1), the interval holds the limit>
+    <Judgement 'gz': B pass, 1.9 deg/h (1.7 .. 2.1), the interval contains the limit>
     >>> judge("gz", limit, Seen(upper=3 * unit))
     <Judgement 'gz': B not shown, not identified, below 3 deg/h>
     """
@@ -112,7 +112,7 @@ def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
         parts = [f"{value} ({seen.low / limit.factor:.4g} .. {seen.high / limit.factor:.4g})"]
     else:
         parts = [value, say("no interval")]
-    parts += [say("the interval holds the limit")] if near else []
+    parts += [say("the interval contains the limit")] if near else []
     parts += [seen.reason] if seen.reason else []
     upper = limit.judge == "upper"
     outcome = FAIL if seen.value > most else NOT_SHOWN if upper and not seen.high <= most else PASS

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.files import reason
 from allanite.phrases.phrase import say
 from allanite.readers.sandbox.packing import PROSE
 from allanite.readers.sandbox.source import STDIN, is_recording
@@ -136,7 +137,7 @@ def manifest_of(source: PathLike, besides: Iterable[str | None] = ()) -> Sources
     try:
         lines = path.read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{str(path)!r} cannot be read as a folder or a manifest ({error}); {FORM}") from None
+        raise UsageError(f"{str(path)!r} cannot be read as a folder or a manifest ({reason(error)}); {FORM}") from None
     listed = ((i, {"file": line.strip()}) for i, line in enumerate(lines, 1) if line.strip() and line[0] != "#")
     rows = _csv(lines, path) if path.suffix.lower() == ".csv" else listed
     facts: dict[str, dict[str, Any]] = {}

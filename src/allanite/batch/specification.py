@@ -7,6 +7,7 @@ from typing import Any
 
 from allanite.core.errors import UsageError
 from allanite.core.model import coefficient_factor
+from allanite.core.names import demand_name
 from allanite.core.notation import split_quantities
 from allanite.core.plain import Value
 from allanite.core.readings import MINIMUM
@@ -135,7 +136,7 @@ class Specification(Value):
             if not common and not any(own.values()):
                 raise UsageError(f"there is no limit in it; write {EXAMPLE} below [limits]")
         except UsageError as error:
-            raise type(error)(f"{source}: {error}" if source else str(error)) from None
+            raise (error.within(source) if source else error) from None
         return cls(common, own, source)
 
     @classmethod
@@ -155,8 +156,7 @@ def limits_of(given: "Specification | str | os.PathLike[str] | None") -> Specifi
 
 def _demand_keys(table: dict[str, Any], known: tuple[str, ...], where: str) -> None:
     for key in table:
-        if key not in known:
-            raise UsageError(f"unknown key {key!r} in {where}; known keys: {', '.join(known)}")
+        demand_name("key", key, known, where=f" in {where}")
 
 
 def _table(found: Any, name: str) -> dict[str, Any]:
@@ -174,8 +174,7 @@ def _judge(found: Any) -> str:
 def _limits(table: Any, judge: str, where: str) -> Iterator[Limit]:
     """The limits of a table, for each kind of sensor at most one."""
     for symbol, entries in _table(table, where).items():
-        if symbol not in LIMITED:
-            raise UsageError(f"unknown term {symbol!r} in [{where}]; limits are set for {', '.join(LIMITED)}")
+        demand_name("term", symbol, {name: TERMS.get(name) for name in LIMITED}, where=f" in [{where}]")
         met = set()
         for entry in entries if isinstance(entries, list) else [entries]:
             if not isinstance(entry, dict) or not isinstance(entry.get("max"), str):

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import DRAFTS, draft
+from allanite.core.files import DRAFTS, draft, reason
 from allanite.core.version import __version__
 from allanite.phrases.phrase import Phrase
+from allanite.phrases.wording import spelled
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
 
 from .executor import Plain
@@ -81,10 +82,9 @@ class Store:
         else:
             known = (path / FILES).is_file()
         if not known:
-            raise UsageError(
-                f"{str(path)!r} does not hold the results of a batch; name a new or empty folder to write them, and "
-                "one that 'allanite batch' has written to read them"
-            )
+            made = spelled(f"allanite batch FILE... --out {str(path)!r}", f"al.batch(files, {str(path)!r})")
+            how = "give a new or an empty folder" if new else f"make one with {made}"
+            raise UsageError(f"{str(path)!r} does not hold the results of a batch; {how}")
         return cls(path)
 
     def part(self, key: str) -> Path:
@@ -126,7 +126,9 @@ class Store:
         try:
             (row,) = parquet.read_table(self.part(key), memory_map=False).to_pylist()
         except (OSError, ArrowInvalid, ValueError) as error:
-            raise DataError(f"the part {str(self.part(key))!r} cannot be read ({error}); run the batch again") from None
+            raise DataError(
+                f"the part {str(self.part(key))!r} cannot be read ({reason(error)}); run the batch again"
+            ) from None
         return {name: loads(text) for name, text in row.items()}
 
     @contextmanager
@@ -196,7 +198,9 @@ class Store:
         try:
             table = parquet.read_table(self.folder / FILES)
         except (OSError, ArrowInvalid) as error:
-            raise DataError(f"{str(self.folder / FILES)!r} cannot be read ({error}); run the batch again") from None
+            raise DataError(
+                f"{str(self.folder / FILES)!r} cannot be read ({reason(error)}); run the batch again"
+            ) from None
         return table.to_pylist(), table.schema.metadata or {}
 
 

@@ -88,6 +88,8 @@ def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequ
             from allanite.reporting.style import demand_figure_path
 
             demand_figure_path(path, force=found.force)
+        elif name == "report" and os.path.splitext(path)[1].lower() not in ("", ".html", ".htm", ".pdf"):
+            raise UsageError(f"a report is written as .html or .pdf, by its suffix, not as {path!r}")
         else:
             demand_writable(path, force=found.force)
     return found

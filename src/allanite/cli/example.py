@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from allanite.core.errors import UsageError
+from allanite.core.names import demand_name
 
 from .options import SHOWN, options
 
@@ -135,8 +135,7 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
             source = textwrap.wrap(row.source, 95, initial_indent="     ", subsequent_indent="     ")
             click.echo("\n".join([f"{row.name}  {row.title}", *source]))
         return
-    if paper not in EXAMPLES:
-        raise UsageError(f"unknown paper {paper!r}; examples: {', '.join(EXAMPLES)}")
+    demand_name("paper", paper, EXAMPLES)
     lines = [shlex.split(command) for command in EXAMPLES[paper].commands]
     shown = [shlex.join(["allanite", *line]) for line in lines]
     if commands:

@@ -3,6 +3,7 @@
 import atexit
 import gc
 import os
+import re
 import shlex
 import sys
 import traceback
@@ -14,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.core.errors import AllaniteError
+from allanite.core.errors import AllaniteError, Cure
+from allanite.core.names import row_of, unknown
 from allanite.phrases.wording import command_line
 from allanite.plugins import PluginWarning
 
@@ -41,11 +43,11 @@ TRACKER = "https://github.com/allanite/allanite/issues"
 
 
 class Failure(click.ClickException):
-    """Ends the program with a message on stderr and the exit code `status`; `trace` is printed with ``--debug``."""
+    """Ends the program with a message on stderr and the exit code `status`; `more` are further lines."""
 
-    def __init__(self, message: str, status: int, trace: str = "") -> None:
+    def __init__(self, message: str, status: int, more: str = "") -> None:
         super().__init__(message)
-        self.status, self.trace = status, trace
+        self.status, self.more = status, more
 
 
 @dataclass(frozen=True)
@@ -61,12 +63,15 @@ class Verb:
         The command; or module in `allanite.cli` and name of it, imported when it is requested.
     task : str or VerbTask
         Likewise what the page runs; empty if it does not.
+    synonyms : tuple of str
+        Other names by which it is asked for; they are suggested, not taken.
     """
 
     name: str
     group: str
     command: str | click.Command
     task: "str | VerbTask" = ""
+    synonyms: tuple[str, ...] = ()
 
     def imported(self, part: str = "command") -> Any:
         """The command, or the task."""
@@ -89,8 +94,8 @@ class Front(click.Group):
         return list(self.verbs)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of a verb, whose module is imported now."""
-        command: click.Command | None = self.verbs[cmd_name].imported() if cmd_name in self.verbs else None
+        """The command of a verb, whose module is imported now; an unknown one is refused."""
+        command: click.Command = row_of("command", cmd_name, self.verbs).imported()
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -112,6 +117,12 @@ class Front(click.Group):
         try:
             with while_read():
                 super().invoke(ctx)
+        except click.NoSuchOption as error:
+            inner = error.ctx or ctx
+            options = {word: param for param in inner.command.params for word in reversed(param.opts)}
+            failure = _failure(unknown("option", error.option_name, options, listed=False), ctx)
+            failure.more = failure.more or f"try: {inner.command_path} --help"
+            raise failure from None
         except (click.ClickException, click.exceptions.Exit, click.Abort):
             raise
         except Exception as error:
@@ -119,18 +130,18 @@ class Front(click.Group):
             if signal is not None:
                 raise signal from None
             if isinstance(error, AllaniteError):
-                raise Failure(str(error), error.exit_code) from None
+                raise _failure(error, ctx) from None
             if isinstance(error, MemoryError):
                 advice = "read fewer channels (--channels) or a part of the record (--from, --until)"
                 raise Failure(f"not enough memory; {advice}", DATA) from None
             what = f"{type(error).__name__}: {error}".removesuffix(": ")
             report = f"internal error ({what}); please report it with the command and the file: {TRACKER}"
-            trace = "".join(traceback.format_exception(error)) if ctx.params["debug"] else ""
+            trace = "".join(traceback.format_exception(error)).rstrip() if ctx.params["debug"] else ""
             raise Failure(report, DEFECT, trace) from None
 
     def main(self, *args: Any, **extra: Any) -> Any:
         """Parse, run, and end the program."""
-        extra["standalone_mode"] = False
+        extra |= {"standalone_mode": False, "prog_name": "allanite"}
         gc.set_threshold(OBJECTS)
         atexit.register(gc.freeze)  # the system takes all memory back; going through every object takes up to 0.7 s
         for threads in BLAS:
@@ -149,16 +160,39 @@ class Front(click.Group):
             code = _complain("interrupted", INTERRUPTED)
         except Failure as failure:
             code = _complain(failure.message, failure.status)
-            if failure.trace:
-                complain(failure.trace.rstrip())
+            if failure.more:
+                complain(failure.more)
         except click.ClickException as error:
             code = _complain(error.format_message(), error.exit_code)
             context = getattr(error, "ctx", None)
             if context is not None:
-                complain(f"try '{context.command_path} --help'")
+                complain(f"try: {context.command_path} --help")
         if lost() and not code:
             code = _complain(f"standard output cannot be written ({lost()}); what should be there is lost", DATA)
         sys.exit(code)
+
+
+def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
+    """The end of the program with an error, and the command that cures it if the error says what to type."""
+    words = shlex.split(ctx.meta[LINE])
+    better = cured(words, error.cure)
+    return Failure(str(error), error.exit_code, f"try: {shlex.join(better)}" if better != words else "")
+
+
+def cured(words: list[str], cure: Cure) -> list[str]:
+    """The words of a command with a part replaced where it occurs last, or added.
+
+    Examples
+    --------
+    >>> cured(["allanite", "deviation", "avar.csv", "--statistic=avar"], ("avar", "oadev"))
+    ['allanite', 'deviation', 'avar.csv', '--statistic=oadev']
+    """
+    typed, instead = cure
+    if not typed:
+        return words + shlex.split(instead)
+    part = re.compile(rf"(?<![^\s,=]){re.escape(typed)}(?![^\s,=])")
+    at = next((i for i in reversed(range(len(words))) if part.search(words[i])), None)
+    return [part.sub(lambda _: instead, word) if i == at else word for i, word in enumerate(words)]
 
 
 def _demand_addresses() -> None:

@@ -5,9 +5,10 @@ from typing import Any
 
 import click
 
-from allanite.core.choice_kinds import DURATION, FLAG
+from allanite.core.choice_kinds import DURATION, FLAG, LINES, ChoiceKind
 from allanite.core.choices import ChoiceRow, choices_of
 from allanite.core.errors import UsageError
+from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES
 from allanite.study.recipe import READING, SELECTING, Recipe
@@ -23,24 +24,48 @@ def _load_recipe(ctx: click.Context, param: click.Parameter, path: str | None) -
         return None
     from allanite.study.recipe import load_toml
 
-    known = {p.name for p in ctx.command.params if isinstance(p, click.Option)} - {
-        "recipe",
-        *OUTPUTS,
-        "coefficients",
-        *FLAGS,
-    }
-    choices = load_toml(path)
-    for key in choices:
-        if key not in known:
-            raise UsageError(
-                f"unknown key {key!r} in the recipe; known keys: {', '.join(sorted(k for k in known if k))}"
-            )
+    options = {p.name: p for p in ctx.command.params if isinstance(p, click.Option) and p.name}
+    inside = {name: p for name, p in options.items() if name not in ("recipe", *OUTPUTS, "coefficients", *FLAGS)}
+    spelled = {_key(word): name for name, p in inside.items() for word in p.opts}
+    choices = {}
+    for said, value in load_toml(path).items():
+        key = spelled.get(said, said)
+        if key in options and key not in inside:
+            raise UsageError(f"{path}: {key!r} is no key of a recipe; give {options[key].opts[0]} at the command line")
+        demand_name("key", key, inside, where=" in the recipe")
+        try:
+            choices[key] = _kept(inside[key], value)
+        except UsageError as error:
+            raise error.within(f"{path}: {said}") from None
     ctx.default_map = {**(ctx.default_map or {}), **choices}
     return path
 
 
-def _path(name: str, help: str) -> Decorator:  # noqa: A002 - the word of click
-    return click.option(f"--{name}", metavar="PATH", type=click.Path(), help=help)
+def _key(option: str) -> str:
+    return option.lstrip("-").replace("-", "_")
+
+
+def _kept(option: click.Option, value: Any) -> Any:
+    """The value of a key as a default of its option; refused if it is of another type or form."""
+    if isinstance(option.type, Converted):
+        kind = option.type.kind
+    else:
+        form = "a path" if isinstance(option.type, click.Path) else "a number or text"
+        kind = FLAG if option.is_flag else LINES if option.multiple else ChoiceKind("", str, form=form)
+    found = kind.parse(value)
+    return found if option.multiple else value
+
+
+class Option(click.Option):
+    """An option with other names by which it is asked for; they are suggested, not taken."""
+
+    def __init__(self, *args: Any, synonyms: tuple[str, ...] = (), **form: Any) -> None:
+        super().__init__(*args, **form)
+        self.synonyms = synonyms
+
+
+def _path(name: str, help: str, *synonyms: str) -> Decorator:  # noqa: A002 - the word of click
+    return click.option(f"--{name}", metavar="PATH", type=click.Path(), help=help, cls=Option, synonyms=synonyms)
 
 
 OUTPUTS = ("report", "plot", "csv", "json")
@@ -60,7 +85,8 @@ def option_of(choice: ChoiceRow) -> Decorator:
     form: dict[str, Any] = {"type": Converted(choice.kind)}
     if choice.kind.many:
         form = {"multiple": True, "callback": lambda _, __, values: values or None}
-    return click.option(*choice.options, choice.name, metavar=choice.metavar or None, help=choice.text, **form)
+    form |= {"metavar": choice.metavar or None, "help": choice.text, "cls": Option, "synonyms": choice.synonyms}
+    return click.option(*choice.options, choice.name, **form)
 
 
 OPTIONS: dict[str, Decorator] = {
@@ -73,11 +99,13 @@ OPTIONS: dict[str, Decorator] = {
     "seed": click.option("--seed", type=click.IntRange(min=0), metavar="N", default=1, show_default=True,
         help="Seed of the random number generator."),
     "threads": click.option("--threads", type=Threads(), default="auto", show_default=True, metavar="N",
-        help="Processors to use at once, or auto: all of them. The results are the same."),
+        help="Processors to use at once, or auto: all of them. The results are the same.",
+        cls=Option, synonyms=("jobs", "workers", "cpus")),
     "orders": click.option("--orders", type=INTEGERS, metavar="K,K,...", default="128,256", show_default=True,
         help="Harmonics of the angle to estimate."),
-    "report": _path("report", "Write a report: HTML, or PDF if PATH ends in .pdf."),
-    "plot": _path("plot", "Write the figure: .png, .svg or .pdf."),
+    "report": _path("report", "Write a report: HTML, or PDF if PATH ends in .pdf.",
+        "out", "output", "html", "pdf", "save"),
+    "plot": _path("plot", "Write the figure: .png, .svg or .pdf.", "figure", "png", "svg"),
     "json": _path("json", "Write all results as JSON; - is standard output."),
     "csv": _path("csv", "Write the numbers as CSV; - is standard output."),
     "coefficients": click.option("--coefficients", "--table", "coefficients", metavar="PATH", type=click.Path(),
@@ -87,11 +115,13 @@ OPTIONS: dict[str, Decorator] = {
     "strict": click.option("--strict", is_flag=True,
         help="Exit with code 3 if a channel has no result, or no model explains its noise."),
     "lang": click.option("--lang", metavar="LANG", default=ENGLISH,
-        help=f"Language of the summary, report and figure: {', '.join(LANGUAGES)}.  [default: {ENGLISH}]"),
+        help=f"Language of the summary, report and figure: {', '.join(LANGUAGES)}.  [default: {ENGLISH}]",
+        cls=Option, synonyms=("language",)),
     "details": click.option("--details", is_flag=True, envvar="ALLANITE_DETAILS",
         help="Print all numbers, not the first screen of them."),
     "brief": click.option("--brief", is_flag=True, help="Print a line for each channel."),
-    "force": click.option("--force", is_flag=True, help="Overwrite existing files."),
+    "force": click.option("--force", is_flag=True, help="Overwrite existing files.",
+        cls=Option, synonyms=("overwrite", "yes")),
     "quiet": click.option("--quiet", is_flag=True, help="Print errors only, and what is written to standard output."),
     # options of the same name whose meaning differs between verbs
     "simulated rate": click.option("--rate", "--fs", "rate", type=float, required=True, metavar="HZ",
@@ -130,7 +160,7 @@ OPTIONS: dict[str, Decorator] = {
         help="Degree of a polynomial drift estimated jointly."),
     "target": click.option("--to", "target", metavar="TARGET",
         help="Program that reads the file: kalibr, vins-mono, px4, ...; 'allanite explain' lists them.  "
-        "[default: datasheet]"),
+        "[default: datasheet]", cls=Option, synonyms=("target", "format")),
     "lines that come": _path("record", "Keep the lines that come in this file."),
     "corrected angles": _path("corrected", "Write corrected angles as CSV."),
     "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),

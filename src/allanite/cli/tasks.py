@@ -75,12 +75,11 @@ def task_of(verb: str) -> VerbTask:
     UsageError
         The page has no such job.
     """
-    from allanite.core.errors import UsageError
+    from allanite.core.names import demand_name
 
     from . import VERBS
 
-    if verb not in VERBS or not VERBS[verb].task:
-        raise UsageError(f"unknown job {verb!r}; jobs of the page: {', '.join(jobs())}")
+    demand_name("job", verb, jobs())
     task: VerbTask = VERBS[verb].imported("task")
     return task
 

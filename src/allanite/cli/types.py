@@ -23,9 +23,9 @@ class Converted(ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """The value, from its text or what a recipe holds."""
         try:
-            return self.kind.read(value)
+            return self.kind.parse(value)
         except UsageError as error:
-            self.fail(str(error), param, ctx)
+            raise error.within(f"Invalid value for {param.get_error_hint(ctx)}" if param else self.name) from None
 
 
 class Threads(ParamType):

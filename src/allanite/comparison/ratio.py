@@ -25,7 +25,7 @@ from allanite.statistics import deviation
 from allanite.statistics.confidence.chisquares import NEAR, ChiSquareSum, cumulants
 from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.estimator import integrated
-from allanite.statistics.grids import GRIDS
+from allanite.statistics.grids import grid_named
 from allanite.statistics.table import CurvePoints, statistic_named
 
 ALIKE = 0.005
@@ -178,12 +178,8 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
         )
     slow = min(records, key=lambda record: record.rate)
     if isinstance(taus, str):
-        if taus not in GRIDS:
-            raise UsageError(
-                f"unknown grid of averaging times {taus!r}; known grids: {', '.join(GRIDS)}, or give seconds"
-            )
         longest = min(row.largest(r.size) / r.rate for r in records)
-        wanted = GRIDS[taus](max(int(longest * slow.rate + 1e-9) // row.step, 1)) * row.step / slow.rate
+        wanted = grid_named(taus)(max(int(longest * slow.rate + 1e-9) // row.step, 1)) * row.step / slow.rate
     else:
         wanted = np.asarray(taus, dtype=np.float64) / row.tau_factor
     steps = [np.maximum(np.rint(wanted * r.rate / row.step).astype(np.int64), 1) * row.step for r in records]

@@ -8,15 +8,20 @@ from typing import Any, Literal, Union, get_args, get_origin
 from .errors import UsageError
 from .ranges import demand_pieces, demand_ranges
 
+ONE = (str, int, float)
+LISTS = (*ONE, list, tuple)
+"""Types of plain data that are one value, and that may be several."""
+
 
 @dataclass(frozen=True)
 class ChoiceKind:
     """What the value of a choice is.
 
-    The help calls it `name` where there is no metavar; `read` makes it from text, or from the plain data of a file or a
-    request, and `demand` from the name of the choice and a value of Python: both refuse what is no such value. It is
-    entered as a `control` of the page: "text", "number", "list", "band" or "flag". The option is repeated for each of
-    `many` parts; `write` makes the text that is read, if `written` does not.
+    The help calls it `name` where there is no metavar. `read` makes it from text, or from the plain data of a file or a
+    request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice. Each
+    refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
+    "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that is
+    read, if `written` does not.
     """
 
     name: str
@@ -25,10 +30,27 @@ class ChoiceKind:
     control: str = "text"
     many: bool = False
     write: "Callable[[Any], str] | None" = None
+    takes: tuple[type, ...] = ONE
+    form: str = ""
+
+    def parse(self, data: Any) -> Any:
+        """The value from text or plain data.
+
+        Raises
+        ------
+        UsageError
+            The data are of another type or form.
+        """
+        if not isinstance(data, self.takes) or (isinstance(data, bool) and bool not in self.takes):
+            raise UsageError(f"expected {self.form or f'a {self.name}'}, not {data!r}")
+        return self.read(data)
 
 
 TYPED = ChoiceKind("value", lambda value: value)
 """The kind that the type of the field says."""
+
+
+A_NUMBER, AN_INTEGER, A_DURATION = "a number", "an integer", "a time in s such as 600, or '10 min' or 1h"
 
 
 def written(value: Any) -> str:
@@ -52,7 +74,7 @@ def _parsed(number: type[float] | type[int]) -> Callable[[Any], Any]:
         try:
             return number(value)
         except (TypeError, ValueError):
-            raise UsageError(f"{value!r} is not a valid {'float' if number is float else 'integer'}.") from None
+            raise UsageError(f"expected {A_NUMBER if number is float else AN_INTEGER}, not {value!r}") from None
 
     return read
 
@@ -69,27 +91,31 @@ def _demand_word(name: str, value: Any) -> Any:
     return value
 
 
+def _parts(value: Any) -> Any:
+    return value.split(",") if isinstance(value, str) else value
+
+
 def separated(kind: type, name: str, count: int | None = None, example: str = "") -> ChoiceKind:
     """Words or numbers separated by commas; plain data may hold a list."""
 
     def read(value: Any) -> tuple[Any, ...]:
-        parts = value.split(",") if isinstance(value, str) else value
         try:
-            values = tuple(kind(part.strip() if isinstance(part, str) else part) for part in parts)
+            values = tuple(kind(part.strip() if isinstance(part, str) else part) for part in _parts(value))
         except (TypeError, ValueError):
             values = ()
         if not values or (count is not None and len(values) != count):
             raise UsageError(f"expected {name}, e.g. {example}, not {value!r}")
         return values
 
-    return ChoiceKind(name, read, control="list")
+    return ChoiceKind(name, read, control="list", takes=LISTS, form=f"{name}, e.g. {example}")
 
 
 def pieces(unit: str) -> ChoiceKind:
     """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
     return ChoiceKind(
-        "pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit)
-    )
+        "pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit),
+        takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310",
+    )  # fmt: skip
 
 
 def _table(value: Any) -> Any:
@@ -120,6 +146,12 @@ def _grid(value: Any) -> Any:
         return value
 
 
+def _lines(value: Any) -> tuple[str, ...]:
+    if isinstance(value, Mapping):
+        return tuple(f"{key}={part}" for key, part in value.items())
+    return tuple([value] if isinstance(value, str) else value)
+
+
 def _model(text: Any) -> Any:
     from .model import Model
 
@@ -133,35 +165,64 @@ def seconds_of(text: Any) -> float:
 
     if isinstance(text, (int, float)):
         return float(text)
-    found = split_quantities(str(text).split())
-    if len(found) != 1 or not found[0][0] > 0:
-        raise UsageError(f"a duration has the form 3600, '10 min' or 24h, not {text!r}")
-    value, unit = found[0]
-    return 86400 * value if unit == "d" else convert(value, unit or "s", "s")
+    try:
+        ((value, unit),) = split_quantities(str(text).split())
+        seconds = 86400 * value if unit == "d" else convert(value, unit or "s", "s")
+    except ValueError:
+        seconds = 0.0
+    if not seconds > 0:
+        raise UsageError(f"expected {A_DURATION}, not {text!r}")
+    return seconds
 
 
-NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number")
-INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number")
-PERCENT = ChoiceKind("float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}")
-WORD = ChoiceKind("text", str, _demand_word)
-SYMBOLS = ChoiceKind(
-    "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v)
+def _instant(text: Any) -> float:
+    """Seconds after the first sample, which may be zero or, to be refused later in other words, negative."""
+    try:
+        return float(text)
+    except ValueError:
+        return seconds_of(text)
+
+
+NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
+INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number", form=AN_INTEGER)
+PERCENT = ChoiceKind(
+    "float", lambda v: NUMBER.read(v) / 100, control="number", write=lambda v: f"{100 * v:.12g}", form=A_NUMBER
 )
-FLAG = ChoiceKind("boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag")
+WORD = ChoiceKind("text", str, _demand_word, form="a word")
+SYMBOLS = ChoiceKind(
+    "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v), form="a word"
+)
+FLAG = ChoiceKind(
+    "boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag",
+    takes=(str, int, bool), form="true or false",
+)  # fmt: skip
 NAMES = separated(str, "names", example="gx,gy")
 NUMBERS = separated(float, "numbers", example="1,10,100")
 INTEGERS = separated(int, "integers", example="1,10,100")
 _FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
-BAND = ChoiceKind("band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band")
-GRID = ChoiceKind("grid", _grid)
-RANGES = ChoiceKind("ranges", _table, lambda name, value: demand_ranges(value))
-WORTH = ChoiceKind("scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v))
-DURATION = ChoiceKind("duration", seconds_of)
-MODEL = ChoiceKind("model", _model)
+BAND = ChoiceKind(
+    "band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band", takes=LISTS,
+    form=_FREQUENCIES.form,
+)  # fmt: skip
+GRID = ChoiceKind("grid", _grid, takes=LISTS, form="octave, decade, log, all, or times in s, e.g. 1,10,100")
+RANGES = ChoiceKind(
+    "ranges", _table, lambda name, value: demand_ranges(value), takes=(str, dict),
+    form="terms with their ranges, e.g. N=0.1:10,K=100:1000",
+)  # fmt: skip
+WORTH = ChoiceKind(
+    "scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
+    form="a number, or a number with a unit as 0.01deg/s",
+)  # fmt: skip
+DURATION = ChoiceKind("duration", seconds_of, form=A_DURATION)
+INSTANT = ChoiceKind("duration", _instant, _demand_number, control="number", form=A_DURATION)
+MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 0.5 deg/h'")
 DURATIONS = ChoiceKind(
-    "duration", lambda v: tuple(map(seconds_of, v.split(",") if isinstance(v, str) else v)), control="list"
+    "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
+    control="list", takes=LISTS, form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'",
+)  # fmt: skip
+LINES = ChoiceKind(
+    "text", _lines, control="list", many=True, takes=(str, list, tuple, dict), form="text, a list of texts, or a table"
 )
-LINES = ChoiceKind("text", lambda v: tuple([v] if isinstance(v, str) else v), control="list", many=True)
 
 KINDS: dict[Any, ChoiceKind] = {
     float: NUMBER, int: INTEGER, str: WORD, bool: FLAG,

@@ -27,6 +27,8 @@ class ChoiceRow:
     parts : tuple, optional
         The values that work where only sums of a record are kept; by default all. A choice that is not given always
         works.
+    synonyms : tuple of str
+        Other names of the option by which it is asked for; they are suggested, not taken.
     demand : callable, optional
         What a value must be beyond its kind: returns the value as it is kept, or raises UsageError.
     name, default
@@ -40,6 +42,7 @@ class ChoiceRow:
     flags: tuple[str, ...] = ()
     told: str | None = None
     parts: tuple[Any, ...] | None = None
+    synonyms: tuple[str, ...] = ()
     demand: Callable[[Any], Any] | None = None
     name: str = ""
     default: Any = None
@@ -48,6 +51,11 @@ class ChoiceRow:
     def options(self) -> tuple[str, ...]:
         """Names of the option; of a flag that can be denied, ``--name/--no-name``."""
         return self.flags or (f"--{self.name.replace('_', '-')}",)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Names of the option as keys of a recipe: ``from`` of ``--from``."""
+        return tuple(option.lstrip("-").replace("-", "_") for option in self.options)
 
     @property
     def text(self) -> str:
@@ -66,10 +74,10 @@ class ChoiceRow:
             It is none, in the words of the command line.
         """
         try:
-            return self.kind.read(data)
+            return self.kind.parse(data)
         except UsageError as error:
             names = " / ".join(f"'{option}'" for option in self.options)
-            raise UsageError(f"Invalid value for {names}: {error}", choice=self.name) from None
+            raise UsageError(f"Invalid value for {names}: {error}", choice=self.name, cure=error.cure) from None
 
     def words(self, value: Any) -> list[str]:
         """The option with a value, as it is typed."""

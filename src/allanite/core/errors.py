@@ -1,17 +1,29 @@
 """The errors of allanite. Each message says what was given, what was expected, and what to do."""
 
+from typing import Self
+
+from allanite.phrases.phrase import join
+
+Cure = tuple[str, str]
+"""Words that were typed, and what to type instead; if the first are empty, the second are added to the command."""
+
 
 class AllaniteError(ValueError):
     """The input cannot be used; the message says what to do. `exit_code` is that of the command line.
 
     `choice` is the name of the choice that cures it, as it stands in a recipe or settings; empty if none does alone.
+    `cure` is what to type, from which the command line makes a command that can be copied.
     """
 
     exit_code = 3
 
-    def __init__(self, *words: object, choice: str = "") -> None:
+    def __init__(self, *words: object, choice: str = "", cure: Cure = ("", "")) -> None:
         super().__init__(*words)
-        self.choice = choice
+        self.choice, self.cure = choice, cure
+
+    def within(self, where: str) -> Self:
+        """The same error, whose message begins with where it is."""
+        return type(self)(join(": ", (where, str(self))), choice=self.choice, cure=self.cure)
 
 
 class UsageError(AllaniteError):

@@ -42,7 +42,7 @@ def demand_writable(path: PathLike, *, force: bool = False) -> None:
     except FileNotFoundError:
         is_folder = os.fspath(path).endswith((os.sep, os.altsep or os.sep))
     except (OSError, ValueError) as error:  # too long, a loop of links, a folder that is a file, a null character
-        raise UsageError(f"{given(os.fspath(path))} cannot be written ({_reason(error)}); give another path") from None
+        raise UsageError(f"{given(os.fspath(path))} cannot be written ({reason(error)}); give another path") from None
     if is_folder:
         raise UsageError(f"{os.fspath(path)!r} is a folder; give the name of a file")
     folder = target.parent
@@ -105,10 +105,11 @@ def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
 
 
 def _unwritable(path: PathLike, error: OSError) -> UsageError:
-    return UsageError(f"{given(os.fspath(path))} cannot be written ({_reason(error)}); give another path")
+    return UsageError(f"{given(os.fspath(path))} cannot be written ({reason(error)}); give another path")
 
 
-def _reason(error: OSError | ValueError) -> str:
+def reason(error: OSError | ValueError) -> str:
+    """Why a path cannot be read or written, in the words of the system."""
     return str(getattr(error, "strerror", None) or error)
 
 

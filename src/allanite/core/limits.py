@@ -20,8 +20,10 @@ def demand_level(level: float) -> None:
         The level is not between 0 and 1.
     """
     if not 0 < level < 1:
-        meant = f"; did you mean {level / 100:g}?" if 1 < level < 100 else ""
-        raise UsageError(f"a confidence level must be between 0 and 1, not {given(level)}{meant}")
+        meant = f"{level / 100:g}" if 1 < level < 100 else ""
+        said = f"a confidence level must be between 0 and 1, not {given(level)}"
+        cure = (f"{level:g}", meant) if meant else ("", "")
+        raise UsageError(f"{said}; did you mean {meant}?" if meant else said, cure=cure)
 
 
 def quantile(p: float) -> float:

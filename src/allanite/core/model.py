@@ -13,6 +13,7 @@ from allanite.terms import TERMS, NoiseTerm
 
 from .arrays import FloatArray
 from .errors import UnitError, UsageError, given
+from .names import demand_name
 from .plain import Value, demand_type
 from .titles import title_of
 from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
@@ -123,8 +124,7 @@ def coefficient_factor(symbol: str, unit: str, signal: Signal | None = None) -> 
 
 def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) -> Term:
     """The term `symbol` with a coefficient in `unit` and the values of its row's `parameters`, if it has any."""
-    if symbol not in TERMS:
-        raise UsageError(f"unknown noise term {symbol!r}; known terms: {', '.join(TERMS)}")
+    demand_name("noise term", symbol, TERMS)
     factor = coefficient_factor(symbol, unit)
     signal = signal_with(unit_of(unit).dimension, TERMS[symbol].power, values=True)
     assert signal is not None  # noqa: S101 - coefficient_factor has found it

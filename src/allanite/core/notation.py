@@ -6,6 +6,7 @@ from allanite.terms import TERMS
 
 from .errors import UsageError
 from .model import Model, Term, term
+from .names import unknown
 from .units import convert
 
 _NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
@@ -27,11 +28,9 @@ def terms_of(text: str) -> tuple[Term, ...]:
 
 def _term(words: list[str], text: str) -> Term:
     if not words or words[0] not in TERMS:
-        what = repr(words[0]) if words else "nothing"
-        raise UsageError(
-            f"{what} in {text!r} is not a noise term; a term is a symbol ({', '.join(TERMS)}), a number and a unit, "
-            "e.g. 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'"
-        )
+        where = f" in {text!r}"
+        error = unknown("term", words[0], TERMS, where=where) if words else UsageError(f"there is no term{where}")
+        raise type(error)(f"{error}; a model has the form 'N 0.003 deg/sqrt(h), Q 0.2 arcsec'", cure=error.cure)
     symbol, parameters = words[0], TERMS[words[0]].parameters
     # the unit of the coefficient may begin with 1, as 1/s
     plain = len(words) > 2 and _NUMBER.fullmatch(words[1]) and re.fullmatch(r"1(/.*)?", words[2])

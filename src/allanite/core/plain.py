@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Self, cast, get_type_hints
 
 from .encoding import plain, read_plain, write_plain
 from .errors import UsageError
+from .names import unknown
 
 VERSION = 1
 """Version of the plain data, stored under "allanite"."""
@@ -183,10 +184,11 @@ def class_of(data: dict[str, Any]) -> type[Value]:
     UsageError
         No class has that name.
     """
-    name = str(data.get("type")) if isinstance(data, dict) else None
+    name = str(data["type"]) if isinstance(data, dict) and "type" in data else None
     if name is not None and name not in TYPES:
         importlib.import_module(f"{RESULTS}.views").import_type(name)
     if name is None or name not in TYPES:
-        known = (known for known, cls in TYPES.items() if not cls.__subclasses__())
-        raise UsageError(f"stored data of type {name!r} cannot be read; known types: {', '.join(sorted(known))}")
+        known = sorted(known for known, cls in TYPES.items() if not cls.__subclasses__())
+        nothing = UsageError("stored data without a type cannot be read: they are no result of allanite")
+        raise nothing if name is None else unknown("type", name, known, where=" of stored data")
     return TYPES[name]

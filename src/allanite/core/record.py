@@ -16,6 +16,7 @@ from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
 from .kinds import KINDS, explain_kinds, offered, signal_of_kind
+from .names import demand_name
 from .plain import Value
 from .samples import samples
 from .units import Signal, unit_of
@@ -92,8 +93,7 @@ class Record(Value):
     signal: Signal = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
+        demand_name("kind", self.kind, KINDS)
         if not (isinstance(self.rate, (int, float, np.number)) and np.isfinite(self.rate) and self.rate > 0):
             raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(self.rate)}")
         if not RATES[0] <= self.rate <= RATES[1]:
@@ -292,8 +292,7 @@ class Recording(Value):
     def __getitem__(self, key: str | int) -> Record:
         if isinstance(key, int):
             return self.records[key]
-        if key not in self.channels:
-            raise UsageError(f"no channel {key!r}; channels: {', '.join(self.channels)}")
+        demand_name("channel", key, self.channels)
         return self.records[self.channels.index(key)]
 
     def __iter__(self) -> Iterator[Record]:

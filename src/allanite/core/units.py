@@ -14,6 +14,7 @@ from functools import lru_cache
 from allanite.phrases.phrase import say
 
 from .errors import UnitError, given
+from .names import nearest
 from .spellings import SPELLINGS, latin, plain_letters
 from .time_powers import Units
 
@@ -65,6 +66,12 @@ ATOMS: dict[str, tuple[float, Dimension]] = {
 
 LONGEST, LARGEST = 200, 1e60
 """Letters of a unit, and its size in SI, at most."""
+
+USUAL = (
+    "deg/s", "deg/h", "rad/s", "mdeg/s", "arcsec", "deg", "rad", "g", "mg", "ug", "m/s^2", "m/s", "deg/sqrt(h)",
+    "deg/h/sqrt(Hz)", "deg/s/sqrt(Hz)", "rad/s/sqrt(Hz)", "ug/sqrt(Hz)", "m/s/sqrt(h)",
+)  # fmt: skip
+"""Units that messages suggest; any other that is made of `ATOMS` is read, too."""
 
 _BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
 """A power as written in headers: m/s2, rad s-1."""
@@ -146,7 +153,7 @@ def unit_of(text: str) -> Unit:
     Raises
     ------
     UnitError
-        If a part of `text` is unknown; the message lists the known units.
+        If a part of `text` is unknown; the message suggests a unit.
 
     Examples
     --------
@@ -163,10 +170,9 @@ def unit_of(text: str) -> Unit:
         if parser.tokens or not 1 / LARGEST < unit.factor < LARGEST:
             raise ValueError(text)
     except (ValueError, ZeroDivisionError, OverflowError, RecursionError):
-        raise UnitError(
-            f"unknown unit {given(text)}; units are made of {', '.join(ATOMS)} with *, /, ^ and sqrt(), for example "
-            "deg/s, deg/h, rad/s, arcsec, g, ug, m/s^2, deg/sqrt(h), deg/h/sqrt(Hz), rad/s^1.5, ug/sqrt(Hz)"
-        ) from None
+        meant = nearest(text[:LONGEST], USUAL)
+        said = f"did you mean {meant}?" if meant else f"units are written as {', '.join(USUAL)}"
+        raise UnitError(f"unknown unit {given(text)}; {said}", cure=(text, meant) if meant else ("", "")) from None
     return unit
 
 

@@ -1,6 +1,6 @@
 """The table of targets: a line each."""
 
-from allanite.core.errors import UsageError
+from allanite.core.names import row_of
 from allanite.plugins import Registry
 
 from .target import Target
@@ -65,6 +65,4 @@ def target_named(name: str) -> Target:
     'lio-sam'
     """
     known = str(name).lower().replace("_", "-")
-    if known not in EXPORTS:
-        raise UsageError(f"unknown target {name!r}; targets: {', '.join(EXPORTS)}")
-    return EXPORTS[known]
+    return EXPORTS[known] if known in EXPORTS else row_of("target", name, EXPORTS)

@@ -85,7 +85,7 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, .
             entries.append(_entry(field, POLICIES[how.axis](found), group, target, how))
             if reasons and field.term:
                 left = join("; ", reasons)
-                missing.append(say("{field} is of the other axes ({reasons})", field=field.full, reasons=left))
+                missing.append(say("{field} is taken from the other axes ({reasons})", field=field.full, reasons=left))
             continue
         why = say("{field} has no value ({reasons})", field=field.full, reasons=join("; ", reasons))
         (fatal if field.needed and not how.partial else missing).append(why)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import PathLike
+from allanite.core.files import PathLike, reason
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import signal_named, unit_of
@@ -73,7 +73,7 @@ def read_noise(path: PathLike, target: str, *, rate: float | None = None) -> Imp
     try:
         text = Path(path).read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"{str(path)!r} cannot be read: {error}") from None
+        raise DataError(f"{str(path)!r} cannot be read: {reason(error)}") from None
     return noise_in(text, row, rate, str(path))
 
 

@@ -134,6 +134,8 @@ class Target:
         Regular expression of comments in its file.
     inflatable : bool
         Whether its coefficients may be multiplied by a factor.
+    synonyms : tuple of str
+        Other names by which it is asked for; they are suggested, not taken.
     """
 
     name: str
@@ -148,6 +150,7 @@ class Target:
     each: bool = False
     comments: str = r"#.*"
     inflatable: bool = True
+    synonyms: tuple[str, ...] = ()
 
     @property
     def sensors(self) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from allanite.core.arrays import BoolArray as BoolArray
 from allanite.core.arrays import FloatArray as FloatArray
 from allanite.core.arrays import IntArray as IntArray
 from allanite.core.choice_kinds import DURATION as DURATION
+from allanite.core.choice_kinds import INSTANT as INSTANT
 from allanite.core.choice_kinds import MODEL as MODEL
 from allanite.core.choice_kinds import separated as separated
 from allanite.core.choices import choice as choice
@@ -35,6 +36,8 @@ from allanite.core.model import ModelLike as ModelLike
 from allanite.core.model import Term as Term
 from allanite.core.model import coefficient_factor as coefficient_factor
 from allanite.core.model import model_of as model_of
+from allanite.core.names import demand_name as demand_name
+from allanite.core.names import row_of as row_of
 from allanite.core.notation import split_quantities as split_quantities
 from allanite.core.notation import written as written
 from allanite.core.plain import Value as Value

@@ -9,6 +9,7 @@ from allanite.core.curve import Curve
 from allanite.core.doors import Samples, Sampling, as_source
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
+from allanite.core.names import demand_name
 from allanite.core.record import Record, Recording
 from allanite.core.threads import one_thread
 from allanite.core.validity import Band, demand_band
@@ -139,8 +140,7 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     if not isinstance(source, Record | Curve):
         raise UsageError(f"identify takes a record, samples or a curve, not a {type(source).__name__}")
     name = method or ("whittle" if isinstance(source, Record) else "gls")
-    if name not in METHODS:
-        raise UsageError(f"unknown method {name!r}; known methods: {', '.join(METHODS)}", choice="method")
+    demand_name("method", name, METHODS, choice="method")
     robust.demand_choice(outliers)
     if band is not None:
         demand_band(band)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
+from allanite.core.names import unknown
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.statistics.row import Statistic
@@ -34,6 +35,8 @@ class Method:
         Whether it supports terms with a shape: Gauss-Markov noise, sinusoids.
     signed : bool
         Whether it determines the sign of a ramp; a curve gives only the size.
+    synonyms : tuple of str
+        Other names by which it is asked for; they are suggested, not taken.
     """
 
     title: str
@@ -45,6 +48,7 @@ class Method:
     options: tuple[str, ...] = ()
     shapes: bool = False
     signed: bool = False
+    synonyms: tuple[str, ...] = ()
 
     @property
     def allowed(self) -> tuple[str, ...]:
@@ -56,7 +60,7 @@ METHODS: dict[str, Method] = {
     "whittle": Method(
         say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"), Record,
         efficiency=say("0.93 to 1.14 times the Cramer-Rao bound"),
-        options=("band", "masks", "lines", "rival"), shapes=True, signed=True,
+        options=("band", "masks", "lines", "rival"), shapes=True, signed=True, synonyms=("mle", "likelihood"),
     ),
     "gls": Method(
         say("generalized least squares of a curve with the covariance of its points under the model"), Curve,
@@ -111,7 +115,7 @@ def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
     while rest := rest.lstrip(", "):
         symbol = next(filter(rest.startswith, known), None)
         if symbol is None:
-            raise UsageError(f"unknown term {rest[0]!r} in {terms!r}; known terms: {', '.join(TERMS)}", choice="terms")
+            raise unknown("term", rest.split(",")[0].strip(), TERMS, choice="terms")
         symbols, rest = (*symbols, symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):
         raise UsageError(f"terms must name each symbol once, and at least one noise, unlike {terms!r}", choice="terms")

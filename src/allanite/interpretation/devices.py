@@ -1,6 +1,6 @@
 """The table of devices."""
 
-from allanite.core.errors import UsageError
+from allanite.core.names import row_of
 
 from .device import Device
 from .micromechanical import ACCELEROMETER, MEMS
@@ -24,6 +24,4 @@ def device(name: str) -> Device:
     >>> device("fog").terms["R"].sources[0]
     'slow monotonic change of the intensity of the light source'
     """
-    if name not in DEVICES:
-        raise UsageError(f"unknown device {name!r}; known devices: {', '.join(DEVICES)}")
-    return DEVICES[name]
+    return row_of("device", name, DEVICES)

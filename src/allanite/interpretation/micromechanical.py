@@ -41,7 +41,7 @@ MEMS = Device(
             (say("temperature of the surroundings, and self-heating"),),
             (
                 say("calibrate the bias over temperature"),
-                say("record the temperature; see whether 'allanite compensate' takes it off"),
+                say("record the temperature; see whether 'allanite compensate' removes it"),
                 say("give the bias of the navigation filter this driving noise"),
             ),
             say("Woodman 2007, section 3.2.4; Shiau; allanite"),

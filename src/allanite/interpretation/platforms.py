@@ -19,7 +19,7 @@ STABILIZER = Device(
             say("random component of the angular stabilization error"),
             (say("mechanical and electronic parts of the stabilization loop together, not told apart by the paper"),),
             (
-                say("read it at short averaging times, where drift has no part (in the paper up to 0.2 s)"),
+                say("read it at short averaging times, where drift is negligible (in the paper up to 0.2 s)"),
                 say("look at the spectrum for lines of bearings, motors and structure"),
             ),
             say("Gazaryan, table on p. 148, conclusions 1 and 2, p. 143 (sources); allanite"),

@@ -1,7 +1,7 @@
 """Typical sensors, as models: for simulation and planning before there is a recording."""
 
-from allanite.core.errors import UsageError
 from allanite.core.model import Model
+from allanite.core.names import demand_name
 from allanite.simulation.ring_laser import RING_LASERS
 
 SENSORS: dict[str, str] = {
@@ -33,6 +33,5 @@ def sensor(name: str) -> Model:
     known = name.lower()
     if known in RING_LASERS:
         return RING_LASERS[known].model
-    if known not in SENSORS:
-        raise UsageError(f"unknown sensor {name!r}; known sensors: {', '.join((*SENSORS, *RING_LASERS))}")
+    demand_name("sensor", known, (*SENSORS, *RING_LASERS))
     return Model(SENSORS[known])

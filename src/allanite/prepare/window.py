@@ -57,7 +57,9 @@ def span(name: str, duration: float, rate: float, start: float, end: float) -> t
         It contains fewer than two samples.
     """
     if not 0 <= start < end:
-        raise UsageError(f"the window from {start:.10g} s to {end:.10g} s is empty or starts before the record")
+        raise UsageError(
+            f"the window from {start:.10g} s to {end:.10g} s is empty, or not in {name!r}, from 0 s to {duration:.6g} s"
+        )
     if end > duration * (1 + 1e-9):
         raise UsageError(f"the window ends at {end:.10g} s, but {name!r} is {duration:.6g} s long")
     first, last = round(start * rate), round(end * rate)

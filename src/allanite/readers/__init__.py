@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from allanite.core.aliases import aliased
 from allanite.core.errors import AllaniteError, DataError
 from allanite.core.record import Record, Recording
-from allanite.phrases.phrase import join
 
 if TYPE_CHECKING:
     from .options import FrameLike
@@ -137,7 +136,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
                 recording = reader.read(inner, options)
             return replace(recording, source=name, digest=digest_of(file))
         except AllaniteError as error:
-            raise type(error)(join(": ", (name, str(error))), choice=error.choice) from None
+            raise error.within(name) from None
         except OSError as error:
             why = f"the file cannot be read ({error.strerror or error}); check that it exists and that you may read it"
             raise DataError(f"{name}: {why}") from None

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
 from allanite.core.errors import UsageError
-from allanite.core.kinds import KINDS, explain_kinds
+from allanite.core.kinds import KINDS
+from allanite.core.names import demand_name
 from allanite.core.spellings import latin
 from allanite.core.units import signal_with, unit_of
 from allanite.phrases.wording import spelled
@@ -70,8 +71,8 @@ class Options:
             object.__setattr__(self, "unit", unit)
         _demand_positive(self.rate, "the sampling rate", "Hz", spelled("--rate 100", "rate=100"))
         _demand_positive(self.scale, "the scale", "the unit of the samples", spelled("--scale 0.1", "scale=0.1"))
-        if self.kind is not None and self.kind not in KINDS:
-            raise UsageError(f"unknown kind {self.kind!r}; {explain_kinds()}")
+        if self.kind is not None:
+            demand_name("kind", self.kind, KINDS)
         _demand_units(self)
         if self.time is not None:
             _demand_text(self.time, "time", "'stamp[us]', '1' or 'none'")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from allanite.core.errors import AllaniteError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.record import Record
-from allanite.phrases.phrase import join, say
+from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 
 from .clock.clocks import counting
@@ -198,7 +198,7 @@ def _found(path: Any, file: str, member: str, how: tuple[Options, int]) -> Parts
         parts = _parts(file, member, options, limit)
         return None if parts is None else _reader(named(path, os.fspath(path)), file, parts, limit)
     except AllaniteError as error:
-        raise type(error)(join(": ", (named(path, os.fspath(path)), str(error))), choice=error.choice) from None
+        raise error.within(named(path, os.fspath(path))) from None
 
 
 def _parts(file: str, member: str, options: Options, limit: int) -> Parts | None:

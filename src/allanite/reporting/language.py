@@ -12,7 +12,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from allanite.core.errors import UsageError
+from allanite.core.names import demand_name
 from allanite.phrases.phrase import Catalogue, Phrase
 
 from .digits import printed_unit
@@ -34,9 +34,7 @@ def catalogue(lang: str) -> Catalogue:
     UsageError
         The language is unknown.
     """
-    if lang not in LANGUAGES:
-        known = ", ".join(f"{code} ({name})" for code, name in LANGUAGES.items())
-        raise UsageError(f"unknown language {lang!r}; reports are written in {known}")
+    demand_name("language", lang, LANGUAGES)
     path = files("allanite.reporting") / "locale" / f"{lang}.po"
     if not path.is_file():
         return gettext.NullTranslations()

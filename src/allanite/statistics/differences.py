@@ -24,6 +24,7 @@ def _window(m: int) -> Window:
 
 OADEV = Statistic(
     name="oadev",
+    synonyms=("avar", "oavar", "allan", "allan_deviation", "allan_variance"),
     title=say("overlapping Allan deviation"),
     formula=r"\frac{1}{2\tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} (x_{i+2m} - 2x_{i+m} + x_i)^2",
     reference="NIST SP 1065 eq. 11; IEEE Std 952",
@@ -46,6 +47,7 @@ OADEV = Statistic(
 ADEV = replace(
     OADEV,
     name="adev",
+    synonyms=("nonoverlapping", "classic"),
     title=say("Allan deviation"),
     formula=r"\frac{1}{2\tau^2 (J-2)} \sum_{j=0}^{J-3} (x_{(j+2)m} - 2x_{(j+1)m} + x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
@@ -62,6 +64,7 @@ ADEV = replace(
 HAAR = replace(
     OADEV,
     name="haar",
+    synonyms=("haardev",),
     title=say("Haar wavelet (MODWT) deviation"),
     formula=r"\nu^2(\tau) = \tfrac12\,\mathrm{OAVAR}(\tau), \quad \tau = 2^{j-1} \tau_0 \text{ at level } j",
     reference="D. B. Percival & A. T. Walden, Wavelet Methods for Time Series Analysis, 2000, section 8.6",
@@ -73,6 +76,7 @@ HAAR = replace(
 
 OHDEV = Statistic(
     name="ohdev",
+    synonyms=("ohvar", "hadamard"),
     title=say("overlapping Hadamard deviation"),
     formula=r"\frac{1}{6\tau^2 (n+1-3m)} \sum_{i=0}^{n-3m} (x_{i+3m} - 3x_{i+2m} + 3x_{i+m} - x_i)^2",
     reference="NIST SP 1065 eq. 18; R. A. Baugh, 1971",
@@ -95,6 +99,7 @@ OHDEV = Statistic(
 HDEV = replace(
     OHDEV,
     name="hdev",
+    synonyms=("hvar",),
     title=say("Hadamard deviation"),
     formula=r"\frac{1}{6\tau^2 (J-3)} \sum_{j=0}^{J-4} (x_{(j+3)m} - 3x_{(j+2)m} + 3x_{(j+1)m} - x_{jm})^2,"
     r"\quad J = \lfloor n/m \rfloor + 1",
@@ -110,6 +115,7 @@ HDEV = replace(
 
 MDEV = Statistic(
     name="mdev",
+    synonyms=("mvar", "modadev", "modified"),
     title=say("modified Allan deviation"),
     formula=r"\frac{1}{2\tau^2 m^2 (n+2-3m)} \sum_{j=0}^{n+1-3m} \Bigl[ \sum_{i=j}^{j+m-1} "
     r"(x_{i+2m} - 2x_{i+m} + x_i) \Bigr]^2",
@@ -135,6 +141,7 @@ MDEV = Statistic(
 TDEV = replace(
     MDEV,
     name="tdev",
+    synonyms=("tvar",),
     title=say("time deviation (TDEV) of the angle"),
     formula=r"\frac{\tau^2}{3}\,\mathrm{MVAR}(\tau)",
     reference="NIST SP 1065 eq. 15",

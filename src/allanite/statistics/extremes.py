@@ -21,6 +21,7 @@ def _largest(x: FloatArray, m: IntArray) -> FloatArray:
 
 TIERMS = Statistic(
     name="tierms",
+    synonyms=("rmstie",),
     title=say("TIE rms of the angle"),
     formula=r"\frac{1}{n+1-m} \sum_{i=0}^{n-m} (x_{i+m} - x_i)^2",
     reference="NIST SP 1065 section 5.2.19 (rms time interval error)",
@@ -40,6 +41,7 @@ TIERMS = Statistic(
 
 MTIE = Statistic(
     name="mtie",
+    synonyms=("tie",),
     title=say("maximum time interval error (MTIE) of the angle"),
     formula=r"\max_i \bigl( \max_{i \le j \le i+m} x_j - \min_{i \le j \le i+m} x_j \bigr)^2",
     reference="ITU-T G.810; NIST SP 1065 section 5.2.18 (maximum time interval error)",

@@ -5,6 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from allanite.core.errors import UsageError
+from allanite.core.names import unknown
+from allanite.phrases.wording import spelled
 
 from .row import FloatArray, IntArray, Statistic
 
@@ -37,15 +39,36 @@ def factors_of(taus: str | Sequence[float], row: Statistic, size: int, rate: flo
                 f"tau = {asked[i]:g} s is not a multiple of {unit:g} s, which {row.name} needs at {rate:g} Hz; the "
                 f"nearest is {max(near, unit):g} s"
             )
+        _demand_times(asked, row, size, rate)
         return np.asarray(m, dtype=np.int64)
-    if taus not in GRIDS:
-        raise UsageError(f"unknown grid of averaging times {taus!r}; known grids: {', '.join(GRIDS)}, or give seconds")
-    made = [GRIDS[taus](part.largest(size) // part.step) * part.step for part in parts if part.largest(size)]
+    grid = grid_named(taus)
+    made = [grid(part.largest(size) // part.step) * part.step for part in parts if part.largest(size)]
     if len(made) < 2:
         return made[0] if made else np.empty(0, np.int64)
     early = made[0][made[0] <= join * size]
     late = made[1][(made[1] > join * size) & (made[1] * parts[1].tau_factor > early[-1:].sum())]
     return np.concatenate((early, late))
+
+
+def _demand_times(asked: FloatArray, row: Statistic, size: int, rate: float) -> None:
+    """Refuse times in seconds that the record is too short for."""
+    longest = row.largest(size) * (row.parts or (row,))[-1].tau_factor / rate
+    outside = asked[(asked > longest * (1 + 1e-9)) | (asked <= 0)]
+    if longest and outside.size:
+        raise UsageError(
+            f"averaging times of {row.name} are above 0 s and up to {longest:g} s for a record of {size / rate:g} s, "
+            f"not {', '.join(f'{tau:g} s' for tau in outside[:3])}; give numbers of samples with "
+            f"{spelled('--m', 'm=...')}",
+            choice="taus",
+        )
+
+
+def grid_named(name: str) -> "Callable[[int], IntArray]":
+    """The grid of a name; an unknown one is refused."""
+    if name not in GRIDS:
+        error = unknown("grid", name, GRIDS, where=" of averaging times", choice="taus")
+        raise type(error)(f"{error}, or give seconds", choice=error.choice, cure=error.cure)
+    return GRIDS[name]
 
 
 def checked(m: Sequence[int] | IntArray, row: Statistic, size: int, join: float) -> IntArray:

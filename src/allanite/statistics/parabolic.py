@@ -23,6 +23,7 @@ def _window(m: int) -> Window:
 
 PDEV = Statistic(
     name="pdev",
+    synonyms=("pvar", "parabolic"),
     title=say("parabolic deviation"),
     formula=r"\frac{72}{m^4 \tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} \Bigl[ \sum_{k=0}^{m-1} \bigl(\tfrac{m-1}{2} - k\bigr) "
     r"(x_{i+k} - x_{i+m+k}) \Bigr]^2 \quad (m = 1: \mathrm{OAVAR})",

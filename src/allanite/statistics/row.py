@@ -130,6 +130,8 @@ class Statistic:
         The bias factors as published; None where there is no bias.
     published_edf : (alpha, m, points) -> degrees of freedom, optional
         As published; KeyError for a power law that the publication does not treat.
+    synonyms : tuple of str
+        Other names by which it is asked for; they are suggested, not taken.
     """
 
     name: str
@@ -161,6 +163,7 @@ class Statistic:
     scheme: Scheme = Scheme()
     published: PublishedBias | None = None
     published_edf: Callable[[int, int, int], float] | None = None
+    synonyms: tuple[str, ...] = ()
 
     @property
     def sliding(self) -> bool:

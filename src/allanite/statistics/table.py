@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from allanite.core.errors import UsageError
+from allanite.core.names import row_of
 from allanite.plugins import Registry
 
 from .differences import ADEV, HAAR, HDEV, MDEV, OADEV, OHDEV, TDEV
@@ -24,9 +24,8 @@ STATISTICS = Registry({row.name: row for row in _OWN}, "allanite.statistics", ki
 
 def statistic_named(name: str) -> Statistic:
     """The row of `STATISTICS`; an unknown name is an error that lists the known ones."""
-    if name not in STATISTICS:
-        raise UsageError(f"unknown statistic {name!r}; known statistics: {', '.join(STATISTICS)}", choice="statistic")
-    return STATISTICS[name]
+    where = ": curves are deviations, square roots of variances" if str(name).endswith("var") else ""
+    return row_of("statistic", name, STATISTICS, where=where, choice="statistic")
 
 
 class CurvePoints(NamedTuple):

@@ -50,6 +50,7 @@ def _kept(slope: float, share: float) -> float:
 
 THEO1 = Statistic(
     name="theo1",
+    synonyms=("theo",),
     title=say("Theo1 deviation"),
     formula=r"\frac{1}{0.75 (n+1-m) (m\tau_0)^2} \sum_{i=0}^{n-m} \sum_{d=0}^{m/2-1} \frac{1}{m/2-d} "
     r"\bigl[ (x_i - x_{i-d+m/2}) + (x_{i+m} - x_{i+d+m/2}) \bigr]^2, \quad \tau = 0.75\,m\,\tau_0",
@@ -98,6 +99,7 @@ THEO1 = Statistic(
 THEOBR = replace(
     THEO1,
     name="theobr",
+    synonyms=(),
     title=say("TheoBR deviation (Theo1, bias removed)"),
     formula=r"k_f\,\mathrm{Theo1}(\tau), \quad k_f = \frac{1}{p+1} \sum_{i=0}^{p} "
     r"\frac{\mathrm{OAVAR}(m = 9+3i)}{\mathrm{Theo1}(m = 12+4i)}, \quad p = \lfloor (n+1)/30 - 3 \rfloor",
@@ -115,6 +117,7 @@ THEOBR = replace(
 THEOH = replace(
     THEOBR,
     name="theoh",
+    synonyms=(),
     title=say("TheoH deviation (oadev, then TheoBR)"),
     formula=r"\mathrm{OAVAR}(\tau) \text{ for } \tau \le 0.2\,T, \quad \mathrm{TheoBR}(\tau) \text{ beyond}",
     reference="J. A. Taylor & D. A. Howe, 2010; NIST SP 1065 section 5.2.16",

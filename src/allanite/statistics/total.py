@@ -72,6 +72,7 @@ def _rate_window(m: int) -> Window:
 
 TOTDEV = Statistic(
     name="totdev",
+    synonyms=("totvar", "total"),
     title=say("total deviation"),
     formula=r"\frac{1}{2\tau^2 (n-1)} \sum_{i=1}^{n-1} (x^*_{i-m} - 2x^*_i + x^*_{i+m})^2, \quad "
     r"x^*_{-j} = 2x_0 - x_j, \quad x^*_{n+j} = 2x_n - x_{n-j}",
@@ -101,6 +102,7 @@ TOTDEV = Statistic(
 
 MTOTDEV = Statistic(
     name="mtotdev",
+    synonyms=("mtotvar",),
     title=say("modified total deviation"),
     formula=r"\frac{1}{2\tau^2 (n+2-3m)} \sum_{k=0}^{n+1-3m} \frac{1}{6m} \sum_{j=0}^{6m-1} "
     r"(\bar e_{j+2m} - 2 \bar e_{j+m} + \bar e_j)^2, \quad e: \text{window of } 3m \text{ points less its half-mean "
@@ -133,6 +135,7 @@ MTOTDEV = Statistic(
 TTOTDEV = replace(
     MTOTDEV,
     name="ttotdev",
+    synonyms=("ttotvar",),
     title=say("time total deviation (TTOTDEV) of the angle"),
     formula=r"\frac{\tau^2}{3}\,\mathrm{MTOT}(\tau)",
     reference="NIST SP 1065 eq. 28 (which prints tau^3: a misprint)",
@@ -146,6 +149,7 @@ TTOTDEV = replace(
 HTOTDEV = replace(
     MTOTDEV,
     name="htotdev",
+    synonyms=("htotvar",),
     title=say("Hadamard total deviation"),
     formula=r"\frac{1}{6 (n+1-3m)} \sum_{k=0}^{n-3m} \frac{1}{6m} \sum_{j=0}^{6m-1} "
     r"(\bar e_{j+2m} - 2 \bar e_{j+m} + \bar e_j)^2, \quad e: \text{as in mtotdev, of the rate}",

@@ -6,8 +6,8 @@ from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
 
 from allanite.core.encoding import read_plain, write_plain
-from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
+from allanite.core.names import demand_name
 from allanite.core.plain import VERSION, Value, demand_type, stored_fields
 from allanite.parallel.sharing import Work, made
 
@@ -46,10 +46,8 @@ class Job(Value, Generic[Result]):
     def __getitem__(self, key: str | int) -> Result:
         if isinstance(key, int):
             return self.channels[key]
-        for name, channel in zip(self._names, self.channels, strict=True):
-            if name == key:
-                return channel
-        raise UsageError(f"no channel {key!r}; channels: {', '.join(self._names)}")
+        demand_name("channel", key, self._names)
+        return self.channels[self._names.index(key)]
 
     def __iter__(self) -> Iterator[Result]:
         return iter(self.channels)

@@ -3,13 +3,15 @@
 import os
 import stat
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choice_kinds import BAND, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, pieces
-from allanite.core.choices import choice, demand_choices, named
+from allanite.core.choice_kinds import BAND, INSTANT, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, pieces
+from allanite.core.choices import choice, choices_of, demand_choices, named
 from allanite.core.errors import UsageError
+from allanite.core.files import reason
+from allanite.core.names import demand_name
 
 from .settings import grid
 
@@ -92,19 +94,24 @@ class Recipe:
 
     # fmt: off
     rate: float | None = choice(
-        "HZ", "Sampling rate; overrides the file.", group="reading", flags=("--rate", "--fs"), demand=_stated("rate"))
+        "HZ", "Sampling rate; overrides the file.", group="reading",
+        synonyms=("samplerate", "sampling rate", "sampling frequency", "frequency", "hz", "odr"),
+        flags=("--rate", "--fs"), demand=_stated("rate"))
     unit: str | Mapping[str, str] | None = choice(
         "UNIT", "Unit of the samples: deg/s, rad/s, arcsec, g, m/s^2, ...; by sensor or column: gyro=deg/s,accel=g.",
         kind=ChoiceKind("unit", _unit, lambda name, value: _unit(
-            value if isinstance(value, Mapping) else WORD.demand(name, value))), group="reading")
+            value if isinstance(value, Mapping) else WORD.demand(name, value)),
+            takes=(str, dict), form="a unit such as deg/s, or gyro=deg/s,accel=g"),
+        group="reading", synonyms=("units",))
     kind: str | None = choice(
         "", "What a sample is: rate, increment, angle, count or value.", group="reading", demand=_stated("kind"))
     scale: float | str | None = choice(
         "STEP", "Scale factor per count: 0.01 (in --unit) or 0.01deg/s.", kind=WORTH, group="reading",
         demand=_stated("scale"))
     channels: tuple[str, ...] | None = choice(
-        "A,B,...", "Columns by name or number.", told="all recognized", group="reading")
-    time: str | None = choice("", "Column of the time stamps.", group="reading")
+        "A,B,...", "Columns by name or number.", told="all recognized", group="reading",
+        synonyms=("axis", "axes", "column"))
+    time: str | None = choice("", "Column of the time stamps.", group="reading", synonyms=("stamps", "time column"))
     dtype: str | None = choice(
         "TYPE", "The file is raw binary of this type: i2, >i2, f4, ..., u4,6i2 for mixed rows, or kfgins.",
         group="reading")
@@ -113,15 +120,19 @@ class Recipe:
     sincos: tuple[str, ...] | None = choice(
         "S,C,...", "Columns of sine and cosine, in pairs: their angle is analyzed.", group="reading", parts=())
     average: float | None = choice(
-        "S", "First of all replace the samples by means over this time.", group="selecting")
+        "TIME", "First of all replace the samples by means over this time.", kind=INSTANT, group="selecting",
+        synonyms=("decimate", "downsample"))
     exclude: str | tuple[tuple[float, float], ...] | None = choice(
         "S..S,...", "Pieces to leave out, s after the first sample: 100..160,300..310; they become gaps.",
-        kind=pieces("s"), group="selecting")
+        kind=pieces("s"), group="selecting", synonyms=("cut", "drop"))
     start: float | None = choice(
-        "S", "Start of the window, s after the first sample.", group="selecting", flags=("--from",))
-    until: float | None = choice("S", "End of the window, s after the first sample.", group="selecting")
+        "TIME", "Start of the window after the first sample: 600, 10min.", kind=INSTANT, group="selecting",
+        synonyms=("start", "begin", "skip"), flags=("--from",))
+    until: float | None = choice(
+        "TIME", "End of the window after the first sample: 3600, 1h.", kind=INSTANT, group="selecting",
+        synonyms=("end", "stop"))
     quiet_window: float | None = choice(
-        "S", "Use the most stationary window of this length.", group="selecting", parts=())
+        "TIME", "Use the most stationary window of this length.", kind=INSTANT, group="selecting", parts=())
     outliers: str | None = choice(
         "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only", group="selecting",
         demand=_checked("prepare.outliers.demand_choice"))
@@ -131,23 +142,25 @@ class Recipe:
     memory: str | None = choice(
         "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
         told="half of what is available", group="selecting", demand=_checked("readers.memory.bytes_of"))
-    statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve")
+    statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve",
+        synonyms=("stat", "type"))
     taus: str | tuple[float, ...] = grid("log")
-    terms: str = choice("QNBKR", "Noise terms to look for.", kind=SYMBOLS, default="auto", group="identifying")
+    terms: str = choice("QNBKR", "Noise terms to look for.", kind=SYMBOLS, default="auto", group="identifying",
+        synonyms=("noise",))
     method: str = choice(
         "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",
-        group="identifying", parts=("whittle",))
+        group="identifying", synonyms=("estimator", "algorithm"), parts=("whittle",))
     ranges: Mapping[str, tuple[float, float]] | None = choice(
         "N=LO:HI,...", "Averaging times through which method piecewise draws the line of each term, s.", kind=RANGES,
         group="identifying", parts=())
     band: str | tuple[float, float] = choice(
         "BAND", "Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.", kind=BAND,
-        default="auto", group="identifying", demand=_checked("core.validity.demand_band"))
+        default="auto", group="identifying", synonyms=("frequencies",), demand=_checked("core.validity.demand_band"))
     mask: str | tuple[tuple[float, float], ...] | None = choice(
         "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.", kind=pieces("Hz"),
         group="identifying")
-    level: float = choice("", "Confidence level of intervals.", default=0.95,
-        group="identifying", demand=_checked("core.limits.demand_level"))
+    level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying",
+        synonyms=("confidence", "ci"), demand=_checked("core.limits.demand_level"))
     device: str | None = choice(
         "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
         demand=_checked("interpretation.devices.device"))
@@ -174,18 +187,19 @@ class Recipe:
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Recipe":
-        """A recipe from plain data, for example a TOML table.
+        """A recipe from plain data, for example a TOML table; keys are names of fields or of options.
 
         Raises
         ------
         UsageError
             A key is unknown; the message lists the known ones.
         """
-        known = [f.name for f in fields(cls)]
-        for key in data:
-            if key not in known:
-                raise UsageError(f"unknown key {key!r} in the recipe; known keys: {', '.join(known)}")
-        values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in data.items()}
+        rows, values = choices_of(cls), dict[str, Any]()
+        options = {key: name for name, row in rows.items() for key in row.keys}
+        for key, value in data.items():
+            name = options.get(key, key)
+            demand_name("key", name, rows, where=" in the recipe")
+            values[name] = tuple(value) if isinstance(value, list) else value
         return cls(**values)
 
     def but(self, choices: Mapping[str, Any]) -> "Recipe":
@@ -219,8 +233,12 @@ def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, A
 
     try:
         if not stat.S_ISREG(os.stat(path).st_mode):
-            raise OSError("it is not a regular file")
+            raise UsageError(f"the {what} {os.fspath(path)!r} is not a regular file; give the path of a TOML file")
         with open(path, "rb") as file:
             return tomllib.load(file)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise UsageError(f"the {what} {os.fspath(path)!r} cannot be read: {error}") from None
+    except OSError as error:
+        raise UsageError(f"the {what} {os.fspath(path)!r} cannot be read: {reason(error)}; check its path") from None
+    except UnicodeDecodeError:
+        raise UsageError(f"the {what} {os.fspath(path)!r} is not text in UTF-8; save it as UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
+        raise UsageError(f"the {what} {os.fspath(path)!r} cannot be read as TOML: {error}") from None

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, PERCENT
+from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, PERCENT
 from allanite.core.choices import choice
 
 # fmt: off
@@ -63,7 +63,7 @@ class DensityChoices:
     estimator: str = choice("NAME", "Estimator: welch or multitaper.", default="welch")
     sides: str = choice("NAME", "One- or two-sided power spectral density.", default="one")
     bins: int | None = choice("", "Values per decade; 0 keeps all frequencies.", default=20)
-    segment: float | None = choice("S", "Length of Welch's segments.", told="an eighth of the record")
+    segment: float | None = choice("TIME", "Length of Welch's segments.", kind=INSTANT, told="an eighth of the record")
     window: str | None = choice("NAME", "Window of the Welch estimator.", told="hann")
     bandwidth: float | None = choice("NW", "Time-half-bandwidth product NW of the tapers.", told="4")
     tapers: int | None = choice("K", "Number of tapers.", told="2 NW - 3")
@@ -78,8 +78,8 @@ class WindowChoices:
     """The choices of `Windows`."""
 
     statistic: str = choice("NAME", "Statistic.", default="oadev")
-    window: float | None = choice("S", "Length of a window.", told="a tenth of the record")
-    step: float | None = choice("S", "Distance between windows.", told="an eighth of a window")
+    window: float | None = choice("TIME", "Length of a window.", kind=INSTANT, told="a tenth of the record")
+    step: float | None = choice("TIME", "Distance between windows.", kind=INSTANT, told="an eighth of a window")
     taus: str | tuple[float, ...] = grid("octave")
     m: tuple[int, ...] | None = _factors()
     to: str | None = _unit()
@@ -144,7 +144,8 @@ class ComparisonChoices:
     """The choices of `ComparisonSettings`."""
 
     against: tuple[str, ...] | None = choice("A,B,...", "Channels of the second file to compare with --channels.")
-    part: float | None = choice("S", "Compare the first S seconds of a file with the rest.")
+    part: float | None = choice("TIME", "Compare the first part of a file, of this length, with the rest.",
+        kind=INSTANT)
 
 
 @dataclass(frozen=True, repr=False)

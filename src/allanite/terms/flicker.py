@@ -83,6 +83,7 @@ def _flicker_dct(k: FloatArray, n: int) -> FloatArray:
 
 FLICKER = NoiseTerm(
     symbol="B",
+    synonyms=("BI",),
     title=say("bias instability"),
     meaning=say("flicker (1/f) noise of the rate; the Allan deviation has a floor at 0.664 B"),
     quantity_title=say("flicker of the {quantity}"),

@@ -18,6 +18,7 @@ def gauss_markov(T: float) -> NoiseTerm:
     functions = Exponential(1 / T)
     return NoiseTerm(
         symbol="GM",
+        synonyms=("markov",),
         title=say("Gauss-Markov noise"),
         meaning=say("exponentially correlated (first-order Gauss-Markov) noise of the rate, with a time constant T"),
         quantity_meaning=say("exponentially correlated (first-order Gauss-Markov) noise with a time constant T"),

@@ -109,6 +109,7 @@ def _titles(place: int) -> dict[str, str]:
 
 QUANTIZATION = NoiseTerm(
     symbol="Q",
+    synonyms=("QN",),
     title=say("quantization noise"),
     meaning=say("white noise of the angle: rounding of the angle output, or timing jitter of the readout"),
     quantity_title=say("white noise of the integrated {quantity}"),
@@ -146,6 +147,7 @@ QUANTIZATION = NoiseTerm(
 
 ANGLE_RANDOM_WALK = NoiseTerm(
     symbol="N",
+    synonyms=("ARW", "VRW"),
     title=say("angle random walk"),
     titles=_titles(0),
     meaning=say("white noise of the rate; the angle error grows as N sqrt(t)"),
@@ -185,6 +187,7 @@ ANGLE_RANDOM_WALK = NoiseTerm(
 
 RATE_RANDOM_WALK = NoiseTerm(
     symbol="K",
+    synonyms=("RRW",),
     title=say("rate random walk"),
     titles=_titles(1),
     meaning=say("random walk of the rate; the bias drifts as K sqrt(t)"),
@@ -220,6 +223,7 @@ RATE_RANDOM_WALK = NoiseTerm(
 
 RAMP = NoiseTerm(
     symbol="R",
+    synonyms=("RR", "ramp", "drift"),
     title=say("rate ramp"),
     titles=_titles(2),
     meaning=say("a linear drift of the rate, with a sign"),

@@ -173,6 +173,8 @@ class NoiseTerm:
     substitute : str
         Symbol of a term with a time constant which may take its place: itself where a record says so, in a filter as a
         sum of several. For flicker of the rate.
+    synonyms : tuple of str
+        Other names by which it is asked for; they are suggested, not taken.
     """
 
     symbol: str
@@ -213,6 +215,7 @@ class NoiseTerm:
     block: Callable[[float, tuple[float, ...], float], Block] | None = None
     substitute: str = ""
     titles: Mapping[str, str] = field(default_factory=dict)
+    synonyms: tuple[str, ...] = ()
     quantity_title: str = ""
     quantity_meaning: str = ""
 

@@ -9,7 +9,8 @@ from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError
+from allanite.core.names import demand_name
 
 from .messages import body_of
 from .store import CHOICES, MissingError, Store, shown
@@ -108,8 +109,7 @@ async def example(request: Request, name: str) -> dict[str, Any]:
     from .tables import EXAMPLES, simulation
 
     which = str((await body_of(request)).get("name") or next(iter(EXAMPLES)))
-    if which not in EXAMPLES:
-        raise UsageError(f"unknown example {which!r}; examples: {', '.join(EXAMPLES)}")
+    demand_name("example", which, EXAMPLES)
     store, jobs = request.app.state.store, request.app.state.jobs
     file, path = store.new_file(name, f"example-{which}.npz")
     line = simulation(which, str(path))

@@ -12,6 +12,7 @@ from allanite.cli.front import DEFECT, Failure
 from allanite.cli.tasks import VerbTask, task_of
 from allanite.core.choices import ChoiceRow, choices_of, read_given
 from allanite.core.errors import AllaniteError, UsageError
+from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH
 from allanite.study.recipe import Recipe
 
@@ -56,8 +57,7 @@ class Request:
         """
         rows, task = accepted(verb), task_of(verb)
         for key in data:
-            if key not in rows:
-                raise UsageError(f"unknown key {key!r} in the recipe; known keys: {', '.join(sorted(rows))}")
+            demand_name("key", key, rows, where=" in the recipe")
         given = read_given(rows, data)
         own = choices_of(task.kind) if task.kind else {}
         recipe = Recipe(**{**task.usual, **{key: value for key, value in given.items() if key not in own}})

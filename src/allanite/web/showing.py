@@ -7,6 +7,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from allanite.core.errors import UsageError
+from allanite.core.names import demand_name
 from allanite.reporting.sheet import toml
 
 from . import trace
@@ -71,8 +72,7 @@ def save(  # noqa: PLR0917 - parameters of the query
     how = "inline" if inline and form.startswith("figure") else "attachment"
     if form == "recipe":
         return _download(toml(found["recipe"]).encode(), "recipe.toml", "application/toml; charset=utf-8")
-    if form not in FORMS:
-        raise UsageError(f"unknown form {form!r}; forms: {', '.join((*FORMS, 'recipe'))}")
+    demand_name("form", form, (*FORMS, "recipe"))
     _, path, kind = FORMS[form]
     data = jobs.result(name)[0] if form == "json" else jobs.ask(
         name, "save", form=form, lang=lang or found["lang"], dark=dark and form == "figure.svg")["data"]  # fmt: skip

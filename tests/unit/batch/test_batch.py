@@ -71,7 +71,7 @@ def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; limits are set for Q, F, N, B"),
+        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; known terms: Q, F, N, B"),
         ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
         ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is not a unit of N (angle random walk)"),
         ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
@@ -142,7 +142,7 @@ def test_the_rule(seen, value, upper):
 def test_an_interval_that_holds_the_limit_is_said():
     near = judge("gz", LIMIT, Seen(*(v * LIMIT.factor for v in (1.9, 1.7, 2.1))))
     assert near.near
-    assert near.reason == "1.9 deg/h (1.7 .. 2.1), the interval holds the limit"
+    assert near.reason == "1.9 deg/h (1.7 .. 2.1), the interval contains the limit"
 
 
 def test_the_size_of_a_ramp_is_judged(tmp_path):
@@ -166,6 +166,7 @@ def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_sho
     assert batch[0].outcome == "not shown"
 
 
+@pytest.mark.usefixtures("details")
 def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
     limits = spec(tmp_path, '[limits]\nN = { max = "1 m/s/sqrt(h)" }\n')
     result = run(folder / "u0.csv", "--limits", limits)
@@ -260,6 +261,7 @@ def test_mean_spread_and_worst_are_over_the_values(folder):
     assert np.isnan(found["K"].mean)
 
 
+@pytest.mark.usefixtures("details")
 def test_the_device_is_said_once_for_all_units(folder):
     result = run(folder, "--device", "mems")
     assert result.stdout.count("N in a micromechanical (MEMS) gyroscope: angle random walk\n") == 1

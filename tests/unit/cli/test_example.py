@@ -25,7 +25,7 @@ def test_the_list_and_an_unknown_paper():
     assert all(name in listed for name in EXAMPLES)
     refused = run("example", "999")
     assert refused.exit_code == 2
-    assert "unknown paper '999'; examples: 00" in refused.stderr
+    assert "unknown paper '999'; known papers: 00" in refused.stderr
 
 
 @pytest.mark.parametrize("paper", EXAMPLES)

@@ -133,8 +133,8 @@ USUAL = ("--sensor", "rlg", "--rate", "100")
         (("out.npz", *USUAL, "--samples", "99", "--seed", "-1"), "--seed"),
         (("out.npz", "--sensor", "rlg", "--rate", "-5", "--samples", "99"), "positive number of Hz, not -5"),
         (("out.npz", "--sensor", "rlg", "--rate", "nan", "--duration", "9"), "positive number of Hz, not nan"),
-        (("out.npz", *USUAL, "--duration", "a while"), "expected a number"),
-        (("out.npz", *USUAL, "--duration", "-3 s"), "a duration has the form"),
+        (("out.npz", *USUAL, "--duration", "a while"), "expected a time in s"),
+        (("out.npz", *USUAL, "--duration", "-3 s"), "expected a time in s"),
     ],
 )
 def test_what_is_refused(tmp_path, monkeypatch, arguments, words):

@@ -122,5 +122,5 @@ def test_what_cannot_be_pooled():
     x, y = (replace(run(seed), name=name) for seed, name in ((1, "x"), (2, "y")))
     with pytest.raises(al.UsageError, match="no channel in common"):
         al.pool([al.Recording((x, y)), al.Recording((replace(x, name="u"), replace(y, name="v"))), run(3)])
-    with pytest.raises(al.UsageError, match="no channel 'q'"):
+    with pytest.raises(al.UsageError, match="unknown channel 'q'"):
         al.pool([run(1), run(2), run(3)])["q"]

@@ -252,7 +252,10 @@ def test_ambiguous_integer_stamps_are_asked_for(stamped, step):
     with pytest.raises(UsageError, match=r"time='stamp\[ms\]'"):
         read(path)
     assert read(path, time="stamp[us]")["gx"].rate == pytest.approx(1e6 / step)
-    assert read(path, rate=50)["gx"].rate == 50.0
+    if step > 1:  # that counts no rows
+        with pytest.raises(UsageError, match=r"the rate given, 50\.0 Hz, contradicts"):
+            read(path, rate=50)
+    assert read(path, rate=50, time=None if step == 1 else "none")["gx"].rate == 50.0
 
 
 def test_fractions_without_unit_are_seconds(stamped):

@@ -91,5 +91,5 @@ def test_exit_codes_of_damaged_and_foreign_files(tmp_path):
     assert code(good, "--rate", "40") == 0
     assert code(good, "--rate", "40", "--channels", "VNIMU") == 2
     assert code([line.replace("VN", "VM") for line in good]) == 3
-    with pytest.raises(DataError, match="no sentence has a right checksum; 300 are damaged"):
+    with pytest.raises(DataError, match="no sentence has a valid checksum; 300 are damaged"):
         al.read(save(tmp_path, [line.replace("VN", "VM") for line in good]))

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.extending import FloatArray, UsageError, say, spelled
+from allanite.extending import FloatArray, UsageError, demand_name, say, spelled
 
 from .checks import demand_motion
 from .geometry import ANGLES, EARTH_RATE, Gimbals, demand_angles
@@ -102,8 +102,7 @@ def design(
         An angle does not move, so that its harmonics are constants.
     """
     for name in nuisance:
-        if name not in NUISANCES:
-            raise UsageError(f"unknown nuisance {name!r}; known: {', '.join(NUISANCES)}")
+        demand_name("nuisance", name, NUISANCES)
     if len(set(nuisance)) < len(nuisance):
         raise UsageError(f"a nuisance is given twice: {', '.join(nuisance)}")
     for angle, orders in harmonics.items():

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import DataError, FloatArray, UnitError, UsageError, Value
+from allanite.extending import DataError, FloatArray, UnitError, UsageError, Value, demand_name
 
 from .checks import column, demand_increasing
 
@@ -84,8 +84,7 @@ def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
 def demand_angles(names: Iterable[str]) -> None:
     """Refuse names that are none of `ANGLES`."""
     for name in names:
-        if name not in ANGLES:
-            raise UsageError(f"unknown angle {name!r}; angles: {', '.join(ANGLES)}")
+        demand_name("angle", name, ANGLES)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -222,8 +221,7 @@ def gimbals(
     clock = column("time", time)
     if not math.isfinite(latitude) or abs(latitude) > math.pi / 2 + 1e-12:
         raise UnitError(f"a latitude must not exceed a right angle, as {latitude!r} rad does: is it in degrees?")
-    if q_law not in Q_LAWS:
-        raise UsageError(f"unknown law {q_law!r} of q; known laws: {', '.join(Q_LAWS)}")
+    demand_name("law", q_law, Q_LAWS)
     if turn_period is not None and not (math.isfinite(turn_period) and turn_period > 0):
         raise UsageError(
             f"the period of the auto-compensating rotation must be a positive number of s, not {turn_period!r}"

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from allanite.extending import FloatArray, UsageError, readout_noise
+from allanite.extending import FloatArray, demand_name, readout_noise
 
 from .design import NUISANCES
 from .geometry import Gimbals, demand_angles
@@ -46,8 +46,7 @@ def simulate(
     measured = readings(gimbals, harmonics)
     z = measured.cosine - gimbals.cosine
     for name, value in (nuisance or {}).items():
-        if name not in NUISANCES:
-            raise UsageError(f"unknown nuisance {name!r}; known: {', '.join(NUISANCES)}")
+        demand_name("nuisance", name, NUISANCES)
         z += value * NUISANCES[name].column(gimbals)
     return z + readout_noise(z.size, sigma=sigma, walk=walk, rng=rng)
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, UsageError
+from allanite.extending import DataError, FloatArray, UsageError, demand_name
 
 from .residuals import checks, level_check
 from .solution import History, Solution
@@ -66,8 +66,7 @@ def solve(
     alone, spread, freedom = _alone(system, sigma, prior)
     vague = prior if prior is not None else VAGUE * spread / np.sqrt((system.rows**2).mean(axis=0))
     rows, values = system.rows / spread, system.values / spread
-    if method not in METHODS:
-        raise UsageError(f"unknown method {method!r}; known methods: {', '.join(METHODS)}")
+    demand_name("method", method, METHODS)
     end, history, left = METHODS[method](SquareRoot.before(vague), rows, values, system.time)
     level = () if sigma is None else (level_check(alone.squares / spread**2, freedom),)
     return Solution(

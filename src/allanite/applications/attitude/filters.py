@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, UsageError, say, spelled
+from allanite.extending import DataError, FloatArray, row_of, say, spelled
 
 from .coning import attitudes, rotation_vectors
 from .density import SensorNoise
@@ -191,6 +191,4 @@ def filter_named(name: str) -> AttitudeFilter:
     UsageError
         The name is unknown.
     """
-    if name not in FILTERS:
-        raise UsageError(f"unknown filter {name!r}; known filters: {', '.join(FILTERS)}")
-    return FILTERS[name]
+    return row_of("filter", name, FILTERS)

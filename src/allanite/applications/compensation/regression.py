@@ -189,8 +189,8 @@ class Regression(Correction):
         """
         try:
             found = super().from_dict(data)
-        except (UsageError, KeyError, TypeError, ValueError, AttributeError, StopIteration) as error:
-            raise DataError(f"not a saved regression, or it was changed ({type(error).__name__}: {error})") from None
+        except (UsageError, KeyError, TypeError, ValueError, AttributeError, StopIteration):
+            raise DataError("not a saved regression, or it was changed") from None
         if {len(found.regressors), len(found.chosen), found.inflation.size} != {found.mixture.centres.shape[1]}:
             raise DataError("the numbers of coefficients and regressors of this regression differ: it was changed")
         return found
@@ -269,8 +269,8 @@ def load(path: str | os.PathLike[str]) -> tuple[Regression, ...]:
     try:
         with open(path, encoding="utf-8") as file:
             data = json.load(file)
-    except (OSError, ValueError, RecursionError) as error:
-        raise DataError(f"{os.fspath(path)!r} cannot be read as a saved regression: {error}") from None
+    except (OSError, ValueError, RecursionError):
+        raise DataError(f"{os.fspath(path)!r} cannot be read as a saved regression; save it again") from None
     listed = data.get("regressions") if isinstance(data, dict) else None
     if not isinstance(listed, list) or not listed or not all(isinstance(item, dict) for item in listed):
         raise DataError(f"{os.fspath(path)!r} contains no saved regression")

@@ -101,6 +101,13 @@ class RateSettings(RateChoices, Value):
                 say("the given true rate or bias belongs to another type of sensor: {sensor}",
                     sensor=self.signal.name)
             )  # fmt: skip
+        interval = self.experiment.interval
+        if interval > record.duration and interval != ExperimentSettings.interval:
+            said = f"the interval of {interval:g} s is longer than the record of {record.duration:g} s"
+            option = spelled(f"--interval {record.duration / 10:.3g}", f"interval={record.duration / 10:.3g}")
+            raise UsageError(
+                f"{said}; give a shorter one, as {option}", cure=(f"{interval:g}", f"{record.duration / 10:.3g}")
+            )
         if self.latitude is None or self.horizontal or record.signal.name != "gyro":
             return self.experiment
         return replace(self.experiment, reference=earth_rate(self.latitude))

@@ -1,6 +1,6 @@
 """The table of estimators."""
 
-from allanite.extending import UsageError
+from allanite.extending import row_of
 
 from .linear import CONDITIONAL, HAMMING, MEAN, REGRESSION
 from .optimal import OPTIMAL
@@ -14,6 +14,4 @@ RATE_ESTIMATORS: dict[str, RateEstimator] = {
 
 def estimator_named(name: str) -> RateEstimator:
     """The row of `RATE_ESTIMATORS`; an unknown name is an error that lists the known ones."""
-    if name not in RATE_ESTIMATORS:
-        raise UsageError(f"unknown rate estimator {name!r}; known estimators: {', '.join(RATE_ESTIMATORS)}")
-    return RATE_ESTIMATORS[name]
+    return row_of("rate estimator", name, RATE_ESTIMATORS)

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from allanite.applications.choices import EstimatorChoices
-from allanite.extending import FloatArray, Model, Term, UsageError, Value
+from allanite.extending import FloatArray, Model, Term, UsageError, Value, demand_name
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,8 +65,7 @@ class Task:
     def __post_init__(self) -> None:
         if self.size < 3:
             raise UsageError(f"a rate needs at least 3 samples, not {self.size}")
-        if self.target not in TARGETS:
-            raise UsageError(f"unknown target {self.target!r}; known targets: {', '.join(TARGETS)}")
+        demand_name("target", self.target, TARGETS)
         if self.target == "constant" and self.wandering:
             walks = ", ".join(t.symbol for t in self.wandering)
             raise UsageError(

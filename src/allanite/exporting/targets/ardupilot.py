@@ -14,6 +14,7 @@ gyro_bias, accelerometer_bias = pair("EK3_GBIAS_P_NSE", "EK3_ABIAS_P_NSE", WALK,
 
 ARDUPILOT = Target(
     name="ardupilot",
+    synonyms=("ekf3", "arducopter"),
     title=say("parameters of ArduPilot's EKF3"),
     fields=(gyro, replace(accelerometer, span=(0.01, 1.0)), gyro_bias, replace(accelerometer_bias, span=(1e-5, 0.02))),
     forms={".param": LineLayout("{name},{value}")},

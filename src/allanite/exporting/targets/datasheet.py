@@ -55,6 +55,7 @@ def _escaped(text: str) -> str:
 
 DATASHEET = Target(
     name="datasheet",
+    synonyms=("table",),
     title=say("table of the quantities that data sheets quote, each with its interval"),
     fields=(),
     forms={".md": markdown, ".csv": comma_separated, ".tex": latex},

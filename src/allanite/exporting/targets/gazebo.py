@@ -28,6 +28,7 @@ def sdf(content: Content) -> str:
 
 GAZEBO = Target(
     name="gazebo",
+    synonyms=("sdf", "gz"),
     title=say("noise of an IMU in SDF, for Gazebo"),
     fields=tuple(
         field

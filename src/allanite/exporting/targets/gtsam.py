@@ -9,6 +9,7 @@ BIAS = TargetField("", GYRO, "K", "(rad/s^2)^2/Hz", power=2)
 
 GTSAM = Target(
     name="gtsam",
+    synonyms=("combinedimufactor",),
     title=say("parameters of GTSAM's CombinedImuFactor, in Python"),
     fields=(
         *pair("setGyroscopeCovariance", "setAccelerometerCovariance", WHITE, "(m/s^2)^2/Hz"),

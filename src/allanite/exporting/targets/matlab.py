@@ -15,6 +15,7 @@ FIELDS = tuple(
 
 MATLAB = Target(
     name="matlab",
+    synonyms=("imusensor", "simulink"),
     title=say("parameters of MATLAB's imuSensor, for loadparams(imu, file, 'IMU')"),
     fields=FIELDS,
     forms={".json": JsonLayout(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)},

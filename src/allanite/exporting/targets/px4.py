@@ -13,6 +13,7 @@ gyro, accelerometer = pair("EKF2_GYR_NOISE", "EKF2_ACC_NOISE", NOISE, "m/s^2")
 
 PX4 = Target(
     name="px4",
+    synonyms=("ekf2", "px4-autopilot"),
     title=say("parameters of PX4's EKF2, for QGroundControl"),
     fields=(
         gyro,

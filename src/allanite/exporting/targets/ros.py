@@ -10,6 +10,7 @@ VARIANCE = TargetField("", GYRO, "N", "(rad/s)^2", rate=1, power=2)
 
 ROS_IMU = Target(
     name="ros-imu",
+    synonyms=("ros",),
     title=say("covariances of sensor_msgs/Imu, for the parameters of a driver"),
     fields=pair("angular_velocity_covariance", "linear_acceleration_covariance", VARIANCE, "(m/s^2)^2"),
     forms={".yaml": LineLayout("{name}: [{diagonal}]")},

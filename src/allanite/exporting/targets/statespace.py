@@ -76,6 +76,7 @@ def c_file(content: Content) -> str:
 
 STATESPACE = Target(
     name="statespace",
+    synonyms=("kalman",),
     title=say("matrices of a Kalman filter in SI: x' = Phi x + w, sample = H x + v"),
     fields=(),
     forms={".npz": numpy_file, ".m": matlab_file, ".h": c_file},

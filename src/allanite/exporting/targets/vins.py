@@ -11,6 +11,7 @@ WALK = TargetField("", GYRO, "K", "rad/s^2", rate=1)
 
 VINS_MONO = Target(
     name="vins-mono",
+    synonyms=("vins",),
     title=say("config file of VINS-Mono, its IMU part"),
     fields=(*pair("gyr_n", "acc_n", NOISE, "m/s^2"), *pair("gyr_w", "acc_w", WALK, "m/s^3")),
     forms={".yaml": LineLayout("{name}: {value}", first=("%YAML:1.0",))},
@@ -23,6 +24,7 @@ VINS_MONO = Target(
 VINS_FUSION = replace(
     VINS_MONO,
     name="vins-fusion",
+    synonyms=(),
     title=say("config file of VINS-Fusion, its IMU part"),
     source="vins_estimator/src/factor/integration_base.h, as in VINS-Mono",
 )

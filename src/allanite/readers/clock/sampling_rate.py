@@ -103,9 +103,25 @@ def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
     )
     unit, guessed = _unit(sources, stamps, given or sources.stated)
     if not unit:
+        _demand_counter(column, rate)
         known = Beat(given or 0.0, notes=first, contradictions=against)
         return known if given else Beat(questions=(_ask_unit(column),))
     return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against)
+
+
+def _demand_counter(column: FileColumn, rate: float | None) -> None:
+    """Refuse a rate that integer time stamps contradict in any unit; those that count rows contradict none."""
+    readings = _readings(column.values)
+    if rate and readings and abs(readings[0][1] - 1) > SAME:
+        raise UsageError(
+            say(
+                "the rate given, {rate} Hz, contradicts the time stamps of {column} ({readings}): omit it, or ignore "
+                "the time stamps with {option}",
+                rate=_shown(rate), column=column.label, readings=_listed(readings),
+                option=spelled("--time none", "time='none'"),
+            ),
+            choice="time", cure=("", "--time none"),
+        )  # fmt: skip
 
 
 def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
@@ -136,7 +152,8 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
                 rate=_shown(seen.rate), column=label, measured=_shown(measured),
                 guessed=f" ({seen.guessed})" if seen.guessed else "",
                 option=spelled("--time none", "time='none'"),
-            )
+            ),
+            choice="time", cure=("", "--time none"),
         )  # fmt: skip
     notes, differing = _notes(label, (given, measured), seen.guessed, lost)
     stated = seen.sources.stated
@@ -215,8 +232,8 @@ def _notes(
 
 def _ask() -> str:
     return spelled(
-        say("pass the sampling rate in Hz with --rate 100, or name the column of time stamps: --time 'stamp[us]'"),
-        say("pass the sampling rate in Hz with rate=100, or name the column of time stamps: time='stamp[us]'"),
+        say("give it in Hz with --rate 100, or name the column of time stamps: --time 'stamp[us]'"),
+        say("give it in Hz with rate=100, or name the column of time stamps: time='stamp[us]'"),
     )
 
 
@@ -257,8 +274,12 @@ def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
     return [(unit, (len(stamps) - 1) / (span * unit_of(unit).factor)) for unit in ("s", "ms", "us", "ns") if span > 0]
 
 
+def _listed(readings: list[tuple[str, float]]) -> str:
+    return join(", ", (say("{rate:.6g} Hz as {unit}", rate=rate, unit=unit) for unit, rate in readings))
+
+
 def _ask_unit(column: FileColumn) -> str:
-    readings = [say("{rate:.6g} Hz as {unit}", rate=rate, unit=unit) for unit, rate in _readings(column.values)]
+    readings = _readings(column.values)
     how = spelled(f"--time '{column.name}[ms]', or --rate 100", f"time='{column.name}[ms]', or rate=100")
     if not readings:
         return say(
@@ -266,5 +287,5 @@ def _ask_unit(column: FileColumn) -> str:
         )
     return say(
         "the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
-        column=column.label, readings=join(", ", readings), option=how,
+        column=column.label, readings=_listed(readings), option=how,
     )  # fmt: skip

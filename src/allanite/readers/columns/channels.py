@@ -8,10 +8,11 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import Cure, UsageError
 from allanite.core.finding import Finding
 from allanite.core.kinds import KIND_WORDS, kinds_of, offered, signal_of_kind
-from allanite.core.units import BASES, unit_of
+from allanite.core.names import nearest
+from allanite.core.units import BASES, USUAL, unit_of
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.readers.options import Options
@@ -46,13 +47,14 @@ class Left(NamedTuple):
 
 @dataclass(frozen=True)
 class Choice:
-    """The signals of a file, the assumptions about them, the columns omitted, open questions, and warnings."""
+    """The signals of a file, assumptions about them, columns that are omitted, questions, warnings, what to type."""
 
     signals: tuple[SignalColumn, ...]
     notes: tuple[str, ...]
     left: tuple[str, ...]
     questions: tuple[str, ...]
     findings: tuple[Finding, ...] = ()
+    cure: Cure = ("", "")
 
 
 def named(columns: tuple[FileColumn, ...], keys: tuple[str, ...] | None) -> tuple[FileColumn, ...] | None:
@@ -89,7 +91,21 @@ def choose(
     how = spelled("--channels gx,2", "channels=['gx', '2']")
     nothing = say("no column is recognized as an inertial signal; select columns with {option}", option=how)
     others = _grouped((say("{reason}:", reason=item.why), item.column) for item in left if not item.ask)
-    return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,))
+    return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,), cure=_cure(left, options))
+
+
+def _cure(left: list[Left], options: Options) -> Cure:
+    """A unit to type: near the given one if that cannot be used, or those of the sensors whose columns have none."""
+    without = [item for item in left if item.ask == _ask_unit(options.unit)]
+    if not without:
+        return "", ""
+    if options.unit:
+        return options.unit, nearest(options.unit, USUAL) or "deg/s"
+    usual = {"gyro": ("gyro", "deg/s"), "accelerometer": ("accel", "m/s^2")}
+    found = [usual[name] for name in usual if name in {headers.sensor_by_name(item.column.name) for item in without}]
+    return "", spelled("--unit ", "unit=") + (
+        ",".join(map("=".join, found)) if len(found) > 1 else found[0][1] if found else "deg/s"
+    )
 
 
 NO_UNIT = say("no signal unit in the header, used as plain numbers:")
@@ -216,12 +232,12 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
     own = options if applies else replace(options, unit=None, units=(), kind=None, scale=None)
     unit = own.unit or said
     if not unit:
-        return Left(column, say("the unit is unknown"), _ask_unit())
+        return Left(column, say("the unit is unknown"), _ask_unit(None))
     known, scale = (column.kind, column.scale) if unit == column.unit else ("", None)
     kind = own.kind or known
     fits = kinds_of(unit)
     if not fits:
-        return Left(column, _strange(unit), _ask_unit())
+        return Left(column, _strange(unit), _ask_unit(own.unit))
     meanings = offered(unit, integers=column.values.dtype.kind == "i")
     if (kind or "rate") not in fits:
         unclear = say("{unit!r} does not determine what a sample is", unit=unit)
@@ -272,9 +288,9 @@ def _grouped(items: Iterable[tuple[str, FileColumn]]) -> list[str]:
     return [join(" ", (text, names)) for text, names in _together(items)]
 
 
-def _ask_unit() -> str:
-    return say(
-        "pass the unit of the samples, such as {unit}, or write it in the header as in 'gx [deg/s]'; a unit of angle "
-        "or velocity (arcsec, m/s) also needs {kind}: increment, angle, count or value",
-        unit=spelled("--unit deg/s", "unit='deg/s'"), kind=spelled("--kind", "kind=..."),
-    )  # fmt: skip
+def _ask_unit(given: str | None) -> str:
+    meant = nearest(given, USUAL) if given else ""
+    if meant:
+        return say("did you mean {unit}?", unit=meant)
+    unit = spelled("--unit deg/s", "unit='deg/s'")
+    return say("pass the unit of the samples, such as {unit}, or write it in the header as in 'gx [deg/s]'", unit=unit)

@@ -7,6 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.names import nearest
 from allanite.phrases.phrase import Phrase, join, say
 
 from . import headers
@@ -88,7 +89,10 @@ def lookup(columns: tuple[FileColumn, ...], key: str, choice: str = "channels") 
     for column in (*exact, *alike, *placed):
         return column
     names = [f"{column.position}: {column.header or column.name}" for column in columns]
-    raise UsageError(f"no column {key!r}; columns: {some(names, 30)}", choice=choice)
+    meant = nearest(wanted, [column.name for column in columns])
+    said = f"did you mean {meant}? Columns" if meant else "columns"
+    cure = (wanted, meant) if meant else ("", "")
+    raise UsageError(f"no column {key!r}; {said}: {some(names, 30)}", choice=choice, cure=cure)
 
 
 def some(names: Sequence[str], most: int = 20) -> Phrase:

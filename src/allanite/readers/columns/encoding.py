@@ -143,7 +143,7 @@ def decoded(chunks: Iterable[bytes], codec: str, name: str) -> Iterator[bytes]:
         decoder.decode(b"", final=True)
     except UnicodeDecodeError as error:
         line += error.object.count(b"\n", 0, error.start)
-        raise DataError(f"the file begins like {name} text but is damaged in line {line}: {error}") from None
+        raise DataError(f"the file begins like {name} text but is damaged in line {line}") from None
 
 
 def whole_lines(chunks: Iterable[bytes]) -> Iterator[bytes]:

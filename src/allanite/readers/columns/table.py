@@ -122,7 +122,11 @@ class Sense:
         """Ask for what is not known."""
         questions = [*beat.questions, *self.choice.questions]
         if questions:
-            raise UsageError("; ".join((*questions, *self.choice.left)), choice="rate" if beat.questions else "unit")
+            left = self.choice.left if beat.questions or not any(self.choice.cure) else ()
+            typed, instead = self.choice.cure
+            rate = spelled("--rate 100 ", "rate=100 ") if beat.questions and not typed else ""
+            cure = typed, f"{rate}{instead}".strip()
+            raise UsageError("; ".join((*questions, *left)), choice="rate" if beat.questions else "unit", cure=cure)
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""

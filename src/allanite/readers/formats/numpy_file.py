@@ -133,7 +133,7 @@ def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
             try:
                 array = archive[name]
             except ValueError as error:
-                why = _objects(f"array {name!r}") if "pickle" in str(error) else f"array {name!r} is damaged: {error}"
+                why = _objects(f"array {name!r}") if "pickle" in str(error) else f"array {name!r} is damaged"
                 raise DataError(why) from None
             if not isinstance(array, np.ndarray):
                 raise DataError(f"{name!r} in the archive is not a NumPy array")

@@ -77,7 +77,7 @@ def read(path: str, options: Options) -> Recording:
             if len(kind.fields) > 1:
                 found.append(streams.Stream(name, len(right), names, load, fits=fits))
     if not found:
-        raise DataError(say("no sentence has a right checksum; {count} are damaged", count=bad))
+        raise DataError(say("no sentence has a valid checksum; {count} are damaged", count=bad))
     notes = [
         say_count(
             bad,

@@ -80,7 +80,7 @@ def _worded() -> Iterator[None]:
         raise
     except Exception as error:
         said = " ".join(str(error).split()) or "its records contradict each other"
-        sys.exit(f"{type(error).__name__}: {said[:200]}")
+        sys.exit(said[:200])
 
 
 class Topic:

@@ -67,8 +67,7 @@ def worded(what: str = "the file") -> Iterator[None]:
                 f"there is no room for {what} in the folder {tempfile.gettempdir()!r} ({reason}): free some, or set "
                 "TMPDIR to another folder"
             ) from None
-        said = " ".join(str(error).split())[:200]
-        raise DataError(f"{what} is damaged or was cut off: {type(error).__name__}: {said}") from None
+        raise DataError(f"{what} is damaged or was cut off; copy or download it again") from None
 
 
 def demand_start(head: bytes, starts: tuple[bytes, ...], what: str) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import subprocess
 import sys
 import tempfile
@@ -185,7 +186,7 @@ class Process:
         self._errors.seek(0)
         said = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
         died = "it ended early" if code >= 0 else "it took too long" if -code in _TIMEOUTS else f"signal {-code}"
-        reason = said[-1][:200] if said else died
+        reason = re.sub(r"^[\w.]+(Error|Exception): ", "", said[-1])[:200] if said else died
         return DataError(
             f"the file is damaged or incomplete: {self._library.package} failed {where}: {reason}; if other "
             f"programs can read it, {self._library.remedy}"

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.files import reason
 
 SEPARATOR = "::"
 """Separates an archive and the name of a member."""
@@ -55,7 +56,7 @@ def checked(path: Any) -> tuple[str, str]:
         raise DataError(f"{name}: no such file; check the name and the folder") from None
     except (OSError, ValueError) as error:
         raise DataError(
-            f"{name!r}: the file cannot be accessed ({error}); check the name and your permissions"
+            f"{name!r}: the file cannot be accessed ({reason(error)}); check the name and your permissions"
         ) from None
     if stat.S_ISDIR(mode.st_mode):
         if not parts(name):

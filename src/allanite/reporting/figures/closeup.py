@@ -37,7 +37,7 @@ def plot_closeups(new_figure: style.NewFigure, closeups: Sequence[Closeup]) -> F
             kept = np.linspace(0, found.misfit.size - 1, min(found.misfit.size, MOST)).astype(np.int64)
             misfit = column[2]
             misfit.plot(kept / found.rate, found.misfit[kept], ".", ms=1.5, color=style.DATA, rasterized=True)
-            misfit.set(xlabel=say("time in the interval (s)"), ylabel=say("counts less staircase"))
+            misfit.set(xlabel=say("time in the interval (s)"), ylabel=say("counts minus staircase"))
             misfit.margins(y=0.12)
         else:
             for ax in column[1:]:

@@ -115,7 +115,7 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
             say("error over time"),
             IN_TIME,
         )
-    label, title = say("innovations and their autocorrelation"), say("is what is left over noise?")
+    label, title = say("innovations and their autocorrelation"), say("are the residuals white?")
     yield Drawing(lambda: figures.plot_innovations(solution), label, INNOVATIONS, title)
     rows = []
     for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True):

@@ -46,7 +46,7 @@ def first_of(study: Study, level: float) -> First:
         title_of(study),
         _verdict(channels),
         list(_axes(channels, level)),
-        [*_doubts(channels), *weighed([*alerts(study), *_reservations(channels)])],
+        [*doubts(channels), *weighed([*alerts(study), *_reservations(channels)])],
         list(_legend(fitted, level)),
         how_read(study),
         [FIGURES, MEANING, *([LONGER] if lost else [])],
@@ -196,13 +196,13 @@ def _legend(channels: Sequence[Channel], level: float) -> Iterator[str]:
         yield say("p < {least:g}: no fit.", least=LEAST)
 
 
-def _doubts(channels: Sequence[Channel]) -> Iterator[Remark]:
+def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
     """A line for each channel without a result."""
     for channel in channels:
         name = channel.record.name or say("channel")
         if channel.refusal:
             yield Remark.of(join(" ", (name, say("NO RESULT"))), channel.refusal, grave=True)
-        elif channel.noise is not None and not channel.explained:
+        elif channel.noise is not None and not channel.noise.explained:
             yield does_not_fit(name, channel.noise, channel.quality.warnings)
 
 
@@ -264,7 +264,7 @@ def _seen(study: Study) -> First:
     )
     after = [("allanite analyze FILE", say("the noise")), ("--details", say("all that was found"))]
     return First(
-        title_of(study), verdict, tables, [*_doubts(study.channels), *alerts(study)], (), how_read(study), after
+        title_of(study), verdict, tables, [*doubts(study.channels), *alerts(study)], (), how_read(study), after
     )
 
 

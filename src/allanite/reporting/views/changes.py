@@ -32,6 +32,12 @@ def first_of_comparison(value: Comparison, level: float) -> First:
     said = [say("changed: {names}", names=", ".join(changed))] if changed else []
     said += [say("no change detected: {names}", names=", ".join(same))] if same else []
     remarks = [Remark.of(pair.name, pair.refusal, grave=True) for pair in value.pairs if pair.refusal]
+    remarks += [
+        Remark.of(pair.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
+        for pair in value.pairs
+        for name, grade, fits in zip(value.names, pair.grades, pair.explained, strict=False)
+        if not fits
+    ]
     remarks += [Remark.of(pair.name, alert) for pair in value.pairs for alert in pair.alerts]
     title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
     needed = any(c.outcome == "not resolvable" for pair in value.pairs for c in pair.changes)

@@ -10,12 +10,12 @@ from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
 from allanite.phrases.phrase import say
 from allanite.reporting.digits import digits, printed_unit, rounded
-from allanite.reporting.first import First, Remark
+from allanite.reporting.first import First
 from allanite.reporting.sheet import Column, Table
 from allanite.reporting.text import spread
 from allanite.study.survey import Survey
 
-from .axes import alerts, how_read, title_of
+from .axes import alerts, doubts, how_read, title_of
 from .values import FORMS
 
 ROWS = 12
@@ -27,10 +27,9 @@ BESIDE, BARE = 3, 6
 
 def first_of_survey(survey: Survey, level: float) -> First:
     """The values of every channel, at averaging times or frequencies that are spread evenly."""
-    refused = [Remark.of(c.record.name, c.refusal, grave=True) for c in survey.channels if c.refusal]
     after = [("--plot curve.png", say("figure")), ("--csv FILE", say("all values")), ("--details", say("edf"))]
     answer = list(_tables(survey.values, level))
-    return First(title_of(survey), "", answer, [*refused, *alerts(survey)], (), how_read(survey), after)
+    return First(title_of(survey), "", answer, [*doubts(survey.channels), *alerts(survey)], (), how_read(survey), after)
 
 
 def _tables(values: Sequence[Any], level: float) -> Iterator[Table | str]:

@@ -7,6 +7,7 @@ import numpy as np
 from allanite.core.averaged import Averaged
 from allanite.core.errors import UsageError
 from allanite.core.model import Model
+from allanite.core.names import demand_name
 from allanite.statistics.grids import part_of
 from allanite.statistics.moments.lagsums import responses
 from allanite.statistics.moments.means import mean_moments, takes_means
@@ -29,8 +30,7 @@ def demand_bias(bias: str | None, row: Statistic) -> None:
     """Refuse a correction that is unknown or that the row does not have; the message says which there are."""
     if bias is None or bias == "plain":
         return
-    if bias not in BIASES:
-        raise UsageError(f"unknown bias correction {bias!r}; known corrections: {', '.join(BIASES)}, or None")
+    demand_name("bias correction", bias, BIASES)
     if bool(row.parts) != (bias == "model"):
         hybrids = ", ".join(name for name, r in STATISTICS.items() if r.parts)
         raise UsageError(

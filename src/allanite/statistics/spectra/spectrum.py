@@ -10,6 +10,7 @@ from allanite.core.aliases import aliased
 from allanite.core.doors import Samples, Sampling, as_record
 from allanite.core.errors import UsageError
 from allanite.core.header import Header
+from allanite.core.names import demand_name
 from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.threads import one_thread
@@ -114,8 +115,7 @@ def method_named(name: str, **settings: Any) -> SpectralEstimator:
     >>> method_named("welch", segment=20.0)
     Welch(segment=20.0, window='hann')
     """
-    if name not in METHODS:
-        raise UsageError(f"unknown method {name!r}; known methods: {', '.join(METHODS)}")
+    demand_name("method", name, METHODS)
     method: Any = METHODS[name]
     known = [field.name for field in fields(method)]
     for key in settings:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.names import demand_name
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
@@ -60,8 +61,7 @@ class Welch:
     window: str = "hann"
 
     def __post_init__(self) -> None:
-        if self.window not in WINDOWS:
-            raise UsageError(f"unknown window {self.window!r}; known windows: {', '.join(WINDOWS)}")
+        demand_name("window", self.window, WINDOWS)
         if self.segment is not None and not (math.isfinite(self.segment) and self.segment > 0):
             raise UsageError(f"the length of a segment must be a positive number of seconds, not {self.segment!r}")
 
@@ -150,7 +150,7 @@ class Periodograms:
         if not self.counts:
             raise DataError(
                 say(
-                    "no {length} samples, the length of a segment, are without a gap; use shorter segments",
+                    "no gap-free stretch of {length} samples, the length of a segment; use shorter segments",
                     length=self.length,
                 )
             )

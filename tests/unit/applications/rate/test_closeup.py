@@ -44,7 +44,7 @@ def test_it_is_stored_and_drawn(record):
     np.testing.assert_array_equal(again.kept, found.kept)
     top, stairs, misfit = al.plot(found).axes
     assert "slope less 12.3" in top.get_ylabel()
-    assert misfit.get_ylabel() == "counts less staircase"
+    assert misfit.get_ylabel() == "counts minus staircase"
     drawn = np.asarray(stairs.lines[1].get_ydata())
     np.testing.assert_array_equal(drawn, np.floor(found.line[: drawn.size]))
 

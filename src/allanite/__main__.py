@@ -1,0 +1,5 @@
+"""``python -m allanite`` runs the program `allanite`."""
+
+from allanite.cli import main
+
+main()

@@ -1,0 +1,74 @@
+"""Names in tables: the row of a name, and what is meant by a name that is not in the table."""
+
+from collections.abc import Container, Hashable, Iterable, Mapping
+from typing import Any, TypeVar
+
+from .errors import UsageError, given
+
+Row = TypeVar("Row")
+
+ALIKE = 0.7
+"""Similarity, 0 to 1, from which a known name may be the one that was meant."""
+
+LISTED = 12
+"""Number of names up to which a message lists all of them although it suggests one."""
+
+
+def nearest(name: object, known: Iterable[str]) -> str:
+    """The known name that was meant: the most similar one, or the one whose row has the name among its `synonyms`.
+
+    Upper case, hyphens and underscores do not matter. Empty if no known name is similar.
+
+    Examples
+    --------
+    >>> nearest("open_vins", ["kalibr", "openvins"]), nearest("windows", ["window", "rate"]), nearest("x", ["N"])
+    ('openvins', 'window', '')
+    """
+    from difflib import get_close_matches
+
+    own: dict[str, str] = {}
+    for word in known:
+        row = known[word] if isinstance(known, Mapping) else None
+        own |= dict.fromkeys(map(_plain, (*getattr(row, "synonyms", ()), word)), word)
+    found = get_close_matches(_plain(str(name)), own, n=1, cutoff=ALIKE)
+    return own[found[0]] if found else ""
+
+
+def _plain(name: str) -> str:
+    return name.lower().translate(dict.fromkeys(map(ord, "-_ "))) or name
+
+
+def unknown(
+    what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "", listed: bool = True
+) -> UsageError:
+    """The error of an unknown name of `what`, such as a statistic: the name that may be meant, and the known ones.
+
+    Examples
+    --------
+    >>> str(unknown("statistic", "oadv", ["adev", "oadev"]))
+    "unknown statistic 'oadv'; did you mean oadev? Known statistics: adev, oadev"
+    """
+    meant, names = nearest(name, known), list(known)
+    said = f"unknown {what} {given(name)}{where}" + (f"; did you mean {meant}?" if meant else "")
+    if listed and (not meant or len(names) <= LISTED):
+        said += f"{' Known' if meant else '; known'} {what}s: " + ", ".join(names)
+    return UsageError(said, choice=choice, cure=(str(name), meant) if meant else ("", ""))
+
+
+def demand_name(what: str, name: object, known: Iterable[str], *, where: str = "", choice: str = "") -> None:
+    """Refuse a name that is not known.
+
+    Raises
+    ------
+    UsageError
+        See `unknown`.
+    """
+    inside = known if isinstance(known, Container) else list(known)
+    if not isinstance(name, Hashable) or name not in inside:
+        raise unknown(what, name, known, where=where, choice=choice)
+
+
+def row_of(what: str, name: Any, table: Mapping[str, Row], *, where: str = "", choice: str = "") -> Row:
+    """The row of a name; an unknown one is refused as by `demand_name`."""
+    demand_name(what, name, table, where=where, choice=choice)
+    return table[name]

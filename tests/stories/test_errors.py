@@ -1,0 +1,222 @@
+"""What is typed or recorded wrongly is refused in a few plain words, and what the message says to type works."""
+
+import gzip
+import re
+import shlex
+import zipfile
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+
+MOST = 440
+"""Characters of a message with the command to copy: three to four lines."""
+
+PYTHON = r"Traceback|\w+Error\b|Errno|[Ee]xception|\bNone\b|iterable|internal error|object has no|float\(\)|dict\b"
+"""What no message says."""
+
+
+class Row(NamedTuple):
+    """A command in the folder of `files`, what is said of it, the command that cures it ("" if none is named), exit."""
+
+    command: str
+    said: tuple[str, ...]
+    cure: str = ""
+    code: int = 2
+
+
+def sentence(command, *said, cure="", code=2):
+    return Row(command, said, cure, code)
+
+
+MODEL = "'N 0.1 deg/sqrt(h)'"
+SHORT = "deviation gyro.csv --no-intervals --channels gx"
+ANALYZE = "analyze gyro.csv --channels gx"
+PLAN = "plan --rate 100 --durations 600"
+
+ROWS = [
+    # commands and options
+    sentence("analyse gyro.csv --help", "'analyse'", "did you mean analyze?", cure="analyze gyro.csv --help"),
+    sentence("avar gyro.csv --help", "did you mean analyze?", cure="analyze gyro.csv --help"),
+    sentence("psd gyro.csv --help", "did you mean spectrum?", cure="spectrum gyro.csv --help"),
+    sentence("xyzzy", "unknown command 'xyzzy'", "known commands: info, analyze"),
+    sentence("info unit.csv --units deg/s", "did you mean --unit?", cure="info unit.csv --unit deg/s"),
+    sentence("info bare.csv --unit deg/s --samplerate 10", "--rate?", cure="info bare.csv --unit deg/s --rate 10"),
+    sentence("info gyro.csv --begin 10", "did you mean --from?", cure="info gyro.csv --from 10"),
+    sentence("info gyro.csv --axis gx", "did you mean --channels?", cure="info gyro.csv --channels gx"),
+    sentence("info gyro.csv --xyzzy", "unknown option '--xyzzy'", cure="info --help"),
+    sentence("info", "Missing argument 'FILE'", cure="info --help"),
+    # units and rates
+    sentence("info unit.csv", "'gx', 'gy', 'gz'", "unit is unknown", "gx [deg/s]", cure="info unit.csv --unit deg/s"),
+    sentence("info bare.csv", "rate is not in the file", "unit", cure="info bare.csv --rate 100 --unit deg/s"),
+    sentence("info bare.csv --rate 10", "the unit is unknown", cure="info bare.csv --rate 10 --unit deg/s"),
+    sentence("info six.csv", "unit is unknown", cure="info six.csv --unit 'gyro=deg/s,accel=m/s^2'"),
+    sentence("info unit.csv --unit deg/sec2", "'deg/sec2'", "did you mean deg/s?", cure="info unit.csv --unit deg/s"),
+    sentence("info unit.csv --unit degs", "did you mean deg/s?", cure="info unit.csv --unit deg/s"),
+    sentence("info unit.csv --unit furlong/s", "unknown unit 'furlong/s'", "units are written as deg/s"),
+    sentence("info unit.csv --unit gyro=g", "'g' is not a unit of a gyro", "--unit gyro=deg/s,accel=g"),
+    sentence("info gyro.csv --rate 100", "100.0 Hz", "10.0 Hz", cure="info gyro.csv --rate 100 --time none"),
+    sentence("analyze gyro.csv --rate 100", "contradicts the time stamps"),
+    sentence("info millis.csv --rate 100", "10 Hz as ms", cure="info millis.csv --rate 100 --time none"),
+    sentence("info gyro.csv --rate fast", "'--rate'", "expected a number, not 'fast'"),
+    sentence("info gyro.csv --rate -5", "positive", "-5"),
+    sentence("info gyro.csv --kind rates", "did you mean rate?", cure="info gyro.csv --kind rate"),
+    # columns, windows, levels
+    sentence("info gyro.csv --channels gxx", "no column 'gxx'", "did you mean gx?", cure="info gyro.csv --channels gx"),
+    sentence("info gyro.csv --channels gx,gx", "selected twice"),
+    sentence("info gyro.csv --time tim", "no column 'tim'", "did you mean time?", cure="info gyro.csv --time time"),
+    sentence("info gyro.csv --from 10min", "600 s", "from 0 s to 100 s"),
+    sentence("info gyro.csv --until 1h", "ends at 3600 s", "100 s long"),
+    sentence("info gyro.csv --from soon", "expected a time in s such as 600", cure="info gyro.csv --from 0.5min"),
+    sentence("info gyro.csv --exclude 5", "pair of numbers in s, as 100..160"),
+    sentence(f"{ANALYZE} --level 95", "not 95", "did you mean 0.95?", cure=f"{ANALYZE} --level 0.95"),
+    sentence("analyze gyro.csv --level high", "expected a number, not 'high'"),
+    sentence("analyze gyro.csv --band 1-10", "auto, all, or two frequencies", "not '1-10'"),
+    # names of tables
+    sentence(f"{SHORT} --statistic avar", "did you mean oadev?", "square roots", cure=f"{SHORT} --statistic oadev"),
+    sentence(f"{SHORT} --statistic=mvar", "did you mean mdev?", cure=f"{SHORT} --statistic=mdev"),
+    sentence(f"{SHORT} --statistic xyz", "unknown statistic 'xyz'", "known statistics: adev, oadev"),
+    sentence(f"{SHORT} --taus 1,10,5000", "up to 50 s", "not 5000 s", "--m", cure=f"{SHORT} --m 1,10,500"),
+    sentence(f"{SHORT} --taus 0.05", "not a multiple of 0.1 s", cure=f"{SHORT} --taus 0.1"),
+    sentence(f"{SHORT} --taus octaves", "did you mean octave?", "seconds", cure=f"{SHORT} --taus octave"),
+    sentence(f"{SHORT} --m 1.5", "expected integers", "'1.5'"),
+    sentence(f"{ANALYZE} --terms ARW", "did you mean N?", cure=f"{ANALYZE} --terms N"),
+    sentence(f"{ANALYZE} --method mle", "did you mean whittle?", cure=f"{ANALYZE} --method whittle"),
+    sentence(f"{ANALYZE} --device fogg", "did you mean fog?", cure=f"{ANALYZE} --device fog"),
+    sentence("analyze gyro.csv --lang fr", "unknown language 'fr'", "en, ru, zh"),
+    sentence("spectrum gyro.csv --window han", "did you mean hann?", cure="spectrum gyro.csv --window hann"),
+    sentence("export gyro.csv --to open_vins", "unknown target 'open_vins'", "did you mean openvins?"),
+    sentence("explain open_vins", "did you mean openvins?", cure="explain openvins"),
+    sentence("explain vins", "did you mean vins-mono?", cure="explain vins-mono"),
+    sentence("convert '0.1 deg/rt(h)'", "did you mean deg/sqrt(h)?", cure="convert '0.1 deg/sqrt(h)'"),
+    sentence("convert 0.1", "has the form '0.66 deg/sqrt(h)'"),
+    sentence(f"{PLAN} --sensor memss", "did you mean mems?", cure=f"{PLAN} --sensor mems"),
+    sentence(f"{PLAN} --model 'ARW 0.1 deg/sqrt(h)'", "did you mean N?", cure=f"{PLAN} --model {MODEL}"),
+    sentence(PLAN, "give either a recording, or the noise with --model or --sensor", cure=f"{PLAN} --model {MODEL}"),
+    sentence("plan --sensor mems", "sampling rate", "--rate HZ"),
+    sentence("vertical six.csv --filter kalmann", "did you mean kalman?"),
+    sentence("rate gyro.csv --interval 99999", "longer than the record of 100 s", cure="rate gyro.csv --interval 10"),
+    sentence("dynamic gyro.csv --window 99999", "99999 s is not possible", "100 s long"),
+    sentence("compensate gyro.csv --regressors temp", "no column 'temp'", "gx [deg/s]"),
+    sentence("export gyro.csv --channels gx --to kalibr --unexplained", "needs an accelerometer", "--model", code=3),
+    sentence(f"simulate new.csv --model {MODEL} --rate 10 --duration 5x", "'10 min' or 1h, not '5x'"),
+    sentence(f"simulate new.foo --model {MODEL} --rate 10 --duration 9", "'.foo'", ".csv, .npz"),
+    # recipes and limits
+    sentence("info gyro.csv --recipe absent.toml", "'absent.toml'", "No such file"),
+    sentence("info gyro.csv --recipe folder", "'folder' is not a regular file"),
+    sentence("info gyro.csv --recipe broken.toml", "cannot be read as TOML", "line 1"),
+    sentence("analyze gyro.csv --recipe limits.toml", "limits: expected a path"),
+    sentence("info gyro.csv --recipe rate.toml", "rate: expected a number, not [1, 2]"),
+    sentence("analyze gyro.csv --recipe taus.toml", "taus: expected octave"),
+    sentence("analyze gyro.csv --recipe about.toml", "about: expected text, a list of texts, or a table, not 5"),
+    sentence("analyze gyro.csv --recipe terms.toml", "terms: expected a word, not ['N']"),
+    sentence("analyze gyro.csv --recipe flag.toml", "unexplained", "known keys"),
+    sentence("info gyro.csv --recipe key.toml", "unknown key 'samplerate'", "did you mean rate?"),
+    sentence("analyze gyro.csv --recipe out.toml", "'report' is no key of a recipe", "--report"),
+    sentence("analyze gyro.csv --limits absent.toml", "the limits file 'absent.toml'", "No such file"),
+    sentence("analyze gyro.csv --limits symbol.toml", "unknown term 'ARW' in [limits]", "did you mean N?"),
+    sentence("analyze gyro.csv --limits wrong.toml", "0.15 deg/sqrt(h)", "with the unit"),
+    # files
+    sentence("info absent.csv", "absent.csv: no such file", "check the name", code=3),
+    sentence("info folder", "this is a directory", code=3),
+    sentence("info empty.csv", "the file is empty", code=3),
+    sentence("info word.csv", "line 51", "'gx [deg/s]'", "'oops' is not a number", code=3),
+    sentence("info stuck.csv", "all time stamps", "are equal", cure="info stuck.csv --rate 100"),
+    *(
+        sentence(f"info cut{suffix}", "cut", "damaged|incomplete|cut off|not complete", code=3)
+        for suffix in (".npy", ".npz", ".parquet", ".h5", ".mat", ".csv.gz", ".csv.xz", ".csv.bz2", ".zip")
+    ),
+    sentence("export cut.json --to datasheet", "cut.json is damaged", "write the result again", code=3),
+    sentence("export part.json --to datasheet", "part.json is no complete result", "write it again", code=3),
+    sentence("export list.json --to datasheet", "list.json", "without a type"),
+    # outputs
+    sentence("info gyro.csv --json taken.json", "already exists", cure="info gyro.csv --json taken.json --force"),
+    sentence("info gyro.csv --json gyro.csv", "would overwrite the input"),
+    sentence("info gyro.csv --json absent/x.json", "the folder 'absent'", "does not exist"),
+    sentence("info gyro.csv --report folder", "is a folder"),
+    sentence("info gyro.csv --report x.docx", ".html or .pdf"),
+    sentence("analyze gyro.csv --plot x.foo", "png, svg, pdf", "'foo'"),
+    sentence("analyze gyro.csv --json - --csv -", "only one result"),
+    sentence("info gyro.csv --threads 0", "at least 1, or auto, not '0'"),
+    sentence("lot folder", "does not hold the results", "make one with allanite batch FILE... --out 'folder'"),
+    sentence("batch absent --out results", "'absent'", "No such file"),
+]  # fmt: skip
+
+
+def table(header, *columns):
+    rows = (",".join(f"{x:.10g}" for x in row) for row in zip(*columns, strict=True))
+    return "\n".join((header, *rows, ""))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Recordings of 100 s at 10 Hz, and files that are wrong in one way each."""
+    folder, x = tmp_path_factory.mktemp("errors"), 0.01 * np.random.default_rng(3).normal(size=(3, 1000))
+    t = np.arange(1000) / 10
+    gyro = table("time [s],gx [deg/s],gy [deg/s],gz [deg/s]", t, *x)
+    texts = {
+        "gyro.csv": gyro,
+        "unit.csv": table("time,gx,gy,gz", t, *x),
+        "bare.csv": table("1,2,3", *x),
+        "six.csv": table("time,gx,gy,gz,ax,ay,az", t, *x, *x),
+        "millis.csv": table("stamp,gx [deg/s]", 1000 * t, x[0]),
+        "stuck.csv": table("time [s],gx [deg/s]", 0 * t + 5, x[0]),
+        "word.csv": table("time [s],gx [deg/s]", t[:49], x[0][:49]) + "4.9,oops\n" + "5.0,0.1\n",
+        "empty.csv": "", "cut.json": "{", "part.json": '{"type": "Study"}', "list.json": "[1]", "taken.json": "mine",
+        "broken.toml": "rate =\n", "limits.toml": "[limits]\nN = 1\n", "rate.toml": "rate = [1, 2]\n",
+        "taus.toml": "taus = {a = 1}\n", "about.toml": "about = 5\n", "terms.toml": "terms = ['N']\n",
+        "flag.toml": "unexplained = true\n", "key.toml": "samplerate = 10\n", "out.toml": "report = 'x.html'\n",
+        "symbol.toml": "[limits]\nARW = '1 deg/sqrt(h)'\n", "wrong.toml": "[limits]\nN = '1 deg/h'\n",
+    }  # fmt: skip
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    (folder / "folder").mkdir()
+    record = al.Record(x[0], rate=10.0, unit="deg/s", name="gx")
+    for suffix in (".npz", ".parquet", ".h5", ".mat"):
+        al.write(record, folder / f"cut{suffix}")
+    np.save(folder / "cut.npy", x)
+    for suffix, pack in ((".gz", gzip), (".xz", pytest.importorskip("lzma")), (".bz2", pytest.importorskip("bz2"))):
+        (folder / f"cut.csv{suffix}").write_bytes(pack.compress(gyro.encode()))
+    with zipfile.ZipFile(folder / "cut.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("gyro.csv", gyro)
+    for path in folder.glob("cut.[!j]*"):
+        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    return folder
+
+
+def run(command):
+    result = CliRunner().invoke(main, shlex.split(command))
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    return result
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.command)
+def test_what_is_wrong_is_said_in_a_few_words_with_what_to_type(row, files, monkeypatch):
+    monkeypatch.chdir(files)
+    result = run(row.command)
+    assert (result.exit_code, result.stdout) == (row.code, ""), result.output
+    assert result.stderr.startswith("error: ")
+    said = " ".join(result.stderr.split())
+    for word in row.said:
+        assert re.search(word, said) if "|" in word else word in said, said
+    assert not re.search(PYTHON, said), said
+    assert len(said) <= MOST, said
+    typed = re.search(r"try: allanite (.*)", result.stderr)
+    if typed and row.cure:
+        assert typed[1] == row.cure
+    if row.cure:
+        assert run(row.cure).exit_code == 0, row.cure
+
+
+def test_a_recipe_may_hold_names_of_options_and_a_table_of_facts(files, monkeypatch):
+    monkeypatch.chdir(files)
+    (files / "good.toml").write_text('from = "0.5 min"\n[about]\nserial = "SN 7"\n')
+    result = run("analyze gyro.csv --recipe good.toml --json - --channels gx")
+    assert result.exit_code == 0, result.stderr
+    assert '"start": 30.0' in result.stdout
+    assert "serial=SN 7" in result.stdout
+    assert al.Recipe.from_dict({"from": 30.0}).start == 30.0
