@@ -47,6 +47,12 @@ def _folder(variable, name, needed):
     return folder
 
 
+@pytest.fixture
+def details(monkeypatch):
+    """Commands print all numbers, not the first screen."""
+    monkeypatch.setenv("ALLANITE_DETAILS", "1")
+
+
 @pytest.fixture(scope="session")
 def recordings():
     """Folder of real recordings: ALLANITE_RECORDINGS, or beside the project."""

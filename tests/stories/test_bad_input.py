@@ -170,6 +170,7 @@ def test_one_bad_channel_does_not_stop_the_others(tmp_path):
     assert "angle random walk" in result.output
 
 
+@pytest.mark.usefixtures("details")
 def test_raw_binary_from_the_command_line(tmp_path):
     counts = np.random.default_rng(1).integers(-900, 900, (3000, 2)).astype(">i2")
     (tmp_path / "log.bin").write_bytes(b"HEADER" + counts.tobytes())

@@ -126,6 +126,7 @@ def files(tmp_path_factory):
 
 
 @pytest.mark.parametrize("complaint", COMPLAINTS)
+@pytest.mark.usefixtures("details")
 def test_one_command_answers_a_complaint(complaint, files, monkeypatch):
     answer = COMPLAINTS[complaint]
     if " run" in answer.command:

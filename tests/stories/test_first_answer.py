@@ -26,6 +26,7 @@ def write(path, columns, rate=RATE):
     return path
 
 
+@pytest.mark.usefixtures("details")
 def test_a_stretch_without_a_gap_is_offered_in_times_of_the_file(tmp_path):
     lines = (ROOT / "examples" / "tactical_gyro.csv").read_text(encoding="utf-8").splitlines(keepends=True)
     head = [line for line in lines if line.startswith("#")] + [next(line for line in lines if line.startswith("time"))]
@@ -51,6 +52,7 @@ def shaken(tmp_path_factory):
     return write(tmp_path_factory.mktemp("data") / "shaken.csv", columns)
 
 
+@pytest.mark.usefixtures("details")
 def test_motion_of_one_axis_is_told_once_and_the_cure_works(shaken):
     said = run("analyze", shaken)
     assert said.count("the body moved: gy moves") == 1
@@ -71,6 +73,7 @@ def warm(follow, seed=3):
     return {"gx [deg/h]": gyro[0], "gy [deg/h]": gyro[1], "temp [degC]": np.round(temp, 3)}
 
 
+@pytest.mark.usefixtures("details")
 def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tmp_path):
     file = write(tmp_path / "my day.csv", warm(True))
     said = run("analyze", file, "--from", 50)
@@ -153,6 +156,7 @@ def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
     assert finding("--from", end) is None
 
 
+@pytest.mark.usefixtures("details")
 def test_outliers_that_are_marked_are_in_no_curve(tmp_path):
     y = np.random.default_rng(4).standard_normal(20_000)
     spiked(y)

@@ -39,6 +39,7 @@ def lot(tmp_path_factory):
     return CliRunner().invoke(main, list(map(str, words))), paths
 
 
+@pytest.mark.usefixtures("details")
 def test_the_units_beyond_a_limit_and_the_bad_file_are_named(lot):
     result, _ = lot
     assert result.exit_code == 4, result.output
@@ -50,6 +51,7 @@ def test_the_units_beyond_a_limit_and_the_bad_file_are_named(lot):
     assert last[1].endswith(CUT_OFF)
 
 
+@pytest.mark.usefixtures("details")
 def test_each_unit_has_a_row_and_the_lot_a_summary(lot):
     result, _ = lot
     rows = re.findall(r"^  (unit\d\d\.csv)  gz .* (pass|fail|not shown)$", result.stdout, re.MULTILINE)

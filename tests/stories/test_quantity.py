@@ -71,6 +71,7 @@ def test_a_study_of_values_is_read_again(study):
 
 
 @pytest.mark.parametrize("method", ["nnls", "gls"])
+@pytest.mark.usefixtures("details")
 def test_what_a_statistic_does_not_see_is_named_by_the_quantity(folder, method):
     said = run("analyze", folder / "run1.csv", "--kind", "value", "--method", method, "--statistic", "ohdev").stdout
     assert "R: ohdev is insensitive to ramp of the angle" in said
@@ -78,6 +79,7 @@ def test_what_a_statistic_does_not_see_is_named_by_the_quantity(folder, method):
     assert "bias" not in said
 
 
+@pytest.mark.usefixtures("details")
 def test_a_voltage_has_no_angle(folder):
     said = run("analyze", folder / "volts.csv", "--kind", "value").stdout
     assert "white noise of the voltage" in said

@@ -48,6 +48,7 @@ def run(*arguments):
 
 
 @pytest.mark.slow("ensemble")
+@pytest.mark.usefixtures("details")
 def test_which_method(vertical):
     result = run(vertical, *HOW, *NOISE, "--latitude", "55.7936", "--bias", "-0.0948", "--no-times")
     assert result.exit_code == 0, result.stderr
@@ -59,6 +60,7 @@ def test_which_method(vertical):
     assert result.stdout.isascii()
 
 
+@pytest.mark.usefixtures("details")
 def test_the_noise_is_identified_where_none_is_given(vertical):
     result = run(vertical, *HOW, "--interval", "60", "--methods", "mean,regression")
     assert "the noise was identified from blocks of 400 samples (1 s)" in result.stdout
@@ -91,6 +93,7 @@ def test_everything_is_written(vertical, tmp_path):
 
 
 @pytest.mark.slow("ensemble")
+@pytest.mark.usefixtures("details")
 def test_the_scatter_against_the_measuring_time_is_a_table(vertical, tmp_path):
     page, numbers = tmp_path / "rate.html", tmp_path / "rate.csv"
     options = ("--methods", "mean,staircase", "--durations", "3,10", "--report", page, "--csv", numbers)
@@ -113,6 +116,7 @@ def test_json_alone_on_standard_output(brief):
     assert json.loads(result.stdout)["type"] == "RateStudy"
 
 
+@pytest.mark.usefixtures("details")
 def test_one_short_record_gives_estimates(folder):
     path = counts(folder / "short.csv", 12.4392, 120, seed=3)
     result = run(path, *HOW, *NOISE, "--bias", "-0.0948")
@@ -122,6 +126,7 @@ def test_one_short_record_gives_estimates(folder):
     assert low - 0.003 < 12.4392 < high + 0.003
 
 
+@pytest.mark.usefixtures("details")
 def test_a_staircase_without_noise_has_certain_limits(folder):
     quiet = replace(GL1, lock_in=0.0, residual=0.0, bias=0.0)
     path = counts(folder / "quiet.csv", 12.4392, 120, gyro=quiet)
@@ -132,6 +137,7 @@ def test_a_staircase_without_noise_has_certain_limits(folder):
     assert high - low < 2e-5
 
 
+@pytest.mark.usefixtures("details")
 def test_reversal_and_north(folder):
     horizontal = al.constant_rate.earth_rate(55.8, "north") * 206264.806247
     heading = 97.0
@@ -183,6 +189,7 @@ def test_bad_choices_end_with_a_sentence(brief, what):
     assert "Traceback" not in result.stderr
 
 
+@pytest.mark.usefixtures("details")
 def test_lost_readings_are_named_or_split(folder):
     path = folder / "gaps.csv"
     values = np.random.default_rng(1).standard_normal(4000)

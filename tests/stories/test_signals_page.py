@@ -67,6 +67,7 @@ TURNED = [line for line in COMMANDS if "up." in line or "down." in line]
 """From two currents in each of two positions to rates without bias."""
 
 
+@pytest.mark.usefixtures("details")
 def test_two_positions_remove_the_bias_of_both_axes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for command in TURNED:

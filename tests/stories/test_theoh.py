@@ -32,6 +32,7 @@ def file(tmp_path_factory):
     return path
 
 
+@pytest.mark.usefixtures("details")
 def test_a_jump_is_told_and_its_cure_works(file):
     plain = run("deviation", file, "--statistic", "theoh", "--bias", "plain")
     said = " ".join(plain.stdout.split())
@@ -48,6 +49,7 @@ def test_a_jump_is_told_and_its_cure_works(file):
     assert all(b > 1.1 * a for a, b in zip(late, right, strict=True))
 
 
+@pytest.mark.usefixtures("details")
 def test_one_kind_of_noise_has_no_jump(tmp_path):
     path = tmp_path / "white.csv"
     run("simulate", path, "--model", "N 0.1 deg/sqrt(h)", "--duration", "3600", "--rate", "1")
@@ -97,6 +99,7 @@ def test_published_degrees_of_freedom(tmp_path):
         assert edf == pytest.approx(table[m], rel=0.01)
 
 
+@pytest.mark.usefixtures("details")
 def test_the_power_law_is_a_column(file):
     found = rows("deviation", file, "--power-law")
     laws = [int(r["alpha"]) for r in found]

@@ -7,7 +7,7 @@ import click
 
 from .deliver import Progress, carry_out, outputs, recipe_of
 from .front import DATA
-from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .options import IDENTIFYING, RECORDING, RESULTS, SHOWN, options
 from .tasks import ANALYZE, INFO, ends_of_units, perform
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@options("file", *RECORDING, "report", "json", "lang", "force", "quiet")
+@options("file", *RECORDING, "report", "json", *SHOWN)
 def info(file: str, **choices: Any) -> None:
     """Summarize FILE and check its quality."""
     study = perform(INFO, [file], choices)

@@ -23,6 +23,7 @@ from .streams import while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
+    from allanite.reporting.first import First
     from allanite.study.recipe import Recipe
 
 Settings = TypeVar("Settings")
@@ -43,6 +44,8 @@ class Outputs:
     quiet: bool = False
     strict: bool = False
     lang: str = ENGLISH
+    details: bool = False
+    brief: bool = False
     threads: int | None = 1
 
     @property
@@ -158,10 +161,11 @@ def _warnings(kind: type[Warning]) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Extra:
-    """Outputs of a verb beyond the usual forms: name of the option -> function that makes it."""
+    """Outputs of a verb beyond the usual forms: name of the option -> function that makes it; and its first screen."""
 
     data: Mapping[str, Callable[[Any], str | bytes]] = field(default_factory=dict)
     recordings: "Mapping[str, Callable[[Any], Recording]]" = field(default_factory=dict)
+    first: "Callable[[], First] | None" = None
 
 
 def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
@@ -184,7 +188,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
         return work_of(part, name, path, out.lang, command)
 
     with _warnings(FontWarning):
-        text = [Work.one(lambda: text_of(value, out.lang))] if shown else []
+        text = [Work.one(lambda: text_of(value, out, more.first))] if shown else []
         made = done(*text, *map(work, forms))
         if shown:
             with while_read():

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import shlex
+import textwrap
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ import click
 
 from allanite.core.names import demand_name
 
-from .options import options
+from .options import SHOWN, options
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,7 @@ EXAMPLES: dict[str, Example] = {
     click.argument("paper", required=False),
     click.argument("folder", required=False, default=".", type=click.Path(file_okay=False)),
     click.option("--commands", is_flag=True, help="Print the commands only."),
-    "lang", "force", "quiet",
+    *SHOWN,
 )  # fmt: skip
 def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> None:
     """Reproduce a table and figure of a paper.
@@ -131,7 +132,8 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
     """
     if paper is None:
         for row in EXAMPLES.values():
-            click.echo(f"{row.name}  {row.title}\n     {row.source}")
+            source = textwrap.wrap(row.source, 95, initial_indent="     ", subsequent_indent="     ")
+            click.echo("\n".join([f"{row.name}  {row.title}", *source]))
         return
     demand_name("paper", paper, EXAMPLES)
     lines = [shlex.split(command) for command in EXAMPLES[paper].commands]

@@ -8,13 +8,13 @@ from allanite.core.errors import UsageError
 from allanite.study.settings import LengthChoices
 
 from .deliver import carry_out, outputs
-from .options import options
+from .options import SHOWN, options
 
 
 @click.command()
 @options(
     click.argument("name", required=False, default=""),
-    "samples", "taus", "csv", "json", "lang", "force", "quiet", settings=(LengthChoices,),
+    "samples", "taus", "csv", "json", *SHOWN, settings=(LengthChoices,),
 )  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
     """Explain a target or a statistic.

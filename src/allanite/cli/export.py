@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import click
@@ -9,12 +10,12 @@ import click
 from allanite.study.settings import ExportChoices
 
 from .deliver import Extra, carry_out, outputs, recipe_of, settings_of
-from .options import IDENTIFYING, RECORDING, options
+from .options import IDENTIFYING, RECORDING, SHOWN, options
 
 FILE = (
     click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
         help="Write the file; - is standard output. The suffix chooses the form if there are several."),
-    "json", "lang", "force", "quiet",
+    "json", *SHOWN,
 )  # fmt: skip
 
 
@@ -65,6 +66,7 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How
     from allanite.exporting.imported import read_noise
+    from allanite.reporting.views.export import first_of_models
 
     out = outputs(choices, values if origin else [], also=("output",))
     rate = choices["rate"]
@@ -77,7 +79,10 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
     how = settings_of(How, {**choices, "rate": rate or stated, "partial": "output" not in out.paths})
     row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
     models = [model for found in read for model in found.models] if origin else models_of(values)
-    carry_out(lambda _: exported(row, models, how, suffix), out, _EXTRA)
+    extra = (
+        replace(_EXTRA, first=lambda: first_of_models(models, () if origin else values)) if target is None else _EXTRA
+    )
+    carry_out(lambda _: exported(row, models, how, suffix), out, extra)
 
 
 _EXTRA = Extra(data={"output": lambda made: made.data})

@@ -10,20 +10,31 @@ from allanite.reporting.digits import WRITTEN
 from allanite.reporting.language import speaking
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from allanite.parallel.sharing import Work
+    from allanite.reporting.first import First
+
+    from .deliver import Outputs
 
 WIDTH = 120
 """Width of text where no terminal limits it."""
 
 
-def text_of(value: Any, lang: str) -> str:
-    """A result as text for the terminal, at its width."""
-    from allanite.reporting import table
+def text_of(value: Any, out: "Outputs", first: "Callable[[], First] | None" = None) -> str:
+    """A result as text for the terminal, at its width: the first screen, all of it, or a line for each channel."""
+    from allanite.reporting import first_screen, table
 
-    terminal = sys.stdout.isatty()
+    terminal, encoding = sys.stdout.isatty(), sys.stdout.encoding or "utf-8"
     width = shutil.get_terminal_size().columns if terminal else WIDTH
-    color, encoding = terminal and "NO_COLOR" not in os.environ, sys.stdout.encoding or "utf-8"
-    text = table(value, width=width, color=color, ascii=not _encodes(WRITTEN, encoding), lang=lang)
+    form: dict[str, Any] = {
+        "width": width, "color": terminal and "NO_COLOR" not in os.environ, "ascii": not _encodes(WRITTEN, encoding),
+        "lang": out.lang,
+    }  # fmt: skip
+    if out.details and not out.brief:
+        text = table(value, **form)
+    else:
+        text = first_screen(value, **form, brief=out.brief, first=first and first())
     # characters that the terminal cannot encode are escaped, not an error
     return text.encode(encoding, "backslashreplace").decode(encoding)
 

@@ -71,7 +71,10 @@ def _path(name: str, help: str, *synonyms: str) -> Decorator:  # noqa: A002 - th
 OUTPUTS = ("report", "plot", "csv", "json")
 """Names of the options that write a result."""
 
-FLAGS = ("lang", "force", "quiet", "strict")
+SHOWN = ("lang", "details", "brief", "force", "quiet")
+"""Options about what is printed, and whether files are overwritten."""
+
+FLAGS = (*SHOWN, "strict")
 """Options about writing and the exit code, which a recipe does not hold."""
 
 
@@ -115,6 +118,9 @@ OPTIONS: dict[str, Decorator] = {
     "lang": click.option("--lang", metavar="LANG", default=ENGLISH,
         help=f"Language of the summary, report and figure: {', '.join(LANGUAGES)}.  [default: {ENGLISH}]",
         cls=Option, synonyms=("language",)),
+    "details": click.option("--details", is_flag=True, envvar="ALLANITE_DETAILS",
+        help="Print all numbers, not the first screen of them."),
+    "brief": click.option("--brief", is_flag=True, help="Print a line for each channel."),
     "force": click.option("--force", is_flag=True, help="Overwrite existing files.",
         cls=Option, synonyms=("overwrite", "yes")),
     "quiet": click.option("--quiet", is_flag=True, help="Print errors only, and what is written to standard output."),
@@ -167,7 +173,7 @@ RECIPE = {name: option_of(row) for name, row in choices_of(Recipe).items()}
 IDENTIFYING = (*IDENTIFIES, "strict")
 """Options of every verb that identifies noise."""
 
-RESULTS = (*OUTPUTS, "lang", "force", "quiet")
+RESULTS = (*OUTPUTS, *SHOWN)
 """Options of every verb that has a result."""
 
 RECORDING = (*READING, *SELECTING, "recipe", "threads")

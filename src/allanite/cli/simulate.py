@@ -9,7 +9,7 @@ from allanite.study.settings import LengthChoices, NoiseChoices
 
 from .deliver import Extra, deliver, demand_recording, outputs, progress
 from .faults import FAULTS, quantizer_unit, turning_rate
-from .options import options
+from .options import SHOWN, options
 
 if TYPE_CHECKING:
     from allanite.core.model import Model
@@ -37,7 +37,7 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
         help="Quantizer: 'rate 0.01 deg/s', or 'angle 0.2 arcsec' for counts."),
     "simulated dither",
     click.option("--gaps", metavar="SHARE LENGTH", help="Missing stretches, e.g. '1% 5 s'."),
-    "json", "lang", "force", "quiet", settings=(NoiseChoices, LengthChoices),
+    "json", *SHOWN, settings=(NoiseChoices, LengthChoices),
 )  # fmt: skip
 def simulate(**choices: Any) -> None:
     """Simulate a recording of known noise.

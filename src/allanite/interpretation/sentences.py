@@ -13,7 +13,7 @@ from allanite.phrases.wording import averaging
 from allanite.terms import TERMS, WHITE
 
 from .asymptotes import Span, crossing, least, spans
-from .grades import BY_MINIMUM, BY_RANDOM_WALK, Scale
+from .grades import BY_MINIMUM
 
 
 def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:
@@ -44,7 +44,7 @@ def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length
         *_minimum(fit, readings, rate, length),
         *_drift(fit, found, length),
         *_time_constants(fit, found),
-        *_grades(found, readings),
+        *_grade(readings),
     )
 
 
@@ -185,31 +185,17 @@ def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
         )
 
 
-def _grades(found: dict[str, Estimate], readings: Readings | None) -> Iterator[str]:
-    """The grade of a gyroscope by in-run bias stability and by angle random walk."""
-    """The grades of a gyro: one opens the sentence, the other goes on with it."""
-    by_minimum, white = None, found.get("N")
-    if readings is not None and readings.minimum is not None and readings.signal.name == "gyro":
-        level = readings.minimum.deviation if readings.inside else readings.minimum.interval(0.95)[1]
-        by_minimum = _graded(BY_MINIMUM, convert(level, readings.unit, BY_MINIMUM.unit), reached=readings.inside)
-    if white is not None and white.signal.name == "gyro":
-        opens = by_minimum is None
-        by_walk = _graded(BY_RANDOM_WALK, white.to(BY_RANDOM_WALK.unit), opens=opens)
-        by_minimum = by_walk if by_minimum is None else say("{first}, and {second}", first=by_minimum, second=by_walk)
-    if by_minimum is not None:
-        yield join("; ", (by_minimum, say("grades are conventions, and a data sheet needs more than noise.")))
-
-
-def _graded(scale: Scale, size: float, *, reached: bool = True, opens: bool = True) -> str:
-    """The grade by a size; where the minimum was not reached, it is below that, and the grade may be a better one."""
+def _grade(readings: Readings | None) -> Iterator[str]:
+    """The grade of a gyroscope by its in-run bias stability; if the minimum was not reached, it may be a better one."""
+    if readings is None or readings.minimum is None or readings.signal.name != "gyro":
+        return
+    reached, scale = readings.inside, BY_MINIMUM
+    level = readings.minimum.deviation if reached else readings.minimum.interval(0.95)[1]
+    size = convert(level, readings.unit, scale.unit)
     grade = scale.of(size, scale.unit)
-    name, span = grade.opening if opens else grade.name, scale.words(grade)
+    said = {"grade": grade.name, "scale": scale.title, "span": scale.words(grade), "size": size}
     if reached:
-        return say("{grade} by its {scale} ({span}: {size:.3g})", grade=name, scale=scale.title, span=span, size=size)
-    return say(
-        "{grade} or better by its {scale} ({span}: below {size:.3g})",
-        grade=name,
-        scale=scale.title,
-        span=span,
-        size=size,
-    )
+        text = say("{grade} by its {scale} ({span}: {size:.3g})", **said)
+    else:
+        text = say("{grade} or better by its {scale} ({span}: below {size:.3g})", **said)
+    yield join("; ", (text, say("grades are conventions, and a data sheet needs more than noise.")))

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from allanite.core.fit import Fit
     from allanite.parallel.sharing import Work
 
+    from .first import First
     from .views import Rows
 
 PathLike = str | os.PathLike[str]
@@ -159,6 +160,34 @@ def table(value: Any, *, level: float | None = None, lang: str = "en", **form: A
 
     with speaking(lang):
         return render(view_of(value).face(value, level_of(value, level)), **form)
+
+
+def first_screen(
+    value: Any,
+    *,
+    level: float | None = None,
+    width: int = 100,
+    color: bool = False,
+    lang: str = "en",
+    ascii: bool = False,  # noqa: A002 - as in repr
+    brief: bool = False,
+    first: "First | None" = None,
+) -> str:
+    """The answer on a first screen, or with `brief` on a line for each channel; with `ascii` without signs.
+
+    `first` is used in place of what the view makes of the result.
+    """
+    from .first import condensed
+    from .language import speaking
+    from .screen import render, render_brief
+
+    view = view_of(value)
+    level = level_of(value, level)
+    with speaking(lang):
+        if first is None and view.first is not None:
+            first = view.first(value, level)
+        first = first or condensed(view.face(value, level), drawn=view.plot is not None)
+        return render_brief(first, ascii=ascii) if brief else render(first, width=width, color=color, ascii=ascii)
 
 
 def html_of(value: Any) -> str:

@@ -9,7 +9,7 @@ from allanite.core.curve import Curve
 from allanite.core.datasheet import DataSheetRow, data_sheet
 from allanite.core.encoding import plain, read_plain, write_plain
 from allanite.core.errors import DataError
-from allanite.core.finding import Quality
+from allanite.core.finding import Finding, Quality
 from allanite.core.fit import Fit
 from allanite.core.header import Header, header_from
 from allanite.core.limits import Stored
@@ -191,15 +191,20 @@ class Channel(ChannelResult):
         return "" if self.noise is None else self.noise.verdict
 
     @property
-    def alerts(self) -> tuple[str, ...]:
-        """Warnings to report with the results, including that the model does not explain the record."""
+    def warnings(self) -> tuple[Finding, ...]:
+        """Findings about the data that the model does not settle."""
         # not repeated if the residuals name it; removed or excluded lines need no warning
         settled = {finding.name for finding in self.residuals.findings} if self.residuals else set()
         scope = self.fit.scope if self.fit else None
         met = self.fit is not None and (self.fit.lines or (scope is not None and (scope.masks or scope.limited)))
         settled |= {"lines"} if met and self.explained else set()
+        return tuple(finding for finding in self.quality.warnings if finding.name not in settled)
+
+    @property
+    def alerts(self) -> tuple[str, ...]:
+        """Warnings to report with the results, including that the model does not explain the record."""
         doubts = () if self.noise is None else self.noise.doubts
-        return (*doubts, *(str(finding) for finding in self.quality.warnings if finding.name not in settled))
+        return (*doubts, *map(str, self.warnings))
 
     def to(self, *units: str) -> Self:
         """The same, shown in these units: of the signal (deg/s) or of a coefficient (deg/s/sqrt(Hz))."""

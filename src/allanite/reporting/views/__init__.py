@@ -11,6 +11,7 @@ from allanite.reporting.sheet import Face, Plot
 
 if TYPE_CHECKING:
     from allanite.core.fit import Fit
+    from allanite.reporting.first import First
 
 Rows = tuple[Sequence[str], list[list[Any]]]
 
@@ -29,21 +30,25 @@ class View:
         The numbers for a CSV file, unrounded.
     coefficients : (value, level) -> (headings, rows), optional
         The same of what was found in each channel, where `rows` are the curves.
+    first : (value, level) -> First, optional
+        The first screen of a terminal; without it the beginning of the face.
     """
 
     face: Callable[[Any, float], Face]
     plot: "Callable[[Sequence[Any], Fit | None, float], Plot] | None" = None
     rows: Callable[[Any, float], Rows] | None = None
     coefficients: Callable[[Any, float], Rows] | None = None
+    first: "Callable[[Any, float], First] | None" = None
 
     def through(self, part: Callable[[Any], Any]) -> "View":
         """The view of values that are shown by what `part` makes of each."""
-        face, plot, rows, coefficients = self.face, self.plot, self.rows, self.coefficients
+        face, plot, rows, coefficients, first = self.face, self.plot, self.rows, self.coefficients, self.first
         return View(
             lambda value, level: face(part(value), level),
             plot and (lambda values, fit, level: plot([part(value) for value in values], fit, level)),
             rows and (lambda value, level: rows(part(value), level)),
             coefficients and (lambda value, level: coefficients(part(value), level)),
+            first and (lambda value, level: first(part(value), level)),
         )
 
 
@@ -51,9 +56,10 @@ def view(
     plot: "Callable[[Sequence[Any], Fit | None, float], Plot] | None" = None,
     rows: Callable[[Any, float], Rows] | None = None,
     coefficients: Callable[[Any, float], Rows] | None = None,
+    first: "Callable[[Any, float], First] | None" = None,
 ) -> Callable[[Callable[[Any, float], Face]], View]:
     """Marks the function that makes the face of a result: it becomes its `View`, which has these, too."""
-    return lambda face: View(face, plot, rows, coefficients)
+    return lambda face: View(face, plot, rows, coefficients, first)
 
 
 _OWN = {

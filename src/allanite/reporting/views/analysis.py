@@ -18,6 +18,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Sh
 from allanite.study.results import Channel, Study
 
 from . import Rows, view
+from .axes import first_of
 from .datasheet import DATA_SHEET, alternative, card_of, data_sheet_table
 from .details import details, fitness, over_time, overlay
 from .fit import coefficients, definitions, plot_curves
@@ -177,6 +178,7 @@ def _coefficients(study: Study, level: float) -> Rows:
         [c.curve.to(readable_unit(c.curve.unit)) for c in study.channels if c.curve is not None], level
     ),
     _coefficients,
+    first_of,
 )
 def study_view(study: Study, level: float) -> Face:
     """A study: its channels, with what their coefficients mean."""

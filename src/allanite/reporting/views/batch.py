@@ -1,19 +1,17 @@
 """How many units are shown: one row for each channel of a unit, and what they have in common."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 from allanite.batch.batch import Batch, BatchUnit
-from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, PASS, worst_of
-from allanite.batch.summary import Across, power_of
+from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, worst_of
+from allanite.batch.summary import power_of
 from allanite.core.fit import Fit
-from allanite.core.readings import MINIMUM
-from allanite.core.units import Signal, convert
+from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits, rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, toml
 from allanite.study.results import Channel
 
@@ -21,16 +19,22 @@ from . import Rows, view
 from .analysis import study_view
 from .fit import definitions, terms_table
 from .meaning import causes_of
-
-EVERY = 1_000_000
-"""Rows of a table that has all of them in a terminal, too."""
+from .units import (
+    EVERY,
+    LOWEST,
+    OUTCOME_WORDS,
+    across_table,
+    first_of_batch,
+    lowest,
+    rows_of_units,
+    summary,
+    symbol_of,
+)
 
 MARKS: dict[str, Any] = {FAIL: "alarm", NOT_SHOWN: "weak", "": ""}
 """Mark of a row by its outcome."""
 
-OUTCOME_WORDS = {PASS: say("pass"), FAIL: say("fail"), NOT_SHOWN: say("not shown"), "": ""}
 GRADE_WORDS = {EXPLAINED: say("explained"), APPROXIMATE: say("approximate"), UNEXPLAINED: say("unexplained"), "": ""}
-LOWEST = say("minimum")
 
 RULE = say(
     "A term passes if its value does not exceed the limit, or, with judge = 'upper', if the upper end of its interval "
@@ -38,16 +42,11 @@ RULE = say(
     "the record cannot decide whether the limit is kept."
 )
 MAIN = say("'< 2' is the 95 % upper limit of a term that was not identified, '-' a term without a valid result.")
-SPREAD = say(
-    "Mean and standard deviation of the values of those units in which the term was identified, with their number "
-    "where it was not in all: for a term that few units show, the mean is too large. The standard deviation includes "
-    "the errors of the values."
-)
 CAPTION = say("The Allan deviation of all units; those that exceed a limit are in color.")
 
 
 def _parts(batch: Batch, level: float) -> Iterator[Part]:
-    yield _summary(batch)
+    yield summary(batch)
     for unit in batch:
         if unit.error:
             told = say("not analyzed: {file}: {reason}", file=batch.label(unit), reason=unit.error)
@@ -58,7 +57,7 @@ def _parts(batch: Batch, level: float) -> Iterator[Part]:
     signals = {c.record.signal.name: c.record.signal for unit in batch for c in unit.channels}
     for signal in signals.values():
         yield _main(batch, signal, level)
-    yield _across_table(batch, batch.across)
+    yield across_table(batch, batch.across)
 
 
 def _judged(batch: Batch) -> Iterator[Part]:
@@ -66,51 +65,6 @@ def _judged(batch: Batch) -> Iterator[Part]:
     if batch.specification is not None:
         yield from _limits_table(batch)
         yield Note(RULE, "quiet", where="page")
-
-
-def _across_table(batch: Batch, across: Iterable[Across]) -> Table:
-    """The values of all units in which a term was identified."""
-    heads = (
-        Column(say("channel"), "name"), Column(say("term"), "symbol"), Column(say("identified"), "name"),
-        Column(say("mean")), Column(say("standard deviation")), Column(say("worst"), form=rounded),
-        Column(say("file"), "name"), Column(say("others below"), form=rounded), Column("", "unit"),
-    )  # fmt: skip
-    rows = []
-    for channel, symbol, units, count, *spread, worst, file, below, unit in (found.row() for found in across):
-        share = say("{identified} of {units}", identified=count, units=units)
-        shown: list[str] = [rounded(value) for value in spread]
-        if count < units:
-            shown = [number and say("{number} (of {count})", number=number, count=count) for number in shown]
-        label = batch.label(batch[file]) if file else ""
-        rows.append([channel, symbol_of(symbol), share, *shown, worst, label, below, unit])
-    return Table(heads, rows, say("over all units"), key=SPREAD, most=EVERY)
-
-
-def _summary(batch: Batch) -> Note:
-    """How many units there are, and how many of them pass."""
-    done = [unit for unit in batch if not unit.error]
-    if batch.specification is None:
-        text = say_count(
-            len(batch), "{done} of {count} unit analyzed", "{done} of {count} units analyzed", done=len(done)
-        )
-        return Note(text, "alert" if batch.failed else "strong")
-    counts = {outcome: sum(unit.outcome == outcome for unit in done) for outcome in reversed(OUTCOMES)}
-    parts = [join(" ", (str(count), OUTCOME_WORDS[outcome])) for outcome, count in counts.items() if count]
-    parts += [say("{files} not analyzed", files=len(batch.failed))] if batch.failed else []
-    level: Any = "alert" if counts[FAIL] or batch.failed else "fair" if counts[NOT_SHOWN] else "good"
-    named = [
-        join(
-            ": ",
-            (
-                OUTCOME_WORDS[outcome],
-                ", ".join(batch.label(unit) for unit in batch if unit.outcome == outcome and not unit.error),
-            ),
-        )
-        for outcome in (FAIL, NOT_SHOWN)
-        if counts[outcome]
-    ]
-    units = say_count(len(batch), "{count} unit", "{count} units")
-    return Note(join(": ", (units, join(", ", parts))), level, points=named)
 
 
 def _limits_table(batch: Batch) -> Iterator[Part]:
@@ -138,51 +92,29 @@ def _limits_table(batch: Batch) -> Iterator[Part]:
     yield Table(heads, rows, say("limits exceeded, not shown, or within the interval"), marks, most=EVERY)
 
 
-def symbol_of(of: str) -> str:
-    """The symbol of a term as tables have it."""
-    return LOWEST if of == MINIMUM else of
-
-
 def _main(batch: Batch, signal: Signal, level: float) -> Table:
     """A row for each channel of each unit: coefficients in the units of data sheets."""
-    symbols = list(dict.fromkeys(e.symbol for _, c in _of(batch, signal) for e in c.fit or ()))
+    symbols = list(dict.fromkeys(e.symbol for _, c in rows_of_units(batch, signal) for e in c.fit or ()))
     heads = [Column(say("file"), "name"), Column(say("channel"), "name")]
     heads += [Column(f"{s} [{signal.sheet[power_of(s)]}]") for s in symbols]
     heads += [Column(join(" ", (LOWEST, f"[{signal.sheet[0]}]"))), Column(say("model"), "name")]
     heads += [Column(say("result"), "name")] if batch.specification else []
     cells, marks = [], []
-    for unit, channel in _of(batch, signal):
+    for unit, channel in rows_of_units(batch, signal):
         usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
         terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols]
         grade = say("no result") if channel.refusal else GRADE_WORDS[channel.noise.validity] if channel.noise else ""
         outcome = _outcome(unit, channel)
-        last = [_minimum(channel, level), grade, *([OUTCOME_WORDS[outcome]] if batch.specification else [])]
+        last = [lowest(channel, level), grade, *([OUTCOME_WORDS[outcome]] if batch.specification else [])]
         cells.append([batch.label(unit), channel.record.name, *terms, *last])
         marks.append(MARKS.get(outcome, ""))
     title = say("units: {sensor}", sensor=signal.sensor)
     return Table(heads, cells, title, marks, MAIN, most=EVERY)
 
 
-def _of(batch: Batch, signal: Signal) -> Iterator[tuple[BatchUnit, Channel]]:
-    """The channels of a kind of sensor, one after the other: a lot may be too large to hold all of them."""
-    return ((unit, c) for unit in batch for c in unit.channels if c.record.signal is signal)
-
-
 def _outcome(unit: BatchUnit, channel: Channel) -> str:
     """The worst outcome of a channel."""
     return worst_of([j.outcome for j in unit.judgements if j.channel == channel.record.name])
-
-
-def _minimum(channel: Channel, level: float) -> str:
-    """The minimum of the curve; its upper limit where the record does not reach it."""
-    readings = channel.readings
-    if readings is None or readings.minimum is None:
-        return "-"
-    scale = convert(1.0, readings.unit, readings.signal.sheet[0])
-    low, high = (limit * scale for limit in readings.minimum.interval(level))
-    if not readings.inside:
-        return f"< {digits(high, figures=2).plain()[0]}"
-    return digits(readings.minimum.deviation * scale, low, high).plain()[0]
 
 
 def _details(batch: Batch, level: float) -> Iterator[Part]:
@@ -252,13 +184,13 @@ def _limits(batch: Batch) -> Iterator[tuple[str, str]]:
         yield say("limits"), join(": ", (batch.specification.source, batch.specification._summary()))
 
 
-@view(_plot, _rows, _coefficients)
+@view(_plot, _rows, _coefficients, first_of_batch)
 def batch_view(batch: Batch, level: float) -> Face:
     """The units, what they have in common, and which of them pass; of a single one all that was found."""
     if len(batch) == 1 and batch[0].study is not None:
         face = study_view.face(batch[0].study, level)
         return replace(
-            face, header=[*face.header, *_limits(batch)], parts=[_summary(batch), *_judged(batch), *face.parts]
+            face, header=[*face.header, *_limits(batch)], parts=[summary(batch), *_judged(batch), *face.parts]
         )
     fits = (channel.fit for unit in batch for channel in unit.channels if channel.fit)
     files: str = str(len(batch))

@@ -5,32 +5,24 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from allanite.comparison.change import OUTCOMES, Change
+from allanite.comparison.change import OUTCOMES
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.display_units import readable_unit
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
 from allanite.statistics import STATISTICS
-from allanite.terms import TERMS
 
 from . import Rows, view
+from .changes import OUTCOME_WORDS, change_of, first_of_comparison
 from .jobs import job_face
 
 Value = Comparison | Pool
 
 MARKS: dict[str, Mark] = {"smaller": "good", "larger": "alarm", "not resolvable": "quiet"}
 """Mark of a row by the outcome of its coefficient."""
-
-OUTCOME_WORDS = {
-    "smaller": say("smaller"),
-    "larger": say("larger"),
-    "no change": say("no change"),
-    "not resolvable": say("not resolvable"),
-}
 
 COMPARED = (
     say(
@@ -119,21 +111,6 @@ def _changes_table(pair: Pair, whole: Comparison, level: float) -> Table:
     return Table(heads, rows, say("coefficients"), marks=[MARKS.get(c.outcome, "") for c in pair.changes])
 
 
-def change_of(change: Change, level: float) -> tuple[str, str]:
-    """The change and its interval in percent."""
-    low, high = change.interval(level)
-    least = -100.0 if TERMS[change.symbol].waveform is None else -math.inf
-    # beside a limit there is no number to compare, but a sinusoid that has gone
-    known = math.isfinite(change.ratio) and (None not in (change.before.value, change.after.value) or not change.ratio)
-    if low > least and math.isfinite(high):
-        size, interval = digits(change.percent if known else high, low, high, signed=True).plain()
-        return f"{size} %" if known else "-", f"{interval} %"
-    size = f"{change.percent:+.3g} %" if known and math.isfinite(high) else "-"
-    if math.isfinite(high):
-        return size, say("below {limit}", limit=f"{high:+.3g} %")
-    return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
-
-
 def _ratio_rows(ratios: Ratios, level: float) -> Iterator[list[float]]:
     """Those of the ratios, with the deviations in the unit that is shown."""
     factor = convert(1.0, ratios.before.unit, readable_unit(ratios.before.unit))
@@ -173,7 +150,7 @@ def _compared_rows(value: Comparison, level: float) -> Rows:
     return PAIRS, rows
 
 
-@view(lambda values, fit, level: figures.plot_comparison(values, level), _compared_rows)
+@view(lambda values, fit, level: figures.plot_comparison(values, level), _compared_rows, first=first_of_comparison)
 def comparison_view(value: Comparison, level: float) -> Face:
     """What has changed in each channel."""
     met = {change.outcome for change in value.terms}

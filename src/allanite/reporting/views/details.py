@@ -70,14 +70,17 @@ def details(channel: Channel, level: float, panel: "figures.CurvePanel | None") 
         yield numbers_table(shown, level, say("the curve in numbers"), where="page")
 
 
+def mean_and_spread(record: Record) -> tuple[float, float]:
+    """Mean and standard deviation of a record, in the unit of data sheets."""
+    return mean_and_deviation(record.rate_values * convert(1.0, record.signal.si[0], record.signal.sheet[0]))
+
+
 def fitness(channel: Channel) -> str:
     """Mean and spread of a channel, and whether it can be analyzed."""
     record = channel.record
     if isinstance(record, Header):
         return ""
-    unit = record.signal.sheet[0]
-    values = record.rate_values / convert(1.0, unit, record.signal.unit)
-    mean, deviation = mean_and_deviation(values)
+    unit, (mean, deviation) = record.signal.sheet[0], mean_and_spread(record)
     facts = say(
         "mean {mean:.6g}, standard deviation {deviation:.4g} {unit}",
         mean=mean, deviation=deviation, unit=unit,
@@ -90,16 +93,14 @@ def fitness(channel: Channel) -> str:
 
 def over_time(record: Record) -> Drawing:
     """The record over time, with its mean and spread as the words for it."""
-    unit = record.signal.sheet[0]
-    values = record.rate_values * convert(1.0, record.signal.si[0], unit)
-    mean, deviation = mean_and_deviation(values)
+    mean, deviation = mean_and_spread(record)
     label = say(
         "{channel} over {length}: mean {mean:.4g}, standard deviation {deviation:.4g} {unit}",
         channel=record.name or say("the record"),
         length=words.duration(record.duration),
         mean=mean,
         deviation=deviation,
-        unit=unit,
+        unit=record.signal.sheet[0],
     )
     return Drawing(lambda: figures.plot_record(record), label, RECORD)
 

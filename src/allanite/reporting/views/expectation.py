@@ -1,6 +1,7 @@
 """How a model is shown: its coefficients and the curves that are expected of it, or the truth of a simulation."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from allanite.core.display_units import readable_unit
@@ -9,13 +10,16 @@ from allanite.core.model import model_of
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
+from allanite.reporting.first import DETAILS, Answer, First
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Plot, Sheet, Table, one_sheet, toml
+from allanite.reporting.text import spread
 from allanite.simulation.recording import Simulation
 from allanite.statistics import STATISTICS, Expectation, expectation
 from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
 from . import view
 from .fit import model_table
+from .numbers import ROWS
 
 if TYPE_CHECKING:
     from allanite.core.curve import Curve
@@ -41,19 +45,8 @@ def _plot(values: Sequence[Expectation], _: Fit | None, level: float) -> Plot:
     return figures.plot_panels(panels, level=level)
 
 
-@view(
-    _plot,
-    # the deviations, SI, with a column for each term
-    lambda found, _: (
-        ["statistic", "tau_s", "deviation", *(t.symbol for t in found.model), "unit"],
-        [[curve.statistic, *row, curve.unit] for curve in found.curves for row in _numbers(found, curve)],
-    ),
-)
-def expectation_view(found: Expectation, _: float) -> Face:
-    """The model, and what is expected of it."""
-    drawing = Drawing(lambda: _plot([found], None, 0.95), say("expected deviation of the model"), CAPTION)
-    parts: list[Part] = [model_table(found.model), drawing]
-    # the whole and each term, in the unit of data sheets
+def _curves(found: Expectation) -> Iterator[Table]:
+    """The whole and each term, in the unit of data sheets."""
     terms = [Column(t.symbol, aside=True, form=".4g") for t in found.model]
     for curve in found.curves:
         unit = readable_unit(curve.unit)
@@ -61,14 +54,46 @@ def expectation_view(found: Expectation, _: float) -> Face:
         heads = (Column("tau [s]", form=".5g"), Column(say("expected [{unit}]", unit=unit), form=".4g"), *terms)
         rows = [[tau, *(v * factor for v in row)] for tau, *row in _numbers(found, curve)]
         title = say("expected {statistic}", statistic=STATISTICS[curve.statistic].title)
-        parts.append(Table(heads, rows, title, details=True))
+        yield Table(heads, rows, title, details=True)
+
+
+def first_of_expectation(found: Expectation, level: float) -> First:
+    """The expected deviations, and those of each term."""
+    most, answer = ROWS // len(found.curves), list[Answer]()
+    for table in _curves(found):
+        answer += [table.title, replace(table, rows=[table.rows[i] for i in spread(len(table.rows), most)])]
+    return First(str(found.model), "", answer, after=[("--plot curve.png", say("figure")), DETAILS])
+
+
+@view(
+    _plot,
+    # the deviations, SI, with a column for each term
+    lambda found, _: (
+        ["statistic", "tau_s", "deviation", *(t.symbol for t in found.model), "unit"],
+        [[curve.statistic, *row, curve.unit] for curve in found.curves for row in _numbers(found, curve)],
+    ),
+    first=first_of_expectation,
+)
+def expectation_view(found: Expectation, _: float) -> Face:
+    """The model, and what is expected of it."""
+    drawing = Drawing(lambda: _plot([found], None, 0.95), say("expected deviation of the model"), CAPTION)
+    parts: list[Part] = [model_table(found.model), drawing]
+    parts += _curves(found)
     return one_sheet(join("", [str(found.model)]), BRAND, found.name or say("model"), parts)
 
 
 MODEL = expectation_view.through(lambda model: expectation(model_of(model)))
 
 
-@view()
+def first_of_simulation(simulation: Simulation, _: float) -> First:
+    """What every channel holds."""
+    lines = [say("{channel}: {warning}", channel=c.name, warning=words.about(c)) for c in simulation.channels]
+    lines += [join("; ", c.history) for c in simulation.channels[:1] if c.history]
+    title = say("Simulation of {model}", model=str(simulation.model))
+    return First(title, "", lines, after=[("allanite analyze FILE", say("the noise")), DETAILS])
+
+
+@view(first=first_of_simulation)
 def simulation_view(simulation: Simulation, _: float) -> Face:
     """The channels of a simulation, and the truth."""
     return Face(

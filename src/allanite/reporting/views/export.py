@@ -1,5 +1,10 @@
 """How files for other programs are shown: their fields, what they leave out, and what fields mean."""
 
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from allanite.core.model import Model, Term
 from allanite.core.titles import title_of
 from allanite.core.units import signal_named
 from allanite.exporting.conversion import Explanation
@@ -7,10 +12,12 @@ from allanite.exporting.export import Export
 from allanite.exporting.exports import EXPORTS
 from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import Phrase, join, say
+from allanite.reporting.digits import digits, printed_unit
+from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, condensed, plus_minus
 from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of, one_sheet
 from allanite.statistics import STATISTICS
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from . import view
 
@@ -27,7 +34,44 @@ HEADINGS = (
 )  # fmt: skip
 
 
-@view(rows=lambda value, _: value.rows())
+def first_of_models(models: Iterable[Model], texts: Sequence[str]) -> First:
+    """Values of data sheets in the units in use, that of the texts first: a line each."""
+    return First("", answer=[_equal(term, texts) for model in models for term in model], after=())
+
+
+def _equal(term: Term, texts: Sequence[str]) -> Phrase:
+    power, white = term.row.power, term.row.slope == WHITE
+    density = f"{term.signal.si[power - 0.5]}/sqrt(Hz)" if power % 1 else term.signal.si[power]
+    units = dict.fromkeys((term.signal.sheet[power], *(term.signal.density if white else ()), density))
+    given = sorted(units, key=lambda unit: not any(text.endswith(f" {unit}") for text in texts))
+    values = " = ".join(f"{_trimmed(term.to(unit))} {printed_unit(unit)}" for unit in given)
+    return say("{values} (two-sided; one-sided: × √2)", values=values) if white else join("", (values,))
+
+
+def _trimmed(value: float) -> str:
+    """A number with four digits, without zeros at its end."""
+    mantissa, power, exponent = digits(value).plain()[0].partition("e")
+    return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + power + exponent
+
+
+def first_of_export(value: Export, level: float) -> First:
+    """The fields of a file; of a table of quantities its rows by channel."""
+    after = (("--output FILE", say("write it")), DETAILS)
+    if value.entries or value.suffix != ".md" or value.target != "datasheet":
+        return replace(condensed(export_view.face(value, level)), after=after)
+    lines = [line.strip("| ").split(" | ") for line in value.text.splitlines() if line.startswith("| ")]
+    cells: dict[tuple[str, str], dict[str, str]] = {}
+    for channel, quantity, size, low, high, unit, *_ in (line for line in lines[2:] if any(line[2:5])):
+        limits = [float(v) if v.strip() else math.nan for v in (low, high)]
+        shown = plus_minus(float(size), *limits) if size.strip() else f"< {digits(float(high), figures=2).plain()[0]}"
+        cells.setdefault((quantity, unit), {})[channel] = shown
+    names = list(dict.fromkeys(line[0] for line in lines[2:]))
+    rows = [Quantity(title, "", unit, [found.get(n, "") for n in names]) for (title, unit), found in cells.items()]
+    alerts = [Remark.of("", alert, grave=True) for alert in value.alerts]
+    return First(EXPORTS[value.target].title, "", [Axes(names, rows)], alerts, after=after)
+
+
+@view(rows=lambda value, _: value.rows(), first=first_of_export)
 def export_view(value: Export, _: float) -> Face:
     """The fields of a file, or its text."""
     row = EXPORTS[value.target]
@@ -54,22 +98,32 @@ def imported_view(value: Imported, _: float) -> Face:
     return one_sheet(row.title, BRAND, row.title, [Table(columns, rows)], about=about)
 
 
-def _tables() -> tuple[Sheet, ...]:
+def _tables() -> dict[str, dict[str, str]]:
     """The names of every table, those of plug-ins among them, and what they are."""
-    tables = {
+    return {
         say("targets"): {name: row.title for name, row in EXPORTS.items()},
         say("statistics"): {name: row.title for name, row in STATISTICS.items()},
         say("noise terms"): {symbol: row.title for symbol, row in TERMS.items()},
     }
-    heads = Column("", "name"), Column("", "text")
-    return tuple(Sheet(title, (), (Table(heads, list(rows.items()), most=99),)) for title, rows in tables.items())
 
 
-@view()
+def first_of_explanation(value: Explanation, level: float) -> First:
+    """The names of all tables, or what the fields of a target mean."""
+    if value.target:
+        return condensed(explanation_view.face(value, level))
+    lines = [say("{table}: {names}", table=title, names=", ".join(rows)) for title, rows in _tables().items()]
+    after = (("allanite explain NAME", say("fields of a target, or degrees of freedom of a statistic")), DETAILS)
+    return First(say("targets, statistics and noise terms"), "", lines, after=after)
+
+
+@view(first=first_of_explanation)
 def explanation_view(value: Explanation, _: float) -> Face:
     """What the fields of a target mean; without one, the targets."""
     if not value.target:
-        return Face(say("targets, statistics and noise terms"), BRAND, _tables())
+        heads = Column("", "name"), Column("", "text")
+        tables = ((title, Table(heads, list(rows.items()), most=99)) for title, rows in _tables().items())
+        sheets = tuple(Sheet(title, (), (table,)) for title, table in tables)
+        return Face(say("targets, statistics and noise terms"), BRAND, sheets)
     row = EXPORTS[value.target]
     fields = [
         [f.full, SENSORS[f.sensor], f.unit, f.formula,

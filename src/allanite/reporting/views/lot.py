@@ -14,7 +14,8 @@ from allanite.reporting.digits import rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
 from . import view
-from .batch import EVERY, batch_view, symbol_of
+from .batch import batch_view
+from .units import EVERY, symbol_of
 
 CAPTION = say(
     "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "
@@ -120,7 +121,7 @@ def _drawn(lot: Lot) -> "list[figures.LotRow]":
 _UNITS = batch_view.through(lambda lot: lot.batch)
 
 
-@view(_UNITS.plot, _UNITS.rows, _UNITS.coefficients)
+@view(_UNITS.plot, _UNITS.rows, _UNITS.coefficients, _UNITS.first)
 def lot_view(lot: Lot, level: float) -> Face:
     """The units of a lot, then distributions, trends and units that differ from the others."""
     face = _UNITS.face(lot, level)

@@ -29,6 +29,7 @@ from .rate_experiment import (
     table_of,
     told,
 )
+from .rates import first_of_rates
 
 NO_ERROR = say("no standard errors: give a noise model (--noise)")
 
@@ -139,6 +140,7 @@ def _series(channel: RateChannel) -> list[Experiment]:
     lambda values, fit, level: _draw(channel for study in values for channel in study),
     _rows,
     lambda study, level: interval_rows(study),
+    first_of_rates,
 )
 def study_view(study: RateStudy, level: float) -> Face:
     """The rate of each channel by every method."""

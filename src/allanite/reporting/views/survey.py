@@ -9,6 +9,7 @@ from allanite.study.survey import Survey
 
 from . import view
 from .jobs import channel_sheet, job_face, source_of
+from .numbers import first_of_survey
 from .values import BRAND, FORMS, numbers_table, rows_of
 
 
@@ -18,7 +19,7 @@ def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> Plot:
     return FORMS[type(shown[0])].plot(shown, fits, level)
 
 
-@view(_plot, lambda survey, level: rows_of(survey.values, level))
+@view(_plot, lambda survey, level: rows_of(survey.values, level), first=first_of_survey)
 def survey_view(survey: Survey, level: float) -> Face:
     """The statistics of each channel."""
     sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]

@@ -1,0 +1,234 @@
+"""The first screen of a result: the answer, what limits it, how the file was read, and what next."""
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeGuard
+
+from allanite.core.finding import Finding
+from allanite.phrases.phrase import Phrase, join, say
+
+from .digits import digits, printed_unit
+from .sheet import Code, Column, Face, Note, Part, Table
+
+_OPTION = re.compile(r"(?:\(|: )(--[a-z][^);]*)")
+
+
+DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
+"""What next, after any result."""
+
+
+@dataclass(frozen=True)
+class Remark:
+    """A line of what limits an answer: what it is about, the clauses of it, and the command that helps.
+
+    A screen that is too narrow leaves clauses out at the end, never the command. `name` is that of a finding.
+    """
+
+    about: str
+    clauses: Sequence[str]
+    command: str = ""
+    grave: bool = False
+    name: str = ""
+
+    @classmethod
+    def of(cls, about: str, text: str, *more: str, grave: bool = False, name: str = "") -> "Remark":
+        """A remark with the first option that its text names in brackets as its command."""
+        found = _OPTION.search("; ".join((text, *more)))
+        return cls(about, (text, *filter(None, more)), found[1] if found else "", grave, name)
+
+    @classmethod
+    def about_finding(cls, about: str, finding: Finding, *, grave: bool = False) -> "Remark":
+        """What was found in the data."""
+        return cls.of(about, finding.what, finding.consequence, finding.remedy, grave=grave, name=finding.name)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A row of a table of axes: its name, symbol, unit and a cell for each channel.
+
+    `rank` says how soon it is left out where there is too little room: 0 never. `short` is its name where there is
+    none for symbols.
+    """
+
+    title: str
+    symbol: str
+    unit: str
+    cells: Sequence[str]
+    rank: int = 0
+    short: str = ""
+
+    @property
+    def label(self) -> str:
+        """What it is called in the fewest letters."""
+        return self.symbol or self.short or self.title
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Quantities by channel: channels side by side, or below each other if there are many."""
+
+    names: Sequence[str]
+    rows: Sequence[Quantity]
+    sensor: str = ""
+
+    def table(self, *, titles: bool = True) -> Table:
+        """The channels side by side, with or without the titles of the quantities."""
+        leads = [[row.symbol, row.title] if titles else [row.label] for row in self.rows]
+        if titles and not any(row.symbol for row in self.rows):
+            leads = [lead[1:] for lead in leads]
+        blank = [Column("", "name")] * len(leads[0])
+        heads = [
+            *blank[1:],
+            Column(self.sensor, "name"),
+            Column("", "name"),
+            *(Column(name, "name") for name in self.names),
+        ]
+        rows = [[*lead, printed_unit(row.unit), *row.cells] for lead, row in zip(leads, self.rows, strict=True)]
+        return Table(heads, rows)
+
+    def listed(self) -> Table:
+        """A row for each channel."""
+        units = [join(" ", filter(None, (row.label, printed_unit(row.unit)))) for row in self.rows]
+        heads = [Column(say("channel"), "name"), *(Column(unit, "name") for unit in units)]
+        return Table(heads, [[name, *(row.cells[i] for row in self.rows)] for i, name in enumerate(self.names)])
+
+    def lines(self) -> list[Phrase]:
+        """A line for each channel."""
+        heads = [join(" ", filter(None, (row.label, printed_unit(row.unit)))) for row in self.rows]
+        shown = [(head, row.cells) for head, row in zip(heads, self.rows, strict=True) if row.rank < 2]
+        return [
+            join("  ", (name, *(join(": ", (head, cells[i])) for head, cells in shown if cells[i])))
+            for i, name in enumerate(self.names)
+        ]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of an answer that shares the room with others: its name, sentences, and the beginning of its tables."""
+
+    name: str
+    said: Sequence[str] = ()
+    tables: Sequence[Table] = ()
+
+
+Answer = Axes | Section | Table | str
+
+
+@dataclass(frozen=True)
+class First:
+    """The first screen.
+
+    Attributes
+    ----------
+    title, verdict : str
+        What it is about, and the answer in a few words: the first line.
+    answer : sequence of Axes, Section, Table or str
+    remarks : sequence of Remark
+        One line each, the most important first; what does not fit is counted.
+    legend : sequence of str
+        What the signs mean that were used.
+    read : sequence of str
+        How the file was read, the most important first.
+    after : sequence of (command, purpose)
+        What next.
+    """
+
+    title: str
+    verdict: str = ""
+    answer: Sequence[Answer] = ()
+    remarks: Sequence[Remark] = ()
+    legend: Sequence[str] = ()
+    read: Sequence[str] = ()
+    after: Sequence[tuple[str, str]] = (DETAILS,)
+
+    def brief(self) -> list[str]:
+        """A line for each channel, or for each row of the answer."""
+        lines: list[str] = []
+        for part in self.answer:
+            if isinstance(part, Axes):
+                lines += part.lines()
+            elif isinstance(part, Table):
+                lines += [join("  ", filter(None, row)) for row in part.rows]
+            elif isinstance(part, Section):
+                rows = [join("  ", filter(None, row)) for table in part.tables[:1] for row in table.rows]
+                lines += [join("  ", filter(None, (part.name, said))) for said in (part.said[:1] or rows)]
+            else:
+                lines.append(part)
+        return [*(lines or [self.title]), *(shown(remark) for remark in self.remarks if remark.grave)]
+
+
+def condensed(face: Face, *, drawn: bool = False) -> First:
+    """The first screen of a result that is shown as sheets: sentences and the first table of each, warnings."""
+    after = [DETAILS, *([FIGURES] if drawn else [])]
+    alerts = [Remark.of("", part.text, grave=True) for part in face.parts if _warns(part)]
+    sections = [_section("", face.parts)] if any(map(_told, face.parts)) else []
+    verdicts = [text for sheet in face.sheets for text in sheet.verdicts]
+    if sections and not sections[0].said and verdicts:  # tables of all, and below what follows from them
+        sections[0] = replace(sections[0], said=verdicts)
+    for sheet in face.sheets:
+        name = "" if len(face.sheets) == 1 and isinstance(sheet.name, Phrase) else sheet.name
+        sections.append(_section(name, sheet.parts))
+        alerts += [Remark.of(sheet.name, part.text, grave=True) for part in sheet.parts if _warns(part)]
+    alerts += [Remark.of("", part.text) for part in face.close if _warns(part)]
+    assumed = face.notes or [text for label, text in face.header if label == "assumed"]
+    return First(face.title, answer=sections, remarks=alerts, read=list(assumed), after=after)
+
+
+def _section(name: str, parts: Iterable[Part]) -> Section:
+    told = [part for part in parts if _told(part)]
+    notes = [part for part in told if isinstance(part, Note)]
+    tables = sorted((part for part in told if isinstance(part, Table)), key=lambda table: table.details)
+    strong = [part for part in notes if part.level == "strong"] or [part for part in notes if part.where == "text"]
+    strong = strong or notes[: not tables]
+    codes = [line for part in told if isinstance(part, Code) and not tables for line in part.text.splitlines() if line]
+    said = [text for note in strong for text in (note.text, *note.points)]
+    return Section(name, [*said, *codes], tables[:1])
+
+
+def _told(part: Part) -> bool:
+    """Whether a part is an answer, and not a warning, a grade of the noise or small print."""
+    shown = isinstance(part, (Table, Code)) or (isinstance(part, Note) and part.level in ("note", "strong"))
+    return shown and part.where != "page"
+
+
+def _warns(part: Part) -> TypeGuard[Note]:
+    return isinstance(part, Note) and part.level == "alert" and part.where != "page"
+
+
+def shown(remark: Remark, clauses: int | None = None) -> Phrase:
+    """A remark as text, with so many of its clauses."""
+    said: Phrase = join("; ", remark.clauses[:clauses])
+    if remark.about:
+        said = say("{channel}: {warning}", channel=remark.about, warning=said)
+    return say("{what}. Try {command}", what=said, command=remark.command) if remark.command else said
+
+
+def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
+    """Findings of several channels, one of each kind, with the names of all channels that have it."""
+    alike: dict[str, list[tuple[str, Finding]]] = {}
+    for name, finding in notes:
+        alike.setdefault(finding.name, []).append((name, finding))
+    return [Remark.about_finding(_names(found, every), found[0][1]) for found in alike.values()]
+
+
+def _names(found: Sequence[tuple[str, Finding]], every: int) -> str:
+    """The channels that a remark is about: all with the same finding, or the first and those with one of its kind."""
+    names = list(dict.fromkeys(name for name, _ in found))
+    if len({finding.what for _, finding in found}) == 1:
+        return say("all channels") if len(names) == every > 1 else ", ".join(names)
+    return say("{channel} (also {others})", channel=names[0], others=", ".join(names[1:])) if names[1:] else names[0]
+
+
+def plus_minus(value: float, low: float, high: float, *, signed: bool = False) -> str:
+    """A value and the half width of its interval as a share of it: ``0.119 ± 1 %``.
+
+    Examples
+    --------
+    >>> plus_minus(0.1192, 0.1178, 0.1202), plus_minus(1.0, float("nan"), float("nan"))
+    ('0.1192 ± 1 %', '1.000')
+    """
+    number = digits(value, low, high, signed=signed).plain()[0]
+    half = 50 * (high - low) / abs(value) if value else float("nan")
+    return f"{number} ± {half:.2g} %" if math.isfinite(half) else number

@@ -1,0 +1,274 @@
+"""The first screen of an analysis: coefficients by channel, and what limits them."""
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from allanite.core.estimate import Estimate
+from allanite.core.finding import Finding
+from allanite.core.fit import EXPLAINED as LEAST
+from allanite.core.header import Header
+from allanite.core.kinds import KIND_WORDS
+from allanite.core.model import coefficient_factor
+from allanite.core.record import Record
+from allanite.core.units import Signal, convert
+from allanite.core.validity import APPROXIMATE, UNEXPLAINED
+from allanite.phrases.phrase import Phrase, join, say, say_count
+from allanite.reporting import words
+from allanite.reporting.digits import digits, rounded
+from allanite.reporting.first import FIGURES, Axes, First, Quantity, Remark, plus_minus, told_of
+from allanite.study.job import Job
+from allanite.study.results import Channel, Noise, Study
+from allanite.terms import TERMS
+
+from .details import mean_and_spread
+from .jobs import source_of
+
+MAIN = ("N", "B", "K")
+"""Terms whose limits are told as long as there is room for any."""
+
+MEANING = ("--details", say("intervals, densities, meaning"))
+MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
+"""Findings that change numbers little, or that the fit takes into account: they are told last."""
+
+LONGER = ("allanite plan FILE", say("how long to record until more is known"))
+
+
+def first_of(study: Study, level: float) -> First:
+    """The first screen of a study: its coefficients, or whether its channels are fit for analysis."""
+    channels = study.channels
+    fitted = [channel for channel in channels if channel.fit is not None]
+    if not fitted:
+        return _seen(study)
+    lost = any(e.status == "absent" and e.symbol in MAIN for channel in fitted for e in channel.fit or ())
+    return First(
+        title_of(study),
+        _verdict(channels),
+        list(_axes(channels, level)),
+        [*doubts(channels), *weighed([*alerts(study), *_reservations(channels)])],
+        list(_legend(fitted, level)),
+        how_read(study),
+        [FIGURES, MEANING, *([LONGER] if lost else [])],
+    )
+
+
+def title_of(study: Job[Any]) -> Phrase:
+    """The file and what it holds: ``imu.csv   3 gyroscopes, 100 Hz, 1 h``."""
+    records = [channel.record for channel in study.channels if channel.record is not None]
+    return join("   ", (source_of(study), join(", ", _contents(records))))
+
+
+def _contents(records: Sequence[Record | Header]) -> Iterator[str]:
+    sensors = Counter(record.signal.sensor for record in records)
+    yield from (say("{count} × {sensor}", count=n, sensor=sensor) if n > 1 else sensor for sensor, n in sensors.items())
+    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration)) for r in records}
+    yield from next(iter(same)) if len(same) == 1 else ()
+
+
+def how_read(study: Job[Any]) -> list[str]:
+    """How the file was read, the assumptions first that numbers depend on."""
+    kinds = dict.fromkeys(
+        say("{kind} in {unit}", kind=KIND_WORDS[r.kind], unit=r.unit) for r in (c.record for c in study.channels)
+    )
+    digest = study.provenance.get("sha256", "")
+    first = say("read as {kinds}", kinds=join(", ", kinds))
+    return [first, *study.notes[:1], *([f"sha256 {digest[:8]}…"] if digest else []), *study.notes[1:]]
+
+
+def _verdict(channels: Sequence[Channel]) -> Phrase:
+    """Of how many channels the model fits: wholly, and in part."""
+    fits = [channel.noise for channel in channels if channel.noise is not None and channel.explained]
+    part = sum(any(_part(n)) or any(e.status == "not valid" for e in n.fit) for n in fits)
+    good, every = len(fits) - part, len(channels)
+    if good == every:
+        return say_count(good, "model fits", "model fits all {count} channels")
+    said = say("model fits {good} of {count} channels", good=good, count=every)
+    return say("{said}, {part} in part", said=said, part=part) if part else said
+
+
+def by_sensor(channels: Iterable[Any]) -> list[list[Any]]:
+    """The channels of each kind of sensor."""
+    alike: dict[str, list[Any]] = {}
+    for channel in channels:
+        alike.setdefault(channel.record.signal.name, []).append(channel)
+    return list(alike.values())
+
+
+def names_of(channels: Iterable[Any]) -> list[str]:
+    """What the channels are called."""
+    return [channel.record.name or say("channel") for channel in channels]
+
+
+def _axes(channels: Sequence[Channel], level: float) -> Iterator[Axes]:
+    """A table for each kind of sensor."""
+    for alike in by_sensor(channels):
+        signal = alike[0].record.signal
+        yield Axes(names_of(alike), list(_quantities(alike, signal, level)), signal.sensor)
+
+
+def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> Iterator[Quantity]:
+    met = {e.symbol for channel in channels for e in channel.fit or ()}
+    for symbol in names_in_order(met):
+        found = [next((e for e in c.fit or () if e.symbol == symbol), None) for c in channels]
+        there = [e for e in found if e is not None]
+        cells = [cell_of(e, level) if e and c.explained else "" for e, c in zip(found, channels, strict=True)]
+        claimed = any(e.valued for e, c in zip(found, channels, strict=True) if e and c.explained)
+        rank = 0 if claimed else 1 if symbol in MAIN else 2
+        if any(cells):
+            yield Quantity(words.title(symbol, signal), symbol, there[0].sheet_unit, cells, rank)
+    read = [channel.readings for channel in channels]
+    unit = next((r.shown_unit(0) for r in read if r is not None), signal.sheet[0])
+    if any(r is not None and r.minimum is not None for r in read):
+        yield Quantity(say("in-run bias stability"), "", unit, [_minimum(c) for c in channels], short=say("in-run"))
+    fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
+    yield Quantity(say("model fit"), "", "", fits, short=say("model"))
+
+
+def names_in_order(symbols: Iterable[str]) -> list[str]:
+    """Symbols of terms, each once: the main ones first."""
+    met = set(symbols)
+    return [symbol for symbol in (*MAIN, *(s for s in TERMS if s not in MAIN)) if symbol in met]
+
+
+def cell_of(estimate: Estimate, level: float) -> str:
+    """A coefficient with the half width of its interval, its limit, or why there is neither."""
+    unit = estimate.sheet_unit
+    if estimate.valued and estimate.value is not None:
+        factor = coefficient_factor(estimate.symbol, unit, estimate.signal)
+        low, high = (limit / factor for limit in estimate.interval(level))
+        shown = plus_minus(estimate.value / factor, low, high, signed=words.signed(estimate))
+        return say("{value}, weak", value=shown) if estimate.status == "weak" else shown
+    most = words.limit(estimate, unit)
+    if most is not None:
+        sign = f"|{estimate.symbol}| " if words.symbol(estimate) != estimate.symbol or words.signed(estimate) else ""
+        return f"{sign}< {most.plain()[0]}"
+    return estimate.row.name if estimate.status != "absent" else ""
+
+
+def _minimum(channel: Channel) -> str:
+    readings = channel.readings
+    if readings is None or readings.minimum is None:
+        return ""
+    number = digits(convert(readings.minimum.deviation, readings.unit, readings.shown_unit(0)), figures=3).plain()[0]
+    least = number if readings.inside else f"≤ {number}"
+    return say("{value} at {time}", value=least, time=words.duration(readings.minimum.tau))
+
+
+def fit_words(noise: Noise | None, refusal: str = "") -> str:
+    """How well a model explains a record, as the cell of a table."""
+    if noise is None:
+        return say("no result") if refusal else ""
+    good, until, within = noise.fit.goodness, *_part(noise)
+    if not noise.validity or good is None:
+        return say("not tested")
+    if noise.validity == UNEXPLAINED:
+        return say("DOES NOT FIT")
+    if within:
+        return say("within {share:.2g} %", share=100 * within)
+    if until is not None:
+        return say("up to {time}", time=words.duration(until))
+    mark = "*" if noise.validity == APPROXIMATE else "**" if noise.residuals is None else ""
+    return say("fits{mark}, p {p:.2g}", mark=mark, p=good.p)
+
+
+def _part(noise: Noise) -> tuple[float | None, float]:
+    """Up to which averaging time a model holds, None if to the longest; and its misfit."""
+    scope = noise.fit.scope if noise.validity == APPROXIMATE else None
+    return (scope.until, scope.within if scope.misfit else 0.0) if scope is not None else (None, 0.0)
+
+
+def _legend(channels: Sequence[Channel], level: float) -> Iterator[str]:
+    """What the signs mean that are in the tables."""
+    fits = [e for channel in channels if channel.explained for e in channel.fit or ()]
+    if any(e.valued and math.isfinite(e.interval(level)[0]) for e in fits):
+        yield say("±: {share} half width.", share=words.percent(level))
+    if any(e.upper is not None and not e.valued for e in fits):
+        yield say("<: limit, not detected.")
+    cells = [str(fit_words(channel.noise)) for channel in channels]
+    if any(cell.startswith("fits*,") for cell in cells):
+        yield say("*: reservation.")
+    if any(cell.startswith("fits**") for cell in cells):
+        yield say("**: residuals not tested.")
+    if any(c.readings is not None and c.readings.minimum and not c.readings.inside for c in channels):
+        yield say("≤: still falling.")
+    if any(c.noise is not None and c.noise.validity and c.fit and c.fit.goodness for c in channels):
+        yield say("p < {least:g}: no fit.", least=LEAST)
+
+
+def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
+    """A line for each channel without a result."""
+    for channel in channels:
+        name = channel.record.name or say("channel")
+        if channel.refusal:
+            yield Remark.of(join(" ", (name, say("NO RESULT"))), channel.refusal, grave=True)
+        elif channel.noise is not None and not channel.noise.explained:
+            yield does_not_fit(name, channel.noise, channel.quality.warnings)
+
+
+def does_not_fit(name: str, noise: Noise, warnings: Iterable[Finding] = ()) -> Remark:
+    """That no model explains a channel: the likeliest cause, and what to type."""
+    about = say("{channel} DOES NOT FIT", channel=name)
+    left = noise.residuals.findings if noise.residuals is not None else ()
+    findings = [*noise.fit.findings, *left, *warnings]
+    helped = [Remark.about_finding(about, finding, grave=True) for finding in findings]
+    typed = min((r for r in helped if r.command), key=lambda r: not any(map(str.isdigit, r.command)), default=None)
+    why = typed.clauses if typed else noise.statement.points or (noise.statement.head,)
+    return Remark(about, why, typed.command if typed else "allanite deviation FILE", grave=True)
+
+
+def alerts(study: Job[Any]) -> Iterator[Remark]:
+    """What of the data makes numbers uncertain: of the file, of its channels, of all together."""
+    yield from (Remark.about_finding("", finding) for finding in study.findings)
+    channels = study.channels
+    yield from told_of([(c.record.name, f) for c in channels if not c.refusal for f in warned(c)], len(channels))
+    shared = getattr(study, "shared", None)
+    yield from (Remark.about_finding("", finding) for finding in (shared.findings if shared is not None else ()))
+
+
+def warned(channel: Any) -> Sequence[Finding]:
+    """The findings about the data of a channel that its model does not settle."""
+    found: Sequence[Finding] = channel.warnings if isinstance(channel, Channel) else channel.quality.warnings
+    return found
+
+
+def weighed(remarks: Iterable[Remark]) -> list[Remark]:
+    """Those first that say that numbers are wrong."""
+    return sorted(remarks, key=lambda remark: remark.name in MILD)
+
+
+def _reservations(channels: Sequence[Channel]) -> Iterator[Remark]:
+    """Why a model that explains a channel does so with a reservation."""
+    noises = [(c.record.name, c.noise) for c in channels if c.explained and c.noise is not None]
+    every = [(name, (*n.fit.findings, *(n.residuals.findings if n.residuals else ()))) for name, n in noises]
+    yield from told_of([(name, finding) for name, found in every for finding in found], len(channels))
+
+
+def _seen(study: Study) -> First:
+    """Mean and spread of each channel, and whether it can be analyzed."""
+    tables, good = [], sum(not channel.refusal for channel in study.channels)
+    for alike in by_sensor(study.channels):
+        unit = alike[0].record.signal.sheet[0]
+        found = [None if isinstance(c.record, Header) else mean_and_spread(c.record) for c in alike]
+        rows = [
+            Quantity(say("mean"), "", unit, ["" if f is None else rounded(f[0]) for f in found]),
+            Quantity(say("standard deviation"), "", unit, ["" if f is None else rounded(f[1]) for f in found]),
+            Quantity(say("fit for analysis"), "", "", [_fitness(channel) for channel in alike]),
+        ]
+        tables.append(Axes(names_of(alike), rows, alike[0].record.signal.sensor))
+    count = len(study.channels)
+    verdict = (
+        say("fit for analysis")
+        if good == count
+        else say("{good} of {count} channels are fit for analysis", good=good, count=count)
+    )
+    after = [("allanite analyze FILE", say("the noise")), ("--details", say("all that was found"))]
+    return First(
+        title_of(study), verdict, tables, [*doubts(study.channels), *alerts(study)], (), how_read(study), after
+    )
+
+
+def _fitness(channel: Channel) -> str:
+    if channel.refusal:
+        return say("no")
+    return say("with caution") if channel.quality.warnings else say("yes")

@@ -1,0 +1,85 @@
+"""The first screen of curves, spectra and surfaces: channels side by side, averaging times below each other."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.spectrum import Spectrum
+from allanite.core.surface import Surface
+from allanite.phrases.phrase import say
+from allanite.reporting.digits import digits, printed_unit, rounded
+from allanite.reporting.first import First
+from allanite.reporting.sheet import Column, Table
+from allanite.reporting.text import spread
+from allanite.study.survey import Survey
+
+from .axes import alerts, doubts, how_read, title_of
+from .values import FORMS
+
+ROWS = 12
+"""Rows of all tables together."""
+
+BESIDE, BARE = 3, 6
+"""Channels side by side with their intervals, and without."""
+
+
+def first_of_survey(survey: Survey, level: float) -> First:
+    """The values of every channel, at averaging times or frequencies that are spread evenly."""
+    after = [("--plot curve.png", say("figure")), ("--csv FILE", say("all values")), ("--details", say("edf"))]
+    answer = list(_tables(survey.values, level))
+    return First(title_of(survey), "", answer, [*doubts(survey.channels), *alerts(survey)], (), how_read(survey), after)
+
+
+def _tables(values: Sequence[Any], level: float) -> Iterator[Table | str]:
+    """A table for each statistic: a column for each channel."""
+    alike: dict[str, list[Any]] = {}
+    for value in values:
+        alike.setdefault(_title(value), []).append(value)
+    groups = [
+        (title, found[i : i + wide])
+        for title, found in alike.items()
+        for wide in (BARE if len(found) > BESIDE else BESIDE,)
+        for i in range(0, len(found), wide)
+    ]
+    for title, group in groups:
+        yield title
+        yield _table(group, level, ROWS // len(groups), bare=len(group) > BESIDE)
+
+
+def _title(value: Curve | Spectrum | Surface) -> str:
+    if isinstance(value, Spectrum):
+        unit = printed_unit(value.amplitude_unit)
+        if value.sides == "one":
+            return say("one-sided amplitude spectral density in {unit}", unit=unit)
+        return say("two-sided amplitude spectral density in {unit}", unit=unit)
+    if isinstance(value, Surface):
+        return say("{title}: least to greatest", title=FORMS[Surface].title(value))
+    return FORMS[type(value)].title(value)
+
+
+def _table(values: Sequence[Any], level: float, rows: int, *, bare: bool) -> Table:
+    found = [_numbers(value, level, bare=bare) for value in values]
+    at = list(found[0])
+    heads = [
+        Column("f [Hz]" if isinstance(values[0], Spectrum) else "tau [s]", form=".4g"),
+        *(Column(value.name or say("channel"), "name") for value in values),
+    ]
+    return Table(heads, [[at[i], *(cells.get(at[i], "") for cells in found)] for i in spread(len(at), rows)])
+
+
+def _numbers(value: Curve | Spectrum | Surface, level: float, *, bare: bool) -> dict[float, str]:
+    """What was found at each averaging time or frequency."""
+    if isinstance(value, Surface):
+        ends = zip(np.nanmin(value.deviation, axis=0), np.nanmax(value.deviation, axis=0), strict=True)
+        ranges: list[str] = [say("{low} to {high}", low=rounded(float(a)), high=rounded(float(b))) for a, b in ends]
+        return dict(zip(value.tau.tolist(), ranges, strict=True))
+    if isinstance(value, Spectrum):
+        at, size, limits = value.frequency, value.amplitude, np.sqrt(value.interval(level))
+    else:
+        at, size = value.tau, value.deviation
+        limits = np.array(value.interval(level)) if value.law is not None else np.full((2, size.size), np.nan)
+    numbers = [digits(*v).plain() for v in zip(size.tolist(), *limits.tolist(), strict=True)]
+    said = [number if bare or not interval else f"{number} ({interval})" for number, interval in numbers]
+    return dict(zip(at.tolist(), said, strict=True))

@@ -1,0 +1,70 @@
+"""The first screen of every verb: at most 20 lines of 100 columns, with the answer in the first five."""
+
+import re
+import shlex
+
+import pytest
+from click.testing import CliRunner
+from tests import ROOT
+
+from allanite.cli import VERBS, main
+
+SAMPLE = str(ROOT / "examples" / "tactical_gyro.csv")
+TWO = f"{SAMPLE} --channels gx,gy"
+NOISE = '"N 0.1 deg/sqrt(h), K 10 deg/h/sqrt(h)"'
+
+SCREENS = {
+    f"analyze {SAMPLE}": r"N +angle random walk +°/√h +0\.1192 ± 1 % +0\.1495",
+    f"info {SAMPLE}": r"fit for analysis\n.*\n.*\n *mean +°/h +4\.2",
+    f"deviation {TWO}": r"\n +0\.1 +22\.70 \(22\.50 \.\. 22\.90\) +28\.36",
+    f"deviation --model {NOISE} --rate 10 --duration 1h": r"tau \[s\]",
+    f"spectrum {TWO}": r"spectral density in °/h/√Hz",
+    f"dynamic {TWO}": r"\n +0\.1 +22\.\d+ to 23\.\d+",
+    f"compare {TWO}": r"changed: gx / gy\n\n.*\n +noise +changed, p < 1e-12",
+    f"rate {TWO}": r"rate, mean over 1 h +°/h +4\.20 ± 0\.23 +-7\.90",
+    f"plan --model {NOISE} --rate 10": r"N +0\.1 +°/√h .* 20 s\n",
+    f"plan {TWO}": r"N +0\.1192 +°/√h .* 20 s\n",
+    "plan --sensor mems --rate 100": r"\nN .* \d+ s\n",
+    f"budget {TWO} --stage 'ADC 16 400deg/s'": r"ADC adds N = 0\.06686 .* 31 % of the measured variance",
+    f"statespace {TWO}": r"Gauss-Markov rate",
+    f"statespace --model {NOISE} --rate 10": r"random walk",
+    f"export {TWO}": r"angle random walk N +°/√h +0\.1192",
+    f"export {TWO} --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)' --to kalibr": r"gyroscope_noise_density +4\.3",
+    'convert "0.66 deg/sqrt(h)"': r"^0\.66 °/√h = 0\.011 °/s/√Hz = 39\.6 °/h/√Hz = 1\.92e-4 rad/s/√Hz \(two",
+    'convert "3 deg/h/sqrt(h)"': r"^3 °/h/√h = ",
+    f"convert {NOISE} --to kalibr": r"gyroscope_noise_density",
+    "explain": r"targets: kalibr, openvins",
+    "explain oadev": r"degrees of freedom",
+    "explain kalibr": r"gyroscope_noise_density",
+    "example": r"^000  angle error",
+    "vertical --gyro 'N 0.3 deg/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz)'": r"time constant \S+ s: RMS error",
+    "angle plan --latitude 60 --duration 3600": r"The best window of 1 h begins",
+    "selfcheck --model 'N 0.1 deg/sqrt(h)' --rate 10 --duration 60 --records 4": r"truth +unit +bound",
+}
+"""Commands, and what of their answer the first five lines have."""
+
+
+def printed(line):
+    done = CliRunner().invoke(main, shlex.split(line))
+    assert done.exit_code == 0, done.stderr
+    return done.stdout
+
+
+def bounded(text):
+    lines = text.splitlines()
+    assert len(lines) <= 20
+    assert max(map(len, lines)) <= 100
+
+
+@pytest.mark.parametrize("line", SCREENS)
+def test_the_first_screen_is_short_and_begins_with_the_answer(line):
+    text = printed(line)
+    bounded(text)
+    assert re.search(SCREENS[line], "\n".join(text.splitlines()[:5]) + "\n")
+    assert not re.search(r"\de\+0\d", text)
+
+
+def test_every_verb_that_needs_no_more_than_a_file_is_looked_at():
+    looked = {line.split()[0] for line in SCREENS}
+    elsewhere = {"batch", "lot", "watch", "serve", "simulate", "compensate"}  # below, or without a result of their own
+    assert looked | elsewhere == set(VERBS)
