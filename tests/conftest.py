@@ -7,7 +7,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from tests import ALL, examples
+from tests import ALL, ROOT, examples
 
 # a machine with other work to do is no failure
 hypothesis.settings.register_profile("unhurried", deadline=None, max_examples=examples(100))
@@ -51,6 +51,15 @@ def _folder(variable, name, needed):
 def details(monkeypatch):
     """Commands print all numbers, not the first screen."""
     monkeypatch.setenv("ALLANITE_DETAILS", "1")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _details_of_rooms(request):
+    """The tests of rooms read all numbers; stories and recordings read what a user does."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.path.relative_to(ROOT / "tests").parts[0] in ("unit", "conformance"):
+            patch.setenv("ALLANITE_DETAILS", "1")
+        yield
 
 
 @pytest.fixture(scope="session")

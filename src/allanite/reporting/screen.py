@@ -150,7 +150,7 @@ class _Screen:
             return line
         dots = ".." if self.ascii else "…"
         kept = set_cell_size(line, width - cell_len(dots))
-        at = max(kept.rfind(sign) for sign in (": ", "; ", ", "))
+        at = max(kept.rfind(sign) for sign in (" (", ": ", "; ", ", "))
         if at < width / 2:
             at = kept.rfind(" ")
         return (kept[:at] if at > width / 3 else kept).rstrip(" ,;:") + dots

@@ -166,7 +166,6 @@ def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_sho
     assert batch[0].outcome == "not shown"
 
 
-@pytest.mark.usefixtures("details")
 def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
     limits = spec(tmp_path, '[limits]\nN = { max = "1 m/s/sqrt(h)" }\n')
     result = run(folder / "u0.csv", "--limits", limits)
@@ -261,7 +260,6 @@ def test_mean_spread_and_worst_are_over_the_values(folder):
     assert np.isnan(found["K"].mean)
 
 
-@pytest.mark.usefixtures("details")
 def test_the_device_is_said_once_for_all_units(folder):
     result = run(folder, "--device", "mems")
     assert result.stdout.count("N in a micromechanical (MEMS) gyroscope: angle random walk\n") == 1

@@ -93,7 +93,6 @@ def test_a_trend_is_shown_only_if_its_interval_excludes_zero():
     assert Trend(*of, -1.0, -2.0, -0.5).shown
 
 
-@pytest.mark.usefixtures("details")
 def test_the_verb_shows_it_in_other_languages(folder):
     shown = CliRunner().invoke(main, ["lot", str(folder / "results"), "--lang", "ru"])
     assert translated(say("quantiles"), "ru") in shown.stdout

@@ -102,7 +102,6 @@ def test_an_encoder(encoder, tmp_path):
     assert "Harmonic errors of enc" in (tmp_path / "e.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.usefixtures("details")
 def test_plan_finds_the_window_of_the_paper(tmp_path):
     done = run("plan", *EXPERIMENT, "--q-law", "linear", "--report", tmp_path / "p.html", "--plot", tmp_path / "p.svg")
     assert done.exit_code == 0, done.stderr

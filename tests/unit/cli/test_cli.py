@@ -40,7 +40,6 @@ def run(*arguments, **options):
     return CliRunner().invoke(main, [str(a) for a in arguments], **options)
 
 
-@pytest.mark.usefixtures("details")
 def test_the_table_is_printed(file):
     result = run("analyze", file)
     assert result.exit_code == 0, result.stderr
@@ -270,7 +269,6 @@ def test_each_option_is_declared_in_one_file():
     assert {name: files for name, files in declared.items() if len(files) > 1} == {}
 
 
-@pytest.mark.usefixtures("details")
 def test_what_is_read_off_the_curve_is_said_everywhere(file, tmp_path):
     paths = [tmp_path / name for name in ("a.html", "a.json", "a.csv")]
     result = run("analyze", file, "--report", paths[0], "--json", paths[1], "--coefficients", paths[2])
@@ -295,7 +293,6 @@ def test_readings_do_not_depend_on_the_curve_that_is_shown(file, other):
     assert len(kept[0]) > 10
 
 
-@pytest.mark.usefixtures("details")
 def test_a_method_that_cannot_know_the_sign_of_a_ramp_prints_its_size(tmp_path):
     sample, paths = ROOT / "examples" / "tactical_gyro.csv", [tmp_path / "a.html", tmp_path / "a.svg"]
     result = run("analyze", sample, "--channels", "gz", "--method", "gls", "--report", paths[0], "--plot", paths[1])
@@ -305,7 +302,6 @@ def test_a_method_that_cannot_know_the_sign_of_a_ramp_prints_its_size(tmp_path):
     assert re.search(r" R +rate ramp +-58 ", run("analyze", sample, "--channels", "gz").stdout)
 
 
-@pytest.mark.usefixtures("details")
 def test_a_negative_square_is_explained():
     sample = ROOT / "examples" / "tactical_gyro.csv"
     result = run("analyze", sample, "--channels", "gy", "--method", "ls")

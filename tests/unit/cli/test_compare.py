@@ -40,7 +40,6 @@ def folder(tmp_path_factory):
     return place
 
 
-@pytest.mark.usefixtures("details")
 def test_before_and_after(folder, tmp_path):
     ends = {"report": "html", "plot": "svg", "json": "json", "csv": "csv"}
     paths = {name: tmp_path / f"out.{end}" for name, end in ends.items()}
@@ -82,7 +81,6 @@ def test_channels_of_one_file_and_of_two(folder):
     assert [channel["name"] for channel in json.loads(both.stdout)["channels"]] == ["x", "y"]
 
 
-@pytest.mark.usefixtures("details")
 def test_several_files_are_pooled(folder, tmp_path):
     files = [folder / f"{name}.csv" for name in ("before", "after", "third")]
     paths = tmp_path / "pool.html", tmp_path / "pool.png", tmp_path / "pool.csv"

@@ -54,7 +54,6 @@ def current(tmp_path_factory):
     return path
 
 
-@pytest.mark.usefixtures("details")
 def test_everything_of_a_compensation_is_written(days, tmp_path):
     names = {
         "save": "r.json",
@@ -231,7 +230,6 @@ def test_wrong_usage_of_compensate(days, options, code, words):
     assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
 
 
-@pytest.mark.usefixtures("details")
 def test_everything_of_a_budget_is_written(current, tmp_path):
     names = {"rates": "rates.csv", "report": "p.html", "plot": "f.png", "json": "a.json", "csv": "t.csv"}
     paths = {name: tmp_path / file for name, file in names.items()}

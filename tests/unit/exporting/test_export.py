@@ -239,7 +239,6 @@ def files(tmp_path_factory):
     return folder
 
 
-@pytest.mark.usefixtures("details")
 def test_a_file_for_kalibr_from_two_recordings(files):
     import yaml
 
@@ -329,7 +328,6 @@ def test_from_one_target_to_another(tmp_path):
 
 
 @pytest.mark.parametrize("name", list(al.EXPORTS))
-@pytest.mark.usefixtures("details")
 def test_every_target_is_explained(name):
     done = run("explain", name)
     assert done.exit_code == 0, done.output

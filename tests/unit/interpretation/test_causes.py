@@ -210,7 +210,6 @@ def recorded(tmp_path_factory):
     return path
 
 
-@pytest.mark.usefixtures("details")
 def test_the_command_says_it(recorded, tmp_path):
     page = tmp_path / "page.html"
     result = CliRunner().invoke(main, ["analyze", str(recorded), "--device", "fog", "--report", str(page)])

@@ -144,7 +144,6 @@ def run(*arguments):
     return CliRunner().invoke(main, ["plan", *map(str, arguments)])
 
 
-@pytest.mark.usefixtures("details")
 def test_the_verb_plans_for_a_sensor():
     result = run("--sensor", "mems", "--rate", 100, "--durations", "1 s,10 min,1 d", "--accuracy", 5)
     assert result.exit_code == 0, result.stderr
@@ -159,7 +158,6 @@ def test_the_verb_plans_for_a_sensor():
     assert "looked for" not in whole
 
 
-@pytest.mark.usefixtures("details")
 def test_the_verb_plans_from_a_first_recording(tmp_path):
     record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=np.random.default_rng(1), unit="deg/h", name="gz")
     al.write(record, tmp_path / "first.npz")

@@ -101,7 +101,6 @@ def run(*arguments):
 FEW = ("--model", "N 0.1 deg/sqrt(h)", "--rate", 10, "--samples", 1000, "--records", 10)
 
 
-@pytest.mark.usefixtures("details")
 def test_the_verb_prints_the_table_and_ends_well():
     result = run(*FEW, "--min-coverage", 50, "--max-missed", 1, "--max-bias", 20)
     assert result.exit_code == 0, result.stderr
@@ -132,7 +131,6 @@ def test_another_method_can_be_checked():
     assert json.loads(result.stdout)["recipe"]["method"] == "gls"
 
 
-@pytest.mark.usefixtures("details")
 def test_the_verb_takes_the_length_of_a_recording(tmp_path):
     record = al.simulate(MODEL, 3000, 10.0, rng=np.random.default_rng(1), unit="deg/h", name="gx")
     al.write(record, tmp_path / "one.npz")

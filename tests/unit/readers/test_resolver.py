@@ -95,7 +95,6 @@ def test_a_small_range_cannot_be_checked_and_says_so():
     assert "too little to check offsets and gains" in note
 
 
-@pytest.mark.usefixtures("details")
 def test_columns_of_two_axes_become_two_angles(tmp_path):
     path, true = tmp_path / "skt.csv", turning(3000)
     t = np.arange(3000) / RATE

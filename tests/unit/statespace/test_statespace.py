@@ -187,7 +187,6 @@ def run(*arguments):
     return CliRunner().invoke(main, ["statespace", *map(str, arguments)])
 
 
-@pytest.mark.usefixtures("details")
 def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
     result = run("--sensor", "mems", "--rate", 50, "--turn-on", "30 deg/h", "--plot", tmp_path / "a.png")
     assert result.exit_code == 0, result.stderr

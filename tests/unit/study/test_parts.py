@@ -230,7 +230,6 @@ def run(*words):
 
 
 @pytest.mark.slow("a process that reads in parts")
-@pytest.mark.usefixtures("details")
 def test_the_command_line_takes_the_option(file, tmp_path):
     how = ("--rate", "100", "--unit", "deg/h", "--memory", "100kB")
     code, said = run("analyze", file, *how, "--json", tmp_path / "s.json", "--report", tmp_path / "s.html")

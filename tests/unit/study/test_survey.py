@@ -52,7 +52,6 @@ def test_deviation_is_that_of_the_library(file):
                 assert float(row[key]) == pytest.approx(value[i], rel=1e-12)
 
 
-@pytest.mark.usefixtures("details")
 def test_limits_can_be_left_out_and_the_unit_chosen(file):
     result = run(
         "deviation", file, "--channels", "x", "--no-intervals", "--to", "rad/s", "--taus", "0.1,1", "--csv", "-"
@@ -89,7 +88,6 @@ def test_dynamic_is_that_of_the_library(file):
 
 
 @pytest.mark.parametrize("verb", VERBS)
-@pytest.mark.usefixtures("details")
 def test_files_table_and_json(verb, file, tmp_path):
     paths = {"plot": tmp_path / "a.png", "json": tmp_path / "a.json", "csv": tmp_path / "a.csv"}
     arguments = [verb, file, "--channels", "x,y,a", *(part for name in paths for part in (f"--{name}", paths[name]))]
@@ -110,7 +108,6 @@ def test_files_table_and_json(verb, file, tmp_path):
     assert run(*arguments, "--force", "--quiet").output == ""
 
 
-@pytest.mark.usefixtures("details")
 def test_a_long_table_is_cut_on_the_terminal_only(file):
     result = run("deviation", file, "--channels", "x", "--taus", "log", "--no-intervals")
     whole = rows(run("deviation", file, "--channels", "x", "--taus", "log", "--csv", "-").stdout)
@@ -149,7 +146,6 @@ def test_what_goes_wrong_is_said_in_a_line(arguments, code, words, file):
     assert result.stdout == ""
 
 
-@pytest.mark.usefixtures("details")
 def test_a_channel_that_does_not_support_the_job_says_why(file):
     result = run("deviation", file, "--channels", "x,flat", "--m", "1")
     assert result.exit_code == 0

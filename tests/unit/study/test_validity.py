@@ -152,7 +152,6 @@ def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     ],
     ids=lambda verb: verb[0],
 )  # fmt: skip
-@pytest.mark.usefixtures("details")
 def test_every_verb_says_the_grade_and_knows_strict(file, verb):
     result = run(verb[0], file, *verb[1:], "--channels", "bad", "--terms", "NB", "--band", "auto", "--strict")
     assert result.exit_code == 3, result.output
@@ -163,7 +162,6 @@ def test_every_verb_says_the_grade_and_knows_strict(file, verb):
     )  # nothing is left there
 
 
-@pytest.mark.usefixtures("details")
 def test_strict_refuses_two_records_of_which_one_is_not_explained(file, tmp_path):
     path = tmp_path / "again.npz"
     al.write(al.Recording((record_of(white(9), "bad"),)), path)
@@ -221,7 +219,6 @@ def test_heavy_tails_without_outliers_name_no_cure_that_was_taken():
         assert "--" not in noise.verdict
 
 
-@pytest.mark.usefixtures("details")
 def test_parts_of_another_level_are_explained_apart_as_the_message_says(file):
     told = run("analyze", file, "--channels", "fair", "--terms", "N").stdout
     assert "analyze the parts separately (--from, --until)" in " ".join(told.split())

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from allanite.core.estimate import Estimate
@@ -32,6 +33,9 @@ MEANING = ("--details", say("intervals, densities, meaning"))
 MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
 """Findings that change numbers little, or that the fit takes into account: they are told last."""
 
+MOVED = ("moving", "body moved")
+"""Findings of motion, which the minimum of a deviation shows instead of the bias."""
+
 LONGER = ("allanite plan FILE", say("how long to record until more is known"))
 
 
@@ -46,7 +50,7 @@ def first_of(study: Study, level: float) -> First:
         title_of(study),
         _verdict(channels),
         list(_axes(channels, level)),
-        [*doubts(channels), *weighed([*alerts(study), *_reservations(channels)])],
+        told_once(doubts(channels), weighed([*alerts(study), *_reservations(channels)])),
         list(_legend(fitted, level)),
         how_read(study),
         [FIGURES, MEANING, *([LONGER] if lost else [])],
@@ -62,7 +66,7 @@ def title_of(study: Job[Any]) -> Phrase:
 def _contents(records: Sequence[Record | Header]) -> Iterator[str]:
     sensors = Counter(record.signal.sensor for record in records)
     yield from (say("{count} × {sensor}", count=n, sensor=sensor) if n > 1 else sensor for sensor, n in sensors.items())
-    same = {(f"{r.rate:.8g} Hz", words.duration(r.duration)) for r in records}
+    same = {(f"{r.rate:.6g} Hz", words.duration(r.duration)) for r in records}
     yield from next(iter(same)) if len(same) == 1 else ()
 
 
@@ -119,8 +123,9 @@ def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> It
             yield Quantity(words.title(symbol, signal), symbol, there[0].sheet_unit, cells, rank)
     read = [channel.readings for channel in channels]
     unit = next((r.shown_unit(0) for r in read if r is not None), signal.sheet[0])
-    if any(r is not None and r.minimum is not None for r in read):
-        yield Quantity(say("in-run bias stability"), "", unit, [_minimum(c) for c in channels], short=say("in-run"))
+    least = [_minimum(channel) for channel in channels]
+    if any(least):
+        yield Quantity(say("in-run bias stability"), "", unit, least, short=say("in-run"))
     fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
     yield Quantity(say("model fit"), "", "", fits, short=say("model"))
 
@@ -148,7 +153,8 @@ def cell_of(estimate: Estimate, level: float) -> str:
 
 def _minimum(channel: Channel) -> str:
     readings = channel.readings
-    if readings is None or readings.minimum is None:
+    moved = not channel.explained and any(f.name in MOVED for f in channel.quality.warnings)
+    if readings is None or readings.minimum is None or moved:
         return ""
     number = digits(convert(readings.minimum.deviation, readings.unit, readings.shown_unit(0)), figures=3).plain()[0]
     least = number if readings.inside else f"≤ {number}"
@@ -168,8 +174,7 @@ def fit_words(noise: Noise | None, refusal: str = "") -> str:
         return say("within {share:.2g} %", share=100 * within)
     if until is not None:
         return say("up to {time}", time=words.duration(until))
-    mark = "*" if noise.validity == APPROXIMATE else "**" if noise.residuals is None else ""
-    return say("fits{mark}, p {p:.2g}", mark=mark, p=good.p)
+    return say("fits{mark}, p {p:.2g}", mark="*" * (noise.validity == APPROXIMATE), p=good.p)
 
 
 def _part(noise: Noise) -> tuple[float | None, float]:
@@ -188,33 +193,37 @@ def _legend(channels: Sequence[Channel], level: float) -> Iterator[str]:
     cells = [str(fit_words(channel.noise)) for channel in channels]
     if any(cell.startswith("fits*,") for cell in cells):
         yield say("*: reservation.")
-    if any(cell.startswith("fits**") for cell in cells):
-        yield say("**: residuals not tested.")
-    if any(c.readings is not None and c.readings.minimum and not c.readings.inside for c in channels):
+    if any("≤" in _minimum(channel) for channel in channels):
         yield say("≤: still falling.")
     if any(c.noise is not None and c.noise.validity and c.fit and c.fit.goodness for c in channels):
         yield say("p < {least:g}: no fit.", least=LEAST)
 
 
 def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
-    """A line for each channel without a result."""
+    """A line for each channel without a result; those that one cause explains share it."""
     for channel in channels:
-        name = channel.record.name or say("channel")
         if channel.refusal:
+            name = channel.record.name or say("channel")
             yield Remark.of(join(" ", (name, say("NO RESULT"))), channel.refusal, grave=True)
-        elif channel.noise is not None and not channel.noise.explained:
-            yield does_not_fit(name, channel.noise, channel.quality.warnings)
+    alike: dict[tuple[str, str], list[tuple[str, Remark]]] = {}
+    for channel in channels:
+        if not channel.refusal and channel.noise is not None and not channel.noise.explained:
+            why = _cause(channel.noise, channel.quality.warnings)
+            name = channel.record.name or say("channel")
+            alike.setdefault((str(why.clauses[0]), why.command), []).append((name, why))
+    for found in alike.values():
+        names = ", ".join(name for name, _ in found)
+        about = say_count(len(found), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=names)
+        yield replace(found[0][1], about=about)
 
 
-def does_not_fit(name: str, noise: Noise, warnings: Iterable[Finding] = ()) -> Remark:
-    """That no model explains a channel: the likeliest cause, and what to type."""
-    about = say("{channel} DOES NOT FIT", channel=name)
+def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:
+    """The likeliest cause why no model explains a channel, and what to type."""
     left = noise.residuals.findings if noise.residuals is not None else ()
-    findings = [*noise.fit.findings, *left, *warnings]
-    helped = [Remark.about_finding(about, finding, grave=True) for finding in findings]
+    helped = [Remark.about_finding("", finding, grave=True) for finding in (*noise.fit.findings, *left, *warnings)]
     typed = min((r for r in helped if r.command), key=lambda r: not any(map(str.isdigit, r.command)), default=None)
-    why = typed.clauses if typed else noise.statement.points or (noise.statement.head,)
-    return Remark(about, why, typed.command if typed else "allanite deviation FILE", grave=True)
+    why = noise.statement.points or (noise.statement.head,)
+    return typed or Remark("", why, "allanite deviation FILE", grave=True)
 
 
 def alerts(study: Job[Any]) -> Iterator[Remark]:
@@ -230,6 +239,13 @@ def warned(channel: Any) -> Sequence[Finding]:
     """The findings about the data of a channel that its model does not settle."""
     found: Sequence[Finding] = channel.warnings if isinstance(channel, Channel) else channel.quality.warnings
     return found
+
+
+def told_once(first: Iterable[Remark], others: Iterable[Remark]) -> list[Remark]:
+    """Remarks, and those of the others that say anything else."""
+    told = list(first)
+    said = {str(remark.clauses[0]) for remark in told}
+    return [*told, *(remark for remark in others if str(remark.clauses[0]) not in said)]
 
 
 def weighed(remarks: Iterable[Remark]) -> list[Remark]:

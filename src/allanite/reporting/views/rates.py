@@ -12,17 +12,16 @@ from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
 from allanite.reporting.first import DETAILS, FIGURES, Answer, Axes, First, Quantity, Remark
 
-from .axes import alerts, by_sensor, does_not_fit, fit_words, how_read, names_of, title_of
+from .axes import alerts, by_sensor, doubts, fit_words, how_read, names_of, title_of
 from .rate_experiment import told
 
 
 def first_of_rates(study: RateStudy, level: float) -> First:
     """The rate of each channel, of the whole record by the first of the methods where it has several intervals."""
-    remarks = [Remark.of(c.record.name, c.refusal, grave=True) for c in study.channels if c.refusal]
+    identified = study.settings.noise is None
+    remarks = list(doubts([c for c in study.channels if c.refusal or identified]))
     for channel in study.channels:
-        name, noise, found = channel.record.name or say("channel"), channel.noise, channel.experiment
-        if noise is not None and not noise.explained and study.settings.noise is None:
-            remarks.append(does_not_fit(name, noise, channel.quality.warnings))
+        name, found = channel.record.name or say("channel"), channel.experiment
         remarks += [Remark.of(name, text) for text in (found.drift if found else "", *channel.alerts) if text]
     answer: list[Answer] = [_axes(alike, study, level) for alike in by_sensor(study.channels)]
     ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]

@@ -324,7 +324,6 @@ def test_a_file_without_units(desk, still):
     assert "--unit gyro=deg/s,accel=g" in " ".join(refused.output.split())
 
 
-@pytest.mark.usefixtures("details")
 def test_the_matrices_are_those_of_the_filter(desk, still):
     done = run("six.csv", "--time-constant", "2", "--quiet", "--json", "-")
     k1 = json.loads(done.output)["loop"]["k1"]
@@ -336,7 +335,6 @@ def test_the_matrices_are_those_of_the_filter(desk, still):
 NOISE = ("--gyro", "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)", "--accelerometer", "N 100 ug/sqrt(Hz), B 50 ug")
 
 
-@pytest.mark.usefixtures("details")
 def test_the_command_without_a_recording():
     done = run(*NOISE, "--duration", "10 min")
     assert done.exit_code == 0, done.output
@@ -346,7 +344,6 @@ def test_the_command_without_a_recording():
 
 
 @pytest.mark.slow("scenarios of ten minutes")
-@pytest.mark.usefixtures("details")
 def test_scenarios_are_shown():
     done = run(*NOISE, "--scenarios", "--gyro-bias", "10 deg/h")
     assert done.exit_code == 0, done.output
