@@ -101,7 +101,7 @@ _FACTOR = (
     r"(?:\^-?\d+(?:\.\d+)?)?"
 )
 _UNIT = re.compile(
-    r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|--[\w-]+[ =]\S+"  # names, and what can be typed
+    r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|(?<![\w-])--[\w-]+[ =]\S+"  # names, and what can be typed
     rf"|(?<![\w./^-])(?P<unit>(?:1/)?{_FACTOR}(?:[/*]{_FACTOR})*)"
 )
 _SIGNS = (

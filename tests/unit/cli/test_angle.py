@@ -65,7 +65,7 @@ def test_everything_is_written(gimbal, tmp_path):
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert "--ink" in page
-    assert page.count("<svg") == 4
+    assert page.count("<figure") == 4
     assert "<script" not in page
     assert "harmonic 128 of h: 3." in page
     data = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))

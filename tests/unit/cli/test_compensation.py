@@ -280,7 +280,7 @@ def test_a_budget_is_shown_everywhere(current, tmp_path):
     assert [e.symbol for e in found["ux"].budget.fit] == ["Q", "N"]
     for width in (80, 120):
         text = table(found, width=width)
-        assert "+-500 deg/s" in text
+        assert "+-500 °/s" in text
         assert max(len(line) for line in text.partition("\n\n")[2].splitlines()) <= width
     for value in (found, found["ux"].budget):
         al.report(value, tmp_path / "p.html", force=True)

@@ -299,7 +299,7 @@ BAD = {
     "a reading that is no number": (lambda: ([1.0, math.nan, 2.0], "mean", {}), al.DataError, "1 of 3 samples"),
     "infinity": (lambda: ([1.0, math.inf, 2.0, 3.0], "mean", {}), al.DataError, "first at sample 1"),
     "two samples": (lambda: ([1.0, 2.0], "mean", {}), al.UsageError, "at least 3 samples"),
-    "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "known rate estimators: mean, hamming"),
+    "an unknown method": (lambda: (np.ones(9), "median", {}), al.UsageError, "Known rate estimators: mean, hamming"),
     "an unknown target": (
         lambda: (np.ones(9), "mean", {"target": "end"}),
         al.UsageError,
