@@ -332,7 +332,7 @@ def test_wrong_grids_say_what_is_possible():
     ]:
         with pytest.raises(al.UsageError, match=words):
             al.deviation(record, "oadev", **options)
-    with pytest.raises(al.UsageError, match="unknown statistic .nadev.; did you mean adev"):
+    with pytest.raises(al.UsageError, match="unknown statistic 'nadev'; did you mean adev"):
         al.deviation(record, "nadev")
 
 

@@ -72,7 +72,7 @@ def test_from_the_file_to_the_page(recordings, tmp_path, window):
     said = " ".join(result.stdout.split())
     assert said.index("no model of these terms explains the record") < said.index("angle random walk")
     html = page.read_text()
-    assert html.index("no model of these terms explains the record") < html.index("<table")
+    assert html.index("no model of these terms explains the record") < html.index("angle random walk")
     assert "<svg" in figure.read_text()
     channels = json.loads(data.read_text())["channels"]
     assert [channel["name"] for channel in channels] == ["gx", "gy", "gz"]

@@ -29,12 +29,12 @@ TRUTH = "N 0.3 deg/sqrt(h), K 60 deg/h/sqrt(h)"
 COMPLAINTS = {
     "plotted values in deg/s do not match the exported ones in rad/s":
         Answer("analyze gyro.csv --channels gx --to rad/s/sqrt(Hz)",
-               r"8\.67e-5 .* rad/s/sqrt\(Hz\) .* 0\.298\d .* deg/sqrt\(h\)"),
+               r"8\.67e-5 .* rad/s/√Hz .* 0\.298\d .* °/√h"),
     "the documentation does not say whether the variance is overlapped":
         Answer("deviation gyro.csv --channels gx", "overlapping Allan deviation"),
     "simulated noise is found 28 % too small":
         Answer("selfcheck --model 'N 0.15 deg/sqrt(h)' --rate 10 --duration 10min --records 4 --max-bias 10",
-               r"N 0\.15 deg/sqrt\(h\) .* \+- "),
+               r"N 0\.15 °/√h .* \+- "),
     "results of tools differ, and it is hard to judge which is right":
         Answer("selfcheck --model 'N 0.15 deg/sqrt(h)' --rate 10 --duration 10min --records 4",
                "coverage: share of the printed intervals that contain the truth"),
@@ -62,18 +62,18 @@ COMPLAINTS = {
         Answer("analyze gyro.csv --channels gx --json - --quiet", r'"symbol": "N".*"unit": '),
     "for a given bias instability, what is the normalization of the noise?":
         Answer("simulate flicker.csv --model 'B 10 deg/h' --rate 10 --duration 100 --force",
-               "B bias instability 10 deg/h"),
+               "B bias instability 10 °/h"),
     "rate and angle as input give different curves":
         Answer("info gyro.csv --unit deg", "'deg' does not determine what a sample is", 2),
     "axes have averaging times of different number":
         Answer("deviation gyro.csv --csv - --quiet", "channel,statistic,m,tau_s"),
     "the simulator has no rate random walk":
         Answer(f"simulate walk.csv --model '{TRUTH}' --rate 20 --duration 100 --force",
-               r"K rate random walk 60 deg/h/sqrt\(h\)"),
+               r"K rate random walk 60 °/h/√h"),
     "the script that was promised is not there":
         Answer("analyze gyro.csv --channels gx", "angle random walk .* identified"),
     "how long is a record to be?":
-        Answer(f"plan --model '{TRUTH}' --rate 100 --accuracy 10", r"K 60 deg/h/sqrt\(h\) .* 1\.75 h"),
+        Answer(f"plan --model '{TRUTH}' --rate 100 --accuracy 10", r"K 60 °/h/√h .* 1\.75 h"),
     "opinions on the interpretation of a long record are asked for":
         Answer("analyze gyro.csv --channels gx", r"what it means: gx .* dominates up to .* The drift is random"),
     "what do the marks in the figure mean, and is the sensor good?":

@@ -94,7 +94,7 @@ def test_raw_and_corrected_readings_of_one_file_are_compared_as_a_pair(tmp_path)
     file = write(tmp_path / "day.csv", {k: v for k, v in warm(True).items() if k != "gy [deg/h]"})
     corrected = tmp_path / "corrected.csv"
     run("compensate", file, "--regressors", "temp", "--corrected", corrected)
-    said = run("compare", file, corrected)
+    said = run("compare", file, corrected, "--details")
     assert "raw and corrected samples" in said
     assert "the noise has changed, p " in said
     assert re.search(r"likelihood ratio \S+ for \d+ octaves of frequency", said)
@@ -106,9 +106,9 @@ def test_a_hum_that_grew_is_in_the_verdict_of_a_comparison(tmp_path):
     files = [
         write(tmp_path / f"{size}.csv", {"gx [deg/h]": rng.standard_normal(20_000) + size * hum}) for size in (0.2, 0.3)
     ]
-    said = run("compare", *files)
+    said = run("compare", *files, "--details")
     assert re.search(r"Sine at 3\.1 Hz \+\d\d\.\d %", said)
-    assert re.search(r"Sine sinusoid at 3\.1 Hz 0\.\d+ 0\.\d+ deg/h \+\d\d", said)
+    assert re.search(r"Sine sinusoid at 3\.1 Hz 0\.\d+ 0\.\d+ °/h \+\d\d", said)
     assert "no change of the noise" not in said
     assert re.search(r"K \(at \S+ (min|h|d) or more\)", said)
 

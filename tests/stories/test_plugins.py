@@ -21,7 +21,7 @@ SAMPLE = ROOT / "tests" / "plugin"
 SAID = "; update or remove it"
 
 BEFORE = """
-import json, shlex
+import json, os, shlex
 from pathlib import Path
 import numpy as np
 from click.testing import CliRunner
@@ -84,6 +84,7 @@ USED = (
 from allanite.cli.tasks import Reports
 from allanite.web.requests import Request
 from allanite.web.tables import tables
+os.environ["ALLANITE_DETAILS"] = "1"
 shown = {"help": allanite("--help"), "info": allanite("info a.tones"), "list": allanite("explain")}
 shown["statistic"], shown["target"] = allanite("explain fdev"), allanite("explain pilot")
 shown["verb"] = allanite("extent a.tones --json extent.json --csv extent.csv --report extent.html --lang ru")

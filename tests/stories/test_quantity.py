@@ -85,7 +85,7 @@ def test_a_voltage_has_no_angle(folder):
     assert "white noise of the voltage" in said
     assert "random walk of the voltage" in said
     assert "angle" not in said
-    assert "V*sqrt(s)" in said
+    assert "V*√s" in said
 
 
 @pytest.mark.parametrize(

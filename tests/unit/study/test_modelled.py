@@ -181,7 +181,7 @@ def test_the_truth_of_a_simulation_is_read_again(recording):
     assert again.to_dict() == truth.to_dict()
     assert again.channels[2].history[1] == "with a swept sinusoid"
     assert "Simulation of N" in page(truth)
-    assert "simulated: N = 0.3 deg/sqrt(h)" in table(truth)
+    assert "simulated: N = 0.3 °/√h" in table(truth)
 
 
 def test_a_channel_is_read_again_without_its_readings(job):

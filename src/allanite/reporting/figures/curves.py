@@ -67,7 +67,7 @@ def plot_panels(
             ax.set_aspect("equal", adjustable="box", anchor="N")
             style.plain_ticks(ax.xaxis)
             style.plain_ticks(ax.yaxis, most=3000)
-            _draw_panel(ax, panel._replace(brief=inches < LEAST_LABELLED), level)
+            _draw_panel(ax, panel._replace(brief=wide < LEAST_LABELLED), level)
             if titled:
                 draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
             ax.tick_params(labelbottom=ax is axes[-1])

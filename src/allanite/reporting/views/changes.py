@@ -48,7 +48,7 @@ def first_of_comparison(value: Comparison, level: float) -> First:
 
 def _axes(pairs: Sequence[Pair], level: float) -> Axes:
     changes = [c for pair in pairs for c in pair.changes]
-    rows = [Quantity(say("noise"), "", "", [_whole(pair) for pair in pairs])]
+    rows = [Quantity(say("noise as a whole"), "", "", [_whole(pair) for pair in pairs])]
     for symbol in names_in_order(c.symbol for c in changes):
         found = [next((c for c in pair.changes if c.symbol == symbol), None) for pair in pairs]
         there = next(c for c in found if c is not None)
@@ -67,7 +67,7 @@ def _sensor(pairs: Sequence[Pair]) -> str:
 
 
 def _whole(pair: Pair) -> str:
-    if pair.changed:
+    if pair.p <= pair.alpha:
         return say("changed, {p}", p=chance(pair.p))
     return say("no change, {p}", p=chance(pair.p))
 
