@@ -19,7 +19,7 @@ from allanite.batch.summary import Across
 from allanite.cli import main
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import table, to_csv
-from allanite.reporting.views.batch import _across_table
+from allanite.reporting.views.units import across_table
 from allanite.study.results import Study
 
 LIMITS = al.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})
@@ -119,7 +119,7 @@ def test_few_units_are_tested_or_said_not_to_be(folder, tmp_path):
 def test_numbers_of_some_units_say_of_how_many():
     found = Across("gz", "K", LIMITS.limits[0].signal, 4, 2, 1.0, 0.1, 1.1, "u1.csv", 0.9)
     batch = Batch((BatchUnit("u1.csv", error="x"),), {}, 0.95, None, (), {})
-    assert [cell.endswith(" (of 2)") for cell in _across_table(batch, [found]).rows[0][3:6]] == [True, True, False]
+    assert [cell.endswith(" (of 2)") for cell in across_table(batch, [found]).rows[0][3:6]] == [True, True, False]
 
 
 def test_limits_end_with_their_exit_code(folder, tmp_path):

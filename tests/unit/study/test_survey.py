@@ -95,7 +95,7 @@ def test_files_table_and_json(verb, file, tmp_path):
     assert result.exit_code == 0, result.stderr
     assert result.stdout.splitlines()[-3:] == [f"{name}: {path}" for name, path in paths.items()]
     assert all(f"\n{name}  " in result.stdout for name in ("x", "y", "a"))
-    assert "ug" in result.stdout
+    assert "µg" in result.stdout
     assert paths["plot"].read_bytes().startswith(b"\x89PNG")
     data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
     assert data["type"] == "Survey"
@@ -122,7 +122,7 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
     ("arguments", "code", "words"),
     [
         (["deviation", "{file}", "--statistic", "oadev,nadev"], 2, "unknown statistic 'nadev'; did you mean adev?"),
-        (["dynamic", "{file}", "--statistic", "nadev"], 2, "known statistics"),
+        (["dynamic", "{file}", "--statistic", "nadev"], 2, "did you mean adev?"),
         (["deviation", "{file}", "--m", "1.5"], 2, "expected integers"),
         (["deviation", "{file}", "--taus", "often"], 2, "known grids: octave"),
         (["deviation", "{file}", "--to", "m"], 2, "their dimensions differ"),
@@ -229,7 +229,7 @@ def test_a_spectrum_with_its_terms(record, fit):
     f, model = drawn["model"].get_data()
     np.testing.assert_allclose(model, np.sqrt(spectrum.to("deg/h").expected(fit.valid, np.asarray(f))))
     assert "one-sided" in ax.get_ylabel()
-    assert "deg/h/√Hz" in ax.get_ylabel()
+    assert "°/h/√Hz" in ax.get_ylabel()
     assert any(text.get_text().startswith("N = ") for text in ax.texts)
     assert ax.get_title("right").startswith("welch, hann window; explained, p = ")
     swaying = record.with_values(record.values + 1e-4 * np.sin(np.arange(record.size)), "")
