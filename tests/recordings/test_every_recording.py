@@ -67,7 +67,7 @@ FILES = [
          options={"unit": "deg/s"}, compared=ADIS),
     File("adis_16405_imu3.rda", 0, r"low-pass filtered: ", 100.0, r"'adis_16405_imu3/freq' in the file",
          options={"unit": "deg/s"}),
-    File("aegiverse_fog_0917.txt", 0, r"stuck in 1 place, .* 5 distinct values, quantized to 1\.5 deg/h", 100.02865,
+    File("aegiverse_fog_0917.txt", 0, r"stuck in 1 place, .* 5 distinct values, quantized to 1\.5 °/h", 100.02865,
          r"column 'time', time stamps assumed to be in seconds",
          options={"unit": "deg/h"}, compared={"deg/h": same("fog")}),
     File("aegiverse_fpga_gyro_0802.txt", 0, r"the record is only 111\.3 s long", 96.071745, "column 1, ",

@@ -142,7 +142,7 @@ ROWS = [
     sentence("analyze gyro.csv --plot x.foo", "png, svg, pdf", "'foo'"),
     sentence("analyze gyro.csv --json - --csv -", "only one result"),
     sentence("info gyro.csv --threads 0", "at least 1, or auto, not '0'"),
-    sentence("lot folder", "does not hold the results", "make one with allanite batch FILE... --out 'folder'"),
+    sentence("lot folder", "does not hold the results", "make one with allanite batch FOLDER --out 'folder'"),
     sentence("batch absent --out results", "'absent'", "No such file"),
 ]  # fmt: skip
 

@@ -3,6 +3,7 @@
 import re
 import shlex
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import ROOT
@@ -20,7 +21,7 @@ SCREENS = {
     f"deviation --model {NOISE} --rate 10 --duration 1h": r"tau \[s\]",
     f"spectrum {TWO}": r"spectral density in °/h/√Hz",
     f"dynamic {TWO}": r"\n +0\.1 +22\.\d+ to 23\.\d+",
-    f"compare {TWO}": r"changed: gx / gy\n\n.*\n +noise +changed, p < 1e-12",
+    f"compare {TWO}": r"changed: gx / gy\n\n.*\n +noise as a whole +changed, p < 1e-12",
     f"rate {TWO}": r"rate, mean over 1 h +°/h +4\.20 ± 0\.23 +-7\.90",
     f"plan --model {NOISE} --rate 10": r"N +0\.1 +°/√h .* 20 s\n",
     f"plan {TWO}": r"N +0\.1192 +°/√h .* 20 s\n",
@@ -64,7 +65,38 @@ def test_the_first_screen_is_short_and_begins_with_the_answer(line):
     assert not re.search(r"\de\+0\d", text)
 
 
-def test_every_verb_that_needs_no_more_than_a_file_is_looked_at():
-    looked = {line.split()[0] for line in SCREENS}
-    elsewhere = {"batch", "lot", "watch", "serve", "simulate", "compensate"}  # below, or without a result of their own
-    assert looked | elsewhere == set(VERBS)
+MADE = {
+    "analyze units/a.csv units/b.csv --rate 10": r"2 of 2 units analyzed\n\nfile +channel +N °/√h .*\na\.csv +gx +\d",
+    "lot stored": r"2 of 2 units analyzed\n\nfile +channel +N °/√h .*\na\.csv +gx +\d",
+    "simulate walk.csv --model 'N 0.3 deg/sqrt(h)' --rate 10 --duration 100": r"gx: gyroscope, rate in °/h, 10 Hz",
+    "compensate warm.csv --rate 10 --regressors temp": r"gx depends on temp",
+    "watch warm.csv --channels gx --idle 0.2 --rate 10": r"warm\.csv +gyroscope, 10 Hz",
+}
+"""The same of verbs that need files of their own, in the folder of `made`."""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Two units, their stored results, and a gyro that follows a temperature."""
+    folder, rng = tmp_path_factory.mktemp("made"), np.random.default_rng(1)
+    (folder / "units").mkdir()
+    for name in ("a", "b"):
+        np.savetxt(folder / "units" / f"{name}.csv", rng.normal(size=2000), header="gx [deg/h]", comments="")
+    temperature = 20 + 5 * np.sin(np.arange(2000) / 200)
+    columns = np.column_stack([rng.normal(size=2000) + temperature, temperature])
+    np.savetxt(folder / "warm.csv", columns, delimiter=",", header="gx [deg/h],temp [degC]", comments="")
+    return folder
+
+
+@pytest.mark.parametrize("line", MADE)
+def test_the_first_screen_of_files_that_are_made(line, made, monkeypatch):
+    monkeypatch.chdir(made)
+    if line.startswith("lot"):
+        printed("batch units --out stored --rate 10")
+    text = printed(line)
+    bounded(text)
+    assert re.search(MADE[line], "\n".join(text.splitlines()[:5]) + "\n")
+
+
+def test_every_verb_is_looked_at():
+    assert {line.split()[0] for line in (*SCREENS, *MADE)} | {"batch", "serve"} == set(VERBS)

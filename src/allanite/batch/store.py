@@ -82,7 +82,7 @@ class Store:
         else:
             known = (path / FILES).is_file()
         if not known:
-            made = spelled(f"allanite batch FILE... --out {str(path)!r}", f"al.batch(files, {str(path)!r})")
+            made = spelled(f"allanite batch FOLDER --out {str(path)!r}", f"al.batch(files, {str(path)!r})")
             how = "give a new or an empty folder" if new else f"make one with {made}"
             raise UsageError(f"{str(path)!r} does not hold the results of a batch; {how}")
         return cls(path)

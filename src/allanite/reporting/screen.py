@@ -235,7 +235,7 @@ class _Screen:
         rows = [[self.text(printed_heading(tr(column.heading))) for column in table.columns]]
         kinds = [column.kind for column in table.columns]
         for row in table.rows:
-            shown = (tr(cell).replace("+- ", "± ") for cell in row)
+            shown = (tr(cell).replace("+-", "±") for cell in row)
             rows.append([self.text(with_units(cell, kind)) for cell, kind in zip(shown, kinds, strict=True)])
         sign = " +- " if self.ascii else " ± "
         for j in range(len(table.columns)):

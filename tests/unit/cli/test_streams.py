@@ -142,10 +142,11 @@ def test_names_do_not_drive_the_terminal(tmp_path):
 def test_a_name_that_is_no_text_is_kept_as_its_escape(file, tmp_path):
     odd = tmp_path / "a\udcffb.csv"
     odd.write_bytes(file.read_bytes())
-    outputs = [word for kind in ("json", "csv", "report") for word in (f"--{kind}", tmp_path / f"o.{kind}")]
+    suffixes = {"json": "json", "csv": "csv", "report": "html"}
+    outputs = [word for kind, suffix in suffixes.items() for word in (f"--{kind}", tmp_path / f"o.{suffix}")]
     assert said("analyze", odd, *outputs)[0] == 0
     assert json.loads((tmp_path / "o.json").read_bytes())["provenance"]["source"] == str(odd)
-    assert "b.csv" in (tmp_path / "o.report").read_text(encoding="utf-8")
+    assert "b.csv" in (tmp_path / "o.html").read_text(encoding="utf-8")
 
 
 def test_a_spreadsheet_computes_no_name():
