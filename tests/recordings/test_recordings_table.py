@@ -24,7 +24,7 @@ class Row(NamedTuple):
 
 
 MPU = "mpu6050_static10min/mpu6050_"
-ASKED = (r"--rate 100", r"--unit deg/s", r"increment", r"count")
+ASKED = (r"--rate 100", r"--unit deg/s", r"try: allanite info")
 ADIS = "--rate 100 --unit deg/s --channels 1,2,3"
 TABLE = [
     Row("psins_lasergyro.imu", "info", "", 0, 100.0, (

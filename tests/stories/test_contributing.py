@@ -45,7 +45,7 @@ allanite("analyze z.csv --statistic fdev --report page.html --quiet")
 assert "fourth-difference deviation" in Path("page.html").read_text("utf-8")
 allanite("deviation z.csv --statistic fdev")
 allanite("explain fdev")
-print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference deviation", "<Curve", "a paper")),
+print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference deviation", "<Curve")),
     "noise term": ({"terms/relaxation.py": own("relaxation")}, (
         ("terms/__init__.py", "RATE_RANDOM_WALK, ramp_coefficients\n", "from .relaxation import RELAXED\n"),
         ("terms/__init__.py", "    OSCILLATION,\n", "    RELAXED,\n"),

@@ -35,7 +35,7 @@ def lot(tmp_path_factory):
     (folder / "spec.toml").write_text(LIMITS)
     paths = {name: folder / f"lot.{name}" for name in ("csv", "html", "png")}
     words = ["analyze", f"{folder}/units/*.csv", "--limits", folder / "spec.toml", "--table", paths["csv"]]
-    words += ["--report", paths["html"], "--plot", paths["png"], "--terms", "NK"]
+    words += ["--report", paths["html"], "--plot", paths["png"], "--terms", "NK", "--details"]
     return CliRunner().invoke(main, list(map(str, words))), paths
 
 
@@ -79,7 +79,7 @@ def test_the_table_has_limits_status_and_result(lot):
 
 def test_one_page_and_one_figure_hold_all_units(lot):
     page = lot[1]["html"].read_text("utf-8")
-    assert page.count("<svg") == 1
+    assert page.count("<figure") == 1
     assert page.count("<details>") == 39
     assert all(f"unit{i:02d}.csv" in page for i in range(1, 41))
     assert lot[1]["png"].stat().st_size > 20_000

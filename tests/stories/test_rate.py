@@ -53,11 +53,10 @@ def test_which_method(vertical):
     result = run(vertical, *HOW, *NOISE, "--latitude", "55.7936", "--bias", "-0.0948", "--no-times")
     assert result.exit_code == 0, result.stderr
     assert "in 2 min: use optimal: 2.11 times better than averaging, and 8.9 % better than regression" in result.stdout
-    assert "10 intervals of 2 min; errors against the true rate, 12.4392 deg/h" in result.stdout
+    assert "10 intervals of 2 min; errors against the true rate, 12.4392 °/h" in result.stdout
     for method in al.constant_rate.RATE_ESTIMATORS:
         assert f"\n  {method}" in result.stdout
     assert max(map(len, result.stdout.splitlines())) <= 120
-    assert result.stdout.isascii()
 
 
 @pytest.mark.usefixtures("details")
@@ -100,7 +99,7 @@ def test_the_scatter_against_the_measuring_time_is_a_table(vertical, tmp_path):
     result = run(vertical, *HOW, *NOISE, *options)
     lines = result.stdout.splitlines()
     rows = {(r["method"], float(r["duration_s"])): r for r in csv.DictReader(numbers.read_text().splitlines())}
-    first, second = (lines.index(f"  {title} [deg/h]") for title in (
+    first, second = (lines.index(f"  {title} [°/h]") for title in (
         "std against the measuring time", "predicted std against the measuring time",
     ))  # fmt: skip
     for i, (name, duration) in enumerate((("3 s", 3.0), ("10 s", 10.0), ("2 min", 120.0)), 2):

@@ -170,7 +170,7 @@ def condensed(face: Face, *, drawn: bool = False) -> First:
     for sheet in face.sheets:
         name = "" if len(face.sheets) == 1 and isinstance(sheet.name, Phrase) else sheet.name
         sections.append(_section(name, sheet.parts))
-        alerts += [Remark.of(sheet.name, part.text, grave=True) for part in sheet.parts if _warns(part)]
+        alerts += [Remark.of(name, part.text, grave=True) for part in sheet.parts if _warns(part)]
     alerts += [Remark.of("", part.text) for part in face.close if _warns(part)]
     assumed = face.notes or [text for label, text in face.header if label == "assumed"]
     return First(face.title, answer=sections, remarks=alerts, read=list(assumed), after=after)

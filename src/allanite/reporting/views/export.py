@@ -11,7 +11,7 @@ from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
 from allanite.exporting.exports import EXPORTS
 from allanite.exporting.imported import Imported
-from allanite.exporting.target import ACCELEROMETER, GYRO
+from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, condensed, plus_minus
@@ -58,7 +58,9 @@ def first_of_export(value: Export, level: float) -> First:
     """The fields of a file; of a table of quantities its rows by channel."""
     after = (("--output FILE", say("write it")), DETAILS)
     if value.entries or value.suffix != ".md" or value.target != "datasheet":
-        return replace(condensed(export_view.face(value, level)), after=after)
+        first = condensed(export_view.face(value, level))
+        missing = [Remark.of("", note) for note in value.notes]
+        return replace(first, remarks=[*first.remarks, *missing], after=after)
     lines = [line.strip("| ").split(" | ") for line in value.text.splitlines() if line.startswith("| ")]
     cells: dict[tuple[str, str], dict[str, str]] = {}
     for channel, quantity, size, low, high, unit, *_ in (line for line in lines[2:] if any(line[2:5])):
@@ -81,9 +83,15 @@ def export_view(value: Export, _: float) -> Face:
         parts.append(Note(KEY, "quiet"))
     elif not value.binary:
         parts.append(Code(value.text.rstrip("\n")))
-    parts += [Note(note) for note in value.notes]
+    parts += _noted(row, value.notes)
     header = header_of(value.provenance, ()) if value.provenance else ()
     return one_sheet(row.title, BRAND, row.title, parts, header=header, provenance=value.provenance)
+
+
+def _noted(row: Target, notes: Iterable[str]) -> list[Part]:
+    """Notes, of which those of the target that are no sentences are code."""
+    code = [note for note in row.notes if not isinstance(note, Phrase)]
+    return [Code(note) if note in code else Note(note) for note in notes]
 
 
 @view()
@@ -137,5 +145,5 @@ def explanation_view(value: Explanation, _: float) -> Face:
         parts.append(
             Note(say("f is 1/{step:g} s, the interval of the filter's steps, not the sampling rate", step=row.step))
         )
-    parts += [*(Note(note) for note in row.notes), Note(say("source: {source}", source=row.source), "quiet")]
+    parts += [*_noted(row, row.notes), Note(say("source: {source}", source=row.source), "quiet")]
     return one_sheet(row.title, BRAND, row.title, parts)
