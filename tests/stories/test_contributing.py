@@ -75,7 +75,7 @@ allanite("explain pilot")
 allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
     "verb, result": ({
         "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
-        ("cli/__init__.py", '"serve.serve"),\n', '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
+        ("cli/__init__.py", '"serve.serve", synonyms=("gui", "web")),\n', '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
         ("reporting/views/__init__.py", '    "Lot": "lot.lot_view",\n', '    "Extents": "extent.extents_view",\n')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
@@ -91,7 +91,7 @@ print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.cs
         ("extent Show the least and the greatest sample.", "least greatest", "allanite extent --from 10 z.csv",
          "Extents 10.0 True")),
     "choice of a recipe": ({}, (
-        ("study/recipe.py", 'means over this time.", group="selecting")\n',
+        ("study/recipe.py", 'synonyms=("decimate", "downsample"))\n',
          '    settle: float | None = choice("", "Time to leave out.", group="selecting", parts=())\n'),
         ("study/channels.py", "(recipe.exclude) if recipe.exclude else ())\n",
          "    whole = trim(whole, recipe.settle, None)\n")), """
@@ -119,7 +119,7 @@ import catalogues
 catalogues.main()
 assert 'msgid "angle random walk"' in (catalogues.LOCALE / "de.po").read_text("utf-8")
 allanite("analyze z.csv --lang de")
-allanite("analyze z.csv --lang xx", 2)""", ("de: ", "sentences are shown in English", "random walk", "de (Deutsch)")),
+allanite("analyze z.csv --lang xx", 2)""", ("de: ", "sentences are shown in English", "random walk", "known languages: en, de")),
     "sentence": ({}, (
         ("reporting/views/jobs.py", "    record = channel.record\n",
          '    parts = [Note(say("first at {time:.1f} s", time=0.0)), *parts]\n'),), """
@@ -160,7 +160,8 @@ def test_an_addition_needs_the_places_of_the_guide_and_no_other(rows, tmp_path):
         before, *behind = (package / path).read_text("utf-8").split(line)
         assert len(behind) == 1, (path, line)
         (package / path).write_text(f"{before}{line}{more}{behind[0]}", "utf-8")
-    around = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (package.parent, tmp_path / "tools")))}
+    path = os.pathsep.join(map(str, (package.parent, tmp_path / "tools")))
+    around = os.environ | {"PYTHONPATH": path, "ALLANITE_DETAILS": "1"}
     words = [sys.executable, "-c", BEFORE + use]
     done = subprocess.run(words, cwd=tmp_path, env=around, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -14,7 +14,7 @@ def test_the_output_on_a_page_is_that_of_its_commands(page):
 
 
 def test_a_stale_page_is_renewed_and_the_pipes_shorten(tmp_path):
-    stale = "# A page\n\n```console\n$ allanite plan --sensor fog --rate 100 | grep fog\nold\n```\n"
+    stale = "# A page\n\n```console\n$ allanite plan --details --sensor fog --rate 100 | grep fog\nold\n```\n"
     fresh = excerpts.renewed(stale)
     assert "old" not in fresh
     assert fresh.count("\n") == stale.count("\n")

@@ -37,7 +37,7 @@ REFUSED = {
 """What is no recording, or lacks what no option gives, and the words for it."""
 
 SAID = """() => {
-    const shown = [...document.querySelectorAll('[data-testid^=error-], [data-testid=problem]')];
+    const shown = [...document.querySelectorAll('[data-testid^=error-], [data-testid=problem], #failed-words')];
     return shown.map((one) => one.checkVisibility() ? one.textContent.trim() : '').filter(Boolean).join(' / ');
 }"""
 OPENED = "() => document.querySelectorAll('details:has(input)').forEach((one) => { one.open = true; })"

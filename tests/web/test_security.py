@@ -312,4 +312,6 @@ def test_a_damaged_file_is_answered_in_the_words_of_the_command_line(client, tmp
         said = CliRunner().invoke(main, line)
         assert (kind == "done") == (said.exit_code in (0, EXCEEDED)), (k, told, said.output)
         if kind != "done":
-            assert words(told["error"], name) == words(said.stderr.removeprefix("error: "), name), k
+            assert words(told["error"], name) == words(
+                said.stderr.partition("\ntry: ")[0].removeprefix("error: "), name
+            ), k
