@@ -75,7 +75,8 @@ allanite("explain pilot")
 allanite("explain")""", ("\ngyro_noise = 2.9", "0.1 deg/sqrt(h)", "manual of Pilot, section 3", "settings of Pilot")),
     "verb, result": ({
         "study/extent.py": own("job"), "cli/extent.py": own("command"), "reporting/views/extent.py": own("view")}, (
-        ("cli/__init__.py", '"serve.serve", synonyms=("gui", "web")),\n', '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
+        ("cli/__init__.py", '"serve.serve", synonyms=("gui", "web")),\n',
+         '    Verb("extent", "Analyze", "extent.extent", "extent.EXTENT"),\n'),
         ("reporting/views/__init__.py", '    "Lot": "lot.lot_view",\n', '    "Extents": "extent.extents_view",\n')), """
 allanite("--help")
 allanite("extent z.csv --from 10 --json out.json --csv out.csv --report page.html --lang ru")
@@ -119,7 +120,8 @@ import catalogues
 catalogues.main()
 assert 'msgid "angle random walk"' in (catalogues.LOCALE / "de.po").read_text("utf-8")
 allanite("analyze z.csv --lang de")
-allanite("analyze z.csv --lang xx", 2)""", ("de: ", "sentences are shown in English", "random walk", "known languages: en, de")),
+allanite("analyze z.csv --lang xx", 2)""", (
+        "de: ", "sentences are shown in English", "random walk", "known languages: en, de")),
     "sentence": ({}, (
         ("reporting/views/jobs.py", "    record = channel.record\n",
          '    parts = [Note(say("first at {time:.1f} s", time=0.0)), *parts]\n'),), """
