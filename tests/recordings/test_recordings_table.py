@@ -78,7 +78,7 @@ TABLE = [
     )),
     Row("vn100_car_idle.bag", "info", "", 0, 40.000076, (
         r"samples of /imu of type sensor_stack/Vectornav \(2732 rows at 39.85 Hz\)",
-        r"rad/s, m/s\^2 by the definition",
+        r"rad/s, m/s² by the definition",
         r"'header\.stamp' is used as the clock, of 4 candidates",
         r"'imu\.header\.stamp' repeats 97 % of its time stamps", r"'receive time' scatters by 100 %",
         r"spectral lines at 10, 18\.3, 19\.8 Hz", r"gx gyroscope, rate in rad/s, .* 2732 samples",

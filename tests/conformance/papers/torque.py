@@ -42,7 +42,7 @@ ROWS = (
 
 TOLD = (
     Told("the least squares of the paper", "analyze before.npz --method ls",
-         "a negative K^2, which has no physical meaning"),
+         "a negative K², which has no physical meaning"),
     Told("3.1 sources", "analyze before.npz --device mscsg", "the analogue-to-digital converter of the coil current"),
     Told("3.2 remedies", "analyze before.npz --device mscsg", "a controller that suppresses vibration"),
     Told("how long for B, K and R", "compare before.npz after.npz",

@@ -47,7 +47,7 @@ ROWS = (
 TOLD = (
     Told("what no time constant removes", HOUR, "floor: 15.9 arcsec from flicker and bias of the accelerometer"),
     Told("random walk of the rate wants a second order", HOUR, "use the filter of second order"),
-    Told("structure: the error by source", HOUR, "accelerometer B = 50 ug"),
+    Told("structure: the error by source", HOUR, "accelerometer B = 50 µg"),
 )
 
 DRAWN = (Drawn("transfer functions", f"{VERTICAL} --plot fig.svg"),)
