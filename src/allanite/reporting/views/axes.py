@@ -1,6 +1,5 @@
 """The first screen of an analysis: coefficients by channel, and what limits them."""
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -46,12 +45,13 @@ def first_of(study: Study, level: float) -> First:
     if not fitted:
         return _seen(study)
     lost = any(e.status == "absent" and e.symbol in MAIN for channel in fitted for e in channel.fit or ())
+    tables = list(_axes(channels, level))
     return First(
         title_of(study),
         _verdict(channels),
-        list(_axes(channels, level)),
+        tables,
         told_once(doubts(channels), weighed([*alerts(study), *_reservations(channels)])),
-        list(_legend(fitted, level)),
+        list(_legend(tables, level)),
         how_read(study),
         [FIGURES, MEANING, *([LONGER] if lost else [])],
     )
@@ -112,22 +112,19 @@ def _axes(channels: Sequence[Channel], level: float) -> Iterator[Axes]:
 
 
 def _quantities(channels: Sequence[Channel], signal: Signal, level: float) -> Iterator[Quantity]:
-    met = {e.symbol for channel in channels for e in channel.fit or ()}
-    for symbol in names_in_order(met):
-        found = [next((e for e in c.fit or () if e.symbol == symbol), None) for c in channels]
-        there = [e for e in found if e is not None]
-        cells = [cell_of(e, level) if e and c.explained else "" for e, c in zip(found, channels, strict=True)]
-        claimed = any(e.valued for e, c in zip(found, channels, strict=True) if e and c.explained)
-        rank = 0 if claimed else 1 if symbol in MAIN else 2
+    fits = [{e.symbol: e for e in channel.fit or ()} if channel.explained else {} for channel in channels]
+    for symbol in names_in_order(symbol for fit in fits for symbol in fit):
+        there = [fit[symbol] for fit in fits if symbol in fit]
+        cells = [cell_of(fit[symbol], level) if symbol in fit else "" for fit in fits]
+        rank = 0 if any(e.valued for e in there) else 1 if symbol in MAIN else 2
         if any(cells):
             yield Quantity(words.title(symbol, signal), symbol, there[0].sheet_unit, cells, rank)
-    read = [channel.readings for channel in channels]
-    unit = next((r.shown_unit(0) for r in read if r is not None), signal.sheet[0])
+    unit = next((c.readings.shown_unit(0) for c in channels if c.readings is not None), signal.sheet[0])
     least = [_minimum(channel) for channel in channels]
     if any(least):
         yield Quantity(say("in-run bias stability"), "", unit, least, short=say("in-run"))
-    fits = [fit_words(channel.noise, channel.refusal) for channel in channels]
-    yield Quantity(say("model fit"), "", "", fits, short=say("model"))
+    words_of = [fit_words(channel.noise, channel.refusal) for channel in channels]
+    yield Quantity(say("model fit"), "", "", words_of, short=say("model"))
 
 
 def names_in_order(symbols: Iterable[str]) -> list[str]:
@@ -183,20 +180,14 @@ def _part(noise: Noise) -> tuple[float | None, float]:
     return (scope.until, scope.within if scope.misfit else 0.0) if scope is not None else (None, 0.0)
 
 
-def _legend(channels: Sequence[Channel], level: float) -> Iterator[str]:
+def _legend(tables: Iterable[Axes], level: float) -> Iterator[str]:
     """What the signs mean that are in the tables."""
-    fits = [e for channel in channels if channel.explained for e in channel.fit or ()]
-    if any(e.valued and math.isfinite(e.interval(level)[0]) for e in fits):
-        yield say("±: {share} half width.", share=words.percent(level))
-    if any(e.upper is not None and not e.valued for e in fits):
-        yield say("<: limit, not detected.")
-    cells = [str(fit_words(channel.noise)) for channel in channels]
-    if any(cell.startswith("fits*,") for cell in cells):
-        yield say("*: reservation.")
-    if any("≤" in _minimum(channel) for channel in channels):
-        yield say("≤: still falling.")
-    if any(c.noise is not None and c.noise.validity and c.fit and c.fit.goodness for c in channels):
-        yield say("p < {least:g}: no fit.", least=LEAST)
+    cells = [str(cell) for table in tables for row in table.rows for cell in row.cells]
+    meanings = {
+        "±": say("±: {share} half width.", share=words.percent(level)), "<": say("<: limit, not detected."),
+        "*,": say("*: reservation."), "≤": say("≤: still falling."), ", p ": say("p < {least:g}: no fit.", least=LEAST),
+    }  # fmt: skip
+    yield from (meaning for sign, meaning in meanings.items() if any(sign in cell for cell in cells))
 
 
 def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
