@@ -65,8 +65,8 @@ class _Screen:
         """All lines: the answer, and as many remarks as there is room for."""
         head = [(line, "bold") for line in self.head(first)]
         foot = self.foot(first)
-        grave = sum(remark.grave for remark in first.remarks)
-        wanted = max(min(len(first.remarks), FEWEST), min(grave, 6))
+        grave, every = sum(remark.grave for remark in first.remarks), len(first.remarks)
+        wanted = max(min(every, FEWEST), min(grave, 6) + (every > min(grave, 6)))  # and how many more there are
         room = LINES - len(head) - len(foot)
         answer = [(line, "") for line in self.answer(first.answer, room - wanted)]
         remarks = [(line, "red" if i < grave else "") for i, line in enumerate(self.remarks(first, room - len(answer)))]
