@@ -115,7 +115,7 @@ def plan(
     Raises
     ------
     UsageError
-        The model has no noise, or a length, the rate or the accuracy is not positive.
+        The model has no noise, a length, the rate or the accuracy is not positive, or the accuracy is above 1.
 
     Examples
     --------
@@ -126,6 +126,8 @@ def plan(
     >>> [round(float(hours), 1) for hours in found.needed / 3600]
     [0.0, 0.5, 3.4]
     """
+    if accuracy > 1:
+        raise UsageError(f"the accuracy is a share between 0 and 1, not {accuracy:g}; did you mean {accuracy / 100:g}?")
     if not (math.isfinite(rate) and rate > 0) or not accuracy > 0 or not all(d > 0 for d in durations):
         raise UsageError(
             f"the sampling rate, the accuracy and all lengths must be above 0, not {given(rate)} Hz, "
