@@ -85,12 +85,6 @@ def _demand_number(name: str, value: Any) -> Any:
     return value
 
 
-def _demand_share(name: str, value: Any) -> Any:
-    if _demand_number(name, value) > 1:
-        raise UsageError(f"{name} must be a share between 0 and 1, not {value:g}; did you mean {value / 100:g}?")
-    return value
-
-
 def _demand_word(name: str, value: Any) -> Any:
     if not isinstance(value, str):
         raise UsageError(f"{name} must be a word, not {value!r}")
@@ -192,8 +186,8 @@ def _instant(text: Any) -> float:
 NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
 INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number", form=AN_INTEGER)
 PERCENT = ChoiceKind(
-    "float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), _demand_share,
-    write=lambda v: f"{100 * v:.12g}", form=A_NUMBER,
+    "float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), write=lambda v: f"{100 * v:.12g}",
+    form=A_NUMBER,
 )  # fmt: skip
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
