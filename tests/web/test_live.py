@@ -24,7 +24,7 @@ class Sensor(threading.Thread):
 
     def __init__(self, path: Path) -> None:
         super().__init__(daemon=True)
-        self.path, self.ended, self.offset = path, threading.Event(), 0.0
+        self.path, self.ended, self.offset, self.written = path, threading.Event(), 0.0, 0
         path.write_text("gx [deg/h]\n", encoding="utf-8")
 
     def run(self) -> None:
@@ -35,6 +35,7 @@ class Sensor(threading.Thread):
                 values = self.offset + 10 * rng.standard_normal(EACH)
                 file.write("".join(f"{value:.6f}\n" for value in values.tolist()))
                 file.flush()
+                self.written += EACH
 
 
 @pytest.fixture
@@ -54,6 +55,9 @@ def test_a_stream_has_a_curve_a_jump_is_said_and_the_result_stays(page: Any, sen
     page.wait_for_selector("[data-testid=live-plot] .scatterlayer .trace")
     sensor.offset = 60.0
     page.get_by_text(JUMP).first.wait_for()
+    enough = sensor.written + 60 * RATE  # a step that few samples follow is a random walk to the model
+    while sensor.written < enough:
+        page.wait_for_timeout(100)
     page.get_by_test_id("live-stop").click()
     results = page.get_by_test_id("live-results")
     results.get_by_text("angle random walk").first.wait_for()
