@@ -1,0 +1,1 @@
+"""What configurations, simulators and data sheets claim, and what follows from it."""
