@@ -57,7 +57,7 @@ class Claim(Value):
         What the document calls it.
     value : float
     unit : str
-    limit : {"typical", "maximum", ""}
+    limit : {"typical", "nominal", "maximum", ""}
     conditions : str
     place : str
         Page, and table or section.
@@ -141,12 +141,12 @@ class DataSheet(Value):
     def used(self, sensor: str) -> tuple[Claim, ...]:
         """The lines from which the model of a sensor is made, one for each coefficient.
 
-        Typical values are preferred to others, quantities in the order of `QUANTITIES`, and of several axes the largest
-        is used.
+        Typical values are preferred to maxima, quantities are tried in the order of `QUANTITIES`, and of several axes,
+        ranges or modes the largest value is used.
         """
         order, found = list(QUANTITIES), dict[str, Claim]()
         mine = [claim for claim in self.claims if claim.sensor == sensor and claim.term is not None]
-        for claim in sorted(mine, key=lambda c: (c.limit != "typical", order.index(c.quantity), -c.value)):
+        for claim in sorted(mine, key=lambda c: (c.limit == "maximum", order.index(c.quantity), -c.value)):
             found.setdefault(QUANTITIES[claim.quantity].symbol, claim)
         symbols = dict.fromkeys(how.symbol for how in QUANTITIES.values())
         return tuple(found[symbol] for symbol in symbols if symbol in found)
