@@ -10,7 +10,7 @@ from typing import NamedTuple
 from allanite.core.datasheet import ONE_SIDED
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term, term
-from allanite.core.names import demand_name, row_alike
+from allanite.core.names import row_alike
 from allanite.core.plain import Value
 from allanite.plugins import Registry
 from allanite.terms import TERMS
@@ -192,8 +192,8 @@ def data_sheet_named(name: str) -> DataSheet:
     return row_alike("data sheet", name, DATASHEETS)
 
 
-def claimed(text: str) -> Model:
-    """The noise that a data sheet claims of its gyro, or of the sensor named after it.
+def claimed(text: str) -> tuple[Model, ...]:
+    """The noise that a data sheet claims: that of its gyro first, or that of the sensor alone that follows its name.
 
     Raises
     ------
@@ -202,16 +202,14 @@ def claimed(text: str) -> Model:
 
     Examples
     --------
-    >>> print(claimed("adis16470"))
-    N = 0.34 deg/sqrt(h), B = 12.04 deg/h
-    >>> print(claimed("adis16470 accelerometer"))
-    N = 0.037 m/s/sqrt(h), B = 19.57 ug
+    >>> [str(model) for model in claimed("adis16470")]
+    ['N = 0.34 deg/sqrt(h), B = 12.04 deg/h', 'N = 0.037 m/s/sqrt(h), B = 19.57 ug']
+    >>> [str(model) for model in claimed("adis16470 accelerometer")]
+    ['N = 0.037 m/s/sqrt(h), B = 19.57 ug']
     """
     name, _, sensor = text.strip().rpartition(" ") if text.strip().endswith(SENSORS) else (text, "", "")
     sheet = data_sheet_named(name)
-    if sensor:
-        demand_name("sensor", sensor, SENSORS)
-    found = sheet.model(sensor) if sensor else next(iter(sheet.models), None)
-    if found is None:
+    found = tuple(filter(None, (sheet.model(sensor),))) if sensor else sheet.models
+    if not found:
         raise UsageError(f"the data sheet of the {sheet.name} says nothing of the noise of its {sensor or 'sensors'}")
     return found
