@@ -33,6 +33,8 @@ from .comparison.comparing import pool as pool
 from .comparison.comparing import truncation as truncation
 from .comparison.comparison import Comparison as Comparison
 from .comparison.pooled import Pool as Pool
+from .comparison.sheet import SheetComparison as SheetComparison
+from .comparison.sheet import compare_with_sheet as compare_with_sheet
 from .core.correction import Correction as Correction
 from .core.curve import Curve as Curve
 from .core.errors import AllaniteError as AllaniteError

@@ -2,15 +2,17 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
+from allanite.core.encoding import plain
 from allanite.core.readings import FLICKER
 from allanite.planning.datasheets import QUANTITIES, Claim, DataSheet, data_sheet_named
 from allanite.study.analysis import analyze
 from allanite.study.channels import Progress, Source
+from allanite.study.job import Job
 from allanite.study.recipe import Recipe
-from allanite.study.results import Channel, Study
+from allanite.study.results import Channel
 
 
 class Measured(NamedTuple):
@@ -29,17 +31,19 @@ class Measured(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SheetComparison(Study):
-    """An analysis, and the data sheet that its sensor has.
+class SheetComparison(Job[Channel]):
+    """An analysis, and the data sheet of the sensor.
 
     Attributes
     ----------
     sheet : DataSheet
     channels, recipe, findings, notes, provenance
-        Those of the analysis.
+        Those of the `Study`.
     """
 
-    sheet: DataSheet = field(kw_only=True)
+    _channel = Channel
+
+    sheet: DataSheet
 
     def measured(self, channel: Channel, level: float = 0.95) -> Iterator[Measured]:
         """The lines of the data sheet that speak of the sensor of a channel and have a coefficient.
@@ -59,6 +63,16 @@ class SheetComparison(Study):
             [name, c.quantity, c.printed, c.limit, c.value, m.value, m.low, m.high, c.unit, m.ratio[0]]
             for name, m, c in pairs
         ]
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was actually used, as plain data."""
+        return self.recipe.to_dict() | {"datasheet": self.sheet.name}
+
+    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
+        heads, rows = self.rows(level)
+        return super()._around(level, channels) | {
+            "measured": plain([dict(zip(heads, row, strict=True)) for row in rows])
+        }
 
 
 def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
@@ -115,4 +129,4 @@ def compare_with_sheet(
     """
     known = sheet if isinstance(sheet, DataSheet) else data_sheet_named(sheet)
     study = analyze(source, recipe, progress=progress)
-    return SheetComparison(**{f.name: getattr(study, f.name) for f in fields(study)}, sheet=known)
+    return SheetComparison(study.channels, study.recipe, study.findings, study.notes, study.provenance, known)

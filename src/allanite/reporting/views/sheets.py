@@ -32,7 +32,7 @@ assert MEANS.keys() == QUANTITIES.keys()  # noqa: S101 - each quantity has its s
 
 def first_of_sheet(value: DataSheet, _: float) -> First:
     """The models of a data sheet, and the lines from which they are made."""
-    answer: list[str | Table] = [str(model) for model in value.models]
+    answer: list[str | Table] = list(_models(value))
     rows = [[c.printed, *_size(c), c.limit, c.place] for c in value.claims if c.limit != "maximum"]
     answer.append(Table([Column("", "name"), *[Column("", "text")] * 4], rows))
     after = (
@@ -52,16 +52,21 @@ def sheet_view(value: DataSheet, _: float) -> Face:
         Column(say("place"), "text"), Column(say("is"), "text"),
     )  # fmt: skip
     rows = [
-        [signal_named(c.sensor).name, c.printed, *_size(c), c.limit, c.conditions, c.place, c.term or ""]
+        [signal_named(c.sensor).name, c.printed, *_size(c), c.limit, c.conditions, c.place,
+         printed_unit(str(c.term or ""))]
         for c in value.claims
-    ]
+    ]  # fmt: skip
     means = dict.fromkeys(MEANS[claim.quantity] for claim in value.claims)
     parts: list[Part] = [
-        *(Note(str(model), "strong") for model in value.models),
+        *(Note(text, "strong") for text in _models(value)),
         Table(heads, rows, most=99), *(Note(text, "quiet") for text in means),
     ]  # fmt: skip
     title = join(" ", (value.maker, value.name))
     return one_sheet(title, BRAND, value.name, parts, about=(say("source: {source}", source=value.document),))
+
+
+def _models(value: DataSheet) -> Iterator[str]:
+    return (join(": ", (model.signal.sensor, str(model))) for model in value.models)
 
 
 def _sheet_rows(value: DataSheet) -> Rows:
