@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from allanite.core.encoding import plain
 from allanite.core.readings import FLICKER
+from allanite.phrases.phrase import say
 from allanite.planning.datasheets import QUANTITIES, Claim, DataSheet, data_sheet_named
 from allanite.study.analysis import analyze
 from allanite.study.channels import Progress, Source
@@ -85,7 +86,7 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
             return Measured(claim)
         scale *= FLICKER
         low, high = readings.minimum.interval(level)
-        remark = "" if readings.inside else "upper limit: still falling"
+        remark = "" if readings.inside else say("upper limit: still falling")
         return Measured(claim, readings.minimum.deviation * scale, low * scale, high * scale, remark)
     found = next((e for e in channel.fit or () if e.symbol == term.symbol), None)
     if found is None or found.value is None or not found.valued:
