@@ -1,9 +1,9 @@
 """Errors of the angle of a filter that is aided and then left alone: what it predicts, and what they are.
 
-A filter of a model of a gyro takes every second a measurement of the angle, during AIDED seconds; after it, the angle is
-the integral of the gyro less the bias that was estimated. Its errors are linear in the noise of the gyro, with weights
-that do not depend on data: of many filters at once they are found by one recursion, and applied to simulated noise or to
-its exact covariance.
+A filter of a model of a gyro takes a measurement of the angle every second, during AIDED seconds; after it, the angle
+is the integral of the gyro less the bias that was estimated. Its errors are linear in the noise of the gyro, with
+weights that do not depend on data: of many filters at once they are found by one recursion, and applied to simulated
+noise or to its exact covariance.
 """
 
 import table  # noqa: F401 - numpy is loaded with one thread
@@ -73,7 +73,18 @@ class Filters:
 
 
 def filters(spaces: Sequence[Matrices], accuracy: float) -> Filters:
-    """Kalman filters of spaces of the same size, with angles of an accuracy in rad."""
+    """Kalman filters of state spaces, with angles of an accuracy in rad."""
+    n, k = len(spaces), len(OUTAGES)
+    found = Filters(np.empty((n, k)), np.empty((n, k, AIDED)), np.empty((n, k, AIDED)))
+    for size in {len(space.Phi) for space in spaces}:
+        at = [i for i, space in enumerate(spaces) if len(space.Phi) == size]
+        part = _alike([spaces[i] for i in at], accuracy)
+        found.sigma[at], found.past[at], found.aid[at] = part.sigma, part.past, part.aid
+    return found
+
+
+def _alike(spaces: Sequence[Matrices], accuracy: float) -> Filters:
+    """Filters of spaces of the same size."""
     r, s = len(spaces), 1 + len(spaces[0].Phi)
     F, Q, P = (np.zeros((r, s, s)) for _ in range(3))
     for i, one in enumerate(spaces):
@@ -160,7 +171,7 @@ def noise(model: al.Model, runs: int, rng: np.random.Generator) -> tuple[Array, 
     if still := tuple(t for t in model if stationary(t)):
         y += al.simulate(al.Model(still), runs * n, 1.0, rng=rng).values.reshape(runs, n)
     if moving:
-        for one in y:
+        for i in range(runs):
             walk = al.simulate(al.Model(moving), n + 1, 1.0, rng=rng).values
-            one += walk[1:] - walk[0]
+            y[i] += walk[1:] - walk[0]
     return y[:, :AIDED], np.cumsum(y[:, AIDED:], axis=1)[:, np.array(OUTAGES) - 1]

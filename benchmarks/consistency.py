@@ -3,9 +3,9 @@
     python benchmarks/consistency.py [--records 100] [--runs 2000] [--aids 0.1 0] [--write PATH]
 
 Records of gyros are simulated, identified as a user's would be, and exported to every target with fields, without and
-with cover. Each file is read back into N, K, B and the correlation time of the bias, and a Kalman filter of these, which
-is aided by an angle every second and then left alone, meets noise of the true model. With ALLANITE_RECORDINGS, the
-folder of the recordings, the models that are identified in the ADIS16405 among them are true models, too.
+with cover. Each file is read back into N, K, B and the correlation time of the bias, and a Kalman filter of these,
+which is aided by an angle every second and then left alone, meets noise of the true model. With ALLANITE_RECORDINGS,
+the folder of the recordings, the models that are identified in the ADIS16405 among them are true models, too.
 """
 
 from table import begin, markdown
@@ -40,9 +40,17 @@ RECORDED = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
 TARGETS = {name: row for name, row in al.EXPORTS.items() if row.fields}
 COVERS: dict[str, dict[str, object]] = {"no": {}, "yes": {"cover": SPAN}}
 HEADINGS = ("sensor", "cover", "targets", "median model", "refused", *(f"{t} s" for t in OUTAGES))
-ABOUT = (
-    "rms error over predicted sigma: over all records (lowest to highest of a record), from the covariance",
-    "rms error over that of the state space of the true model, and median of the predicted sigma, deg",
+PARTS = (
+    (
+        "Consistency",
+        "Rms error over predicted sigma, of all records (lowest to highest of a record), from the covariance.",
+        ["simulated / exact"],
+    ),
+    (
+        "Accuracy",
+        "Rms error over that of the state space of the true model, and median of the predicted sigma, deg.",
+        [],
+    ),
 )
 
 
@@ -121,7 +129,7 @@ class Sensor:
         return cls(name, truth, best, *aided.noise(model, runs, rng), aid * rng.standard_normal((runs, AIDED)), aid)
 
     def judged(self, group: Group) -> tuple[Array, Array, Array, Array]:
-        """Error over sigma, over the best error, and sigma, shape (models, outages); mean square of simulated ratios."""
+        """Error over sigma, over the best error, and sigma, by model and outage; mean square of simulated ratios."""
         found = aided.filters([aided.target(model) for model in group.models], self.aid)
         error = self.truth.errors(found, self.aid)
         square = np.zeros(len(OUTAGES))
@@ -160,11 +168,8 @@ def middle(models: Sequence[al.Model]) -> str:
             sizes["K" if K else t.symbol].append(t.value * (math.sqrt(2 / t.shape[0]) if K else 1.0))
             if K:
                 sizes["T"].append(t.shape[0])
-    signal = models[0].signal
-    return ", ".join(
-        f"T {np.median(v):.3g} s" if k == "T" else str(al.Term(k, float(np.median(v)), signal))
-        for k, v in sizes.items()
-    )
+    words = {k: str(al.Term(k, float(np.median(v)), models[0].signal)) for k, v in sizes.items() if k != "T"}
+    return ", ".join([*words.values(), *(f"T = {np.median(v):.3g} s" for k, v in sizes.items() if k == "T")])
 
 
 def main() -> None:
@@ -189,7 +194,7 @@ def main() -> None:
             print(name, aid, len(groups), file=sys.stderr, flush=True)
     sensors = [f"{name}: {model}" for name, (model, _) in truths.items()]
     notes = [
-        f"seeds: number of the sensor, number of the record; of the noise that filters meet: of the sensor, {asked.records}",
+        "seeds: number of the sensor, number of the record; of what filters meet: number of the sensor, of records",
         f"records of {HOURS} h at {RATE:g} Hz, analyzed with the default recipe; {asked.records} a sensor, "
         f"{asked.recorded} of each model found in a recording",
         f"filters: angle and the biases of the file, aided for {AIDED} s by an angle every second; cover of "
@@ -200,16 +205,9 @@ def main() -> None:
     ]
     body = []
     for aid, both in pages.items():
-        for what, about, rows, more in zip(
-            ("Consistency", "Accuracy"), ABOUT, both, (["simulated / exact"], []), strict=True
-        ):
-            body += [
-                f"## {what}, aid to {aid:g} deg",
-                "",
-                about.capitalize() + ".",
-                "",
-                *markdown([*HEADINGS, *more], rows),
-            ]
+        for part, rows in zip(PARTS, both, strict=True):
+            title, about, more = part
+            body += [f"## {title}, aid to {aid:g} deg", "", about, "", *markdown([*HEADINGS, *more], rows)]
     run.publish("Consistency of exported files", notes, body)
 
 
