@@ -25,6 +25,9 @@ OUTAGES = (1, 10, 60, 300, 600, 1000)
 AIDED = 1000
 """Seconds of aid before."""
 
+BEFORE = 60
+"""Seconds before the aid whose mean rate is removed from drifts that have no variance, as a calibration at rest does."""
+
 TURN_ON = 1e-2
 """Standard deviation of the bias at the start in each filter, rad/s: large, since noise does not determine it."""
 
@@ -118,21 +121,19 @@ def _alike(spaces: Sequence[Matrices], accuracy: float) -> Filters:
 
 
 def covariance(model: al.Model) -> Array:
-    """Covariance of the mean rates over seconds, from the structure function of each term: AIDED, then the outage.
-
-    Terms that are not stationary begin at 0, in the second before.
-    """
-    n = AIDED + OUTAGES[-1]
-    lag = np.arange(n + 1.0)
-    k = np.arange(1, n + 1)
+    """Covariance of the mean rates over seconds, from the structure function of each term: AIDED, then the outage."""
+    n = BEFORE + AIDED + OUTAGES[-1]
+    lag = np.arange(float(n))
+    index = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
     C = np.zeros((n, n))
     for t in model:
         D = t.sampled(1.0).structure
-        g = t.power(1.0) * (D(lag + 1) - 2 * D(lag) + D(np.abs(lag - 1))) / 2
-        C += g[np.abs(k[:, None] - k)]
+        part = (t.power(1.0) * (D(lag + 1) - 2 * D(lag) + D(np.abs(lag - 1))) / 2)[index]
         if not stationary(t):
-            C += g[0] - g[k] - g[k][:, None]
-    return C
+            mean = part[:BEFORE].mean(axis=0)
+            part += mean[:BEFORE].mean() - mean - mean[:, None]
+        C += part
+    return C[BEFORE:, BEFORE:]
 
 
 def stationary(term: al.Term) -> bool:
@@ -172,6 +173,6 @@ def noise(model: al.Model, runs: int, rng: np.random.Generator) -> tuple[Array, 
         y += al.simulate(al.Model(still), runs * n, 1.0, rng=rng).values.reshape(runs, n)
     if moving:
         for i in range(runs):
-            walk = al.simulate(al.Model(moving), n + 1, 1.0, rng=rng).values
-            y[i] += walk[1:] - walk[0]
+            drift = al.simulate(al.Model(moving), BEFORE + n, 1.0, rng=rng).values
+            y[i] += drift[BEFORE:] - drift[:BEFORE].mean()
     return y[:, :AIDED], np.cumsum(y[:, AIDED:], axis=1)[:, np.array(OUTAGES) - 1]

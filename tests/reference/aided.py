@@ -21,16 +21,14 @@ def step(white, walk, time):
     return transition, transition @ both[:2, 2:]
 
 
-def drift(D, n):
-    """Covariance of the mean rates of n seconds, less that of the second before them, in which a drift begins."""
-    ends = np.arange(1.0, n + 1)
-
-    def covariance(i, j):  # of the angles' increments over the seconds that begin at i and j
-        lag = np.abs(i - j)
-        return (D(lag + 1) + D(np.abs(lag - 1)) - 2 * D(lag)) / 2
-
-    first = covariance(ends, 0.0)
-    return covariance(ends[:, None], ends) - first[:, None] - first + covariance(np.array(0.0), 0.0)
+def drift(D, n, before=60):
+    """Covariance of the mean rates of n seconds, less the mean rate of so many seconds before them."""
+    ends = np.arange(1.0 - before, n + 1)
+    lag = np.abs(ends[:, None] - ends)
+    C = (D(lag + 1) + D(np.abs(lag - 1)) - 2 * D(lag)) / 2
+    less = np.eye(before + n)[before:]
+    less[:, :before] = -1 / before
+    return less @ C @ less.T
 
 
 def judge(white, walk, truth, *, time=np.inf, aid=0.0, aided=1000, outages=(1, 10, 60, 300)):
