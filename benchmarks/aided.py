@@ -26,7 +26,7 @@ AIDED = 1000
 """Seconds of aid before."""
 
 BEFORE = 60
-"""Seconds before the aid whose mean rate is removed from drifts that have no variance, as a calibration at rest does."""
+"""Seconds before the aid, whose mean rate is removed from drifts without a variance, as by a calibration at rest."""
 
 TURN_ON = 1e-2
 """Standard deviation of the bias at the start in each filter, rad/s: large, since noise does not determine it."""

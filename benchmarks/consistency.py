@@ -37,20 +37,18 @@ SENSORS = {
 }
 ACCELEROMETER = al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
 RECORDED = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
-TARGETS = {name: any(field.term == "K" for field in row.fields) for name, row in al.EXPORTS.items() if row.fields}
-"""Whether they have a field for the drift of a bias, without which no file can cover one."""
-
+TARGETS = {name: row for name, row in al.EXPORTS.items() if row.fields}
 COVERS: dict[str, object] = {"no": False, "yes": SPAN}
 HEADINGS = ("sensor", "cover", "targets", "median model", "refused", *(f"{t} s" for t in OUTAGES))
 PARTS = (
     (
         "Consistency",
-        "Rms error over predicted sigma, of all records (lowest to highest of a record), from the covariance.",
+        "Rms error over predicted sigma, of all records (lowest .. highest of a record), from the covariance.",
         ["simulated / exact"],
     ),
     (
         "Accuracy",
-        "Rms error over that of the state space of the true model, and median of the predicted sigma, deg.",
+        "Rms error over that of the state space of the true model / median of the predicted sigma, deg.",
         [],
     ),
 )
@@ -98,7 +96,7 @@ def grouped(analyzed: Sequence[al.Study], cover: object) -> list[Group]:
     """The targets by the noise in their files."""
     groups: dict[tuple[str, ...], list[str]] = defaultdict(list)
     kept: dict[tuple[str, ...], list[al.Model]] = {}
-    for name in (name for name, drifts in TARGETS.items() if drifts or not cover):
+    for name in (name for name, row in TARGETS.items() if row.drifts or not cover):
         models = []
         for study in analyzed:
             try:
@@ -113,52 +111,40 @@ def grouped(analyzed: Sequence[al.Study], cover: object) -> list[Group]:
 
 @dataclass(frozen=True, eq=False)
 class Sensor:
-    """A true model: its moments, the errors of its own state space, and simulated noise."""
+    """A true model: its moments, simulated noise, and the unit errors of the aid."""
 
-    name: str
+    model: al.Model
     truth: aided.Truth
-    best: Array
     past: Array
     angles: Array
     jitter: Array
-    aid: float
 
     @classmethod
-    def of(cls, name: str, model: al.Model, aid: float, runs: int, rng: np.random.Generator) -> "Sensor":
-        """With an aid to so many rad."""
-        truth = aided.truth(model)
-        best = truth.errors(aided.filters([aided.best(model)], aid), aid)[0]
-        return cls(name, truth, best, *aided.noise(model, runs, rng), aid * rng.standard_normal((runs, AIDED)), aid)
+    def of(cls, model: al.Model, runs: int, rng: np.random.Generator) -> "Sensor":
+        """With so many runs."""
+        return cls(model, aided.truth(model), *aided.noise(model, runs, rng), rng.standard_normal((runs, AIDED)))
 
-    def judged(self, group: Group) -> tuple[Array, Array, Array, Array]:
-        """Error over sigma, over the best error, and sigma, by model and outage; mean square of simulated ratios."""
-        found = aided.filters([aided.target(model) for model in group.models], self.aid)
-        error = self.truth.errors(found, self.aid)
+    def judged(self, group: Group, aid: float) -> tuple[list[list[str]], float]:
+        """Cells of both tables with an aid to so many rad, and how many of its errors the simulation is off at most."""
+        found = aided.filters([aided.target(model) for model in group.models], aid)
+        error = self.truth.errors(found, aid)
+        ratio, best = error / found.sigma, self.truth.errors(aided.filters([aided.best(self.model)], aid), aid)
         square = np.zeros(len(OUTAGES))
         for past, jitter, sigma in zip(found.past, found.aid, found.sigma, strict=True):
-            runs = self.angles + self.past @ past.T + self.jitter @ jitter.T
+            runs = self.angles + self.past @ past.T + aid * self.jitter @ jitter.T
             square += np.mean((runs / sigma) ** 2, axis=0) / len(found.sigma)
-        return error / found.sigma, error / self.best, found.sigma, square
+        off = np.sqrt(square) / rms(ratio)
+        columns = (rms(ratio), ratio.min(axis=0), ratio.max(axis=0))
+        consistency = [f"{every:.2f} ({low:.2f} .. {high:.2f})" for every, low, high in zip(*columns, strict=True)]
+        widths = np.degrees(np.median(found.sigma, axis=0))
+        accuracy = [f"{over:.2f} / {width:.3g}" for over, width in zip(rms(error / best), widths, strict=True)]
+        most = float(np.abs(off - 1).max() * math.sqrt(2 * len(self.past)))
+        return [[*consistency, f"{off.min():.2f} .. {off.max():.2f}"], accuracy], most
 
 
 def rms(x: Array) -> Array:
     """Over the first axis."""
     return np.asarray(np.sqrt(np.mean(x**2, axis=0)))
-
-
-def cells(sensor: Sensor, group: Group) -> tuple[list[list[str]], float]:
-    """Cells of both tables for a group, and how far the simulation is from the covariance at most, in its errors."""
-    ratio, loss, sigma, square = sensor.judged(group)
-    exact = rms(ratio)
-    consistency = [
-        f"{all_:.2f} ({low:.2f} to {high:.2f})"
-        for all_, low, high in zip(exact, ratio.min(axis=0), ratio.max(axis=0), strict=True)
-    ]
-    off = np.sqrt(square) / exact
-    widths = np.degrees(np.median(sigma, axis=0))
-    accuracy = [f"{over:.2f}, {width:.3g}" for over, width in zip(rms(loss), widths, strict=True)]
-    spread = math.sqrt(1 / (2 * len(sensor.past)))
-    return [[*consistency, f"{off.min():.2f} to {off.max():.2f}"], accuracy], float(np.abs(off - 1).max() / spread)
 
 
 def middle(models: Sequence[al.Model]) -> str:
@@ -186,15 +172,15 @@ def main() -> None:
     for seed, (name, (model, records)) in enumerate(truths.items()):
         analyzed = list(studies(model, seed, records))
         groups = [(word, group) for word in asked.covers for group in grouped(analyzed, COVERS[word])]
-        for aid, both in pages.items():
-            sensor = Sensor.of(name, model, math.radians(aid), asked.runs, np.random.default_rng((seed, records)))
-            for cover, group in groups:
-                start = [name, cover, ", ".join(group.targets), middle(group.models), str(group.refused)]
-                made, off = cells(sensor, group)
+        sensor = Sensor.of(model, asked.runs, np.random.default_rng((seed, records)))
+        for cover, group in groups:
+            start = [name, cover, ", ".join(group.targets), middle(group.models), str(group.refused)]
+            for aid, both in pages.items():
+                made, off = sensor.judged(group, math.radians(aid))
                 furthest = max(furthest, off)
                 for rows, ends in zip(both, made, strict=True):
                     rows.append(start + ends)
-            print(name, aid, len(groups), file=sys.stderr, flush=True)
+        print(name, len(groups), file=sys.stderr, flush=True)
     sensors = [f"{name}: {model}" for name, (model, _) in truths.items()]
     notes = [
         "seeds: number of the sensor, number of the record; of what filters meet: number of the sensor, of records",
