@@ -93,19 +93,20 @@ class StatedNoise(Value):
     def words(self) -> tuple[str, ...]:
         """What the file covers and at what cost, or by how much a filter with it errs more than it predicts."""
         (low, high), (ratio, at), wrong = self.span, self.lowest, self.actual / self.predicted
+        sensor = say(self.noise.signal.name)
         if not self.covers:
             return (
                 say("{channels}: the Allan deviation of this file is {ratio:.2f} of that of the noise at {at:.4g} s",
                     channels=self.label, ratio=ratio, at=at),
-                say("{channels}: a filter with it errs up to {wrong:.2g} times what it predicts",
-                    channels=self.label, wrong=float(wrong.max())),
+                say("{sensor}: a filter errs up to {wrong:.2g} times what it predicts with this file",
+                    sensor=sensor, wrong=float(wrong.max())),
             )  # fmt: skip
         loss = 100 * float((self.actual / self.best).max() - 1)
         return (
             say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} s",
                 channels=self.label, low=low, high=high, ratio=ratio, at=at),
-            say("{channels}: a filter with it errs at most {loss:.0f} % more than the best one and predicts up to "
-                "{wide:.2g} times its errors", channels=self.label, loss=loss, wide=1 / float(wrong.min())),
+            say("{sensor}: errors without aid at most {loss:.0f} % above the best filter's, predicted up to {wide:.2g} "
+                "times as large", sensor=sensor, loss=loss, wide=1 / float(wrong.min())),
         )  # fmt: skip
 
     @property
