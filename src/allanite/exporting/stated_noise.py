@@ -36,7 +36,7 @@ CLOSE = 0.9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StatedNoise(Value):
-    """The Allan deviation of the noise model that a file states, and of the noise that it stands for.
+    """The noise model that a file states, beside the noise that was identified.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ def span_of(axis: Axis) -> tuple[float, float]:
 
 
 def groups_of(axes: Sequence[Axis], how: How) -> list[tuple[AxisNoise, ...]]:
-    """The noises of the axes that one value of a field stands for: all of a sensor under "worst", otherwise each."""
+    """The noises of the axes that share the values of the fields: under "worst" all of a sensor, otherwise each."""
     groups: list[tuple[AxisNoise, ...]] = []
     for group in by_sensor(axes).values():
         low, high = how.span or span_of(group[0])
@@ -253,7 +253,7 @@ def _lacking(target: Target, group: Sequence[AxisNoise]) -> bool:
 
 
 def compared(target: Target, entries: Sequence[Entry], noises: Sequence[AxisNoise], how: How) -> StatedNoise | None:
-    """How the fields of a file compare with the noise of the axes that they stand for; None if some are missing."""
+    """How the fields of a file compare with the noise of the axes that share them; None if some are missing."""
     axis = noises[0].axis
     own = [entry for entry in entries if entry.sensor == axis.sensor]
     places = [entry.channels.index(axis.name) for entry in own if axis.name in entry.channels]
