@@ -36,7 +36,7 @@ CLOSE = 0.9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StatedNoise(Value):
-    """The Allan deviation of the noise model that a file states, and of the noise that it stands for.
+    """The noise model that a file states, beside the noise that was identified.
 
     Attributes
     ----------
@@ -93,19 +93,20 @@ class StatedNoise(Value):
     def words(self) -> tuple[str, ...]:
         """What the file covers and at what cost, or by how much a filter with it errs more than it predicts."""
         (low, high), (ratio, at), wrong = self.span, self.lowest, self.actual / self.predicted
+        sensor = say(self.noise.signal.name)
         if not self.covers:
             return (
                 say("{channels}: the Allan deviation of this file is {ratio:.2f} of that of the noise at {at:.4g} s",
                     channels=self.label, ratio=ratio, at=at),
-                say("{channels}: a filter with it errs up to {wrong:.2g} times what it predicts",
-                    channels=self.label, wrong=float(wrong.max())),
+                say("{sensor}: a filter errs up to {wrong:.2g} times what it predicts with this file",
+                    sensor=sensor, wrong=float(wrong.max())),
             )  # fmt: skip
         loss = 100 * float((self.actual / self.best).max() - 1)
         return (
             say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} s",
                 channels=self.label, low=low, high=high, ratio=ratio, at=at),
-            say("{channels}: a filter with it errs at most {loss:.0f} % more than the best one and predicts up to "
-                "{wide:.2g} times its errors", channels=self.label, loss=loss, wide=1 / float(wrong.min())),
+            say("{sensor}: errors without aid at most {loss:.0f} % above the best filter's, predicted up to {wide:.2g} "
+                "times as large", sensor=sensor, loss=loss, wide=1 / float(wrong.min())),
         )  # fmt: skip
 
     @property
@@ -142,7 +143,7 @@ def span_of(axis: Axis) -> tuple[float, float]:
 
 
 def groups_of(axes: Sequence[Axis], how: How) -> list[tuple[AxisNoise, ...]]:
-    """The noises of the axes that one value of a field stands for: all of a sensor under "worst", otherwise each."""
+    """The noises of the axes that share the values of the fields: under "worst" all of a sensor, otherwise each."""
     groups: list[tuple[AxisNoise, ...]] = []
     for group in by_sensor(axes).values():
         low, high = how.span or span_of(group[0])
@@ -252,7 +253,7 @@ def _lacking(target: Target, group: Sequence[AxisNoise]) -> bool:
 
 
 def compared(target: Target, entries: Sequence[Entry], noises: Sequence[AxisNoise], how: How) -> StatedNoise | None:
-    """How the fields of a file compare with the noise of the axes that they stand for; None if some are missing."""
+    """How the fields of a file compare with the noise of the axes that share them; None if some are missing."""
     axis = noises[0].axis
     own = [entry for entry in entries if entry.sensor == axis.sensor]
     places = [entry.channels.index(axis.name) for entry in own if axis.name in entry.channels]

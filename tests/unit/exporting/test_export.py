@@ -379,5 +379,5 @@ def test_flicker_without_a_field_is_said_with_what_it_costs():
     said = {target: [alert for alert in one.alerts if "errs up to" in alert] for target, one in made.items()}
     assert not said["matlab"], "it has a field for flicker"
     (alert,) = said["kalibr"]
-    assert re.search(r"errs up to 2\.\d times what it predicts$", alert)
+    assert re.search(r"errs up to 2\.\d times what it predicts with this file$", alert)
     assert alert in made["kalibr"].text
