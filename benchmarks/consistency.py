@@ -1,6 +1,6 @@
 """Are exported files consistent: the error of a filter that uses them over the standard deviation that it predicts.
 
-    python benchmarks/consistency.py [--records 100] [--runs 2000] [--aids 0.1 0] [--covers no yes] [--write PATH]
+    python benchmarks/consistency.py [--records 100] [--runs 2000] [--aids 0.1 0] [--covers no 1,1000] [--write PATH]
 
 Records of gyros are simulated, identified as a user's would be, and exported to every target with fields, without and
 with cover. Each file is read back into N, K, B and the correlation time of the bias, and a Kalman filter of these,
@@ -14,7 +14,7 @@ import math
 import os
 import sys
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,9 +25,9 @@ import allanite as al
 from aided import AIDED, OUTAGES, Array
 from allanite.core.units import unit_of
 from allanite.exporting.imported import noise_in
+from allanite.exporting.target import Target
 
 HOURS, RATE = 6, 10.0
-SPAN = (1.0, 1000.0)
 N = al.N(0.3, "deg/sqrt(h)")
 SENSORS = {
     "N B": N + al.B(7.2, "deg/h"),
@@ -38,7 +38,14 @@ SENSORS = {
 ACCELEROMETER = al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
 RECORDED = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
 TARGETS = {name: row for name, row in al.EXPORTS.items() if row.fields}
-COVERS: dict[str, object] = {"no": False, "yes": SPAN}
+COVERS: dict[str, tuple[object, Callable[[Target], bool]]] = {
+    "no": (False, lambda row: True),
+    "default": (None, lambda row: True),
+    "1,100": ((1.0, 100.0), lambda row: row.drifts and not row.simulates),
+    "1,1000": ((1.0, 1000.0), lambda row: row.drifts),
+}
+"""What is asked of an export, and of which targets."""
+
 HEADINGS = ("sensor", "cover", "targets", "median model", "refused", *(f"{t} s" for t in OUTAGES))
 PARTS = (
     (
@@ -92,11 +99,12 @@ class Group:
     refused: int
 
 
-def grouped(analyzed: Sequence[al.Study], cover: object) -> list[Group]:
+def grouped(analyzed: Sequence[al.Study], word: str) -> list[Group]:
     """The targets by the noise in their files."""
     groups: dict[tuple[str, ...], list[str]] = defaultdict(list)
     kept: dict[tuple[str, ...], list[al.Model]] = {}
-    for name in (name for name, row in TARGETS.items() if row.drifts or not cover):
+    cover, asked_of = COVERS[word]
+    for name in (name for name, row in TARGETS.items() if asked_of(row)):
         models = []
         for study in analyzed:
             try:
@@ -106,7 +114,7 @@ def grouped(analyzed: Sequence[al.Study], cover: object) -> list[Group]:
         key = tuple(map(str, models))
         groups[key].append(name)
         kept[key] = models
-    return [Group(tuple(names), tuple(kept[key]), len(analyzed) - len(key)) for key, names in groups.items()]
+    return [Group(tuple(names), tuple(kept[key]), len(analyzed) - len(key)) for key, names in groups.items() if key]
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +179,7 @@ def main() -> None:
     furthest = 0.0
     for seed, (name, (model, records)) in enumerate(truths.items()):
         analyzed = list(studies(model, seed, records))
-        groups = [(word, group) for word in asked.covers for group in grouped(analyzed, COVERS[word])]
+        groups = [(word, group) for word in asked.covers for group in grouped(analyzed, word)]
         sensor = Sensor.of(model, asked.runs, np.random.default_rng((seed, records)))
         for cover, group in groups:
             start = [name, cover, ", ".join(group.targets), middle(group.models), str(group.refused)]
@@ -187,7 +195,8 @@ def main() -> None:
         f"records of {HOURS} h at {RATE:g} Hz, analyzed with the default recipe; {asked.records} a sensor, "
         f"{asked.recorded} of each model found in a recording",
         f"filters: angle and the biases of the file, aided for {AIDED} s by an angle every second, after the mean bias "
-        f"of {aided.BEFORE} s was removed; cover of {SPAN[0]:g} to {SPAN[1]:g} s",
+        f"of {aided.BEFORE} s was removed",
+        "cover: as of --cover, averaging times in s; the default of filters is from 1 s to a tenth of the record",
         f"simulated: {asked.runs} runs; of all figures the one furthest from the covariance is {furthest:.1f} of its "
         "standard errors off",
         *sensors,
