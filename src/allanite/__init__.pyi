@@ -33,6 +33,8 @@ from .comparison.comparing import pool as pool
 from .comparison.comparing import truncation as truncation
 from .comparison.comparison import Comparison as Comparison
 from .comparison.pooled import Pool as Pool
+from .comparison.sheet import SheetComparison as SheetComparison
+from .comparison.sheet import compare_with_sheet as compare_with_sheet
 from .core.correction import Correction as Correction
 from .core.curve import Curve as Curve
 from .core.errors import AllaniteError as AllaniteError
@@ -77,6 +79,9 @@ from .interpretation.causes import Meaning as Meaning
 from .interpretation.devices import DEVICES as DEVICES
 from .planning.bound import Bound as Bound
 from .planning.bound import bound as bound
+from .planning.datasheets import DATASHEETS as DATASHEETS
+from .planning.datasheets import DataSheet as DataSheet
+from .planning.datasheets import data_sheet_named as data_sheet_named
 from .planning.plan import RecordingPlan as RecordingPlan
 from .planning.plan import plan as plan
 from .planning.selfcheck import SelfCheck as SelfCheck
