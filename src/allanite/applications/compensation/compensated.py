@@ -1,12 +1,27 @@
 """Results of a compensation of files."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.extending import Curve, DataError, Header, Job, Noise, Record, Recording, RecordResult
+from allanite.extending import (
+    Curve,
+    DataError,
+    Header,
+    Job,
+    Noise,
+    Record,
+    Recording,
+    RecordResult,
+    join,
+    say,
+    unit_of,
+)
 
 from .gain import Gain
+from .order import Order
 from .regression import Regression
+from .regressor import SIGNIFICANT
 from .restricted import FloatArray
 from .settings import CompensationSettings
 
@@ -27,6 +42,8 @@ class Compensated(RecordResult):
         Gain on a record that was not used for the fit.
     alerts : tuple of str
     refusal : str
+    orders : tuple of Order
+        What higher powers than were asked for would take off.
     """
 
     regression: Regression | None = None
@@ -37,6 +54,7 @@ class Compensated(RecordResult):
     gain: Gain | None = None
     alerts: tuple[str, ...] = ()
     refusal: str = ""
+    orders: tuple[Order, ...] = ()
 
     @property
     def rates(self) -> tuple[FloatArray, FloatArray] | None:
@@ -44,6 +62,37 @@ class Compensated(RecordResult):
         if not (isinstance(self.record, Record) and isinstance(self.corrected, Record)):
             return None
         return self.record.rate_values, self.corrected.rate_values
+
+    @property
+    def worthwhile(self) -> list[Order]:
+        """The higher powers that are significant among those examined, and that cross-validation gains from."""
+        held = self.regression and self.regression.held
+        least = -math.inf if not held else held.explained
+        p = SIGNIFICANT / max(len(self.orders), 1)
+        return [o for o in self.orders if o.p < p and (o.explained is None or o.explained > least)]
+
+    @property
+    def prospect(self) -> str:
+        """What higher powers would take off, in words; empty if none was examined."""
+        if not self.orders or self.regression is None:
+            return ""
+        regressor, unit = self.regression.regressors[0], self.record.signal.sheet[0]
+        scale, (low, high) = unit_of(unit).factor, regressor.span or (math.nan, math.nan)
+        if found := self.worthwhile:
+            sizes = [f"{o.rms / scale:.3g} {unit} ({o.low / scale:.3g} .. {o.high / scale:.3g})" for o in found]
+            said = [
+                say("{channel}^{power}: {size}", channel=regressor.channel, power=o.power, size=size)
+                for o, size in zip(found, sizes, strict=True)
+            ]
+            return say(
+                "higher powers would take off more, root mean square over {low:.4g} to {high:.4g} {degrees}: {sizes}",
+                low=low, high=high, degrees=regressor.unit, sizes=join(", ", said),
+            )  # fmt: skip
+        return say(
+            "no gain is shown from powers {powers}: at most {most:.2g} {unit}, root mean square over {low:.4g} to "
+            "{high:.4g} {degrees}", powers=", ".join(str(o.power) for o in self.orders),
+            most=max(o.high for o in self.orders) / scale, unit=unit, low=low, high=high, degrees=regressor.unit,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)

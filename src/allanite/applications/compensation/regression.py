@@ -98,6 +98,11 @@ class Regression(Correction):
         return any(self.effect(i).significant for i in self.taken)
 
     @property
+    def useful(self) -> bool:
+        """Whether an effect is significant, and the correction does no harm in cross-validation."""
+        return self.significant and not (self.held and self.held.explained < 0)
+
+    @property
     def trend(self) -> list[int]:
         """The column of a linear drift, if one was estimated."""
         return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]
