@@ -54,9 +54,16 @@ def compensate(file: str, **choices: Any) -> None:
     settings = CompensationSettings(fit=settings_of(FitSettings, choices), **usual | given(choices))
     if row is not None:
         demand_settings(row, settings)
+
+    def parameters(study: Any) -> bytes:
+        made = temperature_parameters(study, str(autopilot), instance=instance)
+        for alert in made.alerts:
+            click.echo(f"allanite: {alert}", err=True)
+        return made.data
+
     data: dict[str, Callable[[Any], str | bytes]] = {
         "save": lambda study: to_json(study.regressions),
-        "output": lambda study: temperature_parameters(study, str(autopilot), instance=instance).data,
+        "output": parameters,
     }
     extra = Extra(data, {"corrected": lambda study: study.corrected})
     carry_out(

@@ -28,6 +28,9 @@ from .thermal import ThermalTarget
 
 AXES = "xyz"
 
+NARROW = 10.0
+"""Range below which the record is too short of temperatures, degC: the least that ArduPilot learns from."""
+
 MORE = 2
 """Powers above the highest of an autopilot whose gain is examined."""
 
@@ -47,7 +50,8 @@ def thermal_target(name: str, instance: int | None = None) -> ThermalTarget:
 
 def demand_settings(row: ThermalTarget, settings: CompensationSettings) -> None:
     """Refuse, before any work, what would give no polynomial in one temperature; errors as those of `row.demand`."""
-    asked = [Regressor(name, "", power=settings.degree) for name in settings.regressors]
+    asked = [Regressor(name, "") for name in settings.regressors]
+    asked += [Regressor(name, "", power=settings.degree) for name in settings.regressors]
     asked += [Regressor(name, "", smooth=settings.fit.smooth) for name in settings.derivative_of]
     asked += [Regressor(name, "", lag=lag) for name in settings.regressors for lag in settings.lags]
     row.demand(asked)
@@ -100,6 +104,8 @@ def temperature_parameters(study: CompensationStudy, target: str, *, instance: i
     alerts = [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in study if c.refusal]
     alerts += [say("{channel}: the effect can hardly be separated from a rate ramp R; record until the temperature "
                    "returns to its initial value", channel=a.name) for a in used if a.regression.ambiguous]  # fmt: skip
+    alerts += [say("the temperature changes by {span:.3g} degC only; record over the range of use", span=b - a)
+               for a, b in {axis.span for axis in used} if b - a < NARROW]  # fmt: skip
     suffix, layout = next(iter(row.forms.items()))
     sensors = dict.fromkeys(entry.sensor for entry in entries.values())
     enable = (row.enable.format(prefix=row.prefix(s, instance), sensor=row.letters[s]) for s in sensors)
@@ -182,7 +188,8 @@ def _entries(row: ThermalTarget, sensor: str, own: Sequence[_Axis], prefix: str)
             value, names, remark = 0.0, list[str](), say("no effect is shown, or there is no record of this axis")
             if axis in found:
                 value, error = (float(numbers[power]) * row.scale for numbers in found[axis])
-                names, remark = [axes[axis].name], say("standard error {error:.2g}", error=error)
+                names = [axes[axis].name]
+                remark = say("standard error {error:.2g}", error=error) if error else say("not in the fit")
             yield Entry(
                 name, sensor, "", unit + per, f"coefficient of (T - T0)^{power}", (value,), tuple(names), remark
             )

@@ -64,12 +64,9 @@ class Compensated(RecordResult):
         return self.record.rate_values, self.corrected.rate_values
 
     @property
-    def worthwhile(self) -> list[Order]:
-        """The higher powers that are significant among those examined, and that cross-validation gains from."""
-        held = self.regression and self.regression.held
-        least = -math.inf if not held else held.explained
-        p = SIGNIFICANT / max(len(self.orders), 1)
-        return [o for o in self.orders if o.p < p and (o.explained is None or o.explained > least)]
+    def further(self) -> list[Order]:
+        """The higher powers that are significant, p being multiplied by the number of those examined."""
+        return [o for o in self.orders if o.p * len(self.orders) < SIGNIFICANT]
 
     @property
     def prospect(self) -> str:
@@ -78,21 +75,17 @@ class Compensated(RecordResult):
             return ""
         regressor, unit = self.regression.regressors[0], self.record.signal.sheet[0]
         scale, (low, high) = unit_of(unit).factor, regressor.span or (math.nan, math.nan)
-        if found := self.worthwhile:
-            sizes = [f"{o.rms / scale:.3g} {unit} ({o.low / scale:.3g} .. {o.high / scale:.3g})" for o in found]
-            said = [
-                say("{channel}^{power}: {size}", channel=regressor.channel, power=o.power, size=size)
-                for o, size in zip(found, sizes, strict=True)
-            ]
-            return say(
-                "higher powers would take off more, root mean square over {low:.4g} to {high:.4g} {degrees}: {sizes}",
-                low=low, high=high, degrees=regressor.unit, sizes=join(", ", said),
-            )  # fmt: skip
-        return say(
-            "no gain is shown from powers {powers}: at most {most:.2g} {unit}, root mean square over {low:.4g} to "
-            "{high:.4g} {degrees}", powers=", ".join(str(o.power) for o in self.orders),
-            most=max(o.high for o in self.orders) / scale, unit=unit, low=low, high=high, degrees=regressor.unit,
-        )  # fmt: skip
+        if found := self.further:
+            numbers = ((o.power, o.rms / scale, o.low / scale, o.high / scale) for o in found)
+            sizes = [f"{regressor.channel}^{n} {rms:.3g} ({a:.3g} .. {b:.3g}) {unit}" for n, rms, a, b in numbers]
+            held = self.regression.held
+            gained = held is None or any((o.explained or math.inf) > held.explained for o in found)
+            taken = say("higher powers would remove more: {sizes}, rms over {low:.4g} to {high:.4g} {degrees}",
+                        sizes=", ".join(sizes), low=low, high=high, degrees=regressor.unit)  # fmt: skip
+            return join("; ", (taken, *([] if gained else [say("cross-validation does not gain from them")])))
+        powers, most = ", ".join(str(o.power) for o in self.orders), max(o.high for o in self.orders) / scale
+        return say("powers {powers} would remove at most {most:.2g} {unit}, rms over {low:.4g} to {high:.4g} {degrees}",
+                   powers=powers, most=most, unit=unit, low=low, high=high, degrees=regressor.unit)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -13,6 +13,7 @@ from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, printable, printed_number
+from allanite.reporting.first import Axes, First, Quantity, Remark, condensed, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, known
 
 from . import view
@@ -148,7 +149,7 @@ def _found(name: str, regression: Regression, shown: Callable[[str], str] = str)
     ]
     rest = _names([e for e in own if not (e.chosen or e.significant)])
     said += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
-    if held and held.explained < 0:
+    if not regression.harmless:
         said.append(say("In cross-validation it does harm: do not use it."))
     return join(" ", said)
 
@@ -166,11 +167,8 @@ def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
     said = verdict(channel, printed_number)
     said = join(": ", (source, said)) if source else said
     regression, gain = channel.regression, channel.gain
-    if gain is not None:
-        doubt = gain.met is False or gain.explained < 0
-    else:
-        held = regression.held if regression is not None else None
-        doubt = regression is None or not regression.significant or bool(held and held.explained < 0)
+    useful = regression is not None and regression.useful
+    doubt = not useful if gain is None else gain.met is False or gain.explained < 0
     of = say("noise before the correction")
     sheet = channel_sheet(channel, _parts(channel, level), (said,), doubt=doubt, of=of)
     if not source:
@@ -186,6 +184,8 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
     yield Note(verdict(channel), "strong", where="text")
     if channel.gain is None:
         yield from _regression_parts(regression, level)
+    if channel.orders:
+        yield _orders(channel)
     caption = say(
         "Overlapping Allan deviation before and after with {level} bands, and the rate over time less "
         "its bias: what was recorded, what the regressors explain, what is left.",
@@ -215,6 +215,83 @@ def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
     yield from (Note(note, "alert") for note in regression.notes)
     yield Note(_beside(regression), where="text")
     yield coefficients(regression, level)
+
+
+def _orders(channel: Compensated) -> Table:
+    """What higher powers would take off."""
+    unit = channel.record.signal.sheet[0]
+    scale, last = unit_of(unit).factor, channel.regression and channel.regression.held
+    heads = (
+        Column(say("power")), Column(say("takes off")), Column(say("limits"), "interval"), Column(say("unit"), "unit"),
+        Column("p", form=lambda p: words.probability(p, 1e-4)), Column(say("cross-validation [%]"), form=known(".3g")),
+    )  # fmt: skip
+    rows = [
+        [
+            o.power,
+            *digits(o.rms / scale, o.low / scale, o.high / scale).plain(),
+            unit,
+            o.p,
+            100 * (o.explained or math.nan),
+        ]
+        for o in channel.orders
+    ]
+    key = say(
+        "What each power takes off beyond all lower ones: root mean square over the range of the temperature. "
+        "Cross-validation: reduction of the variance of held-back blocks by all powers up to this one; {share} by the "
+        "regression above.", share="-" if not last else f"{100 * last.explained:.3g} %",
+    )  # fmt: skip
+    return Table(heads, rows, say("higher powers"), key=key)
+
+
+def first_of_study(study: CompensationStudy, level: float) -> First:
+    """The sensitivities of each sensor side by side, and what higher powers would take off."""
+    first = condensed(study_view.face(study, level), drawn=True)
+    shown = [c for c in study.channels if c.regression is not None]
+    if len(shown) < 2 or study.applied:
+        prospects = [Remark.of(c.record.name, c.prospect) for c in shown if c.prospect]
+        return replace(first, remarks=[*prospects, *first.remarks])
+    sensors = dict.fromkeys(c.record.signal.name for c in shown)
+    told = [
+        c
+        for c in shown
+        if c.regression and (c.regression.ambiguous or (c.regression.significant and not c.regression.harmless))
+    ]
+    doubted = [Remark.of("", verdict(c), grave=True) for c in told]
+    alike: dict[str, list[str]] = {}
+    for name, alert in ((c.record.name, a) for c in shown if c.regression for a in (*c.regression.notes, *c.alerts)):
+        alike.setdefault(alert, []).append(name)
+    merged = [Remark.of(", ".join(names), alert, grave=True) for alert, names in alike.items()]
+    others = [remark for remark in first.remarks if remark.about not in {c.record.name for c in shown}]
+    axes = [_axes([c for c in shown if c.record.signal.name == sensor], level) for sensor in sensors]
+    return replace(first, answer=axes, remarks=[*others, *doubted, *merged])
+
+
+def _axes(channels: Sequence[Compensated], level: float) -> Axes:
+    """Coefficients and what higher powers would take off, the channels of a sensor side by side."""
+    unit = channels[0].record.signal.sheet[0]
+    scale = 1 / unit_of(unit).factor
+    removed = (say("variance removed"), "")
+    effects: dict[tuple[str, str], dict[str, str]] = {removed: {}}
+    orders: dict[tuple[str, str], dict[str, str]] = {}
+    for c in channels:
+        name, regression = c.record.name, c.regression
+        assert regression is not None  # noqa: S101 - for type checkers
+        share = f"{100 * regression.inside.explained:.3g} %" if regression.significant else say("no effect")
+        effects[removed][name] = share
+        for i in regression.taken:
+            e = regression.effect(i, level)
+            row = (e.label, say("{unit} per {regressor}", unit=unit, regressor=e.regressor.column_unit))
+            said = plus_minus(e.value * scale, e.low * scale, e.high * scale, signed=True)
+            effects.setdefault(row, {})[name] = said if e.significant else say("absent")
+        for o in c.orders:
+            row = (say("power {power} would remove", power=o.power), say("{unit} rms", unit=unit))
+            size = plus_minus(o.rms * scale, o.low * scale, o.high * scale)
+            said = size if o in c.further else f"< {digits(o.high * scale, figures=2).plain()[0]}"
+            orders.setdefault(row, {})[name] = said
+    names = [c.record.name for c in channels]
+    cells = effects | orders
+    rows = [Quantity(title, "", per, [found.get(n, "") for n in names]) for (title, per), found in cells.items()]
+    return Axes(names, rows, channels[0].record.signal.sensor)
 
 
 def _draw(channels: Sequence[Compensated], level: float) -> Plot:
@@ -248,6 +325,7 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
             for row in _lines(channel, of, level)
         ],
     ),
+    first=first_of_study,
 )
 def study_view(study: CompensationStudy, level: float) -> Face:
     """The channels of a file, and of one that the correction was applied to."""
