@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, PERCENT
+from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, PERCENT, SPAN
 from allanite.core.choices import choice
 
 # fmt: off
@@ -178,5 +178,8 @@ class ExportChoices:
     filter_rate: float | None = choice(
         "HZ", "Rate of the filter's steps.", told="the target's own, or the sampling rate")
     unexplained: bool = _unexplained()
+    cover: str | tuple[float, float] | None = choice(
+        "[SPAN]", "Cover the noise and its upper limits between these averaging times, e.g. 1,1000, or from 1 s to "
+        "what the record resolves.", kind=SPAN)
     from_curve: bool = choice(
         "", "Where no model explains the record, upper bounds read off the Allan deviation.", default=False)
