@@ -98,26 +98,18 @@ def temperature_parameters(study: CompensationStudy, target: str, *, instance: i
     for sensor in row.letters if row.together else dict.fromkeys(axis.sensor for axis in used):
         own = [axis for axis in used if row.together or axis.sensor == sensor]
         entries |= {entry.name: entry for entry in _entries(row, sensor, own, row.prefix(sensor, instance))}
-    notes = [
-        say("{channel}: no effect is shown; its coefficients are 0", channel=a.name) for a in axes if a not in used
-    ]
-    alerts = [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in study if c.refusal]
-    alerts += [say("{channel}: the effect can hardly be separated from a rate ramp R; record until the temperature "
-                   "returns to its initial value", channel=a.name) for a in used if a.regression.ambiguous]  # fmt: skip
-    alerts += [say("the temperature changes by {span:.3g} degC only; record over the range of use", span=b - a)
-               for a, b in {axis.span for axis in used} if b - a < NARROW]  # fmt: skip
+    idle = [axis.name for axis in axes if axis not in used]
+    notes = [say("{channel}: no effect is shown; its coefficients are 0", channel=name) for name in idle]
+    alerts = tuple(_alerts(study, used))
+    enable = [row.enable.format(prefix=row.prefix(e.sensor, instance), sensor=row.letters[e.sensor])
+              for e in entries.values()]  # fmt: skip
+    head = [*_header(row, study, used), *(f"warning: {text}" for text in alerts), *(f"note: {text}" for text in notes)]
     suffix, layout = next(iter(row.forms.items()))
-    sensors = dict.fromkeys(entry.sensor for entry in entries.values())
-    enable = (row.enable.format(prefix=row.prefix(s, instance), sensor=row.letters[s]) for s in sensors)
-    head = (
-        *_header(row, study, used),
-        *(f"warning: {alert}" for alert in alerts),
-        *(f"note: {note}" for note in notes),
-    )
     content = Content(tuple(map(one_line, head)), tuple(entries.values()), (), None)
+    text = replace(layout, start=tuple(dict.fromkeys(enable)))(content)
     return Export(
-        row.name, suffix, replace(layout, start=tuple(dict.fromkeys(enable)))(content), False, content.entries,
-        (*notes, *row.notes), tuple(alerts), study.rejected, study.choices(), study.provenance,
+        row.name, suffix, text, entries=content.entries, notes=(*notes, *row.notes), alerts=alerts,
+        rejected=study.rejected, recipe=study.choices(), provenance=study.provenance,
     )  # fmt: skip
 
 
@@ -167,9 +159,24 @@ def _demand(row: ThermalTarget, regression: Regression) -> None:
         raise DataError(f"the saved regression of {regression.name!r} lacks the range of {first.channel!r}: fit again")
 
 
+def _alerts(study: CompensationStudy, used: Sequence[_Axis]) -> Iterator[str]:
+    for channel in study:
+        if channel.refusal:
+            yield say("{name} is left out: {reason}", name=channel.record.name, reason=channel.refusal)
+    for axis in used:
+        if axis.regression.ambiguous:
+            yield say("{channel}: the effect can hardly be separated from a rate ramp R; record until the temperature "
+                      "returns to its initial value", channel=axis.name)  # fmt: skip
+    for low, high in {axis.span for axis in used}:
+        if high - low < NARROW:
+            yield say("the temperature changes by {span:.3g} degC only; record over the range of use", span=high - low)
+
+
 def _entries(row: ThermalTarget, sensor: str, own: Sequence[_Axis], prefix: str) -> Iterator[Entry]:
     """The fields of a sensor; `own` are the axes that share its range."""
     low, high = max(a.span[0] for a in own), min(a.span[1] for a in own)
+    if not low < high:
+        raise DataError(f"the regressions of {', '.join(a.name for a in own)} have no temperature in common: fit again")
     channel = tuple(dict.fromkeys(a.regression.regressors[0].channel for a in own))
     reference = (low + high) / 2 if row.reference is None else row.reference
     limits = [("TMIN", "minimum", low, say("below it the correction stays as it is there")),

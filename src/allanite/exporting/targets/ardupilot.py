@@ -35,7 +35,7 @@ ARDUPILOT_TCAL = ThermalTarget(
     "without constant in 1e-6, TEMP_REFERENCE 35 degC, temperature and calibration temperature limited to TMIN .. "
     "TMAX) and AP_InertialSensor_Backend.cpp (_rotate_and_correct_gyro: before offsets, scale and board orientation); "
     "Tools/scripts/tempcal_IMU.py. Names of instances 4 and 5: list of parameters. The fifth degree of pull request "
-    "27295 was not merged. Not verified: how a vehicle takes the file",
+    "27295 is not in them. Not verified: how a vehicle takes the file",
     notes=(
         say("the record must be in the axes of the sensor, before AHRS_ORIENTATION, and without a correction"),
         say("the other parameters are hidden until ENABLE is 1: load the file twice, and restart"),
