@@ -152,8 +152,8 @@ def _demand(row: ThermalTarget, regression: Regression) -> None:
     first = regression.regressors[0]
     if first.unit != "degC":
         raise UsageError(
-            f"{row.program} takes temperatures in degC, and {first.channel!r} is in {first.unit!r}: "
-            + spelled(f"--unit {first.channel}=degC", "a Record with unit='degC'")
+            f"{row.program} takes temperatures in degC, and {first.channel!r} is in {first.unit!r}: give its unit, "
+            + spelled(f"for example --unit 'gyro=deg/s,{first.channel}=degC'", "Record(..., unit='degC')")
         )
     if first.span is None:
         raise DataError(f"the saved regression of {regression.name!r} lacks the range of {first.channel!r}: fit again")
