@@ -70,6 +70,7 @@ from .exporting.export import export as export
 from .exporting.exports import EXPORTS as EXPORTS
 from .exporting.imported import Imported as Imported
 from .exporting.imported import read_noise as read_noise
+from .exporting.temperature import temperature_parameters as temperature_parameters
 from .identification import METHODS as METHODS
 from .identification import identify as identify
 from .identification.checks.residuals import residuals as residuals

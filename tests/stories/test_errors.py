@@ -36,6 +36,7 @@ def sentence(command, *said, cure="", code=2):
 MODEL = "'N 0.1 deg/sqrt(h)'"
 SHORT = "deviation gyro.csv --no-intervals --channels gx"
 ANALYZE = "analyze gyro.csv --channels gx"
+THERMAL = "compensate gyro.csv -o new.params --regressors gz"
 PLAN = "plan --rate 100 --durations 600"
 
 ROWS = [
@@ -106,6 +107,12 @@ ROWS = [
     sentence("rate gyro.csv --interval 99999", "longer than the record of 100 s", cure="rate gyro.csv --interval 10"),
     sentence("dynamic gyro.csv --window 99999", "99999 s is not possible", "100 s long"),
     sentence("compensate gyro.csv --regressors temp", "no column 'temp'", "gx [deg/s]"),
+    sentence("compensate gyro.csv --regressors gz --to px4", "--to px4 writes a file", "--output PATH"),
+    sentence("compensate gyro.csv --regressors gz -o x", "for the parameters of an autopilot", "add --to px4"),
+    sentence(f"{THERMAL} --to pixhawk", "unknown autopilot 'pixhawk'", "px4, ardupilot"),
+    sentence(f"{THERMAL} --to px4 --degree 5", "powers up to 3, not 5: --degree 3"),
+    sentence(f"{THERMAL} --to px4 --instance 4", "numbers its sensors from 0 to 3"),
+    sentence(f"{THERMAL},gy --to ardupilot", "the powers of one temperature, not gy as well", "--regressors temp"),
     sentence("export gyro.csv --channels gx --to kalibr --unexplained", "needs an accelerometer", "--model", code=3),
     sentence(f"simulate new.csv --model {MODEL} --rate 10 --duration 5x", "'10 min' or 1h, not '5x'"),
     sentence(f"simulate new.foo --model {MODEL} --rate 10 --duration 9", "'.foo'", ".csv, .npz"),

@@ -74,6 +74,7 @@ MADE = {
     "lot stored": r"2 of 2 units analyzed\n\nfile +channel +N °/√h .*\na\.csv +gx +\d",
     "simulate walk.csv --model 'N 0.3 deg/sqrt(h)' --rate 10 --duration 100": r"gx: gyroscope, rate in °/h, 10 Hz",
     "compensate warm.csv --rate 10 --regressors temp": r"gx depends on temp",
+    "compensate both.csv --rate 10 --regressors temp --to px4 -o a.params": r"gx +gy\nvariance removed +\d.* no effect",
     "watch warm.csv --channels gx --idle 0.2 --rate 10": r"warm\.csv +gyroscope, 10 Hz",
 }
 """The same of verbs that need files of their own, in the folder of `made`."""
@@ -89,6 +90,8 @@ def made(tmp_path_factory):
     temperature = 20 + 5 * np.sin(np.arange(2000) / 200)
     columns = np.column_stack([rng.normal(size=2000) + temperature, temperature])
     np.savetxt(folder / "warm.csv", columns, delimiter=",", header="gx [deg/h],temp [degC]", comments="")
+    both = np.column_stack([columns[:, 0], rng.normal(size=2000), temperature])
+    np.savetxt(folder / "both.csv", both, delimiter=",", header="gx [deg/h],gy [deg/h],temp [degC]", comments="")
     return folder
 
 

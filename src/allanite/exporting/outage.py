@@ -27,7 +27,7 @@ FIRST, LAST = 0.25, 10.0
 
 @dataclass(frozen=True, eq=False)
 class Covariances:
-    """Covariances of the angles gained: in steps of the past (n, n), in these and without aid (n, k), without it (k,)."""
+    """Covariances of the angles gained: in steps of the past (n, n), in these and without aid (n, k), without (k,)."""
 
     past: FloatArray
     cross: FloatArray
