@@ -1,0 +1,120 @@
+"""Why a record misses its claim: a convention that explains the factor, or a defect that leaves other traces."""
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+import numpy as np
+
+from allanite.core.model import Term
+from allanite.core.record import Record
+from allanite.phrases.phrase import Phrase, say
+from allanite.study.results import Channel, Study
+
+from .claim import Claim
+from .convention import NAN, WALKS, Place, explaining, pooled
+from .result import CheckedTerm, Cause
+
+NAMED = 3
+"""Conventions that are named, at most."""
+
+NEAR = 0.1
+"""Relative difference of a mean from what rand() makes of it, up to which rand() is named."""
+
+
+def causes_of(study: Study, claim: Claim, terms: Sequence[CheckedTerm]) -> tuple[Cause, ...]:
+    """The causes of what contradicts a claim, by kind of sensor and quantity."""
+    light = {row.channel for row in terms if row.quantity == "kurtosis" and row.contradicts}
+    wrong = [row for row in terms if row.contradicts and row.claimed and row.quantity != "curve"]
+    found = list[Cause]()
+    wrong.sort(key=lambda row: (row.signal.name, row.quantity))
+    for _, group in groupby(wrong, key=lambda row: (row.signal.name, row.quantity)):
+        rows = list(group)
+        driven = _driven(study, claim, rows)
+        found.append(driven or _factor(study, claim, rows, uniform={row.channel for row in rows} <= light))
+    explained = {name for cause in found if any("rand()" in s for s in cause.sentences) for name in cause.channels}
+    rest = tuple(row.channel for row in terms if row.channel in light - explained and row.quantity == "kurtosis")
+    if rest:
+        found.append(_trace(rest, "kurtosis", say("the samples are uniform: rand() instead of randn()")))
+    return (*found, *_half(study, light))
+
+
+def _trace(channels: tuple[str, ...], quantity: str, sentence: Phrase) -> Cause:
+    """A cause that is no factor."""
+    return Cause(channels, quantity, NAN, NAN, NAN, ("",), (sentence,))
+
+
+def _factor(study: Study, claim: Claim, rows: Sequence[CheckedTerm], *, uniform: bool) -> Cause:
+    """The factor that the channels of a sensor have in common, and the conventions that explain it."""
+    first, channels = rows[0], tuple(row.channel for row in rows)
+    if first.low <= 0 < first.high:  # its size is not known, or it has none
+        absent = say("the bias is not added to the samples") if first.quantity in (*WALKS, "B") else Phrase("")
+        return Cause(channels, first.quantity, 0.0, 0.0, max(row.high for row in rows), ("",), (absent,))
+    low, high = pooled([(row.low, row.high) for row in rows])
+    own = {id(row): explaining(row.low, row.high, _place(study, claim, row, uniform=uniform)) for row in rows}
+    names = [name for name, _ in own[id(first)]]
+    shared = [name for name in names if all(name in dict(found) for found in own.values())]
+    within = dict(explaining(low, high, _place(study, claim, first, uniform=uniform))) if low <= high else {}
+    kept = [name for name in within if name in shared][:NAMED]
+    centre = math.sqrt(low * high) if 0 < low <= high else float(np.mean([row.ratio for row in rows]))
+    return Cause(
+        channels, first.quantity, centre, low, high, tuple(kept), tuple(within[name].sentence for name in kept)
+    )
+
+
+def _place(study: Study, claim: Claim, row: CheckedTerm, *, uniform: bool) -> Place:
+    """What the conventions may depend on."""
+    channel = next(c for c in study if c.record.name in row.channel.split(", "))
+    others = [term for model in claim.models if model.signal.name != row.signal.name for term in model]
+    own = [term for term in claim.of(row.signal) or () if term.shape]
+    timed = next((term.shape[0] for term in own), NAN)
+    same = [t.shape[0] for t in others if t.shape] if row.quantity == "T" else _sizes(others, row.quantity)
+    other = next(iter(same), NAN)
+    return Place(row.quantity, row.claimed or NAN, channel.record.rate, timed, other, uniform)
+
+
+def _sizes(terms: Sequence[Term], symbol: str) -> list[float]:
+    """Coefficients of a term; of a Gauss-Markov bias the noise that drives it, as two with other times compare."""
+    return [t.value for t in terms if t.symbol == symbol]
+
+
+def _driven(study: Study, claim: Claim, rows: Sequence[CheckedTerm]) -> Cause | None:
+    """Whether the bias rises as if it were driven by rand(), whose mean is 1/2."""
+    term = next((t for t in claim.of(rows[0].signal) or () if t.symbol == rows[0].quantity), None)
+    if term is None or term.symbol not in WALKS:
+        return None
+    risen = tuple(row.channel for row in rows if abs(_rise(study[row.channel], term) - 1) < NEAR)
+    if len(risen) < len(rows):
+        return None
+    sentence = say("the bias is driven by rand() instead of randn(): its mean is not zero, and the bias rises")
+    return _trace(risen, term.symbol, sentence)
+
+
+def _rise(channel: Channel, term: Term) -> float:
+    """How far the rate rises from the first to the last tenth, over what a driving noise with the mean 1/2 makes."""
+    record = channel.record
+    if not isinstance(record, Record):
+        return NAN
+    rates = record.rate_values * record.rate_factor
+    part, step = rates.size // 10, 1 / record.rate
+    seen = float(np.nanmean(rates[-part:]) - np.nanmean(rates[:part]))
+    t = np.arange(rates.size) * step
+    if term.symbol == "K":
+        mean = t * (0.5 * term.value / math.sqrt(step))
+    else:
+        T = term.shape[0]
+        mean = -np.expm1(-t / T) * (0.5 * term.value * math.sqrt(2 / T) * T / math.sqrt(step))
+    return seen / float(mean[-part:].mean() - mean[:part].mean())
+
+
+def _half(study: Study, light: set[str]) -> Iterator[Cause]:
+    """Channels of uniform samples whose mean is that of rand(): sqrt(3) standard deviations."""
+    found = []
+    for channel in study:
+        record = channel.record
+        if record.name in light and isinstance(record, Record):
+            rates = record.rate_values
+            found += [record.name] if abs(np.nanmean(rates) / np.nanstd(rates) / math.sqrt(3) - 1) < NEAR else []
+    if found:
+        yield _trace(tuple(found), "mean", say("the mean is not zero, but half the width of the distribution, as that "
+                                               "of rand() between 0 and 1"))  # fmt: skip
