@@ -13,10 +13,13 @@ from allanite.study.results import Channel, Study
 
 from .claim import Claim
 from .convention import NAN, WALKS, Place, explaining, pooled
-from .result import CheckedTerm, Cause
+from .result import Cause, CheckedTerm
 
 NAMED = 3
 """Conventions that are named, at most."""
+
+WIDE = 30.0
+"""Ratio of the limits of a factor above which nothing is named."""
 
 NEAR = 0.1
 """Relative difference of a mean from what rand() makes of it, up to which rand() is named."""
@@ -25,18 +28,27 @@ NEAR = 0.1
 def causes_of(study: Study, claim: Claim, terms: Sequence[CheckedTerm]) -> tuple[Cause, ...]:
     """The causes of what contradicts a claim, by kind of sensor and quantity."""
     light = {row.channel for row in terms if row.quantity == "kurtosis" and row.contradicts}
-    wrong = [row for row in terms if row.contradicts and row.claimed and row.quantity != "curve"]
     found = list[Cause]()
-    wrong.sort(key=lambda row: (row.signal.name, row.quantity))
-    for _, group in groupby(wrong, key=lambda row: (row.signal.name, row.quantity)):
-        rows = list(group)
-        driven = _driven(study, claim, rows)
-        found.append(driven or _factor(study, claim, rows, uniform={row.channel for row in rows} <= light))
-    explained = {name for cause in found if any("rand()" in s for s in cause.sentences) for name in cause.channels}
-    rest = tuple(row.channel for row in terms if row.channel in light - explained and row.quantity == "kurtosis")
+    for _, rows in groupby(sorted(terms, key=lambda row: row.signal.name), key=lambda row: row.signal.name):
+        found += _of_sensor(study, claim, [row for row in rows if row.contradicts], light)
+    named = {name for cause in found if any(n.startswith("1/sqrt") for n in cause.names) for name in cause.channels}
+    rest = tuple(row.channel for row in terms if row.quantity == "kurtosis" and row.channel in light - named)
     if rest:
         found.append(_trace(rest, "kurtosis", say("the samples are uniform: rand() instead of randn()")))
     return (*found, *_half(study, light))
+
+
+def _of_sensor(study: Study, claim: Claim, wrong: list[CheckedTerm], light: set[str]) -> list[Cause]:
+    """The causes of what is wrong with the channels of a kind of sensor."""
+    driven = _driven(study, claim, wrong)
+    known = ("T", *WALKS) if driven else ()
+    numbers = [row for row in wrong if row.claimed and row.quantity not in ("curve", *known)]
+    numbers.sort(key=lambda row: row.quantity)
+    groups = [list(rows) for _, rows in groupby(numbers, key=lambda row: row.quantity)]
+    found = [_factor(study, claim, rows, uniform={row.channel for row in rows} <= light) for rows in groups]
+    # what explains one quantity, and may explain the others, explains all
+    shared = set.intersection(*(set(cause.names) for cause in found)) if found else set()
+    return [*([driven] if driven else []), *(cause.only(shared) if shared - {""} else cause for cause in found)]
 
 
 def _trace(channels: tuple[str, ...], quantity: str, sentence: Phrase) -> Cause:
@@ -51,6 +63,8 @@ def _factor(study: Study, claim: Claim, rows: Sequence[CheckedTerm], *, uniform:
         absent = say("the bias is not added to the samples") if first.quantity in (*WALKS, "B") else Phrase("")
         return Cause(channels, first.quantity, 0.0, 0.0, max(row.high for row in rows), ("",), (absent,))
     low, high = pooled([(row.low, row.high) for row in rows])
+    if low <= 0 or high > WIDE * low:  # too much would lie in it
+        return Cause(channels, first.quantity, first.ratio, low, high)
     own = {id(row): explaining(row.low, row.high, _place(study, claim, row, uniform=uniform)) for row in rows}
     names = [name for name, _ in own[id(first)]]
     shared = [name for name in names if all(name in dict(found) for found in own.values())]
@@ -68,26 +82,21 @@ def _place(study: Study, claim: Claim, row: CheckedTerm, *, uniform: bool) -> Pl
     others = [term for model in claim.models if model.signal.name != row.signal.name for term in model]
     own = [term for term in claim.of(row.signal) or () if term.shape]
     timed = next((term.shape[0] for term in own), NAN)
-    same = [t.shape[0] for t in others if t.shape] if row.quantity == "T" else _sizes(others, row.quantity)
+    same = [
+        t.shape[0] if row.quantity == "T" else t.value for t in others if row.quantity in (t.symbol, "T" * len(t.shape))
+    ]
     other = next(iter(same), NAN)
     return Place(row.quantity, row.claimed or NAN, channel.record.rate, timed, other, uniform)
 
 
-def _sizes(terms: Sequence[Term], symbol: str) -> list[float]:
-    """Coefficients of a term; of a Gauss-Markov bias the noise that drives it, as two with other times compare."""
-    return [t.value for t in terms if t.symbol == symbol]
-
-
-def _driven(study: Study, claim: Claim, rows: Sequence[CheckedTerm]) -> Cause | None:
-    """Whether the bias rises as if it were driven by rand(), whose mean is 1/2."""
-    term = next((t for t in claim.of(rows[0].signal) or () if t.symbol == rows[0].quantity), None)
-    if term is None or term.symbol not in WALKS:
-        return None
-    risen = tuple(row.channel for row in rows if abs(_rise(study[row.channel], term) - 1) < NEAR)
-    if len(risen) < len(rows):
+def _driven(study: Study, claim: Claim, wrong: Sequence[CheckedTerm]) -> Cause | None:
+    """Whether the bias of all channels that are wrong rises as if it were driven by rand(), whose mean is 1/2."""
+    term = next((t for row in wrong[:1] for t in claim.of(row.signal) or () if t.symbol in WALKS), None)
+    channels = list(dict.fromkeys(row.channel for row in wrong if row.quantity != "T"))
+    if term is None or not channels or any(abs(_rise(study[name], term) - 1) > NEAR for name in channels):
         return None
     sentence = say("the bias is driven by rand() instead of randn(): its mean is not zero, and the bias rises")
-    return _trace(risen, term.symbol, sentence)
+    return _trace(tuple(channels), term.symbol, sentence)
 
 
 def _rise(channel: Channel, term: Term) -> float:
@@ -114,7 +123,8 @@ def _half(study: Study, light: set[str]) -> Iterator[Cause]:
         record = channel.record
         if record.name in light and isinstance(record, Record):
             rates = record.rate_values
-            found += [record.name] if abs(np.nanmean(rates) / np.nanstd(rates) / math.sqrt(3) - 1) < NEAR else []
+            fast = np.nanstd(np.diff(rates)) / math.sqrt(2)
+            found += [record.name] if abs(np.nanmean(rates) / fast / math.sqrt(3) - 1) < NEAR else []
     if found:
         yield _trace(tuple(found), "mean", say("the mean is not zero, but half the width of the distribution, as that "
                                                "of rand() between 0 and 1"))  # fmt: skip

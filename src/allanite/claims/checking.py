@@ -9,13 +9,14 @@ from functools import cached_property
 import numpy as np
 
 from allanite.batch.judgement import seen_of
+from allanite.batch.specification import Limit
 from allanite.core.aliases import aliased
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.threads import one_thread
-from allanite.core.units import Signal
+from allanite.core.units import Signal, unit_of
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 from allanite.study.analysis import analyzed
@@ -23,9 +24,9 @@ from allanite.study.channels import Progress, Source
 from allanite.study.recipe import Recipe
 from allanite.study.results import Channel, Study
 
+from .causes import causes_of
 from .claim import Claim, claim_of
 from .form import Form, form_of, inside, time_excess
-from .causes import causes_of
 from .result import AGREES, DIFFERS, EXCEEDS, NOT_SHOWN, UNCLAIMED, CheckedTerm, ClaimCheck, claimed_deviation, fit_of
 
 TOLERANCE = 0.02
@@ -47,7 +48,7 @@ def check(
     claims: "str | os.PathLike[str] | Model | Claim",
     recipe: Recipe | None = None,
     *,
-    claims_from: str = "",
+    claims_from: str | None = None,
     at_most: bool = False,
     tolerance: float = TOLERANCE,
     progress: Progress | None = None,
@@ -125,8 +126,7 @@ def _checked(study: Study, claims: dict[float, Claim], bound: bool, tolerance: f
         pairs = [(c, limit) for c in study for limit in claims[c.record.rate].limits_of(c.record.name, c.record.signal)]
         for channel, limit in pairs:
             level = 1 - 2 * alpha / len(pairs)
-            yield _bounded(channel, limit.symbol, limit.maximum, limit.unit, level, tolerance,
-                           sure=limit.judge == "upper")  # fmt: skip
+            yield _bounded(channel, limit, level, tolerance)
         return
     sensors = _by_sensor(study, claims)
     count = Counts(sensors, alpha / KINDS, tolerance)
@@ -134,12 +134,10 @@ def _checked(study: Study, claims: dict[float, Claim], bound: bool, tolerance: f
         yield from _exact(sensor, count)
 
 
-def _bounded(
-    channel: Channel, symbol: str, most: float, unit: str, level: float, tolerance: float, *, sure: bool
-) -> CheckedTerm:
+def _bounded(channel: Channel, limit: Limit, level: float, tolerance: float) -> CheckedTerm:
     """A number that is an upper bound, held against what was identified."""
-    seen = seen_of(channel, symbol, level)
-    row = CheckedTerm(channel.record.name, channel.record.signal, symbol, most, seen.value, unit, reason=seen.reason)
+    seen, most, record = seen_of(channel, limit.symbol, level), limit.maximum, channel.record
+    row = CheckedTerm(record.name, record.signal, limit.symbol, most, seen.value, limit.unit, reason=seen.reason)
     if seen.value is None:
         if seen.upper is None:
             return replace(row, outcome=NOT_SHOWN)
@@ -147,7 +145,9 @@ def _bounded(
         return replace(row, low=0.0, high=seen.upper / most, outcome=outcome,
                        reason=seen.reason or say("not identified"))  # fmt: skip
     low, high = (seen.low, seen.high) if math.isfinite(seen.low) else (seen.value, seen.value)
-    outcome = EXCEEDS if low > most * (1 + tolerance) else NOT_SHOWN if sure and high > most else AGREES
+    outcome = (
+        EXCEEDS if low > most * (1 + tolerance) else NOT_SHOWN if limit.judge == "upper" and high > most else AGREES
+    )
     return replace(row, ratio=seen.value / most, low=low / most, high=high / most, outcome=outcome)
 
 
@@ -250,7 +250,7 @@ def _exact(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
                 yield _estimated(axis.channel, term, count)
             continue
         held = [column if i == sensor.timed and column is not None else i for i in range(form.claimed)]
-        subset = form.having((*held, *(found := form.extra(held, count.channel))))
+        subset = form.having((*held, *(found := form.beside(held, count.channel))))
         for i, term in enumerate(form.terms[: form.claimed]):
             best, low, high = (scale * v if i == sensor.timed else v for v in form.ratio(subset, held[i], count.term))
             yield replace(
@@ -311,12 +311,12 @@ def _curve(axis: AxisCheck, row: CheckedTerm, count: Counts) -> CheckedTerm:
     assert isinstance(record, Record)  # noqa: S101 - there is a likelihood of its samples
     claimed = Model(axis.noise)
     curve = deviation(record, "oadev", taus="octave", noise=claimed)
-    expected = claimed_deviation(claimed, "oadev", curve.tau, record.rate)
+    factor, expected = unit_of(curve.unit).factor, claimed_deviation(claimed, curve)
     low, high = (limit / expected for limit in curve.interval(1 - count.channel / curve.tau.size))
     outside = np.maximum(low / (1 + count.tolerance), (1 - count.tolerance) / high)
     most = int(outside.argmax())
     return replace(
-        row, quantity="curve", claimed=float(expected[most]), found=float(curve.deviation[most]),
+        row, quantity="curve", claimed=factor * float(expected[most]), found=factor * float(curve.deviation[most]),
         unit=record.signal.sheet[0], ratio=float(curve.deviation[most] / expected[most]), low=float(low[most]),
         high=float(high[most]), outcome=count.outcome(float(low[most]), float(high[most])),
         reason=say("at {tau:.4g} s", tau=float(curve.tau[most])),

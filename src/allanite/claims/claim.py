@@ -1,7 +1,7 @@
 """Claim: the noise that a configuration, a data sheet, a limits file or a model states."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
@@ -11,7 +11,7 @@ from typing import Any
 from allanite.batch.specification import Limit, Specification
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.files import reason
-from allanite.core.model import Model
+from allanite.core.model import Model, Term
 from allanite.core.names import nearest
 from allanite.core.plain import Value
 from allanite.core.units import Signal
@@ -21,6 +21,7 @@ from allanite.exporting.imported import Imported, noise_in, numbers, section_of
 from allanite.exporting.target import Target
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
+from allanite.terms import TERMS
 
 
 @dataclass(frozen=True, repr=False)
@@ -34,11 +35,12 @@ class Claim(Value):
     kind : str
         What it is: "model", "data sheet", "limits", or the name of a target of `allanite.EXPORTS`.
     models : tuple of Model
-        One for each kind of sensor. Where the file of a target states a correlation time, the bias is GM.
+        One for each kind of sensor, of limits as large as they are. Where the file of a target states a correlation
+        time, the bias is GM.
     bound : bool
         Whether the values are upper bounds, as those of a data sheet; otherwise the noise has exactly these values.
     limits : Specification or None
-        The limits of a limits file, instead of models.
+        The limits of a limits file.
     rate : float or None
         Rate that the formulas of the file used, Hz.
     """
@@ -75,7 +77,9 @@ class Claim(Value):
         return f"of {self.title}: {join('; ', said)}"
 
 
-def claim_of(given: "str | os.PathLike[str] | Model | Claim", origin: str = "", rate: float | None = None) -> Claim:
+def claim_of(
+    given: "str | os.PathLike[str] | Model | Claim", origin: str | None = None, rate: float | None = None
+) -> Claim:
     """The claim that a text, a file or a name stands for.
 
     Parameters
@@ -138,7 +142,8 @@ def _nothing(text: str) -> UsageError:
 
 def _of_file(path: str, origin: str, rate: float | None) -> Claim:
     if path.lower().endswith(".toml") and not origin:
-        return Claim(path, "limits", (), bound=True, limits=Specification.load(path))
+        limits = Specification.load(path)
+        return Claim(path, "limits", tuple(_limited(limits)), bound=True, limits=limits)
     try:
         text = Path(path).read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -147,6 +152,15 @@ def _of_file(path: str, origin: str, rate: float | None) -> Claim:
     if not found.models:
         raise DataError(f"{path!r} has no value above 0 in the fields of {found.target}: it claims no noise")
     return Claim(path, found.target, found.simulated, rate=found.rate)
+
+
+def _limited(limits: Specification) -> Iterator[Model]:
+    """The models of sensors that are as large as the limits of all channels."""
+    for signal in dict.fromkeys(limit.signal.name for limit in limits.limits):
+        own = [limit for limit in limits.limits if limit.signal.name == signal and limit.symbol in TERMS]
+        terms = [Term(limit.symbol, limit.maximum, limit.signal) for limit in own if not TERMS[limit.symbol].parameters]
+        if terms:
+            yield Model(tuple(terms))
 
 
 def recognized(text: str, rate: float | None = None, name: str = "the text") -> Imported:

@@ -1,4 +1,4 @@
-"""Conventions: factors by which noise misses its claim when a unit, a density or a distribution is taken for another."""
+"""Conventions: factors by which noise misses its claim if a unit, density or distribution is taken for another."""
 
 import math
 from collections.abc import Callable, Sequence

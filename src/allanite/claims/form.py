@@ -51,7 +51,7 @@ class Form:
                            (profile.best, profile.lower(drop), profile.upper(drop)))  # fmt: skip
         return best, low, high
 
-    def extra(self, held: Sequence[int], alpha: float) -> list[int]:
+    def beside(self, held: Sequence[int], alpha: float) -> list[int]:
         """Columns of noise that is there beside the columns `held`, with a chance of alpha that one is found falsely.
 
         A coefficient is not negative, so that its gain in 2 L is zero for half of all records without it.

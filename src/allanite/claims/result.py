@@ -1,18 +1,21 @@
 """ClaimCheck: what of a claim a record confirms, what it contradicts, and why."""
 
-from dataclasses import dataclass, field
+import math
+from collections.abc import Container
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.curve import Curve
 from allanite.core.encoding import finite
 from allanite.core.fit import Fit
 from allanite.core.model import Model
 from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
 from allanite.phrases.phrase import join, say, say_count
-from allanite.statistics.model_curves import expectation
+from allanite.statistics.moments.expect import expected
 from allanite.study.results import Channel, Study
 
 from .claim import Claim
@@ -106,18 +109,26 @@ class Cause(Value):
     names: tuple[str, ...] = ()
     sentences: tuple[str, ...] = ()
 
+    def only(self, names: Container[str]) -> "Cause":
+        """The cause with some of its factors."""
+        kept = [pair for pair in zip(self.names, self.sentences, strict=True) if pair[0] in names]
+        return replace(self, names=tuple(name for name, _ in kept), sentences=tuple(said for _, said in kept))
+
     @property
     def words(self) -> str:
         """The factor and what explains it: ``N is 1.414 times the claimed: sqrt(2), one-sided density ...``."""
-        named = [join(": ", filter(None, (n, s))) for n, s in zip(self.names, self.sentences, strict=True)]
+        named = [join(": ", filter(None, pair)) for pair in zip(self.names, self.sentences, strict=True)]
+        if math.isnan(self.factor):
+            return join("; ", named)
         if self.factor == 0:
             said = say("{term} is not found, and would be seen", term=self.quantity)
-        elif self.factor == self.factor:  # no NaN
-            said = say("{term} is {factor:.4g} times the claimed", term=self.quantity, factor=self.factor)
+        elif math.isinf(self.factor) or math.isinf(self.high):
+            said = say("{term} is more than {factor:.3g} times the claimed", term=self.quantity, factor=self.low)
+        elif self.low <= 0:
+            said = say("{term} is less than {factor:.3g} times the claimed", term=self.quantity, factor=self.high)
         else:
-            return join(say(" or "), named)
-        why = join(say(", or "), named) if named else say("no convention explains it")
-        return say("{what} ({why})", what=said, why=why)
+            said = say("{term} is {factor:.4g} times the claimed", term=self.quantity, factor=self.factor)
+        return join(": ", (said, join("; ", filter(None, named)) or say("no convention explains it")))
 
     def _summary(self) -> str:
         return f"{', '.join(self.channels)}: {self.words}"
@@ -174,7 +185,7 @@ class ClaimCheck(Study):
         noise = None if model is None else model.noise
         if noise is None or channel.curve is None:
             return None
-        return claimed_deviation(noise, channel.curve.statistic, channel.curve.tau, channel.record.rate)
+        return claimed_deviation(noise, channel.curve)
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""
@@ -193,9 +204,10 @@ class ClaimCheck(Study):
         return f"against {self.claim.title}: {self.verdict}"
 
 
-def claimed_deviation(model: Model, statistic: str, tau: FloatArray, rate: float) -> FloatArray:
-    """The expected deviation of a model at averaging times in s."""
-    return np.asarray(expectation(model, (statistic,), tau=[float(t) for t in tau], rate=rate).curves[0].deviation)
+def claimed_deviation(model: Model, curve: Curve) -> FloatArray:
+    """The expected deviation of a model at the averaging times of a curve, in its unit."""
+    variance = expected(model, curve.statistic, curve.tau, rate=curve.rate, size=curve.size or None)
+    return np.sqrt(variance) / unit_of(curve.unit).factor
 
 
 def fit_of(channel: Channel) -> Fit | None:
