@@ -156,6 +156,12 @@ def timed(pair: tuple[Sensor, Sensor]) -> Simulator:
     return Simulator("pegasus", pegasus(*pair), replace(gyro, time=accelerometer.time), accelerometer)
 
 
+def squared(gyro: Sensor, accelerometer: Sensor) -> Simulator:
+    """Gazebo with white noise alone, whose variance is taken for its standard deviation."""
+    wrong = (replace(sensor, sigma=lambda s, dt: s.density**2 / dt) for sensor in (gyro, accelerometer))
+    return Simulator("gazebo", gazebo(gyro, accelerometer), *wrong)
+
+
 DEFECTS = (
     Defect("correlation time of the accelerometer in the gyro, 300 s and 30 s", "PegasusSimulator#148", timed(SHORT),
            "correlation time of the other"),
@@ -176,7 +182,7 @@ DEFECTS = (
            wrong("gazebo-classic", sigma=lambda s, dt: s.density * math.sqrt(dt), both=True), "root of the sample"),
     Defect("degrees for radians", "units", wrong("kalibr", scale=180 / math.pi), "degrees taken for radians"),
     Defect("deviation squared: variance for deviation", "mir_robot#99",
-           wrong("gazebo", sigma=lambda s, dt: s.density**2 / dt), "variance taken"),
+           squared(Sensor(1.7e-5, 0.0), Sensor(1.7e-3, 0.0)), "variance taken"),
     Defect("random walk per sample, without sqrt(dt)", "gnss-ins-sim#19",
            wrong("kalibr", bias=lambda s, dt: s.walk, both=True), "value per sample"),
     Defect("sqrt(h) read as sqrt(s)", "units", wrong("kalibr", sigma=lambda s, dt: 60 * s.density / math.sqrt(dt)),

@@ -12,14 +12,14 @@ from allanite.phrases.phrase import Phrase, say
 from allanite.study.results import Channel, Study
 
 from .claim import Claim
-from .convention import NAN, WALKS, Place, explaining, pooled
+from .convention import NAN, WALKS, Convention, Place, explaining, pooled
 from .result import Cause, CheckedTerm
 
 NAMED = 3
 """Conventions that are named, at most."""
 
-WIDE = 30.0
-"""Ratio of the limits of a factor above which nothing is named."""
+WIDE, NEARLY = 4.0, 1.02
+"""Ratio of the limits of a factor above which nothing is named, and factor by which they are widened if none is."""
 
 NEAR = 0.1
 """Relative difference of a mean from what rand() makes of it, up to which rand() is named."""
@@ -63,17 +63,13 @@ def _factor(study: Study, claim: Claim, rows: Sequence[CheckedTerm], *, uniform:
         absent = say("the bias is not added to the samples") if first.quantity in (*WALKS, "B") else Phrase("")
         return Cause(channels, first.quantity, 0.0, 0.0, max(row.high for row in rows), ("",), (absent,))
     low, high = pooled([(row.low, row.high) for row in rows])
-    if low <= 0 or high > WIDE * low:  # too much would lie in it
-        return Cause(channels, first.quantity, first.ratio, low, high)
-    own = {id(row): explaining(row.low, row.high, _place(study, claim, row, uniform=uniform)) for row in rows}
-    names = [name for name, _ in own[id(first)]]
-    shared = [name for name in names if all(name in dict(found) for found in own.values())]
-    within = dict(explaining(low, high, _place(study, claim, first, uniform=uniform))) if low <= high else {}
-    kept = [name for name in within if name in shared][:NAMED]
     centre = math.sqrt(low * high) if 0 < low <= high else float(np.mean([row.ratio for row in rows]))
-    return Cause(
-        channels, first.quantity, centre, low, high, tuple(kept), tuple(within[name].sentence for name in kept)
-    )
+    kept: dict[str, Convention] = {}
+    if 0 < low <= high <= WIDE * low:
+        place = _place(study, claim, first, uniform=uniform)
+        # a bias that is sampled, and not its mean over each interval, adds a little white noise
+        kept = dict((explaining(low, high, place) or explaining(low / NEARLY, high * NEARLY, place))[:NAMED])
+    return Cause(channels, first.quantity, centre, low, high, tuple(kept), tuple(row.sentence for row in kept.values()))
 
 
 def _place(study: Study, claim: Claim, row: CheckedTerm, *, uniform: bool) -> Place:

@@ -72,15 +72,19 @@ DEGREE = 180 / math.pi
 HOURS = say("hours taken for seconds, or the reverse")
 
 CONVENTIONS = (
-    Convention("sqrt(2)", _constant(math.sqrt(2)), say("one-sided density taken for two-sided, or the reverse")),
-    Convention("sqrt(rate)", lambda p: math.sqrt(p.rate), say("value per sample taken for a density, or the reverse")),
+    Convention("sqrt(2)", _constant(math.sqrt(2)), say("one-sided density taken for two-sided, or the reverse"),
+               ("N", "K")),
+    Convention("sqrt(rate)", lambda p: math.sqrt(p.rate), say("value per sample taken for a density, or the reverse"),
+               ("N", *WALKS)),
     Convention("rate", lambda p: p.rate, say("multiplied by a root of the sample interval instead of divided, or the "
-                                             "reverse")),
+                                             "reverse"), ("N", *WALKS)),
     Convention("57.3", _constant(DEGREE), say("degrees taken for radians, or the reverse")),
-    Convention("60", _constant(60.0), say("sqrt(h) taken for sqrt(s), or the reverse")),
-    Convention("3600", _constant(3600.0), HOURS),
-    Convention("57.3 x 60", _constant(DEGREE * 60), say("deg/sqrt(h) taken for rad/sqrt(s), or the reverse")),
-    Convention("57.3 x 3600", _constant(DEGREE * 3600), say("deg/h taken for rad/s, or the reverse")),
+    Convention("60", _constant(60.0), say("sqrt(h) taken for sqrt(s), or the reverse"), ("N", "K")),
+    Convention("3600", _constant(3600.0), HOURS, ("B", *WALKS)),
+    Convention("57.3 x 60", _constant(DEGREE * 60), say("deg/sqrt(h) taken for rad/sqrt(s), or the reverse"),
+               ("N",)),
+    Convention("57.3 x 3600", _constant(DEGREE * 3600), say("deg/h taken for rad/s, or the reverse"),
+               ("B", *WALKS)),
     Convention("9.81", _constant(9.80665), say("g taken for m/s^2, or the reverse")),
     Convention("1000", _constant(1e3), say("a prefix milli is missing, or taken twice")),
     Convention("1e6", _constant(1e6), say("a prefix micro is missing, or taken twice")),
@@ -162,7 +166,7 @@ def pooled(limits: Sequence[tuple[float, float]]) -> tuple[float, float]:
     (2.0, 1.1)
     """
     inner = max(low for low, _ in limits), min(high for _, high in limits)
-    if len(limits) == 1 or inner[0] > inner[1] or inner[0] <= 0 or not all(math.isfinite(high) for _, high in limits):
+    if len(limits) == 1 or inner[0] >= inner[1] or inner[0] <= 0 or not all(math.isfinite(high) for _, high in limits):
         return inner
     halves = [math.log(high / low) / 2 for low, high in limits]
     weight = [half**-2 for half in halves]

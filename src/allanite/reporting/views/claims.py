@@ -21,11 +21,16 @@ from .jobs import channel_sheet, job_face, source_of
 
 TITLES = {
     "T": say("correlation time of the bias"),
-    "curve": say("Allan deviation, worst octave"),
+    "curve": say("Allan deviation"),
     "kurtosis": say("distribution of the residuals"),
     MINIMUM: say("minimum of the Allan deviation"),
 }
 """What the quantities are called that are no terms."""
+
+CLOSE = 1.2
+"""Ratio of the limits of a factor from which these are shown instead of its value."""
+
+AT_MOST = ("--at-most", say("the claim as upper bounds"))
 
 OUTCOME_WORDS = {
     "agrees": say("agrees"),
@@ -67,7 +72,8 @@ def first_of_check(value: ClaimCheck, level: float) -> First:
     remarks += [] if value.agrees else doubts(value.checked)
     legend = [say("Factors are found over claimed; * contradicts the claim, all comparisons considered.")]
     title = join("   ", (title_of(value), say("against {claim}", claim=value.claim.title)))
-    return First(title, value.verdict, answer, remarks, legend, how_read(value), [FIGURES, DETAILS])
+    after = [FIGURES, DETAILS, *([] if value.agrees or value.claim.bound else [AT_MOST])]
+    return First(title, value.verdict, answer, remarks, legend, how_read(value), after)
 
 
 def _axes(value: ClaimCheck, signal: Signal) -> Axes:
@@ -99,7 +105,7 @@ def _cell(row: CheckedTerm | None) -> str:
         return "" if row is None else say("not shown")
     said: str = say("agrees")
     if row.outcome == UNCLAIMED:
-        said = rounded(row.shown(row.found) or 0.0)
+        said = say("found {value}", value=rounded(row.shown(row.found) or 0.0))
     elif row.quantity == "kurtosis":
         said = say("uniform")
     elif row.quantity == "curve":
@@ -108,6 +114,8 @@ def _cell(row: CheckedTerm | None) -> str:
         said = say("above {limit}", limit=rounded(row.low)) if row.low > 0 else said
     elif row.low <= 0:
         said = say("below {limit}", limit=rounded(row.high))
+    elif row.high > CLOSE * row.low:
+        said = f"{rounded(row.low)} .. {rounded(row.high)}"
     else:
         said = plus_minus(row.ratio, row.low, row.high)
     return join("", (said, " *")) if row.contradicts else said
