@@ -77,6 +77,9 @@ from .interpretation.causes import Meaning as Meaning
 from .interpretation.devices import DEVICES as DEVICES
 from .planning.bound import Bound as Bound
 from .planning.bound import bound as bound
+from .planning.datasheets import DATASHEETS as DATASHEETS
+from .planning.datasheets import DataSheet as DataSheet
+from .planning.datasheets import data_sheet_named as data_sheet_named
 from .planning.plan import RecordingPlan as RecordingPlan
 from .planning.plan import plan as plan
 from .planning.selfcheck import SelfCheck as SelfCheck

@@ -98,6 +98,8 @@ _OWN = {
     "Export": "export.export_view",
     "Imported": "export.imported_view",
     "Explanation": "export.explanation_view",
+    "DataSheet": "sheets.sheet_view",
+    "SheetComparison": "sheets.comparison_view",
     "Simulation": "expectation.simulation_view",
     "RateStudy": "rate.study_view",
     "Closeup": "rate_experiment.closeup_view",
