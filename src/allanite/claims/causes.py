@@ -11,21 +11,21 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import Phrase, say
 from allanite.study.results import Channel, Study
 
-from .claim import Claim
+from .claim import ClaimedNoise
 from .convention import NAN, WALKS, Convention, Place, explaining, pooled
 from .result import Cause, CheckedTerm
 
 NAMED = 3
-"""Conventions that are named, at most."""
+"""Conventions that fit, at most, if they are named: more of them explain nothing."""
 
-WIDE, NEARLY = 4.0, 1.02
+WIDE, NEARLY = 15.0, 1.02
 """Ratio of the limits of a factor above which nothing is named, and factor by which they are widened if none is."""
 
 NEAR = 0.1
 """Relative difference of a mean from what rand() makes of it, up to which rand() is named."""
 
 
-def causes_of(study: Study, claim: Claim, terms: Sequence[CheckedTerm]) -> tuple[Cause, ...]:
+def causes_of(study: Study, claim: ClaimedNoise, terms: Sequence[CheckedTerm]) -> tuple[Cause, ...]:
     """The causes of what contradicts a claim, by kind of sensor and quantity."""
     light = {row.channel for row in terms if row.quantity == "kurtosis" and row.contradicts}
     found = list[Cause]()
@@ -38,7 +38,7 @@ def causes_of(study: Study, claim: Claim, terms: Sequence[CheckedTerm]) -> tuple
     return (*found, *_half(study, light))
 
 
-def _of_sensor(study: Study, claim: Claim, wrong: list[CheckedTerm], light: set[str]) -> list[Cause]:
+def _of_sensor(study: Study, claim: ClaimedNoise, wrong: list[CheckedTerm], light: set[str]) -> list[Cause]:
     """The causes of what is wrong with the channels of a kind of sensor."""
     driven = _driven(study, claim, wrong)
     known = ("T", *WALKS) if driven else ()
@@ -56,23 +56,25 @@ def _trace(channels: tuple[str, ...], quantity: str, sentence: Phrase) -> Cause:
     return Cause(channels, quantity, NAN, NAN, NAN, ("",), (sentence,))
 
 
-def _factor(study: Study, claim: Claim, rows: Sequence[CheckedTerm], *, uniform: bool) -> Cause:
+def _factor(study: Study, claim: ClaimedNoise, rows: Sequence[CheckedTerm], *, uniform: bool) -> Cause:
     """The factor that the channels of a sensor have in common, and the conventions that explain it."""
     first, channels = rows[0], tuple(row.channel for row in rows)
-    if first.low <= 0 < first.high:  # its size is not known, or it has none
-        absent = say("the bias is not added to the samples") if first.quantity in (*WALKS, "B") else Phrase("")
-        return Cause(channels, first.quantity, 0.0, 0.0, max(row.high for row in rows), ("",), (absent,))
+    if any(row.low <= 0 for row in rows):
+        absent = (say("the bias is not added to the samples"),) * (first.quantity in (*WALKS, "B"))
+        high = max(row.high for row in rows)
+        return Cause(channels, first.quantity, 0.0, 0.0, high, ("",) * len(absent), absent)
     low, high = pooled([(row.low, row.high) for row in rows])
     centre = math.sqrt(low * high) if 0 < low <= high else float(np.mean([row.ratio for row in rows]))
     kept: dict[str, Convention] = {}
     if 0 < low <= high <= WIDE * low:
         place = _place(study, claim, first, uniform=uniform)
         # a bias that is sampled, and not its mean over each interval, adds a little white noise
-        kept = dict((explaining(low, high, place) or explaining(low / NEARLY, high * NEARLY, place))[:NAMED])
+        fitting = explaining(low, high, place) or explaining(low / NEARLY, high * NEARLY, place)
+        kept = dict(fitting if len(fitting) <= NAMED else ())
     return Cause(channels, first.quantity, centre, low, high, tuple(kept), tuple(row.sentence for row in kept.values()))
 
 
-def _place(study: Study, claim: Claim, row: CheckedTerm, *, uniform: bool) -> Place:
+def _place(study: Study, claim: ClaimedNoise, row: CheckedTerm, *, uniform: bool) -> Place:
     """What the conventions may depend on."""
     channel = next(c for c in study if c.record.name in row.channel.split(", "))
     others = [term for model in claim.models if model.signal.name != row.signal.name for term in model]
@@ -85,7 +87,7 @@ def _place(study: Study, claim: Claim, row: CheckedTerm, *, uniform: bool) -> Pl
     return Place(row.quantity, row.claimed or NAN, channel.record.rate, timed, other, uniform)
 
 
-def _driven(study: Study, claim: Claim, wrong: Sequence[CheckedTerm]) -> Cause | None:
+def _driven(study: Study, claim: ClaimedNoise, wrong: Sequence[CheckedTerm]) -> Cause | None:
     """Whether the bias of all channels that are wrong rises as if it were driven by rand(), whose mean is 1/2."""
     term = next((t for row in wrong[:1] for t in claim.of(row.signal) or () if t.symbol in WALKS), None)
     channels = list(dict.fromkeys(row.channel for row in wrong if row.quantity != "T"))

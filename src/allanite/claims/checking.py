@@ -18,7 +18,7 @@ from allanite.study.recipe import Recipe
 from allanite.study.results import Channel, Study
 
 from .causes import causes_of
-from .claim import Claim, claim_of
+from .claim import ClaimedNoise, claim_of
 from .exact import Counts, by_sensor, exact_rows
 from .result import AGREES, EXCEEDS, NOT_SHOWN, CheckedTerm, ClaimCheck
 
@@ -32,7 +32,7 @@ KINDS = 5
 @aliased
 def check(
     source: Source,
-    claims: "str | os.PathLike[str] | Model | Claim",
+    claims: "str | os.PathLike[str] | Model | ClaimedNoise",
     recipe: Recipe | None = None,
     *,
     claims_from: str | None = None,
@@ -53,7 +53,7 @@ def check(
     ----------
     source : Recording, Record, path, table or array
         As for `analyze`.
-    claims : str, path, Model or Claim
+    claims : str, path, Model or ClaimedNoise
         See `claim_of`.
     recipe : Recipe, optional
     claims_from : str, optional
@@ -106,7 +106,7 @@ def check(
     return ClaimCheck(**known, claim=first, terms=terms, causes=causes_of(study, first, terms), tolerance=tolerance)
 
 
-def _checked(study: Study, claims: dict[float, Claim], bound: bool, tolerance: float) -> Iterator[CheckedTerm]:
+def _checked(study: Study, claims: dict[float, ClaimedNoise], bound: bool, tolerance: float) -> Iterator[CheckedTerm]:
     """The rows of all channels, by kind of sensor."""
     alpha = 1 - study.recipe.level
     if bound:

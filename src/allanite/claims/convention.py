@@ -166,7 +166,8 @@ def pooled(limits: Sequence[tuple[float, float]]) -> tuple[float, float]:
     (2.0, 1.1)
     """
     inner = max(low for low, _ in limits), min(high for _, high in limits)
-    if len(limits) == 1 or inner[0] >= inner[1] or inner[0] <= 0 or not all(math.isfinite(high) for _, high in limits):
+    known = all(low > 0 and math.isfinite(high) for low, high in limits)
+    if len(limits) == 1 or inner[0] >= inner[1] or not known:
         return inner
     halves = [math.log(high / low) / 2 for low, high in limits]
     weight = [half**-2 for half in halves]

@@ -16,7 +16,7 @@ from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 from allanite.study.results import Channel, Study
 
-from .claim import Claim
+from .claim import ClaimedNoise
 from .form import Form, form_of, inside, time_excess
 from .result import AGREES, DIFFERS, NOT_SHOWN, UNCLAIMED, CheckedTerm, claimed_deviation, fit_of
 
@@ -101,7 +101,7 @@ class Counts:
         return AGREES if low <= 1 + self.tolerance and high >= 1 - self.tolerance else DIFFERS
 
 
-def by_sensor(study: Study, claims: dict[float, Claim]) -> list[Sensor]:
+def by_sensor(study: Study, claims: dict[float, ClaimedNoise]) -> list[Sensor]:
     """The kinds of sensors of which something is claimed, by sampling rate of the claims."""
     found: dict[str, list[AxisCheck]] = {}
     for channel in study:

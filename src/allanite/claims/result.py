@@ -18,7 +18,7 @@ from allanite.phrases.phrase import join, say, say_count
 from allanite.statistics.moments.expect import expected
 from allanite.study.results import Channel, Study
 
-from .claim import Claim
+from .claim import ClaimedNoise
 
 AGREES, DIFFERS, EXCEEDS = "agrees", "differs", "exceeds"
 UNCLAIMED, NOT_SHOWN = "not claimed", "not shown"
@@ -120,9 +120,7 @@ class Cause(Value):
         named = [join(": ", filter(None, pair)) for pair in zip(self.names, self.sentences, strict=True)]
         if math.isnan(self.factor):
             return join("; ", named)
-        if self.factor == 0:
-            said = say("{term} is not found, and would be seen", term=self.quantity)
-        elif math.isinf(self.factor) or math.isinf(self.high):
+        if math.isinf(self.factor) or math.isinf(self.high):
             said = say("{term} is more than {factor:.3g} times the claimed", term=self.quantity, factor=self.low)
         elif self.low <= 0:
             said = say("{term} is less than {factor:.3g} times the claimed", term=self.quantity, factor=self.high)
@@ -140,7 +138,7 @@ class ClaimCheck(Study):
 
     Attributes
     ----------
-    claim : Claim
+    claim : ClaimedNoise
     terms : tuple of CheckedTerm
     causes : tuple of Cause
     tolerance : float
@@ -151,7 +149,7 @@ class ClaimCheck(Study):
 
     _also = ("agrees", "verdict")
 
-    claim: Claim = field(default_factory=lambda: Claim("", "model", ()))
+    claim: ClaimedNoise = field(default_factory=lambda: ClaimedNoise("", "model", ()))
     terms: tuple[CheckedTerm, ...] = ()
     causes: tuple[Cause, ...] = ()
     tolerance: float = 0.0

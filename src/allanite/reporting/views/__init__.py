@@ -74,7 +74,7 @@ _OWN = {
     "Surface": "values.value_view",
     "Comparison": "comparison.comparison_view",
     "ClaimCheck": "claims.check_view",
-    "Claim": "claims.claim_view",
+    "ClaimedNoise": "claims.claim_view",
     "Pool": "pool.pool_view",
     "Fit": "fit.fit_view",
     "Readings": "values.readings_view",

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from allanite.claims.claim import Claim
+from allanite.claims.claim import ClaimedNoise
 from allanite.claims.result import NOT_SHOWN, OUTCOMES, UNCLAIMED, CheckedTerm, ClaimCheck
 from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal
@@ -176,12 +176,12 @@ def _sheets(value: ClaimCheck) -> Iterator[Sheet]:
         yield channel_sheet(channel, [_table(rows)], doubt=any(row.contradicts for row in rows))
 
 
-def _claim_rows(value: Claim, _: float) -> Rows:
+def _claim_rows(value: ClaimedNoise, _: float) -> Rows:
     return ("term", "value", "unit"), [[t.symbol, t.value, t.unit] for model in value.models for t in model]
 
 
 @view(rows=_claim_rows)
-def claim_view(value: Claim, level: float) -> Face:
+def claim_view(value: ClaimedNoise, level: float) -> Face:
     """The terms that are claimed."""
     rows = [[t.symbol, words.title(t.symbol, t.signal), str(t)] for model in value.models for t in model]
     table = Table((Column(say("term"), "symbol"), Column("", "text"), Column("", "text")), rows)
