@@ -147,8 +147,6 @@ class ClaimCheck(Study):
         As for `Study`.
     """
 
-    _also = ("agrees", "verdict")
-
     claim: ClaimedNoise = field(default_factory=lambda: ClaimedNoise("", "model", ()))
     terms: tuple[CheckedTerm, ...] = ()
     causes: tuple[Cause, ...] = ()
@@ -188,6 +186,9 @@ class ClaimCheck(Study):
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""
         return super().choices() | {"claims": self.claim.source, "tolerance": self.tolerance}
+
+    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
+        return super()._around(level, channels) | {"agrees": self.agrees, "verdict": self.verdict}
 
     def rows(self, level: float | None = None) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: what is claimed and found, their ratio with its interval, the outcome."""
