@@ -236,8 +236,8 @@ RUNS = {
     "dynamic": ["{a} --channels gx"],
     "compare": ["{a} {b} --channels gx", "{a} {b} {wild} --channels gx", "{a} --channels gx --part 60"],
     "check": [
-        "{six} --claims 'N 0.3 deg/sqrt(h), K 20 deg/h/sqrt(h); 60 ug/sqrt(Hz)'", "{a} --claims {limits}",
-        "{six} --claims adis16470", "{made} --claims 'N 1 deg/sqrt(h), GM 30 deg/h 20 s, R 3 deg/h^2'",
+        "{six} --claims 'N 0.3 deg/sqrt(h), K 20 deg/h/sqrt(h); 60 ug/sqrt(Hz)'", "{a} --channels gx --claims {limits}",
+        "{six} --claims adis16470", "{a} --channels gx --claims 'N 1 deg/sqrt(h), GM 30 deg/h 20 s, R 3 deg/h^2'",
     ],
     "watch": ["{a} --channels gx --idle 0.1"],
     "rate": ["{a} --channels gx --interval 20"],

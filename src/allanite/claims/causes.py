@@ -31,7 +31,7 @@ def causes_of(study: Study, claim: ClaimedNoise, terms: Sequence[CheckedTerm]) -
     found = list[Cause]()
     for _, rows in groupby(sorted(terms, key=lambda row: row.signal.name), key=lambda row: row.signal.name):
         found += _of_sensor(study, claim, [row for row in rows if row.contradicts], light)
-    named = {name for cause in found if any(n.startswith("1/sqrt") for n in cause.names) for name in cause.channels}
+    named = {name for cause in found if any("rand()" in said for said in cause.sentences) for name in cause.channels}
     rest = tuple(row.channel for row in terms if row.quantity == "kurtosis" and row.channel in light - named)
     if rest:
         found.append(_trace(rest, "kurtosis", say("the samples are uniform: rand() instead of randn()")))

@@ -25,6 +25,10 @@ SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml
 """Suffixes of files of claims: a text with one of them is a path, also where there is no such file."""
 
 
+KINDS = {"limits": say("limits"), "data sheet": say("data sheet")}
+"""Kinds of claims beside models and files of targets, in words."""
+
+
 @dataclass(frozen=True, repr=False)
 class ClaimedNoise(Value):
     """Noise that is claimed.
@@ -70,8 +74,9 @@ class ClaimedNoise(Value):
     @property
     def title(self) -> str:
         """Source and kind in a few words: ``imu.yaml (kalibr)``."""
-        name = os.path.basename(self.source) if self.kind in EXPORTS or self.limits else self.source
-        return name if self.kind == "model" else f"{name} ({self.kind})"
+        if self.kind == "model":
+            return self.source
+        return say("{name} ({kind})", name=os.path.basename(self.source), kind=KINDS.get(self.kind, self.kind))
 
     def _summary(self) -> str:
         said = [str(self.limits)] if self.limits is not None else list(map(str, self.models))

@@ -67,53 +67,64 @@ def _constant(value: float) -> Callable[[Place], float]:
 
 
 WALKS = ("K", "GM")
+DRIVEN = ("N", *WALKS)
 TIMES = ("T",)
 DEGREE = 180 / math.pi
-HOURS = say("hours taken for seconds, or the reverse")
+HOURS = say("hours and seconds confused")
 
 CONVENTIONS = (
-    Convention("sqrt(2)", _constant(math.sqrt(2)), say("one-sided density taken for two-sided, or the reverse"),
-               ("N", "K")),
-    Convention("sqrt(rate)", lambda p: math.sqrt(p.rate), say("value per sample taken for a density, or the reverse"),
-               ("N", *WALKS)),
-    Convention("rate", lambda p: p.rate, say("multiplied by a root of the sample interval instead of divided, or the "
-                                             "reverse"), ("N", *WALKS)),
-    Convention("57.3", _constant(DEGREE), say("degrees taken for radians, or the reverse")),
-    Convention("60", _constant(60.0), say("sqrt(h) taken for sqrt(s), or the reverse"), ("N", "K")),
+    Convention("sqrt(2)", _constant(math.sqrt(2)), say("one-sided and two-sided density confused"), ("N", "K")),
+    Convention(say("sqrt(rate)"), lambda p: math.sqrt(p.rate), say("value per sample and density confused"), DRIVEN),
+    Convention(
+        say("rate"), lambda p: p.rate, say("multiplied by the root of the sample interval where it is divided, or "
+                                           "divided where it is multiplied: it depends on the rate"), DRIVEN,
+    ),
+    Convention("57.3", _constant(DEGREE), say("degrees and radians confused")),
+    Convention("60", _constant(60.0), say("sqrt(h) and sqrt(s) confused"), ("N", "K")),
     Convention("3600", _constant(3600.0), HOURS, ("B", *WALKS)),
-    Convention("57.3 x 60", _constant(DEGREE * 60), say("deg/sqrt(h) taken for rad/sqrt(s), or the reverse"),
-               ("N",)),
-    Convention("57.3 x 3600", _constant(DEGREE * 3600), say("deg/h taken for rad/s, or the reverse"),
-               ("B", *WALKS)),
-    Convention("9.81", _constant(9.80665), say("g taken for m/s^2, or the reverse")),
+    Convention("57.3 x 60", _constant(DEGREE * 60), say("deg/sqrt(h) and rad/sqrt(s) confused"), ("N",)),
+    Convention("57.3 x 3600", _constant(DEGREE * 3600), say("deg/h and rad/s confused"), ("B", *WALKS)),
+    Convention("9.81", _constant(9.80665), say("g and m/s^2 confused")),
     Convention("1000", _constant(1e3), say("a prefix milli is missing, or taken twice")),
     Convention("1e6", _constant(1e6), say("a prefix micro is missing, or taken twice")),
-    Convention("1e6/9.81", _constant(1e6 / 9.80665), say("ug taken for m/s^2, or the reverse")),
-    Convention("pi", _constant(math.pi), say("a factor of pi is missing, or taken twice")),
-    Convention("2 pi", _constant(2 * math.pi), say("frequency in Hz taken for rad/s, or the reverse")),
-    Convention("sqrt(3)", _constant(math.sqrt(3)), say("K read off the Allan deviation at 1 s instead of 3 s, or the "
-                                                       "reverse"), ("K",)),
-    Convention("1/0.664", _constant(1 / 0.664), say("minimum of the Allan deviation taken for the bias instability, or "
-                                                    "the reverse"), ("B",)),
-    Convention("sqrt(T/2)", lambda p: math.sqrt(p.time / 2),
-               say("standard deviation of the bias taken for the density that drives it, or the reverse"), WALKS),
-    Convention("claimed value", lambda p: p.claimed, say("the coefficient is squared: variance taken for standard "
-                                                         "deviation"), inverse=False),
-    Convention("claimed value x sqrt(rate)", lambda p: p.claimed * math.sqrt(p.rate),
-               say("the standard deviation of a sample is squared: variance taken for standard deviation"), ("N",),
-               inverse=False),
-    Convention("other sensor", lambda p: p.other / p.claimed, say("the value of the other kind of sensor"),
-               inverse=False),
-    Convention("1/sqrt(12)", lambda p: 12**-0.5 if p.uniform else NAN,
-               say("rand() instead of randn(): uniform over an interval of length 1"), ("N",), inverse=False),
-    Convention("1/sqrt(3)", lambda p: 3**-0.5 if p.uniform else NAN,
-               say("rand() instead of randn(): uniform from -1 to 1"), ("N",), inverse=False),
+    Convention("1e6/9.81", _constant(1e6 / 9.80665), say("ug and m/s^2 confused")),
+    Convention(say("pi"), _constant(math.pi), say("a factor of pi is missing, or taken twice")),
+    Convention(say("2 pi"), _constant(2 * math.pi), say("frequency in Hz and in rad/s confused")),
+    Convention("sqrt(3)", _constant(math.sqrt(3)), say("K read off the Allan deviation at 1 s, not at 3 s"), ("K",)),
+    Convention(
+        "1/0.664", _constant(1 / 0.664), say("minimum of the Allan deviation and bias instability confused"), ("B",),
+    ),
+    Convention(
+        "sqrt(T/2)", lambda p: math.sqrt(p.time / 2),
+        say("standard deviation of the bias and the density that drives it confused"), WALKS,
+    ),
+    Convention(
+        say("claimed value"), lambda p: p.claimed, say("the coefficient is squared: variance and standard deviation "
+                                                       "confused"), inverse=False,
+    ),
+    Convention(
+        say("claimed value x sqrt(rate)"), lambda p: p.claimed * math.sqrt(p.rate),
+        say("the deviation of a sample is squared: variance and standard deviation confused"), ("N",), inverse=False,
+    ),
+    Convention(
+        say("other sensor"), lambda p: p.other / p.claimed, say("the value of the other kind of sensor"), inverse=False,
+    ),
+    Convention(
+        "1/sqrt(12)", lambda p: 12**-0.5 if p.uniform else NAN,
+        say("rand() instead of randn(): uniform over an interval of length 1"), ("N",), inverse=False,
+    ),
+    Convention(
+        "1/sqrt(3)", lambda p: 3**-0.5 if p.uniform else NAN, say("rand() instead of randn(): uniform from -1 to 1"),
+        ("N",), inverse=False,
+    ),
     Convention("-1", _constant(-1.0), say("opposite sign"), ("R", "W"), inverse=False),
-    Convention("other sensor's time", lambda p: p.other / p.claimed, say("the correlation time of the other kind of "
-                                                                         "sensor"), TIMES, inverse=False),
-    Convention("60", _constant(60.0), say("minutes taken for seconds, or the reverse"), TIMES),
+    Convention(
+        say("time of the other sensor"), lambda p: p.other / p.claimed,
+        say("the correlation time of the other kind of sensor"), TIMES, inverse=False,
+    ),
+    Convention("60", _constant(60.0), say("minutes and seconds confused"), TIMES),
     Convention("3600", _constant(3600.0), HOURS, TIMES),
-    Convention("rate", lambda p: p.rate, say("samples taken for seconds, or the reverse"), TIMES),
+    Convention(say("rate"), lambda p: p.rate, say("samples and seconds confused"), TIMES),
 )  # fmt: skip
 """What explains a factor: a line each."""
 
@@ -139,7 +150,9 @@ def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convent
         if place.symbol not in row.symbols and (row.symbols or place.symbol == "T"):
             continue
         factor = row.factor(place)
-        for value, name in ((factor, row.name), (1 / factor if factor else NAN, f"1/{row.name}"))[: 1 + row.inverse]:
+        for value, name in ((factor, row.name), (1 / factor if factor else NAN, say("1/{factor}", factor=row.name)))[
+            : 1 + row.inverse
+        ]:
             if low <= value <= high:
                 found.append((_distance(value, low, high), name, row))
     return [(name, row) for _, name, row in sorted(found, key=lambda one: one[0])]
@@ -161,7 +174,7 @@ def pooled(limits: Sequence[tuple[float, float]]) -> tuple[float, float]:
     --------
     >>> low, high = pooled([(1.0, 4.0), (1.0, 4.0)])
     >>> round(low, 3), round(high, 3)
-    (1.225, 3.266)
+    (1.225, 3.265)
     >>> pooled([(1.0, 1.1), (2.0, 2.2)])
     (2.0, 1.1)
     """
