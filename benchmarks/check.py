@@ -8,8 +8,11 @@ numbers in each record; a record holds 1 h. Right records are those of the simul
 from table import begin, markdown
 
 import math
+import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from scipy.signal import lfilter
@@ -200,9 +203,6 @@ def checked(simulator: Simulator, rng: Rng, axes: str) -> "al.ClaimCheck":
 
 def claim(simulator: Simulator) -> object:
     """What its file claims, recognized by its fields."""
-    import tempfile
-    from pathlib import Path
-
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "noise.txt"
         path.write_text(simulator.file)
@@ -223,6 +223,7 @@ def defect_row(number: int, defect: Defect, records: int) -> tuple[list[str], bo
         found += not seen.agrees
         named += any(defect.cause in sentence for sentence in said)
         names += max((len(cause.names) for cause in seen.causes), default=0)
+    print(defect.name, found, named, file=sys.stderr, flush=True)
     row = [defect.name, defect.seen, share(found, records), share(named, records), f"{names / records:.1f}"]
     return row, found == records, named > records / 2
 
@@ -234,13 +235,14 @@ def right_row(number: int, simulator: Simulator, records: int) -> tuple[list[str
         seen = checked(simulator, np.random.default_rng((2, number, seed)), "gga")
         alarms += not seen.agrees
         kinds += [row.quantity for row in seen.terms if row.contradicts]
+    print(simulator.name, alarms, kinds, file=sys.stderr, flush=True)
     listed = ", ".join(f"{kind} {kinds.count(kind)}" for kind in dict.fromkeys(kinds))
     return [simulator.name, str(records), str(alarms), f"{100 * alarms / records:.1f} %", listed], alarms
 
 
 def main() -> None:
     """Run what is asked for."""
-    run = begin(__doc__, records=10, right=100)
+    run = begin(__doc__, records=5, right=100)
     defects = [defect_row(i, defect, run.asked.records) for i, defect in enumerate(DEFECTS)]
     right = [right_row(i, one, run.asked.right) for i, one in enumerate(RIGHT.values())]
     alarms, total = sum(count for _, count in right), run.asked.right * len(right)

@@ -69,7 +69,7 @@ DATA.append(rf"(?<![\w.])({'|'.join(map(re.escape, KNOWN))})(?!\w)")
 
 UNITS = "deg rad arcsec sqrt Hz kHz min mGal ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"
 SYMBOLS = "beta GM ARW VRW RRW tau edf dof chi AIC ADC DAC Phi Qd"
-NAMES = "gx gy gz ay ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
+NAMES = "adis gx gy gz ay ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
 CODES = {"ru", "zh", "en"}
 
 
