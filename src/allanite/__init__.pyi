@@ -28,6 +28,10 @@ from .batch.job import run_batch as run_batch
 from .batch.lot import Lot as Lot
 from .batch.lot import read_lot as read_lot
 from .batch.specification import Specification as Specification
+from .claims.checking import check as check
+from .claims.claim import ClaimedNoise as ClaimedNoise
+from .claims.claim import claim_of as claim_of
+from .claims.result import ClaimCheck as ClaimCheck
 from .comparison.comparing import compare as compare
 from .comparison.comparing import pool as pool
 from .comparison.comparing import truncation as truncation

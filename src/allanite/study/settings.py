@@ -154,6 +154,18 @@ class ComparisonChoices:
 
 
 @dataclass(frozen=True, repr=False)
+class ClaimChoices:
+    """What is claimed of the noise of a recording."""
+
+    claims: str | None = choice(
+        "CLAIM", "File of a filter or simulator, limits file (.toml), name of a data sheet, or model: "
+        "'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'.")
+    claims_from: str | None = choice("TARGET", "Program whose file it is.", told="recognized by its fields")
+    at_most: bool = choice("", "The values are upper bounds, as those of data sheets and limits files.", default=False)
+    tolerance: float = choice("PERCENT", "Difference that is accepted.", kind=PERCENT, default=0.02)
+
+
+@dataclass(frozen=True, repr=False)
 class WatchChoices:
     """The choices of `WatchSettings`."""
 

@@ -73,6 +73,8 @@ _OWN = {
     "Spectrum": "values.value_view",
     "Surface": "values.value_view",
     "Comparison": "comparison.comparison_view",
+    "ClaimCheck": "claims.check_view",
+    "ClaimedNoise": "claims.claim_view",
     "Pool": "pool.pool_view",
     "Fit": "fit.fit_view",
     "Readings": "values.readings_view",
