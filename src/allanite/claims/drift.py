@@ -1,0 +1,322 @@
+"""Drift: how far heading, attitude, velocity and position err with time without aid, and what causes it."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.encoding import plain
+from allanite.core.errors import UsageError
+from allanite.core.model import Term
+from allanite.core.names import demand_name
+from allanite.core.plain import Value
+from allanite.core.units import Signal, convert
+from allanite.phrases.phrase import say
+from allanite.planning.drift import Response, drift_variance
+
+from .drift_settings import QUANTITIES, DriftPath, DriftSettings, Requirement
+
+TURN_ON, SCALE = say("turn-on bias"), say("scale factor")
+"""What causes drift beside the noise."""
+
+PLANNED = ("N", "B", "K")
+"""The terms that a requirement is divided among, with the turn-on bias."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DriftCause(Value):
+    """What makes one axis drift: a noise term, or a constant error.
+
+    Attributes
+    ----------
+    name : str
+        Symbol of the term, "turn-on bias" or "scale factor".
+    term : Term or None
+        With its coefficient; of one that was not identified, its upper limit (`limit`).
+    bias, step : float
+        Constant error of the rate, and of its integral from the start on, SI.
+    low, high : float
+        Limits of the coefficient as shares of it; NaN if there are none.
+    limit : bool
+    """
+
+    name: str
+    term: Term | None = None
+    bias: float = 0.0
+    step: float = 0.0
+    low: float = math.nan
+    high: float = math.nan
+    limit: bool = False
+
+    def variance(self, response: Response, times: FloatArray, calibration: float, rate: float | None) -> FloatArray:
+        """Of a quantity, SI."""
+        if self.term is not None:
+            return drift_variance(self.term, response, times, calibration=calibration, rate=rate)
+        return np.asarray((self.bias * response.bias(times) + self.step * response.step(times)) ** 2)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DriftAxis(Value):
+    """The causes of one axis; `correlation` is that of the estimates of its terms, in the order of the causes."""
+
+    sensor: str
+    channel: str
+    causes: tuple[DriftCause, ...]
+    rate: float | None = None
+    duration: float | None = None
+    correlation: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class DriftShare:
+    """Variance of a quantity from one cause at each time, SI, and its limits; NaN if there are none."""
+
+    sensor: str
+    channel: str
+    cause: DriftCause
+    variance: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class DriftCourse:
+    """A quantity with time.
+
+    Attributes
+    ----------
+    name : str
+        In `QUANTITIES`.
+    times : array
+        s.
+    sigma, low, high : array
+        Standard deviation and its interval, SI; NaN limits if no coefficient has an interval.
+    most : array
+        The same with the terms that were not identified at their upper limits.
+    shares : tuple of DriftShare
+        Of the worst axis of each sensor, those of upper limits among them.
+    """
+
+    name: str
+    times: FloatArray
+    sigma: FloatArray
+    low: FloatArray
+    high: FloatArray
+    most: FloatArray
+    shares: tuple[DriftShare, ...]
+
+    def to(self, unit: str) -> FloatArray:
+        """The standard deviation in a unit."""
+        return self.sigma * convert(1.0, QUANTITIES[self.name].si, unit)
+
+    @property
+    def unit(self) -> str:
+        """The unit in which it is shown."""
+        return QUANTITIES[self.name].unit
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The axes that it is computed from."""
+        return tuple(dict.fromkeys(share.channel or share.sensor for share in self.shares))
+
+
+@dataclass(frozen=True, eq=False)
+class AllowedTerm:
+    """The coefficient with which a required drift is just kept, SI: alone, and with an equal share of the variance.
+
+    `found` is that of the worst axis; None if it is unknown.
+    """
+
+    sensor: str
+    name: str
+    signal: Signal
+    alone: float
+    shared: float
+    found: float | None
+
+    @property
+    def unit(self) -> str:
+        """Unit of data sheets."""
+        return self.signal.sheet[self.power]
+
+    @property
+    def power(self) -> float:
+        """Power of time in its unit."""
+        return 0.0 if self.name == TURN_ON else Term(self.name, 1.0, self.signal).row.power
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Drift(Value):
+    """Standard deviation of heading, attitude, velocity and position against time without aid.
+
+    Attributes
+    ----------
+    axes : tuple of DriftAxis
+    settings : DriftSettings
+    alerts, rejected : tuple of str
+        Warnings, and channels that were left out.
+    recipe, provenance : dict
+
+    Examples
+    --------
+    >>> import allanite as al
+    >>> found = al.drift(al.Model("N 0.3 deg/sqrt(h), B 7 deg/h"), times=(60.0, 600.0), calibration=300.0)
+    >>> found["heading"].to("deg").round(3).tolist(), round(found["position"].sigma[0])
+    ([0.102, 1.187], 8)
+    """
+
+    _also: ClassVar = ("results", "allowed")
+
+    axes: tuple[DriftAxis, ...]
+    settings: DriftSettings
+    alerts: tuple[str, ...] = ()
+    rejected: tuple[str, ...] = ()
+    recipe: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, str] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> DriftCourse:
+        """A quantity at the times of the settings."""
+        return self.course(name, self.settings.times)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """The quantities that the sensors give."""
+        sensors = {axis.sensor for axis in self.axes}
+        return tuple(dict.fromkeys(path.quantity for path in self.settings.paths if path.sensor in sensors))
+
+    def course(self, name: str, times: Sequence[float] | FloatArray) -> DriftCourse:
+        """A quantity at any times, s.
+
+        Raises
+        ------
+        UsageError
+            The sensors do not give it.
+        """
+        demand_name("quantity", name, self.quantities)
+        at = np.asarray(times, dtype=np.float64)
+        paths = [path for path in self.settings.paths if path.quantity == name]
+        worst = [found for path in paths if (found := self._worst(path, at)) is not None]
+        shares = [share for _, each in worst for share in each]
+        known = [share for share in shares if not share.cause.limit]
+        total, limits = (sum((s.variance for s in of), np.zeros_like(at)) for of in (known, shares))
+        below, above = (np.sqrt(sum(_squares(axis, of, end) for axis, of in worst)) for end in ("low", "high"))
+        if not any(math.isfinite(share.cause.high) for share in known):
+            below = above = np.full_like(at, math.nan)
+        return DriftCourse(
+            name, at, np.sqrt(total), np.sqrt(np.maximum(total - below, 0)), np.sqrt(total + above), np.sqrt(limits),
+            tuple(shares),
+        )  # fmt: skip
+
+    def _worst(self, path: DriftPath, times: FloatArray) -> tuple[DriftAxis, list[DriftShare]] | None:
+        """The axis of a sensor with the largest variance at the last time, and what it consists of."""
+        axes = [axis for axis in self.axes if axis.sensor == path.sensor]
+        found = [(axis, [self._share(path, axis, cause, times) for cause in axis.causes]) for axis in axes]
+        if path.coupled:  # a turn about the vertical does not tilt
+            found = [(axis, [s for s in shares if s.cause.name != SCALE]) for axis, shares in found]
+        return max(found, key=lambda pair: sum(float(s.variance[-1]) for s in pair[1]), default=None)
+
+    def _share(self, path: DriftPath, axis: DriftAxis, cause: DriftCause, times: FloatArray) -> DriftShare:
+        variance = cause.variance(self.settings.response(path), times, self.settings.averaged, axis.rate)
+        return DriftShare(
+            axis.sensor, axis.channel, cause, variance, variance * cause.low**2, variance * cause.high**2
+        )
+
+    @property
+    def allowed(self) -> list[dict[str, Any]]:
+        """What every requirement allows, as plain data."""
+        found = []
+        for need in self.settings.requirements:
+            terms = [
+                {"sensor": t.sensor, "name": t.name, "alone": t.alone, "shared": t.shared, "found": t.found,
+                 "unit": t.signal.si[t.power]}
+                for t in self.allowing(need)
+            ]  # fmt: skip
+            found.append({"require": need.text, "drift": self.reached(need), "terms": terms})
+        return found
+
+    def reached(self, need: Requirement) -> float | None:
+        """The drift at the time of a requirement, SI, with the upper limits; None if nothing is known."""
+        if need.quantity not in self.quantities or not any(axis.causes for axis in self.axes):
+            return None
+        return float(self.course(need.quantity, [need.time]).sigma[0])
+
+    @property
+    def exceeded(self) -> list[str]:
+        """Which requirements are not kept, in sentences."""
+        found = ((need, self.reached(need)) for need in self.settings.requirements)
+        return [
+            say("{quantity} {size:.3g} {unit}, required: {text}", quantity=need.quantity,
+                size=reached / convert(1.0, need.unit, QUANTITIES[need.quantity].si), unit=need.unit, text=need.text)
+            for need, reached in found if reached is not None and reached > need.limit
+        ]  # fmt: skip
+
+    def allowing(self, need: Requirement) -> Iterator[AllowedTerm]:
+        """Coefficients with which a required drift is kept: each alone, and all of them with equal shares."""
+        at, settings = np.array([need.time]), self.settings
+        paths = [path for path in settings.paths if path.quantity == need.quantity]
+        if not paths:
+            raise UsageError(f"on a platform that is kept level there is no {need.quantity} to require")
+        count = len(paths) * (len(PLANNED) + 1)
+        for path in paths:
+            worst, signal = self._worst(path, at), path.signal
+            found = {} if worst is None else {s.cause.name: s.cause for s in worst[1] if not s.cause.limit}
+            for name in (*PLANNED, TURN_ON):
+                unit = DriftCause(name, Term(name, 1.0, signal)) if name in PLANNED else DriftCause(name, bias=1.0)
+                one = math.sqrt(unit.variance(settings.response(path), at, settings.averaged, None)[0])
+                cause = found.get(name)
+                known = cause and (cause.term.value if cause.term else cause.bias)
+                yield AllowedTerm(path.sensor, name, signal, need.limit / one, need.limit / one / count**0.5, known)
+
+    @property
+    def results(self) -> list[dict[str, Any]]:
+        """The quantities at the times, as plain data."""
+        found = []
+        for course in (self[name] for name in self.quantities):
+            shares = [
+                {"sensor": s.sensor, "channel": s.channel, "name": s.cause.name, "limit": s.cause.limit,
+                 "sigma": plain(np.sqrt(s.variance))}
+                for s in course.shares
+            ]  # fmt: skip
+            numbers = {key: plain(getattr(course, key)) for key in ("times", "sigma", "low", "high", "most")}
+            found.append({"quantity": course.name, "unit": QUANTITIES[course.name].si, **numbers, "causes": shares})
+        return found
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: the total and each cause of each quantity at each time, and its share of the variance."""
+        headings = ["quantity", "time_s", "cause", "sensor", "channel", "sigma", "low", "high", "unit", "share_percent"]
+        rows: list[list[Any]] = []
+        for course in (self[name] for name in self.quantities):
+            si, unit = 1 / convert(1.0, course.unit, QUANTITIES[course.name].si), course.unit
+            for i, time in enumerate(course.times.tolist()):
+                whole = float(course.sigma[i])
+                ends = [course.sigma, course.low, course.high]
+                rows.append([course.name, time, "all", "", "", *(float(v[i]) * si for v in ends), unit, 100.0])
+                rows.append([course.name, time, "all, with limits", "", "", float(course.most[i]) * si, None, None,
+                             unit, None])  # fmt: skip
+                for s in course.shares:
+                    sizes = [math.sqrt(float(v[i])) * si for v in (s.variance, s.low, s.high)]
+                    share = None if s.cause.limit or not whole else 100 * float(s.variance[i]) / whole**2
+                    name = f"{s.cause.name}, upper limit" if s.cause.limit else s.cause.name
+                    rows.append([course.name, time, name, s.sensor, s.channel, *sizes, unit, share])
+        return headings, rows
+
+    def _summary(self) -> str:
+        ends = (self[name] for name in self.quantities)
+        last = (f"{c.name} {c.to(c.unit)[-1]:.3g} {c.unit}" for c in ends)
+        return f"after {self.settings.times[-1]:g} s: {', '.join(last)}"
+
+
+def _squares(axis: DriftAxis, shares: Sequence[DriftShare], end: str) -> FloatArray:
+    """Square of how far the variance's limit is from it: of the limits of its terms, with their correlation.
+
+    The method of variance estimates recovery (G. Y. Zou and A. Donner, Statistics in Medicine 27 (2008) 1693).
+    """
+    off = np.array([getattr(s, end) - s.variance for s in shares if s.cause.term is not None and not s.cause.limit])
+    if not off.size:
+        return np.zeros(1)
+    off = np.nan_to_num(off)
+    together = np.eye(len(off)) if axis.correlation is None else axis.correlation
+    return np.asarray(np.maximum(np.einsum("it,ij,jt->t", off, together, off), 0))
