@@ -28,6 +28,9 @@ from .batch.job import run_batch as run_batch
 from .batch.lot import Lot as Lot
 from .batch.lot import read_lot as read_lot
 from .batch.specification import Specification as Specification
+from .claims.drift import Drift as Drift
+from .claims.drift_settings import DriftSettings as DriftSettings
+from .claims.drifting import drift as drift
 from .comparison.comparing import compare as compare
 from .comparison.comparing import pool as pool
 from .comparison.comparing import truncation as truncation

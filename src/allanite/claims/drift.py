@@ -60,13 +60,25 @@ class DriftCause(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DriftAxis(Value):
-    """The causes of one axis; `correlation` is that of the estimates of its terms, in the order of the causes."""
+    """The causes of one axis.
+
+    Attributes
+    ----------
+    sensor, channel : str
+    causes : tuple of DriftCause
+    rate : float or None
+        Sampling rate, Hz.
+    longest : float or None
+        Longest averaging time of its curve, s: beyond it the drift is what the terms predict.
+    correlation : array or None
+        Of the estimates of its terms, in the order of the causes.
+    """
 
     sensor: str
     channel: str
     causes: tuple[DriftCause, ...]
     rate: float | None = None
-    duration: float | None = None
+    longest: float | None = None
     correlation: FloatArray | None = None
 
 

@@ -90,11 +90,10 @@ class Requirement(NamedTuple):
         ('position', 100.0, 'm', 60.0)
         """
         size, _, time = text.partition(" in ")
-        name, *rest = size.split()[:1] + [size.split()[1:]] if size.split()[:1] and size.split()[0] in QUANTITIES else [
-            "", size.split()
-        ]
+        words = size.split()
+        name = words.pop(0) if words and words[0] in QUANTITIES else ""
         try:
-            ((limit, unit),) = split_quantities(rest[0])
+            ((limit, unit),) = split_quantities(words)
             seconds = seconds_of(time)
         except ValueError:
             limit, unit, seconds = 0.0, "", 0.0
@@ -122,7 +121,7 @@ class DriftSettings(DriftChoices, Value):
         Standard deviations of constant biases: "10 deg/h", "2 mg".
     scale_factor : float
         Standard deviation of the error of the scale factor, as a share.
-    motion : tuple of str
+    maneuver : tuple of str
         What the scale factor acts upon: an angle or a rate, a velocity or an acceleration.
     platform : {"strapdown", "level"}
         Whether gravity acts through the tilt from the gyros, or the platform is kept level.
@@ -151,16 +150,16 @@ class DriftSettings(DriftChoices, Value):
         if not 0 <= self.scale_factor < LARGE:
             meant = f"; did you mean {self.scale_factor:g}%?" if self.scale_factor > 0 else ""
             raise UsageError(f"an error of the scale factor is a share below {LARGE:g}, not {self.scale_factor:g}{meant}")
-        if bool(self.scale_factor) != bool(self.motion):
+        if bool(self.scale_factor) != bool(self.maneuver):
             raise UsageError(
-                "an error of the scale factor acts on a motion: give both, e.g. "
-                + spelled("--scale-factor 0.1% --motion '90 deg'", "scale_factor=0.001, motion=['90 deg']")
+                "an error of the scale factor acts on a maneuver: give both, e.g. "
+                + spelled("--scale-factor 0.1% --maneuver '90 deg'", "scale_factor=0.001, maneuver=['90 deg']")
             )
         assert self.requirements is not None  # noqa: S101 - texts are read now
         for text in self.turn_on:
             self._size(text, "a turn-on bias", "3 deg/h", (0,))
-        for text in self.motion:
-            self._size(text, "a motion", "90 deg", (0, 1))
+        for text in self.maneuver:
+            self._size(text, "a maneuver", "90 deg", (0, 1))
 
     @staticmethod
     def _size(text: str, what: str, example: str, powers: tuple[int, ...]) -> tuple[str, float, int]:
@@ -208,6 +207,6 @@ class DriftSettings(DriftChoices, Value):
 
     def scaled(self, sensor: str) -> tuple[float, float]:
         """Errors that the scale factor makes of the motion: of the rate and of its integral, SI."""
-        found = [self._size(text, "a motion", "90 deg", (0, 1)) for text in self.motion]
+        found = [self._size(text, "a maneuver", "90 deg", (0, 1)) for text in self.maneuver]
         rate, integral = (sum(s for of, s, p in found if of == sensor and p == power) for power in (0, 1))
         return self.scale_factor * rate, self.scale_factor * integral

@@ -197,9 +197,9 @@ class DriftChoices:
         told="", synonyms=("bias",))
     scale_factor: float = choice(
         "SHARE", "Error of the scale factor, 1 sigma: 0.1%, 1000ppm or 0.001.", kind=SHARE, default=0.0, told="none")
-    motion: tuple[str, ...] = choice(
-        "SIZE", "Motion on which the scale factor acts: '90 deg', '5 deg/s', '20 m/s', '2 m/s^2'; repeatable.",
-        kind=LINES, default=(), told="", synonyms=("turn", "speed", "acceleration"))
+    maneuver: tuple[str, ...] = choice(
+        "SIZE", "On which the scale factor acts: '90 deg', '5 deg/s', '20 m/s', '2 m/s^2'; repeatable.",
+        kind=LINES, default=(), told="", synonyms=("turn", "acceleration"))
     platform: Literal["strapdown", "level"] = choice(
         "WORD", "strapdown: gravity acts through the tilt from the gyros; level: the platform is kept level.",
         default="strapdown")
