@@ -25,6 +25,7 @@ from allanite.applications.signals import TorqueScale
 from allanite.applications.signals.budgeting import PathSettings
 from allanite.applications.signals.stage import codes
 from allanite.batch.scatter import Outlying, Trend
+from allanite.claims.claim import claim_of
 from allanite.comparison.comparison import ComparisonSettings
 from allanite.core.averaged import averaged
 from allanite.core.correction import Correction
@@ -324,6 +325,7 @@ MAKERS = {
     "Explanation": lambda: Explanation("kalibr"),
     "Export": exported,
     "Export of matrices": lambda: al.export(WHITE_AND_WALK[0], "statespace", rate=100.0),
+    "Claim": lambda: claim_of("N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)"),
     "Imported": lambda: noise_in(exported().text, al.EXPORTS["kalibr"], None),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,
