@@ -1,0 +1,218 @@
+"""How a drift is shown: each quantity with time, what causes it, and what a requirement allows."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from allanite.claims.drift import Drift, DriftCourse, DriftShare
+from allanite.claims.drift_settings import QUANTITIES, Requirement
+from allanite.core.fit import Fit
+from allanite.core.units import convert
+from allanite.phrases.phrase import join, say
+from allanite.reporting import figures, words
+from allanite.reporting.digits import digits, rounded
+from allanite.reporting.first import DETAILS, FIGURES, Answer, First, Remark, plus_minus
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of
+
+from . import view
+
+BRAND = say("drift without aid")
+LEAST, SEEN = 0.005, 0.02
+"""Share of the variance from which on a cause is named; by how much upper limits must raise a drift to be shown."""
+
+HOW = say(
+    "Standard deviations (1 sigma), from the structure function of each noise term; nothing is simulated. Heading and "
+    "attitude err by x(t) - x(0) - (t/T)(x(0) - x(-T)), x being the integral of the gyro's error and T the time over "
+    "which the bias was averaged at rest. Velocity and position are integrals of the accelerometer's error and, "
+    "strapdown, of gravity times the error of attitude. Of several axes the worst counts; causes are independent."
+)
+INTERVALS = say(
+    "The interval is that of the coefficients, combined by their correlation (method of variance estimates recovery); "
+    "\"at most\" includes terms that were not identified, at their upper limits."
+)
+CAPTION = say(
+    "Standard deviation against the time without aid: all causes (black, with its interval), and each of them; dotted: "
+    "with the upper limits of terms that were not identified."
+)
+ROUND = 900.0
+"""Times, s, from which on the earth's curvature counts: a tenth of the Schuler period and more."""
+
+
+def _alike(value: Drift) -> list[tuple[str, DriftCourse]]:
+    """Each quantity with its name; heading and attitude together where they are the same."""
+    found = {name: value[name] for name in value.quantities}
+    heading, attitude = found.get("heading"), found.get("attitude")
+    if heading is None or attitude is None or not np.allclose(heading.sigma, attitude.sigma, rtol=1e-9):
+        return [*found.items()]
+    return [(say("heading, attitude"), heading), *((n, c) for n, c in found.items() if n not in ("heading", "attitude"))]
+
+
+def _cause(share: DriftShare, *, named: bool) -> str:
+    """A cause, with its sensor where there are several."""
+    return join(" ", (share.sensor, share.cause.name)) if named else share.cause.name
+
+
+def _several(course: DriftCourse) -> bool:
+    return len({share.sensor for share in course.shares}) > 1
+
+
+def _cells(course: DriftCourse) -> list[str]:
+    """The standard deviation at each time, with the half width of its interval and what it is at most."""
+    scale, cells = convert(1.0, QUANTITIES[course.name].si, course.unit), []
+    for size, low, high, most in zip(course.sigma, course.low, course.high, course.most, strict=True):
+        shown = plus_minus(size * scale, low * scale, high * scale) if size else ""
+        limit = digits(most * scale, figures=2).plain()[0]
+        raised = most > (1 + SEEN) * size
+        cells.append(join(" ", filter(None, (shown, say("(at most {limit})", limit=limit) if raised else ""))))
+    return cells
+
+
+def _mostly(course: DriftCourse, i: int) -> str:
+    """The causes at a time, the largest first, with their shares of the variance."""
+    whole = float(course.sigma[i]) ** 2
+    shares = [(float(s.variance[i]) / whole, s) for s in course.shares if whole and not s.cause.limit]
+    largest = sorted((pair for pair in shares if pair[0] >= LEAST), key=lambda pair: -pair[0])[:2]
+    named, before, told = _several(course), "", list[str]()
+    for part, s in largest:
+        cause = _cause(s, named=named and s.sensor != before)
+        told.append(say("{cause} {share}", cause=cause, share=words.percent(part, 2)))
+        before = s.sensor
+    return join(", ", told)
+
+
+def _after(value: Drift) -> list[str]:
+    return [words.duration(time) for time in value.settings.times]
+
+
+def _required(value: Drift, need: Requirement) -> Iterator[Answer]:
+    """What a requirement allows."""
+    reached, si = value.reached(need), QUANTITIES[need.quantity].si
+    asked = say("{quantity}: {text} required", quantity=need.quantity, text=need.text)
+    if reached is not None:
+        size = rounded(reached / convert(1.0, need.unit, si))
+        kept = say("kept") if reached <= need.limit else say("exceeded")
+        asked = say("{asked}, {size} {unit} predicted: {kept}", asked=asked, size=size, unit=need.unit, kept=kept)
+    yield asked
+    terms = list(value.allowing(need))
+    heads = [Column("", "name"), Column("", "symbol"), Column(say("alone"), form=rounded),
+             Column(say("with equal shares"), form=rounded), Column(say("found"), form=lambda v: rounded(v) if v else ""),
+             Column("", "unit")]  # fmt: skip
+    scaled = [(t, convert(1.0, t.signal.si[t.power], t.unit)) for t in terms]
+    rows = [
+        [t.sensor, t.name, t.alone * k, t.shared * k, None if t.found is None else t.found * k, t.unit]
+        for t, k in scaled
+    ]
+    yield Table(heads, rows, where="")
+
+
+def _remarks(value: Drift) -> list[Remark]:
+    """What limits the answer."""
+    found = [Remark.of("", alert, grave=True) for alert in value.alerts]
+    longest = [axis.longest for axis in value.axes if axis.longest]
+    last = value.settings.times[-1]
+    if longest and last > min(longest):
+        found.append(Remark("", (
+            say("beyond {longest} the record says nothing: there the drift is that of the model alone",
+                longest=words.duration(min(longest))),
+        )))  # fmt: skip
+    sensors = {axis.sensor for axis in value.axes}
+    if value.settings.platform == "strapdown" and "accelerometer" not in sensors and sensors:
+        found.append(Remark("", (say("velocity and position: the part of the gyros only"),)))
+    if value.settings.platform == "strapdown" and "gyro" not in sensors and sensors:
+        found.append(Remark("", (say("velocity and position: the part of the accelerometers only"),)))
+    if last >= ROUND and not value.settings.schuler and "velocity" in value.quantities:
+        found.append(Remark("", (say("on the round earth velocity and position drift less after 15 min"),), "--schuler"))
+    return found
+
+
+def _said(value: Drift) -> list[str]:
+    """What was assumed."""
+    settings = value.settings
+    averaged = say("bias averaged at rest for {time} before", time=words.duration(settings.averaged))
+    if not settings.averaged:
+        averaged = say("no calibration: flicker and random walks are counted from their value at the start")
+    platform = say("strapdown") if settings.platform == "strapdown" else say("platform kept level")
+    axes = {axis.channel for axis in value.axes if axis.channel}
+    worst = [say("of {axes} the worst", axes=", ".join(axes))] if len(axes) > 1 else []
+    constant = [say("turn-on bias {bias}", bias=" and ".join(settings.turn_on))] if settings.turn_on else []
+    return [say("1 sigma"), platform, averaged, *constant, *worst]
+
+
+def first_of_drift(value: Drift, _: float) -> First:
+    """Each quantity with time, and what causes it or what the first requirement allows."""
+    answer: list[Answer] = []
+    courses = _alike(value)
+    if value.axes:
+        heads = [Column(say("after"), "name"), *(Column(f"{name} [{course.unit}]", "name") for name, course in courses)]
+        answer.append(Table(heads, list(zip(_after(value), *(_cells(course) for _, course in courses), strict=True))))
+    for need in value.settings.requirements:
+        answer += _required(value, need)
+    if value.axes and not value.settings.requirements:
+        heads = [Column(say("caused by"), "name"), *(Column(name, "name") for name, _ in courses)]
+        rows = [[after, *(_mostly(course, i) for _, course in courses)] for i, after in enumerate(_after(value))]
+        answer.append(Table(heads, rows))
+    after = (DETAILS, ("--report page.html", say("figures")), ("--require '1 deg in 10 min'", say("what is allowed")))
+    if value.settings.requirements:
+        after = (DETAILS, FIGURES)
+    return First(_title(value), "", answer, _remarks(value), (), _said(value), after)
+
+
+def _title(value: Drift) -> str:
+    return say("Drift of {source}", source=value.provenance["source"]) if value.provenance.get("source") else say(
+        "Drift without aid"
+    )
+
+
+def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
+    """All numbers of a quantity: the total, and each cause."""
+    scale = convert(1.0, QUANTITIES[course.name].si, course.unit)
+    number = Column("", form=lambda v: rounded(v) if v == v else "")
+    heads = [Column(say("after"), "name"),
+             *(Column(text, form=number.form) for text in (say("1 sigma"), say("low"), say("high"), say("at most"))),
+             Column(say("unit"), "unit")]  # fmt: skip
+    table = zip(_after(value), *(v * scale for v in (course.sigma, course.low, course.high, course.most)), strict=True)
+    yield Table(heads, [[*row, course.unit] for row in table], name)
+    named, known = _several(course), [s for s in course.shares if s.variance.any()]
+    causes = [Column(say("cause"), "name"), Column(say("channel"), "name"), *(Column(a, form=_sized) for a in _after(value))]
+    rows = []
+    for s in known:
+        label = _cause(s, named=named)
+        sizes = np.sqrt(s.variance) * scale
+        shares = s.variance / np.where(course.sigma > 0, course.sigma**2, math.inf)
+        cells = list(zip(sizes.tolist(), shares.tolist(), strict=True))
+        if s.cause.limit:
+            label, cells = say("{cause}, at most", cause=label), [(size, math.nan) for size in sizes.tolist()]
+        rows.append([label, s.channel, *cells])
+    yield Table(causes, rows, say("each cause alone [{unit}], and its share of the variance", unit=course.unit))
+
+
+def _sized(cell: tuple[float, float]) -> str:
+    size, share = cell
+    return rounded(size) if math.isnan(share) else f"{digits(size, figures=3).plain()[0]} ({words.percent(share, 2)})"
+
+
+@view(
+    lambda values, fit, level: _plot(values, fit, level),
+    lambda value, _: value.rows(),
+    first=first_of_drift,
+)
+def drift_view(value: Drift, _: float) -> Face:
+    """Each quantity with its causes, and what the requirements allow."""
+    parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
+    for need in value.settings.requirements:
+        told, table = _required(value, need)
+        parts += [Note(str(told), "strong"), table]  # type: ignore[list-item]
+    parts += [Note(shown, "remark") for remark in _remarks(value) if not remark.grave for shown in remark.clauses]
+    if value.axes:
+        parts.append(Drawing(lambda: _plot([value], None, 0.95), say("drift by time"), CAPTION))
+    sheets = [Sheet(name, (), tuple(_parts(value, name, course))) for name, course in _alike(value)]
+    return Face(
+        _title(value), BRAND, sheets, header_of(value.provenance, _said(value)), parts=parts,
+        close=[Note(HOW, "quiet", where="text"), Note(INTERVALS, "quiet", where="text")],
+        how=[Note(HOW), Note(INTERVALS)], provenance=value.provenance, notes=_said(value),
+    )  # fmt: skip
+
+
+def _plot(values: Sequence[Drift], _: Fit | None, __: float) -> Plot:
+    return figures.plot_drifts(values[0])
