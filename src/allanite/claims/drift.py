@@ -210,25 +210,27 @@ class Drift(Value):
         demand_name("quantity", name, self.quantities)
         at = np.asarray(times, dtype=np.float64)
         paths = [path for path in self.settings.paths if path.quantity == name]
-        worst = [found for path in paths if (found := self._worst(path, at)) is not None]
+        worst = [max(axes, key=_size) for path in paths if (axes := self._axes(path, at))]
+        most = sum((np.max([_total(of, limits=True) for _, of in self._axes(path, at)], axis=0) for path in paths
+                    if self._axes(path, at)), np.zeros_like(at))  # fmt: skip
         shares = [share for _, each in worst for share in each]
         known = [share for share in shares if not share.cause.limit]
-        total, limits = (sum((s.variance for s in of), np.zeros_like(at)) for of in (known, shares))
+        total = _total(shares)
         below, above = (np.sqrt(sum(_squares(axis, of, end) for axis, of in worst)) for end in ("low", "high"))
         if not any(math.isfinite(share.cause.high) for share in known):
             below = above = np.full_like(at, math.nan)
         return DriftCourse(
-            name, at, np.sqrt(total), np.sqrt(np.maximum(total - below, 0)), np.sqrt(total + above), np.sqrt(limits),
+            name, at, np.sqrt(total), np.sqrt(np.maximum(total - below, 0)), np.sqrt(total + above), np.sqrt(most),
             tuple(shares),
         )  # fmt: skip
 
-    def _worst(self, path: DriftPath, times: FloatArray) -> tuple[DriftAxis, list[DriftShare]] | None:
-        """The axis of a sensor with the largest variance at the last time, and what it consists of."""
+    def _axes(self, path: DriftPath, times: FloatArray) -> list[tuple[DriftAxis, list[DriftShare]]]:
+        """The axes of a sensor, and what makes each of them drift."""
         axes = [axis for axis in self.axes if axis.sensor == path.sensor]
         found = [(axis, [self._share(path, axis, cause, times) for cause in axis.causes]) for axis in axes]
         if path.coupled:  # a turn about the vertical does not tilt
-            found = [(axis, [s for s in shares if s.cause.name != SCALE]) for axis, shares in found]
-        return max(found, key=lambda pair: sum(float(s.variance[-1]) for s in pair[1]), default=None)
+            return [(axis, [s for s in shares if s.cause.name != SCALE]) for axis, shares in found]
+        return found
 
     def _share(self, path: DriftPath, axis: DriftAxis, cause: DriftCause, times: FloatArray) -> DriftShare:
         variance = cause.variance(self.settings.response(path), times, self.settings.averaged, axis.rate)
@@ -250,10 +252,8 @@ class Drift(Value):
         return found
 
     def reached(self, need: Requirement) -> float | None:
-        """The drift at the time of a requirement, SI, with the upper limits; None if nothing is known."""
-        if need.quantity not in self.quantities or not any(axis.causes for axis in self.axes):
-            return None
-        return float(self.course(need.quantity, [need.time]).sigma[0])
+        """The drift at the time of a requirement, SI; None if nothing is known."""
+        return float(self.course(need.quantity, [need.time]).sigma[0]) if need.quantity in self.quantities else None
 
     @property
     def exceeded(self) -> list[str]:
@@ -273,8 +273,8 @@ class Drift(Value):
             raise UsageError(f"on a platform that is kept level there is no {need.quantity} to require")
         count = len(paths) * (len(PLANNED) + 1)
         for path in paths:
-            worst, signal = self._worst(path, at), path.signal
-            found = {} if worst is None else {s.cause.name: s.cause for s in worst[1] if not s.cause.limit}
+            worst, signal = max(self._axes(path, at), key=_size, default=(None, [])), path.signal
+            found = {s.cause.name: s.cause for s in worst[1] if not s.cause.limit}
             for name in (*PLANNED, TURN_ON):
                 unit = DriftCause(name, Term(name, 1.0, signal)) if name in PLANNED else DriftCause(name, bias=1.0)
                 one = math.sqrt(unit.variance(settings.response(path), at, settings.averaged, None)[0])
@@ -319,6 +319,16 @@ class Drift(Value):
         ends = (self[name] for name in self.quantities)
         last = (f"{c.name} {c.to(c.unit)[-1]:.3g} {c.unit}" for c in ends)
         return f"after {self.settings.times[-1]:g} s: {', '.join(last)}"
+
+
+def _total(shares: Sequence[DriftShare], *, limits: bool = False) -> FloatArray:
+    """The variance of all causes, or of those without upper limits."""
+    return np.asarray(sum((share.variance for share in shares if limits or not share.cause.limit), np.zeros(1)))
+
+
+def _size(found: tuple[Any, Sequence[DriftShare]]) -> tuple[float, float]:
+    """How much an axis drifts until the last time, and with its upper limits."""
+    return float(_total(found[1])[-1]), float(_total(found[1], limits=True)[-1])
 
 
 def _squares(axis: DriftAxis, shares: Sequence[DriftShare], end: str) -> FloatArray:

@@ -21,7 +21,7 @@ from allanite.phrases.wording import spelled
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 from allanite.study.results import Study
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .drift import SCALE, TURN_ON, Drift, DriftAxis, DriftCause
 from .drift_settings import DriftSettings
@@ -110,7 +110,7 @@ def _unknown(axes: Sequence[Axis]) -> Iterator[str]:
     reasons: dict[str, list[str]] = {}
     for axis in axes:
         for e in axis.fit:
-            if e.value is None and not e.upper:
+            if e.value is None and not e.upper and not TERMS[e.symbol].slope < WHITE:  # others are bounded
                 reasons.setdefault(f"{e.symbol} {e.words()}", []).append(axis.label)
     for words, names in reasons.items():
         yield say("{names}: not taken into account: {terms}", names=", ".join(names), terms=words)

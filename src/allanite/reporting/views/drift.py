@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from pathlib import PurePath
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sh
 from . import view
 
 BRAND = say("drift without aid")
-LEAST, SEEN = 0.005, 0.02
+LEAST, RAISED = 0.005, 0.1
 """Share of the variance from which on a cause is named; by how much upper limits must raise a drift to be shown."""
 
 HOW = say(
@@ -35,8 +36,11 @@ CAPTION = say(
     "Standard deviation against the time without aid: all causes (black, with its interval), and each of them; dotted: "
     "with the upper limits of terms that were not identified."
 )
+AT_MOST = say("≤ with the upper limits of terms that were not identified.")
 ROUND = 900.0
 """Times, s, from which on the earth's curvature counts: a tenth of the Schuler period and more."""
+LARGE = 0.5
+"""Tilt, rad, from which on its sine is not the angle."""
 
 
 def _alike(value: Drift) -> list[tuple[str, DriftCourse]]:
@@ -62,21 +66,25 @@ def _cells(course: DriftCourse) -> list[str]:
     scale, cells = convert(1.0, QUANTITIES[course.name].si, course.unit), []
     for size, low, high, most in zip(course.sigma, course.low, course.high, course.most, strict=True):
         shown = plus_minus(size * scale, low * scale, high * scale) if size else ""
-        limit = digits(most * scale, figures=2).plain()[0]
-        raised = most > (1 + SEEN) * size
-        cells.append(join(" ", filter(None, (shown, say("(at most {limit})", limit=limit) if raised else ""))))
+        limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + RAISED) * size else ""
+        cells.append(f"{shown} ({limit})" if shown and limit else shown or limit)
     return cells
 
 
-def _mostly(course: DriftCourse, i: int) -> str:
-    """The causes at a time, the largest first, with their shares of the variance."""
+def _percent(share: float) -> str:
+    """A share of the variance."""
+    return "< 0.01 %" if share < 1e-4 else words.percent(share, 2 if share < 0.995 else 3)
+
+
+def _mostly(course: DriftCourse, i: int, count: int) -> str:
+    """The largest causes at a time, with their shares of the variance."""
     whole = float(course.sigma[i]) ** 2
     shares = [(float(s.variance[i]) / whole, s) for s in course.shares if whole and not s.cause.limit]
-    largest = sorted((pair for pair in shares if pair[0] >= LEAST), key=lambda pair: -pair[0])[:2]
+    largest = sorted((pair for pair in shares if pair[0] >= LEAST), key=lambda pair: -pair[0])[:count]
     named, before, told = _several(course), "", list[str]()
     for part, s in largest:
         cause = _cause(s, named=named and s.sensor != before)
-        told.append(say("{cause} {share}", cause=cause, share=words.percent(part, 2)))
+        told.append(say("{cause} {share}", cause=cause, share=_percent(part)))
         before = s.sensor
     return join(", ", told)
 
@@ -92,6 +100,8 @@ def _required(value: Drift, need: Requirement) -> Iterator[Answer]:
     if reached is not None:
         size = rounded(reached / convert(1.0, need.unit, si))
         kept = say("kept") if reached <= need.limit else say("exceeded")
+        if reached <= need.limit < value.course(need.quantity, [need.time]).most[0]:
+            kept = say("kept, unless terms that were not identified are at their limits")
         asked = say("{asked}, {size} {unit} predicted: {kept}", asked=asked, size=size, unit=need.unit, kept=kept)
     yield asked
     terms = list(value.allowing(need))
@@ -110,16 +120,23 @@ def _remarks(value: Drift) -> list[Remark]:
     """What limits the answer."""
     found = [Remark.of("", alert, grave=True) for alert in value.alerts]
     longest = [axis.longest for axis in value.axes if axis.longest]
-    last = value.settings.times[-1]
+    last, strapdown = value.settings.times[-1], value.settings.platform == "strapdown"
+    if strapdown and "attitude" in value.quantities:
+        lost = value["attitude"].times[value["attitude"].most > LARGE]
+        if lost.size:
+            found.append(Remark("", (
+                say("after {time} the tilt is not small: velocity and position are only said to be lost",
+                    time=words.duration(float(lost[0]))),
+            )))  # fmt: skip
     if longest and last > min(longest):
         found.append(Remark("", (
             say("beyond {longest} the record says nothing: there the drift is that of the model alone",
                 longest=words.duration(min(longest))),
         )))  # fmt: skip
     sensors = {axis.sensor for axis in value.axes}
-    if value.settings.platform == "strapdown" and "accelerometer" not in sensors and sensors:
+    if strapdown and "accelerometer" not in sensors and sensors:
         found.append(Remark("", (say("velocity and position: the part of the gyros only"),)))
-    if value.settings.platform == "strapdown" and "gyro" not in sensors and sensors:
+    if strapdown and "gyro" not in sensors and sensors:
         found.append(Remark("", (say("velocity and position: the part of the accelerometers only"),)))
     if last >= ROUND and not value.settings.schuler and "velocity" in value.quantities:
         found.append(Remark("", (say("on the round earth velocity and position drift less after 15 min"),), "--schuler"))
@@ -150,18 +167,19 @@ def first_of_drift(value: Drift, _: float) -> First:
         answer += _required(value, need)
     if value.axes and not value.settings.requirements:
         heads = [Column(say("caused by"), "name"), *(Column(name, "name") for name, _ in courses)]
-        rows = [[after, *(_mostly(course, i) for _, course in courses)] for i, after in enumerate(_after(value))]
+        count = 2 if len(courses) < 4 else 1  # as there is room for
+        rows = [[after, *(_mostly(course, i, count) for _, course in courses)] for i, after in enumerate(_after(value))]
         answer.append(Table(heads, rows))
     after = (DETAILS, ("--report page.html", say("figures")), ("--require '1 deg in 10 min'", say("what is allowed")))
     if value.settings.requirements:
         after = (DETAILS, FIGURES)
-    return First(_title(value), "", answer, _remarks(value), (), _said(value), after)
+    legend = [AT_MOST] if any("≤" in cell for _, course in courses for cell in _cells(course)) else []
+    return First(_title(value), "", answer, _remarks(value), legend, _said(value), after)
 
 
 def _title(value: Drift) -> str:
-    return say("Drift of {source}", source=value.provenance["source"]) if value.provenance.get("source") else say(
-        "Drift without aid"
-    )
+    source = PurePath(value.provenance.get("source", "")).name
+    return say("Drift of {source} without aid", source=source) if source else say("Drift without aid")
 
 
 def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
@@ -189,7 +207,7 @@ def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
 
 def _sized(cell: tuple[float, float]) -> str:
     size, share = cell
-    return rounded(size) if math.isnan(share) else f"{digits(size, figures=3).plain()[0]} ({words.percent(share, 2)})"
+    return rounded(size) if math.isnan(share) else f"{digits(size, figures=3).plain()[0]} ({_percent(share)})"
 
 
 @view(
