@@ -15,83 +15,12 @@ from allanite.core.names import demand_name
 from allanite.core.plain import Value
 from allanite.core.units import Signal, convert
 from allanite.phrases.phrase import say
-from allanite.planning.drift import Response, drift_variance
 
+from .drift_axes import TURN_ON, DriftAxis, DriftCause, DriftShare, WorstAxis, worst_axis
 from .drift_settings import QUANTITIES, DriftPath, DriftSettings, Requirement
-
-TURN_ON, SCALE = say("turn-on bias"), say("scale factor")
-"""What causes drift beside the noise."""
 
 PLANNED = ("N", "B", "K")
 """The terms that a requirement is divided among, with the turn-on bias."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class DriftCause(Value):
-    """What makes one axis drift: a noise term, or a constant error.
-
-    Attributes
-    ----------
-    name : str
-        Symbol of the term, "turn-on bias" or "scale factor".
-    term : Term or None
-        With its coefficient; of one that was not identified, its upper limit (`limit`).
-    bias, step : float
-        Constant error of the rate, and of its integral from the start on, SI.
-    low, high : float
-        Limits of the coefficient as shares of it; NaN if there are none.
-    limit : bool
-    """
-
-    name: str
-    term: Term | None = None
-    bias: float = 0.0
-    step: float = 0.0
-    low: float = math.nan
-    high: float = math.nan
-    limit: bool = False
-
-    def variance(self, response: Response, times: FloatArray, calibration: float, rate: float | None) -> FloatArray:
-        """Of a quantity, SI."""
-        if self.term is not None:
-            return drift_variance(self.term, response, times, calibration=calibration, rate=rate)
-        return np.asarray((self.bias * response.bias(times) + self.step * response.step(times)) ** 2)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class DriftAxis(Value):
-    """The causes of one axis.
-
-    Attributes
-    ----------
-    sensor, channel : str
-    causes : tuple of DriftCause
-    rate : float or None
-        Sampling rate, Hz.
-    longest : float or None
-        Longest averaging time of its curve, s: beyond it the drift is what the terms predict.
-    correlation : array or None
-        Of the estimates of its terms, in the order of the causes.
-    """
-
-    sensor: str
-    channel: str
-    causes: tuple[DriftCause, ...]
-    rate: float | None = None
-    longest: float | None = None
-    correlation: FloatArray | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class DriftShare:
-    """Variance of a quantity from one cause at each time, SI, and its limits; NaN if there are none."""
-
-    sensor: str
-    channel: str
-    cause: DriftCause
-    variance: FloatArray
-    low: FloatArray
-    high: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +38,7 @@ class DriftCourse:
     most : array
         The same with the terms that were not identified at their upper limits.
     shares : tuple of DriftShare
-        Of the worst axis of each sensor, those of upper limits among them.
+        Of the axis of each sensor that is the worst at a time, those of upper limits among them.
     """
 
     name: str
@@ -122,7 +51,7 @@ class DriftCourse:
 
     def to(self, unit: str) -> FloatArray:
         """The standard deviation in a unit."""
-        return self.sigma * convert(1.0, QUANTITIES[self.name].si, unit)
+        return np.asarray(self.sigma * convert(1.0, QUANTITIES[self.name].si, unit))
 
     @property
     def unit(self) -> str:
@@ -130,9 +59,9 @@ class DriftCourse:
         return QUANTITIES[self.name].unit
 
     @property
-    def channels(self) -> tuple[str, ...]:
-        """The axes that it is computed from."""
-        return tuple(dict.fromkeys(share.channel or share.sensor for share in self.shares))
+    def scale(self) -> float:
+        """What makes numbers in this unit of those in SI."""
+        return convert(1.0, QUANTITIES[self.name].si, self.unit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,34 +138,24 @@ class Drift(Value):
         """
         demand_name("quantity", name, self.quantities)
         at = np.asarray(times, dtype=np.float64)
-        paths = [path for path in self.settings.paths if path.quantity == name]
-        worst = [max(axes, key=_size) for path in paths if (axes := self._axes(path, at))]
-        most = sum((np.max([_total(of, limits=True) for _, of in self._axes(path, at)], axis=0) for path in paths
-                    if self._axes(path, at)), np.zeros_like(at))  # fmt: skip
-        shares = [share for _, each in worst for share in each]
+        found = list(filter(None, (self._worst(path, at) for path in self.settings.paths if path.quantity == name)))
+        shares = [share for worst in found for share in worst.shares]
         known = [share for share in shares if not share.cause.limit]
-        total = _total(shares)
-        below, above = (np.sqrt(sum(_squares(axis, of, end) for axis, of in worst)) for end in ("low", "high"))
+        nothing = np.zeros_like(at)
+        total = sum((share.variance for share in known), nothing)
+        below, above = (np.sqrt(sum((getattr(worst, end) for worst in found), nothing)) for end in ("below", "above"))
         if not any(math.isfinite(share.cause.high) for share in known):
             below = above = np.full_like(at, math.nan)
+        most = sum((worst.most for worst in found), nothing)
         return DriftCourse(
             name, at, np.sqrt(total), np.sqrt(np.maximum(total - below, 0)), np.sqrt(total + above), np.sqrt(most),
             tuple(shares),
         )  # fmt: skip
 
-    def _axes(self, path: DriftPath, times: FloatArray) -> list[tuple[DriftAxis, list[DriftShare]]]:
-        """The axes of a sensor, and what makes each of them drift."""
+    def _worst(self, path: DriftPath, times: FloatArray) -> WorstAxis | None:
+        """The worst axis of a sensor at each time; None if there is none."""
         axes = [axis for axis in self.axes if axis.sensor == path.sensor]
-        found = [(axis, [self._share(path, axis, cause, times) for cause in axis.causes]) for axis in axes]
-        if path.coupled:  # a turn about the vertical does not tilt
-            return [(axis, [s for s in shares if s.cause.name != SCALE]) for axis, shares in found]
-        return found
-
-    def _share(self, path: DriftPath, axis: DriftAxis, cause: DriftCause, times: FloatArray) -> DriftShare:
-        variance = cause.variance(self.settings.response(path), times, self.settings.averaged, axis.rate)
-        return DriftShare(
-            axis.sensor, axis.channel, cause, variance, variance * cause.low**2, variance * cause.high**2
-        )
+        return worst_axis(axes, path, self.settings, times) if axes else None
 
     @property
     def allowed(self) -> list[dict[str, Any]]:
@@ -273,13 +192,13 @@ class Drift(Value):
             raise UsageError(f"on a platform that is kept level there is no {need.quantity} to require")
         count = len(paths) * (len(PLANNED) + 1)
         for path in paths:
-            worst, signal = max(self._axes(path, at), key=_size, default=(None, [])), path.signal
-            found = {s.cause.name: s.cause for s in worst[1] if not s.cause.limit}
+            worst, signal = self._worst(path, at), path.signal
+            found = {s.cause.name: s.cause for s in worst.shares if not s.cause.limit} if worst else {}
             for name in (*PLANNED, TURN_ON):
                 unit = DriftCause(name, Term(name, 1.0, signal)) if name in PLANNED else DriftCause(name, bias=1.0)
                 one = math.sqrt(unit.variance(settings.response(path), at, settings.averaged, None)[0])
                 cause = found.get(name)
-                known = cause and (cause.term.value if cause.term else cause.bias)
+                known = None if cause is None else cause.term.value if cause.term else cause.bias
                 yield AllowedTerm(path.sensor, name, signal, need.limit / one, need.limit / one / count**0.5, known)
 
     @property
@@ -288,7 +207,7 @@ class Drift(Value):
         found = []
         for course in (self[name] for name in self.quantities):
             shares = [
-                {"sensor": s.sensor, "channel": s.channel, "name": s.cause.name, "limit": s.cause.limit,
+                {"sensor": s.sensor, "channels": list(s.channels), "name": s.cause.name, "limit": s.cause.limit,
                  "sigma": plain(np.sqrt(s.variance))}
                 for s in course.shares
             ]  # fmt: skip
@@ -301,7 +220,7 @@ class Drift(Value):
         headings = ["quantity", "time_s", "cause", "sensor", "channel", "sigma", "low", "high", "unit", "share_percent"]
         rows: list[list[Any]] = []
         for course in (self[name] for name in self.quantities):
-            si, unit = 1 / convert(1.0, course.unit, QUANTITIES[course.name].si), course.unit
+            si, unit = course.scale, course.unit
             for i, time in enumerate(course.times.tolist()):
                 whole = float(course.sigma[i])
                 ends = [course.sigma, course.low, course.high]
@@ -312,33 +231,10 @@ class Drift(Value):
                     sizes = [math.sqrt(float(v[i])) * si for v in (s.variance, s.low, s.high)]
                     share = None if s.cause.limit or not whole else 100 * float(s.variance[i]) / whole**2
                     name = f"{s.cause.name}, upper limit" if s.cause.limit else s.cause.name
-                    rows.append([course.name, time, name, s.sensor, s.channel, *sizes, unit, share])
+                    rows.append([course.name, time, name, s.sensor, s.channels[i], *sizes, unit, share])
         return headings, rows
 
     def _summary(self) -> str:
         ends = (self[name] for name in self.quantities)
         last = (f"{c.name} {c.to(c.unit)[-1]:.3g} {c.unit}" for c in ends)
         return f"after {self.settings.times[-1]:g} s: {', '.join(last)}"
-
-
-def _total(shares: Sequence[DriftShare], *, limits: bool = False) -> FloatArray:
-    """The variance of all causes, or of those without upper limits."""
-    return np.asarray(sum((share.variance for share in shares if limits or not share.cause.limit), np.zeros(1)))
-
-
-def _size(found: tuple[Any, Sequence[DriftShare]]) -> tuple[float, float]:
-    """How much an axis drifts until the last time, and with its upper limits."""
-    return float(_total(found[1])[-1]), float(_total(found[1], limits=True)[-1])
-
-
-def _squares(axis: DriftAxis, shares: Sequence[DriftShare], end: str) -> FloatArray:
-    """Square of how far the variance's limit is from it: of the limits of its terms, with their correlation.
-
-    The method of variance estimates recovery (G. Y. Zou and A. Donner, Statistics in Medicine 27 (2008) 1693).
-    """
-    off = np.array([getattr(s, end) - s.variance for s in shares if s.cause.term is not None and not s.cause.limit])
-    if not off.size:
-        return np.zeros(1)
-    off = np.nan_to_num(off)
-    together = np.eye(len(off)) if axis.correlation is None else axis.correlation
-    return np.asarray(np.maximum(np.einsum("it,ij,jt->t", off, together, off), 0))

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from allanite.core.choice_kinds import seconds_of
 from allanite.core.choices import demand_choices
 from allanite.core.errors import UnitError, UsageError, given
 from allanite.core.names import demand_name
 from allanite.core.notation import split_quantities
-from allanite.core.choice_kinds import seconds_of
 from allanite.core.plain import Value
 from allanite.core.units import Signal, convert, signal_named, unit_of
 from allanite.exporting.target import ACCELEROMETER, GYRO
@@ -32,7 +32,7 @@ class QuantityUnits(NamedTuple):
     unit: str
 
 
-QUANTITIES = {
+QUANTITIES: dict[str, QuantityUnits] = {
     say("heading"): QuantityUnits("rad", "deg"),
     say("attitude"): QuantityUnits("rad", "deg"),
     say("velocity"): QuantityUnits("m/s", "m/s"),
@@ -102,7 +102,7 @@ class Requirement(NamedTuple):
         dimension = unit_of(unit).dimension
         fitting = [q for q, row in QUANTITIES.items() if unit_of(row.si).dimension == dimension]
         if not fitting or (name and name not in fitting):
-            raise UnitError(f"a required drift is an angle, a velocity or a distance, e.g. '1 deg', not {size.strip()!r}")
+            raise UnitError(f"a required drift is an angle, a velocity or a distance as '1 deg', not {size.strip()!r}")
         quantity = name or fitting[0]
         return cls(text, quantity, convert(limit, unit, QUANTITIES[quantity].si), unit, seconds)
 
@@ -148,8 +148,8 @@ class DriftSettings(DriftChoices, Value):
         if self.calibration is not None and not 0 <= self.calibration < math.inf:
             raise UsageError(f"a time of calibration must be 0 s or above, not {given(self.calibration)}")
         if not 0 <= self.scale_factor < LARGE:
-            meant = f"; did you mean {self.scale_factor:g}%?" if self.scale_factor > 0 else ""
-            raise UsageError(f"an error of the scale factor is a share below {LARGE:g}, not {self.scale_factor:g}{meant}")
+            said = f"an error of the scale factor is a share below {LARGE:g}, not {self.scale_factor:g}"
+            raise UsageError(f"{said}; did you mean {self.scale_factor:g}%?" if self.scale_factor > 0 else said)
         if bool(self.scale_factor) != bool(self.maneuver):
             raise UsageError(
                 "an error of the scale factor acts on a maneuver: give both, e.g. "
@@ -175,7 +175,7 @@ class DriftSettings(DriftChoices, Value):
                 si = signal_named(sensor).si[power]
                 if unit_of(si).dimension == unit_of(unit).dimension:
                     return sensor, convert(value, unit, si), power
-        raise UnitError(f"{unit!r} is not the unit of {what} of a gyro or an accelerometer, which has the form '{example}'")
+        raise UnitError(f"{what} of a gyro or an accelerometer has the form '{example}'; {unit!r} is not a unit of it")
 
     @property
     def averaged(self) -> float:

@@ -23,11 +23,14 @@ from allanite.study.recipe import Recipe
 from allanite.study.results import Study
 from allanite.terms import TERMS, WHITE
 
-from .drift import SCALE, TURN_ON, Drift, DriftAxis, DriftCause
+from .drift import Drift
+from .drift_axes import SCALE, TURN_ON, DriftAxis, DriftCause
 from .drift_settings import DriftSettings
 
 
-def drift(source: Source | str | PurePath | None = None, settings: DriftSettings | None = None, **choices: Any) -> Drift:
+def drift(
+    source: Source | str | PurePath | None = None, settings: DriftSettings | None = None, **choices: Any
+) -> Drift:
     """Predict how far heading, attitude, velocity and position drift with time without aid, from the noise.
 
     Each is a standard deviation, in closed form from the structure function of every noise term; nothing is simulated.
@@ -94,7 +97,7 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
     studies = [one for one in sources if isinstance(one, Study)]
     doubted = [axis for axis in inertial if axis.doubt]
     left = [axis.name for axis in doubted if axis not in kept]
-    alerts = [
+    alerts: list[str] = [
         say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) if axis.name in left
         else say("{channel}: {warning}", channel=axis.label, warning=axis.doubt) for axis in doubted
     ]  # fmt: skip

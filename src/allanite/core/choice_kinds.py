@@ -125,7 +125,7 @@ def _share(value: Any) -> float:
         ((value.removesuffix(unit), size) for unit, size in (("%", 1e-2), ("ppm", 1e-6)) if value.endswith(unit)),
         (value, 1.0),
     )
-    return NUMBER.read(number) * size
+    return float(NUMBER.read(number)) * size
 
 
 def _table(value: Any) -> Any:

@@ -4,8 +4,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from allanite.claims.drift import Drift
-from allanite.claims.drift_settings import QUANTITIES
-from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.terms import TERMS
@@ -27,7 +25,7 @@ def plot_drifts(new_figure: style.NewFigure, value: Drift) -> Figure:
         del courses[1]
     figure, columns = stacked(new_figure, [1] * len(courses))
     for (ax,), course in zip(columns, courses, strict=True):
-        scale = convert(1.0, QUANTITIES[course.name].si, course.unit)
+        scale = course.scale
         several = len({share.sensor for share in course.shares}) > 1
         if np.isfinite(course.high).all():
             ax.fill_between(grid, course.low * scale, course.high * scale, color=style.INK, alpha=0.15, lw=0)

@@ -1,20 +1,20 @@
 """How a drift is shown: each quantity with time, what causes it, and what a requirement allows."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import PurePath
 
 import numpy as np
 
-from allanite.claims.drift import Drift, DriftCourse, DriftShare
+from allanite.claims.drift import Drift, DriftCourse
+from allanite.claims.drift_axes import DriftShare
 from allanite.claims.drift_settings import QUANTITIES, Requirement
-from allanite.core.fit import Fit
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, rounded
 from allanite.reporting.first import DETAILS, FIGURES, Answer, First, Remark, plus_minus
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, Table, header_of
 
 from . import view
 
@@ -30,7 +30,7 @@ HOW = say(
 )
 INTERVALS = say(
     "The interval is that of the coefficients, combined by their correlation (method of variance estimates recovery); "
-    "\"at most\" includes terms that were not identified, at their upper limits."
+    '"at most" includes terms that were not identified, at their upper limits.'
 )
 CAPTION = say(
     "Standard deviation against the time without aid: all causes (black, with its interval), and each of them; dotted: "
@@ -49,7 +49,10 @@ def _alike(value: Drift) -> list[tuple[str, DriftCourse]]:
     heading, attitude = found.get("heading"), found.get("attitude")
     if heading is None or attitude is None or not np.allclose(heading.sigma, attitude.sigma, rtol=1e-9):
         return [*found.items()]
-    return [(say("heading, attitude"), heading), *((n, c) for n, c in found.items() if n not in ("heading", "attitude"))]
+    return [
+        (say("heading, attitude"), heading),
+        *((n, c) for n, c in found.items() if n not in ("heading", "attitude")),
+    ]
 
 
 def _cause(share: DriftShare, *, named: bool) -> str:
@@ -63,7 +66,7 @@ def _several(course: DriftCourse) -> bool:
 
 def _cells(course: DriftCourse) -> list[str]:
     """The standard deviation at each time, with the half width of its interval and what it is at most."""
-    scale, cells = convert(1.0, QUANTITIES[course.name].si, course.unit), []
+    scale, cells = course.scale, []
     for size, low, high, most in zip(course.sigma, course.low, course.high, course.most, strict=True):
         shown = plus_minus(size * scale, low * scale, high * scale) if size else ""
         limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + RAISED) * size else ""
@@ -106,8 +109,8 @@ def _required(value: Drift, need: Requirement) -> Iterator[Answer]:
     yield asked
     terms = list(value.allowing(need))
     heads = [Column("", "name"), Column("", "symbol"), Column(say("alone"), form=rounded),
-             Column(say("with equal shares"), form=rounded), Column(say("found"), form=lambda v: rounded(v) if v else ""),
-             Column("", "unit")]  # fmt: skip
+             Column(say("with equal shares"), form=rounded),
+             Column(say("found"), form=lambda v: rounded(v) if v else ""), Column("", "unit")]  # fmt: skip
     scaled = [(t, convert(1.0, t.signal.si[t.power], t.unit)) for t in terms]
     rows = [
         [t.sensor, t.name, t.alone * k, t.shared * k, None if t.found is None else t.found * k, t.unit]
@@ -139,7 +142,9 @@ def _remarks(value: Drift) -> list[Remark]:
     if strapdown and "gyro" not in sensors and sensors:
         found.append(Remark("", (say("velocity and position: the part of the accelerometers only"),)))
     if last >= ROUND and not value.settings.schuler and "velocity" in value.quantities:
-        found.append(Remark("", (say("on the round earth velocity and position drift less after 15 min"),), "--schuler"))
+        found.append(
+            Remark("", (say("on the round earth velocity and position drift less after 15 min"),), "--schuler")
+        )
     return found
 
 
@@ -170,9 +175,9 @@ def first_of_drift(value: Drift, _: float) -> First:
         count = 2 if len(courses) < 4 else 1  # as there is room for
         rows = [[after, *(_mostly(course, i, count) for _, course in courses)] for i, after in enumerate(_after(value))]
         answer.append(Table(heads, rows))
-    after = (DETAILS, ("--report page.html", say("figures")), ("--require '1 deg in 10 min'", say("what is allowed")))
-    if value.settings.requirements:
-        after = (DETAILS, FIGURES)
+    after = [DETAILS, FIGURES]
+    if not value.settings.requirements:
+        after.append(("--require '1 deg in 10 min'", say("what is allowed")))
     legend = [AT_MOST] if any("≤" in cell for _, course in courses for cell in _cells(course)) else []
     return First(_title(value), "", answer, _remarks(value), legend, _said(value), after)
 
@@ -184,15 +189,18 @@ def _title(value: Drift) -> str:
 
 def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
     """All numbers of a quantity: the total, and each cause."""
-    scale = convert(1.0, QUANTITIES[course.name].si, course.unit)
-    number = Column("", form=lambda v: rounded(v) if v == v else "")
+    scale = course.scale
     heads = [Column(say("after"), "name"),
-             *(Column(text, form=number.form) for text in (say("1 sigma"), say("low"), say("high"), say("at most"))),
+             *(Column(text, form=rounded) for text in (say("1 sigma"), say("low"), say("high"), say("at most"))),
              Column(say("unit"), "unit")]  # fmt: skip
     table = zip(_after(value), *(v * scale for v in (course.sigma, course.low, course.high, course.most)), strict=True)
     yield Table(heads, [[*row, course.unit] for row in table], name)
     named, known = _several(course), [s for s in course.shares if s.variance.any()]
-    causes = [Column(say("cause"), "name"), Column(say("channel"), "name"), *(Column(a, form=_sized) for a in _after(value))]
+    causes = [
+        Column(say("cause"), "name"),
+        Column(say("channel"), "name"),
+        *(Column(a, form=_sized) for a in _after(value)),
+    ]
     rows = []
     for s in known:
         label = _cause(s, named=named)
@@ -201,7 +209,7 @@ def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
         cells = list(zip(sizes.tolist(), shares.tolist(), strict=True))
         if s.cause.limit:
             label, cells = say("{cause}, at most", cause=label), [(size, math.nan) for size in sizes.tolist()]
-        rows.append([label, s.channel, *cells])
+        rows.append([label, ", ".join(dict.fromkeys(s.channels)), *cells])
     yield Table(causes, rows, say("each cause alone [{unit}], and its share of the variance", unit=course.unit))
 
 
@@ -211,7 +219,7 @@ def _sized(cell: tuple[float, float]) -> str:
 
 
 @view(
-    lambda values, fit, level: _plot(values, fit, level),
+    lambda values, _, __: figures.plot_drifts(values[0]),
     lambda value, _: value.rows(),
     first=first_of_drift,
 )
@@ -223,14 +231,10 @@ def drift_view(value: Drift, _: float) -> Face:
         parts += [Note(str(told), "strong"), table]  # type: ignore[list-item]
     parts += [Note(shown, "remark") for remark in _remarks(value) if not remark.grave for shown in remark.clauses]
     if value.axes:
-        parts.append(Drawing(lambda: _plot([value], None, 0.95), say("drift by time"), CAPTION))
+        parts.append(Drawing(lambda: figures.plot_drifts(value), say("drift by time"), CAPTION))
     sheets = [Sheet(name, (), tuple(_parts(value, name, course))) for name, course in _alike(value)]
     return Face(
         _title(value), BRAND, sheets, header_of(value.provenance, _said(value)), parts=parts,
         close=[Note(HOW, "quiet", where="text"), Note(INTERVALS, "quiet", where="text")],
         how=[Note(HOW), Note(INTERVALS)], provenance=value.provenance, notes=_said(value),
     )  # fmt: skip
-
-
-def _plot(values: Sequence[Drift], _: Fit | None, __: float) -> Plot:
-    return figures.plot_drifts(values[0])
