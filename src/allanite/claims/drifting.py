@@ -15,6 +15,7 @@ from allanite.exporting.axes import Source, axes_of
 from allanite.exporting.bounds import bounded
 from allanite.exporting.content import Axis
 from allanite.exporting.conversion import load
+from allanite.exporting.export import alerts_of
 from allanite.exporting.fields import How, usable
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
@@ -95,17 +96,11 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
     kept = usable(inertial, How(unexplained=settings.unexplained))
     axes = tuple(_axis(axis, settings) for axis in kept)
     studies = [one for one in sources if isinstance(one, Study)]
-    doubted = [axis for axis in inertial if axis.doubt]
-    left = [axis.name for axis in doubted if axis not in kept]
-    alerts: list[str] = [
-        say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) if axis.name in left
-        else say("{channel}: {warning}", channel=axis.label, warning=axis.doubt) for axis in doubted
-    ]  # fmt: skip
-    alerts += [str(finding) for study in studies for finding in study.findings]
-    alerts += _unknown(kept)
-    rejected = dict.fromkeys([*left, *(name for study in studies for name in study.rejected)])
+    left = [axis for axis in inertial if axis not in kept]
+    alerts = [*alerts_of(kept, left, studies), *_unknown(kept)]
+    rejected = dict.fromkeys([*(axis.name for axis in left), *(name for study in studies for name in study.rejected)])
     recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, provenance_of())
-    return Drift(axes, settings, tuple(dict.fromkeys(alerts)), tuple(rejected), recipe, provenance)
+    return Drift(axes, settings, tuple(alerts), tuple(rejected), recipe, provenance)
 
 
 def _unknown(axes: Sequence[Axis]) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """Kinds of choices: how text becomes a value, what a value of Python must be, and how the page asks for it."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import UnionType
@@ -21,7 +22,7 @@ class ChoiceKind:
     request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice. Each
     refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
     "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that is
-    read, if `written` does not.
+    read, if `written` does not. `alone` is the value of an option that is given without one.
     """
 
     name: str
@@ -32,6 +33,7 @@ class ChoiceKind:
     write: "Callable[[Any], str] | None" = None
     takes: tuple[type, ...] = ONE
     form: str = ""
+    alone: str = ""
 
     def parse(self, data: Any) -> Any:
         """The value from text or plain data.
@@ -232,6 +234,26 @@ MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 
 DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
     control="list", takes=LISTS, form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'",
+)  # fmt: skip
+_SPAN = "two averaging times in s, e.g. 1,1000 or '1 s,10 min', or auto"
+
+
+def _span(value: Any) -> Any:
+    if value in ("auto", True):
+        return "auto"
+    if value in (None, False):
+        return None
+    try:
+        low, high = DURATIONS.read(value)
+    except (UsageError, TypeError, ValueError):
+        low, high = 0.0, 0.0
+    if not 0 < low < high < math.inf:
+        raise UsageError(f"expected {_SPAN}, not {value!r}")
+    return low, high
+
+
+SPAN = ChoiceKind(
+    "span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="auto",
 )  # fmt: skip
 LINES = ChoiceKind(
     "text", _lines, control="list", many=True, takes=(str, list, tuple, dict), form="text, a list of texts, or a table"

@@ -16,6 +16,9 @@ from .target import LONG
 
 Found = tuple["AxisCoefficient", ...]
 
+COVER = "cover"
+"""Method of estimates that cover what was identified."""
+
 
 @dataclass(frozen=True)
 class AxisCoefficient:
@@ -104,7 +107,7 @@ def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> AxisCoefficie
     forced = unexplained and e.status == "not valid" and e.value is not None
     if (e.valued or forced) and e.value:
         low, high = e.interval(axis.level)
-        note = say("the model does not explain the record") if forced else ""
+        note = say("the model does not explain the record") if forced else e.reason if e.method == COVER else ""
         given = axis.fit.method == "given"
         return AxisCoefficient(axis.name, e.value, low, high, False, given, note, level=axis.level)
     if e.value is None and e.upper:

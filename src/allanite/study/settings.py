@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, LINES, PERCENT, SHARE
+from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, LINES, PERCENT, SHARE, SPAN
 from allanite.core.choices import choice
 
 # fmt: off
@@ -26,6 +26,11 @@ def _unit() -> Any:
 
 def _unexplained() -> Any:
     return choice("", "Use the coefficients of channels that no model explains, too.", default=False)
+
+
+def _from_curve() -> Any:
+    return choice(
+        "", "Where no model explains the record, upper bounds read off the Allan deviation.", default=False)
 
 
 @dataclass(frozen=True, repr=False)
@@ -178,8 +183,10 @@ class ExportChoices:
     filter_rate: float | None = choice(
         "HZ", "Rate of the filter's steps.", told="the target's own, or the sampling rate")
     unexplained: bool = _unexplained()
-    from_curve: bool = choice(
-        "", "Where no model explains the record, upper bounds read off the Allan deviation.", default=False)
+    cover: str | tuple[float, float] | None = choice(
+        "[SPAN]", "Cover the noise and its upper limits between these averaging times, e.g. 1,1000, or from 1 s to "
+        "what the record resolves.", kind=SPAN)
+    from_curve: bool = _from_curve()
 
 
 @dataclass(frozen=True, repr=False)
@@ -208,5 +215,4 @@ class DriftChoices:
         "LIMIT", "Largest drift, 1 sigma: '1 deg in 10 min', '100 m in 1 min'; repeatable. Exit code 4 if exceeded.",
         kind=LINES, default=(), told="", synonyms=("limit", "goal"))
     unexplained: bool = _unexplained()
-    from_curve: bool = choice(
-        "", "Where no model explains the record, upper bounds read off the Allan deviation.", default=False)
+    from_curve: bool = _from_curve()
