@@ -21,6 +21,7 @@ READ = {
     "compare": ("--part", "300"),
     "rate": ("--interval", "60", "--no-times", "--methods", "mean"),
     "plan": ("--unexplained",),
+    "drift": ("--unexplained",),
     "selfcheck": ("--records", "2", "--unexplained"),
     "statespace": ("--unexplained",),
     "export": ("--to", "datasheet", "--unexplained"),
