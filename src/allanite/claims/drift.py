@@ -54,6 +54,11 @@ class DriftCourse:
         return np.asarray(self.sigma * convert(1.0, QUANTITIES[self.name].si, unit))
 
     @property
+    def title(self) -> str:
+        """What it is called."""
+        return QUANTITIES[self.name].title
+
+    @property
     def unit(self) -> str:
         """The unit in which it is shown."""
         return QUANTITIES[self.name].unit

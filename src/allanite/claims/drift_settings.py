@@ -26,17 +26,18 @@ LARGE = 0.1
 
 
 class QuantityUnits(NamedTuple):
-    """Units of a quantity: SI, and that in which it is shown."""
+    """What a quantity is called, and its units: SI, and that in which it is shown."""
 
+    title: str
     si: str
     unit: str
 
 
 QUANTITIES: dict[str, QuantityUnits] = {
-    say("heading"): QuantityUnits("rad", "deg"),
-    say("attitude"): QuantityUnits("rad", "deg"),
-    say("velocity"): QuantityUnits("m/s", "m/s"),
-    say("position"): QuantityUnits("m", "m"),
+    "heading": QuantityUnits(say("heading"), "rad", "deg"),
+    "attitude": QuantityUnits(say("attitude"), "rad", "deg"),
+    "velocity": QuantityUnits(say("velocity"), "m/s", "m/s"),
+    "position": QuantityUnits(say("position"), "m", "m"),
 }
 
 

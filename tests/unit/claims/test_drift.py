@@ -20,7 +20,7 @@ G = 9.80665
 @pytest.fixture(scope="module")
 def study():
     """Two gyros, of which the last drifts most, and an accelerometer."""
-    models, units = [GYRO, GYRO + al.K(30, "deg/h/sqrt(h)"), ACCELEROMETER], ["deg/h", "deg/h", "ug"]
+    models, units = [GYRO, GYRO + al.K(100, "deg/h/sqrt(h)"), ACCELEROMETER], ["deg/h", "deg/h", "ug"]
     records = [
         dataclasses.replace(al.simulate(model, 20_000, 10.0, rng=seed, unit=unit), name=name)
         for seed, (model, unit, name) in enumerate(zip(models, units, ("gx", "gz", "ax"), strict=True))

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from allanite.claims.drift import Drift
+from allanite.core.units import signal_named
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.terms import TERMS
@@ -12,6 +13,9 @@ from .drawing import dashes, stacked, with_unit
 
 PER_DECADE, DEEP = 12, 1e-3
 """Times of a decade; the least share of the largest drift that is drawn."""
+
+ACCELEROMETER = (0.0, (7.0, 1.6, 1.4, 1.6))
+"""Line of what does not come from the gyros."""
 
 
 @style.plotted
@@ -36,18 +40,18 @@ def plot_drifts(new_figure: style.NewFigure, value: Drift) -> Figure:
             if share.cause.limit or not share.variance.any():
                 continue
             name = share.cause.name
-            label = join(" ", (share.sensor, name)) if several else name
+            label = join(" ", (signal_named(share.sensor).name, name)) if several else name
             color = TERMS[name].color if name in TERMS else style.OTHER
-            look = dashes(name) if name in TERMS and share.sensor == "gyro" else "-."
+            look = dashes(name) if name in TERMS and share.sensor == "gyro" else ACCELEROMETER
             ax.plot(grid, np.sqrt(share.variance) * scale, color=color, ls=look, lw=1.3, label=label)
         top = max(course.most.max(), course.sigma.max()) * scale
         bottom = max(course.sigma.min() * scale / 10, top * 1e-12)
         ax.set(xscale="log", yscale="log", ylim=(bottom, 2 * top), xlim=ends,
-               xlabel=say("time without aid"), ylabel=with_unit(course.name, course.unit))  # fmt: skip
+               xlabel=say("time without aid"), ylabel=with_unit(course.title, course.unit))  # fmt: skip
         ax.set_xticks(list(times), [words.duration(time) for time in times])
         ax.minorticks_off()
         style.grid(ax)
         style.plain_ticks(ax.yaxis)
         ax.legend(loc="upper left")
-        style.title(ax, course.name)
+        style.title(ax, words.capital(course.title))
     return figure

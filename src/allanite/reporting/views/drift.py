@@ -9,7 +9,7 @@ import numpy as np
 from allanite.claims.drift import Drift, DriftCourse
 from allanite.claims.drift_axes import DriftShare
 from allanite.claims.drift_settings import QUANTITIES, Requirement
-from allanite.core.units import convert
+from allanite.core.units import convert, signal_named
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, rounded
@@ -48,16 +48,16 @@ def _alike(value: Drift) -> list[tuple[str, DriftCourse]]:
     found = {name: value[name] for name in value.quantities}
     heading, attitude = found.get("heading"), found.get("attitude")
     if heading is None or attitude is None or not np.allclose(heading.sigma, attitude.sigma, rtol=1e-9):
-        return [*found.items()]
+        return [(course.title, course) for course in found.values()]
     return [
         (say("heading, attitude"), heading),
-        *((n, c) for n, c in found.items() if n not in ("heading", "attitude")),
+        *((course.title, course) for name, course in found.items() if name not in ("heading", "attitude")),
     ]
 
 
 def _cause(share: DriftShare, *, named: bool) -> str:
     """A cause, with its sensor where there are several."""
-    return join(" ", (share.sensor, share.cause.name)) if named else share.cause.name
+    return join(" ", (signal_named(share.sensor).name, share.cause.name)) if named else share.cause.name
 
 
 def _several(course: DriftCourse) -> bool:
@@ -99,9 +99,11 @@ def _after(value: Drift) -> list[str]:
 def _required(value: Drift, need: Requirement) -> Iterator[Answer]:
     """What a requirement allows."""
     reached, si = value.reached(need), QUANTITIES[need.quantity].si
-    asked = say("{quantity}: {text} required", quantity=need.quantity, text=need.text)
+    scale = convert(1.0, si, need.unit)
+    asked = say("{quantity} after {time}: {limit:.4g} {unit} required", quantity=QUANTITIES[need.quantity].title,
+                time=words.duration(need.time), limit=need.limit * scale, unit=need.unit)  # fmt: skip
     if reached is not None:
-        size = rounded(reached / convert(1.0, need.unit, si))
+        size = rounded(reached * scale)
         kept = say("kept") if reached <= need.limit else say("exceeded")
         if reached <= need.limit < value.course(need.quantity, [need.time]).most[0]:
             kept = say("kept, unless terms that were not identified are at their limits")
@@ -113,7 +115,7 @@ def _required(value: Drift, need: Requirement) -> Iterator[Answer]:
              Column(say("found"), form=lambda v: rounded(v) if v else ""), Column("", "unit")]  # fmt: skip
     scaled = [(t, convert(1.0, t.signal.si[t.power], t.unit)) for t in terms]
     rows = [
-        [t.sensor, t.name, t.alone * k, t.shared * k, None if t.found is None else t.found * k, t.unit]
+        [t.signal.name, t.name, t.alone * k, t.shared * k, None if t.found is None else t.found * k, t.unit]
         for t, k in scaled
     ]
     yield Table(heads, rows, where="")
@@ -128,7 +130,7 @@ def _remarks(value: Drift) -> list[Remark]:
         lost = value["attitude"].times[value["attitude"].most > LARGE]
         if lost.size:
             found.append(Remark("", (
-                say("after {time} the tilt is not small: velocity and position are only said to be lost",
+                say("after {time} the tilt is no longer small: take velocity and position there as lost",
                     time=words.duration(float(lost[0]))),
             )))  # fmt: skip
     if longest and last > min(longest):
@@ -155,7 +157,7 @@ def _said(value: Drift) -> list[str]:
     if not settings.averaged:
         averaged = say("no calibration: flicker and random walks are counted from their value at the start")
     platform = say("strapdown") if settings.platform == "strapdown" else say("platform kept level")
-    axes = {axis.channel for axis in value.axes if axis.channel}
+    axes = dict.fromkeys(axis.channel for axis in value.axes if axis.channel)
     worst = [say("of {axes} the worst", axes=", ".join(axes))] if len(axes) > 1 else []
     constant = [say("turn-on bias {bias}", bias=" and ".join(settings.turn_on))] if settings.turn_on else []
     return [say("1 sigma"), platform, averaged, *constant, *worst]
