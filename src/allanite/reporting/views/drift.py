@@ -23,10 +23,10 @@ LEAST, RAISED = 0.005, 0.1
 """Share of the variance from which on a cause is named; by how much upper limits must raise a drift to be shown."""
 
 HOW = say(
-    "Standard deviations (1 sigma), from the structure function of each noise term; nothing is simulated. Heading and "
-    "attitude err by x(t) - x(0) - (t/T)(x(0) - x(-T)), x being the integral of the gyro's error and T the time over "
-    "which the bias was averaged at rest. Velocity and position are integrals of the accelerometer's error and, "
-    "strapdown, of gravity times the error of attitude. Of several axes the worst counts; causes are independent."
+    "Standard deviations (1 sigma) from the structure function of each noise term; nothing is simulated. Heading and "
+    "attitude err by x(t) - x(0) - (t/T)(x(0) - x(-T)), where x is the integral of the gyro's error and T the time over "
+    "which its bias was averaged. The accelerometer's error and, strapdown, gravity times the error of attitude are "
+    "integrated to velocity and position. Of several axes the worst at each time is taken."
 )
 INTERVALS = say(
     "The interval is that of the coefficients, combined by their correlation (method of variance estimates recovery); "
@@ -87,7 +87,7 @@ def _mostly(course: DriftCourse, i: int, count: int) -> str:
     named, before, told = _several(course), "", list[str]()
     for part, s in largest:
         cause = _cause(s, named=named and s.sensor != before)
-        told.append(say("{cause} {share}", cause=cause, share=_percent(part)))
+        told.append(join(" ", (cause, _percent(part))))
         before = s.sensor
     return join(", ", told)
 
@@ -140,12 +140,18 @@ def _remarks(value: Drift) -> list[Remark]:
         )))  # fmt: skip
     sensors = {axis.sensor for axis in value.axes}
     if strapdown and "accelerometer" not in sensors and sensors:
-        found.append(Remark("", (say("velocity and position: the part of the gyros only"),)))
+        found.append(
+            Remark("", (say("velocity and position without the errors of accelerometers, whose noise is not given"),))
+        )
     if strapdown and "gyro" not in sensors and sensors:
-        found.append(Remark("", (say("velocity and position: the part of the accelerometers only"),)))
+        found.append(Remark("", (say("velocity and position without the tilt, for the noise of gyros is not given"),)))
     if last >= ROUND and not value.settings.schuler and "velocity" in value.quantities:
         found.append(
-            Remark("", (say("on the round earth velocity and position drift less after 15 min"),), "--schuler")
+            Remark(
+                "",
+                (say("after 15 min the curvature of the earth reduces the drift of velocity and position"),),
+                "--schuler",
+            )
         )
     return found
 
@@ -158,7 +164,7 @@ def _said(value: Drift) -> list[str]:
         averaged = say("no calibration: flicker and random walks are counted from their value at the start")
     platform = say("strapdown") if settings.platform == "strapdown" else say("platform kept level")
     axes = dict.fromkeys(axis.channel for axis in value.axes if axis.channel)
-    worst = [say("of {axes} the worst", axes=", ".join(axes))] if len(axes) > 1 else []
+    worst = [say("the worst of {axes} at each time", axes=", ".join(axes))] if len(axes) > 1 else []
     constant = [say("turn-on bias {bias}", bias=" and ".join(settings.turn_on))] if settings.turn_on else []
     return [say("1 sigma"), platform, averaged, *constant, *worst]
 
