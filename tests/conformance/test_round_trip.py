@@ -330,6 +330,7 @@ MAKERS = {
     "Export": exported,
     "Export of matrices": lambda: al.export(WHITE_AND_WALK[0], "statespace", rate=100.0),
     "Claim": lambda: claim_of("N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)"),
+    "StatedNoise": lambda: exported().stated[0],
     "Imported": lambda: noise_in(exported().text, al.EXPORTS["kalibr"], None),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,

@@ -183,9 +183,9 @@ class ExportChoices:
     filter_rate: float | None = choice(
         "HZ", "Rate of the filter's steps.", told="the target's own, or the sampling rate")
     unexplained: bool = _unexplained()
-    cover: str | tuple[float, float] | None = choice(
-        "[SPAN]", "Cover the noise and its upper limits between these averaging times, e.g. 1,1000, or from 1 s to "
-        "what the record resolves.", kind=SPAN)
+    cover: bool | tuple[float, float] | None = choice(
+        "[SPAN]", "Cover the noise and its upper limits between two averaging times, e.g. 1,1000, or from 1 s to a "
+        "tenth of the record; --cover=no: do not.", kind=SPAN, told="where a filter would be over-confident")
     from_curve: bool = _from_curve()
 
 

@@ -24,6 +24,7 @@ from .residuals import plot_goodness as plot_goodness
 from .residuals import plot_residuals as plot_residuals
 from .residuals import plot_series as plot_series
 from .spectra import plot_spectra as plot_spectra
+from .stated import plot_stated as plot_stated
 from .statespace import plot_state_spaces as plot_state_spaces
 from .surfaces import plot_surfaces as plot_surfaces
 from .units import LimitLine as LimitLine
