@@ -24,9 +24,9 @@ LEAST, RAISED = 0.005, 0.1
 
 HOW = say(
     "Standard deviations (1 sigma) from the structure function of each noise term; nothing is simulated. Heading and "
-    "attitude err by x(t) - x(0) - (t/T)(x(0) - x(-T)), where x is the integral of the gyro's error and T the time over "
-    "which its bias was averaged. The accelerometer's error and, strapdown, gravity times the error of attitude are "
-    "integrated to velocity and position. Of several axes the worst at each time is taken."
+    "attitude err by x(t) - x(0) - (t/T)(x(0) - x(-T)), where x is the integral of the gyro's error and T the time "
+    "over which its bias was averaged. The accelerometer's error and, strapdown, gravity times the error of attitude "
+    "are integrated to velocity and position. Of several axes the worst at each time is taken."
 )
 INTERVALS = say(
     "The interval is that of the coefficients, combined by their correlation (method of variance estimates recovery); "
