@@ -213,7 +213,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     rejected = dict.fromkeys(chain((axis.name for axis in doubts), *(study.rejected for study in studies)))
     return Export(
         target.name, suffix, text, binary, entries, stated, (*notes, *target.notes),
-        (*_alerts(kept, doubts, studies), *warned),
+        (*alerts_of(kept, doubts, studies), *warned),
         tuple(rejected), recipe, provenance,
     )  # fmt: skip
 
@@ -237,7 +237,7 @@ def _axes(source: Source, how: How) -> tuple[Axis, ...]:
     return tuple(found)
 
 
-def _alerts(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:
+def alerts_of(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:
     """Warnings, those that several channels share once."""
     alerts: dict[str, list[str]] = {}
     for axis in kept:

@@ -30,7 +30,7 @@ FIRST, LAST = 0.25, 10.0
 
 @dataclass(frozen=True, eq=False)
 class Covariances:
-    """Covariances of the angles gained: in steps of the past (n, n), in these and without aid (n, k), without it (k,).
+    """Covariances of the angles gained: in steps of the past (n, n), in these and without aid (n, k), without (k,).
 
     Shapes are those of the last axes. `drifts` is whether a rate has no variance.
     """

@@ -11,10 +11,11 @@ from allanite.core.titles import title_of
 from allanite.core.units import signal_named
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
-from allanite.exporting.exports import EXPORTS
+from allanite.exporting.exports import EXPORTS, row_of_file
 from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.phrases.phrase import Phrase, join, say
+from allanite.planning.datasheets import DATASHEETS
 from allanite.reporting import figures
 from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, condensed, plus_minus
@@ -92,7 +93,7 @@ def _plot(values: Sequence[Export], _: Fit | None, __: float) -> Plot:
 @view(_plot, rows=lambda value, _: value.rows(), first=first_of_export)
 def export_view(value: Export, _: float) -> Face:
     """The fields of a file, or its text."""
-    row = EXPORTS[value.target]
+    row = row_of_file(value.target)
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
     if value.entries:
         parts.append(Table(HEADINGS, value.rows()[1]))
@@ -130,6 +131,7 @@ def _tables() -> dict[str, dict[str, str]]:
         say("targets"): {name: row.title for name, row in EXPORTS.items()},
         say("statistics"): {name: row.title for name, row in STATISTICS.items()},
         say("noise terms"): {symbol: row.title for symbol, row in TERMS.items()},
+        say("data sheets"): {name: row.document for name, row in DATASHEETS.items()},
     }
 
 
@@ -138,8 +140,11 @@ def first_of_explanation(value: Explanation, level: float) -> First:
     if value.target:
         return condensed(explanation_view.face(value, level))
     lines = [say("{table}: {names}", table=title, names=", ".join(rows)) for title, rows in _tables().items()]
-    after = (("allanite explain NAME", say("fields of a target, or degrees of freedom of a statistic")), DETAILS)
-    return First(say("targets, statistics and noise terms"), "", lines, after=after)
+    after = (
+        ("allanite explain NAME", say("fields of a target, degrees of freedom of a statistic, or a data sheet")),
+        DETAILS,
+    )
+    return First(say("targets, statistics, noise terms and data sheets"), "", lines, after=after)
 
 
 @view(first=first_of_explanation)
@@ -149,8 +154,8 @@ def explanation_view(value: Explanation, _: float) -> Face:
         heads = Column("", "name"), Column("", "text")
         tables = ((title, Table(heads, list(rows.items()), most=99)) for title, rows in _tables().items())
         sheets = tuple(Sheet(title, (), (table,)) for title, table in tables)
-        return Face(say("targets, statistics and noise terms"), BRAND, sheets)
-    row = EXPORTS[value.target]
+        return Face(say("targets, statistics, noise terms and data sheets"), BRAND, sheets)
+    row = row_of_file(value.target)
     fields = [
         [f.full, SENSORS[f.sensor], f.unit, f.formula,
          title_of(f.term, signal_named(f.sensor)) if f.term else say("correlation time")]
