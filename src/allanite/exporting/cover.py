@@ -7,7 +7,7 @@ White noise N' wider than N needs a slow term of the size
 to cover the Allan variance A on a span; of N and flicker B at most sqrt(3) (0.664 B)^2 / (2 sqrt(N'^2 - N^2)) on any
 span, by the inequality of the means. A larger N' needs a smaller K. Of these models, and of those with a Gauss-Markov
 process in place of the random walk where the target has one, that is taken whose predicted errors after a time without
-aid, within the span, exceed those of the best filter least.
+aid, from ten times the beginning of the span to its end, exceed those of the best filter least.
 """
 
 from collections.abc import Iterator, Sequence
