@@ -21,7 +21,7 @@ from .plan import EXCEEDED
 def drift(
     files: tuple[str, ...], models: tuple[str, ...], sensor: str | None, claims: tuple[str, ...], **choices: Any
 ) -> None:
-    """Predict the drift of heading, attitude, velocity and position.
+    """Predict the errors of navigation without aid.
 
     FILES are recordings of gyros, accelerometers or both, or results that analyze has written with --json; --model,
     --sensor and --claims give the noise without a recording. Prints the standard deviation of each quantity with time
