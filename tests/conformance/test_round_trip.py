@@ -58,6 +58,11 @@ def record(i=0):
 
 
 @cache
+def claim_check():
+    return al.check(record(), "N 0.02 deg/sqrt(h), B 0.5 deg/h")
+
+
+@cache
 def fit(method="whittle", i=0):
     return al.identify(record(i), method=method, **({"terms": "QNBKR,GM"} if method == "whittle" else {}))
 
@@ -248,6 +253,9 @@ MAKERS = {
     "BudgetStudy with a scale factor": lambda: rounded(0.2),
     "Calibration": calibration,
     "Change": lambda: comparison()["N"],
+    "Cause": lambda: claim_check().causes[0],
+    "CheckedTerm": lambda: claim_check().terms[0],
+    "ClaimCheck": claim_check,
     "Channel": lambda: study().channels[0],
     "Channel that is refused": lambda: study().channels[2],
     "Change of a signed term": lambda: comparison()["R"],
@@ -329,7 +337,7 @@ MAKERS = {
     "Explanation": lambda: Explanation("kalibr"),
     "Export": exported,
     "Export of matrices": lambda: al.export(WHITE_AND_WALK[0], "statespace", rate=100.0),
-    "Claim": lambda: claim_of("N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)"),
+    "ClaimedNoise": lambda: claim_of("N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)"),
     "StatedNoise": lambda: exported().stated[0],
     "Imported": lambda: noise_in(exported().text, al.EXPORTS["kalibr"], None),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
@@ -441,7 +449,7 @@ def test_every_class_that_is_written_can_be_read():
     own = {cls.__name__: cls for cls in classes(Value) if cls.__module__.startswith("allanite.")}
     tried = {name.split()[0] for name in MAKERS} | {"Harmonics"}  # a correction, tried beside what estimates it
     others = {cls.__name__ for cls in own.values() if "to_dict" in vars(cls)} - tried  # they write another type
-    assert tried == own.keys() - others | {"BatchUnit"}  # of which one is read again when it is asked for
+    assert tried == own.keys() - others | {"BatchUnit", "Study"}  # read again when it is asked for; has a kind
     assert all(TYPES[name] is cls for name, cls in own.items())
     for cls in own.values():
         assert cls.__repr__ is Value.__repr__ or issubclass(cls, Correction)

@@ -69,7 +69,7 @@ DATA.append(rf"(?<![\w.])({'|'.join(map(re.escape, KNOWN))})(?!\w)")
 
 UNITS = "deg rad arcsec sqrt Hz kHz min mGal ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"
 SYMBOLS = "beta GM ARW VRW RRW tau edf dof chi AIC ADC DAC Phi Qd"
-NAMES = "gx gy gz ay ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
+NAMES = "adis gx gy gz ay ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
 CODES = {"ru", "zh", "en"}
 
 
@@ -235,6 +235,10 @@ RUNS = {
     "spectrum": ["{a} --channels gx"],
     "dynamic": ["{a} --channels gx"],
     "compare": ["{a} {b} --channels gx", "{a} {b} {wild} --channels gx", "{a} --channels gx --part 60"],
+    "check": [
+        "{six} --claims 'N 0.3 deg/sqrt(h), K 20 deg/h/sqrt(h); 60 ug/sqrt(Hz)'", "{a} --channels gx --claims {limits}",
+        "{six} --claims adis16470", "{a} --channels gx --claims 'N 1 deg/sqrt(h), GM 30 deg/h 20 s, R 3 deg/h^2'",
+    ],
     "watch": ["{a} --channels gx --idle 0.1"],
     "rate": ["{a} --channels gx --interval 20"],
     "angle": [

@@ -1,18 +1,15 @@
-"""Claim: the noise that a configuration, a data sheet, a limits file or a model states."""
+"""ClaimedNoise: the noise that a configuration, a data sheet, a limits file or a model states."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from allanite.batch.specification import Limit, Specification
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.files import reason
-from allanite.core.model import Model
-from allanite.core.names import nearest
+from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal
 from allanite.exporting.conversion import models_of
@@ -21,10 +18,19 @@ from allanite.exporting.imported import Imported, noise_in, numbers, section_of
 from allanite.exporting.target import Target
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
+from allanite.planning.datasheets import claimed
+from allanite.terms import TERMS
+
+SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml", ".xml", ".toml", ".txt", ".cfg"}
+"""Suffixes of files of claims: a text with one of them is a path, also where there is no such file."""
+
+
+KINDS = {"limits": say("limits"), "data sheet": say("data sheet")}
+"""Kinds of claims beside models and files of targets, in words."""
 
 
 @dataclass(frozen=True, repr=False)
-class Claim(Value):
+class ClaimedNoise(Value):
     """Noise that is claimed.
 
     Attributes
@@ -34,11 +40,12 @@ class Claim(Value):
     kind : str
         What it is: "model", "data sheet", "limits", or the name of a target of `allanite.EXPORTS`.
     models : tuple of Model
-        One for each kind of sensor. Where the file of a target states a correlation time, the bias is GM.
+        One for each kind of sensor, of limits as large as they are. Where the file of a target states a correlation
+        time, the bias is GM.
     bound : bool
         Whether the values are upper bounds, as those of a data sheet; otherwise the noise has exactly these values.
     limits : Specification or None
-        The limits of a limits file, instead of models.
+        The limits of a limits file.
     rate : float or None
         Rate that the formulas of the file used, Hz.
     """
@@ -67,20 +74,23 @@ class Claim(Value):
     @property
     def title(self) -> str:
         """Source and kind in a few words: ``imu.yaml (kalibr)``."""
-        name = os.path.basename(self.source) if self.kind in EXPORTS or self.limits else self.source
-        return name if self.kind == "model" else f"{name} ({self.kind})"
+        if self.kind == "model":
+            return self.source
+        return say("{name} ({kind})", name=os.path.basename(self.source), kind=KINDS.get(self.kind, self.kind))
 
     def _summary(self) -> str:
         said = [str(self.limits)] if self.limits is not None else list(map(str, self.models))
         return f"of {self.title}: {join('; ', said)}"
 
 
-def claim_of(given: "str | os.PathLike[str] | Model | Claim", origin: str = "", rate: float | None = None) -> Claim:
+def claim_of(
+    given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str | None = None, rate: float | None = None
+) -> ClaimedNoise:
     """The claim that a text, a file or a name stands for.
 
     Parameters
     ----------
-    given : str, path, Model or Claim
+    given : str, path, Model or ClaimedNoise
         In this order: the path of a file of a target (kalibr, gazebo, px4 ...) or of limits (.toml); a model ``"N 0.3
         deg/sqrt(h), K 3 deg/h/sqrt(h)"`` or a value with its unit, those of several sensors separated by ``;``; the
         name of a data sheet.
@@ -91,7 +101,7 @@ def claim_of(given: "str | os.PathLike[str] | Model | Claim", origin: str = "", 
 
     Returns
     -------
-    Claim
+    ClaimedNoise
 
     Raises
     ------
@@ -105,40 +115,28 @@ def claim_of(given: "str | os.PathLike[str] | Model | Claim", origin: str = "", 
     >>> claim_of("0.66 deg/sqrt(h); N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)").models
     (<Model N = 0.66 deg/sqrt(h)>, <Model N = 0.05884 m/s/sqrt(h), K = 10 ug/sqrt(h)>)
     """
-    if isinstance(given, Claim | Model):
-        return given if isinstance(given, Claim) else Claim(str(given), "model", (given,))
+    if isinstance(given, ClaimedNoise | Model):
+        return given if isinstance(given, ClaimedNoise) else ClaimedNoise(str(given), "model", (given,))
     text = os.fspath(given)
-    if origin or os.path.isfile(text) or not isinstance(given, str):
+    if origin or os.path.isfile(text) or os.path.splitext(text)[1] in SUFFIXES or not isinstance(given, str):
         return _of_file(text, origin, rate)
-    if text[:1].isdigit() or any(sign in text for sign in " ;"):
-        return Claim(text, "model", tuple(models_of(part.strip() for part in text.split(";"))))
-    sheet = _sheets().get(text.lower())
-    if sheet is not None:
-        models = tuple(model for model in (sheet.gyro, sheet.accelerometer) if model is not None)
-        return Claim(text, "data sheet", models, bound=True)
-    raise _nothing(text)
+    if text[:1].isdigit() or text.split(" ")[0] in TERMS:
+        return ClaimedNoise(text, "model", tuple(models_of(part.strip() for part in text.split(";"))))
+    try:
+        return ClaimedNoise(text, "data sheet", claimed(text), bound=True)
+    except UsageError as error:
+        _, meant = error.cure
+        raise UsageError(
+            f"{text!r} is no file, no data sheet, and no model such as 'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'; "
+            + (f"did you mean the data sheet {meant}?" if meant else "'allanite explain' lists the data sheets"),
+            cure=error.cure,
+        ) from None
 
 
-def _sheets() -> dict[str, Any]:
-    """The data sheets by name."""
-    if find_spec("allanite.planning.datasheets") is None:
-        return {}
-    return dict(import_module("allanite.planning.datasheets").DATASHEETS)
-
-
-def _nothing(text: str) -> UsageError:
-    meant = nearest(text, _sheets())
-    said = f"; did you mean the data sheet {meant}?" if meant else ""
-    return UsageError(
-        f"{text!r} is no file, and neither a model such as 'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)' nor a data sheet"
-        f"{said or '; check the path'}",
-        cure=(text, meant) if meant else ("", ""),
-    )
-
-
-def _of_file(path: str, origin: str, rate: float | None) -> Claim:
+def _of_file(path: str, origin: str, rate: float | None) -> ClaimedNoise:
     if path.lower().endswith(".toml") and not origin:
-        return Claim(path, "limits", (), bound=True, limits=Specification.load(path))
+        limits = Specification.load(path)
+        return ClaimedNoise(path, "limits", tuple(_limited(limits)), bound=True, limits=limits)
     try:
         text = Path(path).read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -146,7 +144,16 @@ def _of_file(path: str, origin: str, rate: float | None) -> Claim:
     found = noise_in(text, target_named(origin), rate, path) if origin else recognized(text, rate, path)
     if not found.models:
         raise DataError(f"{path!r} has no value above 0 in the fields of {found.target}: it claims no noise")
-    return Claim(path, found.target, found.simulated, rate=found.rate)
+    return ClaimedNoise(path, found.target, found.simulated, rate=found.rate)
+
+
+def _limited(limits: Specification) -> Iterator[Model]:
+    """The models of sensors that are as large as the limits of all channels."""
+    for signal in dict.fromkeys(limit.signal.name for limit in limits.limits):
+        own = [limit for limit in limits.limits if limit.signal.name == signal and limit.symbol in TERMS]
+        terms = [Term(limit.symbol, limit.maximum, limit.signal) for limit in own if not TERMS[limit.symbol].parameters]
+        if terms:
+            yield Model(tuple(terms))
 
 
 def recognized(text: str, rate: float | None = None, name: str = "the text") -> Imported:

@@ -85,7 +85,25 @@ def test_a_file_that_says_nothing_is_refused(content, origin, kind, words, tmp_p
         claim_of(tmp_path / "imu.yaml", origin)
 
 
-@pytest.mark.parametrize("text", ["imu.yaml", "adis", ""])
-def test_what_is_no_claim_is_refused(text):
-    with pytest.raises(UsageError, match="is no file, and neither a model"):
+@pytest.mark.parametrize("name", ["adis16470", "ADIS 16470", "adis16470 gyro"])
+def test_data_sheets_are_bounds(name):
+    found = claim_of(name)
+    assert (found.kind, found.bound, len(found.models)) == ("data sheet", True, 1 if "gyro" in name else 2)
+    assert found.models[0]["N"].to("deg/sqrt(h)") == pytest.approx(0.34)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "words"),
+    [
+        ("imu.yaml", DataError, "'imu.yaml' cannot be read: no such file"),
+        ("limits.toml", UsageError, "limits.toml' cannot be read: no such file"),
+        ("adis16740", UsageError, "did you mean the data sheet ADIS16470"),
+        ("nothing", UsageError, "is no file, no data sheet, and no model .* lists the data sheets"),
+        ("", UsageError, "is no file, no data sheet, and no model"),
+        ("N 3", UsageError, "must be followed by a number and a unit"),
+        ("3 parsec", UsageError, "unknown unit"),
+    ],
+)
+def test_what_is_no_claim_is_refused(text, kind, words):
+    with pytest.raises(kind, match=f"(?i){words}"):
         claim_of(text)

@@ -4,6 +4,7 @@ from .angle import plot_history as plot_history
 from .angle import plot_innovations as plot_innovations
 from .angle import plot_scan as plot_scan
 from .budget import plot_budgets as plot_budgets
+from .claims import plot_claims as plot_claims
 from .closeup import plot_closeups as plot_closeups
 from .comparison import plot_comparison as plot_comparison
 from .compensation import plot_compensated as plot_compensated

@@ -15,6 +15,7 @@ from allanite.exporting.exports import EXPORTS
 from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.phrases.phrase import Phrase, join, say
+from allanite.planning.datasheets import DATASHEETS
 from allanite.reporting import figures
 from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, condensed, plus_minus
@@ -130,6 +131,7 @@ def _tables() -> dict[str, dict[str, str]]:
         say("targets"): {name: row.title for name, row in EXPORTS.items()},
         say("statistics"): {name: row.title for name, row in STATISTICS.items()},
         say("noise terms"): {symbol: row.title for symbol, row in TERMS.items()},
+        say("data sheets"): {name: row.document for name, row in DATASHEETS.items()},
     }
 
 
@@ -138,8 +140,11 @@ def first_of_explanation(value: Explanation, level: float) -> First:
     if value.target:
         return condensed(explanation_view.face(value, level))
     lines = [say("{table}: {names}", table=title, names=", ".join(rows)) for title, rows in _tables().items()]
-    after = (("allanite explain NAME", say("fields of a target, or degrees of freedom of a statistic")), DETAILS)
-    return First(say("targets, statistics and noise terms"), "", lines, after=after)
+    after = (
+        ("allanite explain NAME", say("fields of a target, degrees of freedom of a statistic, or a data sheet")),
+        DETAILS,
+    )
+    return First(say("targets, statistics, noise terms and data sheets"), "", lines, after=after)
 
 
 @view(first=first_of_explanation)
@@ -149,7 +154,7 @@ def explanation_view(value: Explanation, _: float) -> Face:
         heads = Column("", "name"), Column("", "text")
         tables = ((title, Table(heads, list(rows.items()), most=99)) for title, rows in _tables().items())
         sheets = tuple(Sheet(title, (), (table,)) for title, table in tables)
-        return Face(say("targets, statistics and noise terms"), BRAND, sheets)
+        return Face(say("targets, statistics, noise terms and data sheets"), BRAND, sheets)
     row = EXPORTS[value.target]
     fields = [
         [f.full, SENSORS[f.sensor], f.unit, f.formula,
