@@ -171,7 +171,7 @@ OPTIONS: dict[str, Decorator] = {
     "origin": click.option("--from", "origin", metavar="TARGET",
         help="VALUE is a file of this target: read its coefficients."),
     "claimed": click.option("--claims", "claims", multiple=True, metavar="FILE",
-        help="Configuration of a filter or simulator (kalibr, px4, ...); repeatable.", cls=Option, synonyms=("config",)),
+        help="Configuration of a filter or simulator, e.g. of kalibr; repeatable.", cls=Option, synonyms=("config",)),
     "filter": click.option("--filter", "filter_name", metavar="NAME",
         help="complementary, second-order, kalman, mahony, madgwick, bortz or accelerometer.  "
         "[default: complementary]"),
