@@ -100,7 +100,7 @@ ROWS = [
     sentence("plan --sensor mems", "sampling rate", "--rate HZ"),
     sentence("drift", "give the noise", "--model, --sensor or --datasheet", "--require '1 deg in 10 min'"),
     sentence("drift --sensor mems --require '1 deg'", "'1 deg in 10 min' or '100 m in 1 min', not '1 deg'"),
-    sentence("drift --sensor mems --claims imu.yml", "imu.yml"),
+    sentence("drift --sensor mems --claims imu.yml", "'imu.yml' cannot be read", code=3),
     sentence("drift --sensor mems --scale-factor 1", "share below 0.1", "did you mean 1%?"),
     sentence("drift --sensor mems --turn 90deg", "did you mean --maneuver?"),
     sentence("vertical six.csv --filter kalmann", "did you mean kalman?"),

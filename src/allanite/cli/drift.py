@@ -19,7 +19,7 @@ from .plan import demand_kept
     *RECORDING, *IDENTIFYING, *RESULTS, settings=(NoiseChoices, DriftChoices),
 )  # fmt: skip
 def drift(files: tuple[str, ...], models: tuple[str, ...], claims: tuple[str, ...], **choices: Any) -> None:
-    """Predict the errors of navigation without aid.
+    """Predict navigation errors without aid.
 
     FILES are recordings of gyros, accelerometers or both, or results that analyze has written with --json; --model,
     --sensor, --datasheet and --claims give the noise without a recording. Prints the standard deviation of each
