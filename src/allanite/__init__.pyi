@@ -28,11 +28,17 @@ from .batch.job import run_batch as run_batch
 from .batch.lot import Lot as Lot
 from .batch.lot import read_lot as read_lot
 from .batch.specification import Specification as Specification
+from .claims.checking import check as check
+from .claims.claim import ClaimedNoise as ClaimedNoise
+from .claims.claim import claim_of as claim_of
+from .claims.result import ClaimCheck as ClaimCheck
 from .comparison.comparing import compare as compare
 from .comparison.comparing import pool as pool
 from .comparison.comparing import truncation as truncation
 from .comparison.comparison import Comparison as Comparison
 from .comparison.pooled import Pool as Pool
+from .comparison.sheet import SheetComparison as SheetComparison
+from .comparison.sheet import compare_with_sheet as compare_with_sheet
 from .core.correction import Correction as Correction
 from .core.curve import Curve as Curve
 from .core.errors import AllaniteError as AllaniteError
@@ -78,6 +84,9 @@ from .interpretation.causes import Meaning as Meaning
 from .interpretation.devices import DEVICES as DEVICES
 from .planning.bound import Bound as Bound
 from .planning.bound import bound as bound
+from .planning.datasheets import DATASHEETS as DATASHEETS
+from .planning.datasheets import DataSheet as DataSheet
+from .planning.datasheets import data_sheet_named as data_sheet_named
 from .planning.plan import RecordingPlan as RecordingPlan
 from .planning.plan import plan as plan
 from .planning.selfcheck import SelfCheck as SelfCheck

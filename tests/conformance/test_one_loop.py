@@ -19,6 +19,7 @@ READ = {
     "spectrum": ("--fit",),
     "dynamic": ("--window", "100"),
     "compare": ("--part", "300"),
+    "check": ("--claims", "N 100 deg/sqrt(h)", "--at-most"),
     "rate": ("--interval", "60", "--no-times", "--methods", "mean"),
     "plan": ("--unexplained",),
     "selfcheck": ("--records", "2", "--unexplained"),

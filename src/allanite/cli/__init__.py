@@ -18,6 +18,7 @@ _OWN = (
     Verb("spectrum", "Analyze", "curves.spectrum", "tasks.SPECTRUM", synonyms=("psd", "asd", "welch")),
     Verb("dynamic", "Analyze", "curves.dynamic", "tasks.DYNAMIC"),
     Verb("compare", "Analyze", "compare.compare", "tasks.COMPARE", synonyms=("diff",)),
+    Verb("check", "Analyze", "check.check", synonyms=("conform", "verify")),
     Verb("watch", "Analyze", "watch.watch", "tasks.WATCH", synonyms=("live", "stream", "monitor")),
     Verb("serve", "Analyze", "serve.serve", synonyms=("gui", "web")),
     Verb("simulate", "Simulate and plan", "simulate.simulate", synonyms=("generate", "synth")),

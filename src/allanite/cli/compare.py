@@ -12,12 +12,22 @@ from .tasks import COMPARE, perform
 
 @click.command()
 @options(
-    "files", *RECORDING, "against", "part", "statistic", "taus", *IDENTIFYING, *RESULTS, settings=(ComparisonChoices,)
+    "files",
+    *RECORDING,
+    "against",
+    "part",
+    "datasheet",
+    "statistic",
+    "taus",
+    *IDENTIFYING,
+    *RESULTS,
+    settings=(ComparisonChoices,),
 )
 def compare(files: tuple[str, ...], **choices: Any) -> None:
     """Compare the noise of recordings.
 
-    Two files: before and after. One file: its channels with each other, or with --part its beginning with the rest.
-    Three or more files (or channels of one file): their common noise, and which of them differs.
+    Two files: before and after. One file: its channels with each other, with --part its beginning with the rest, or
+    with --datasheet what was measured with what a data sheet says. Three or more files (or channels of one file): their
+    common noise, and which of them differs.
     """
     perform(COMPARE, files, choices)

@@ -13,15 +13,15 @@ from .tasks import DEVIATION, DYNAMIC, SPECTRUM, perform
 
 @click.command()
 @options(
-    "optional file", "model", "sensor", "duration", "samples", *RECORDING, "statistic", "taus", "m", "to", "intervals",
-    "bias", "join", "divisor", "edf", "power_law", *IDENTIFYING, *RESULTS,
+    "optional file", "model", "sensor", "datasheet", "duration", "samples", *RECORDING, "statistic", "taus", "m", "to",
+    "intervals", "bias", "join", "divisor", "edf", "power_law", *IDENTIFYING, *RESULTS,
     settings=(NoiseChoices, LengthChoices, DeviationChoices),
 )  # fmt: skip
 def deviation(file: str | None, **choices: Any) -> None:
     """Compute Allan and related deviations.
 
     Tabulates statistics of FILE over averaging time; or without data, what is expected of them and of each term under
-    the noise of --model or --sensor, for a record of --duration or --samples at --rate.
+    the noise of --model, --sensor or --datasheet, for a record of --duration or --samples at --rate.
     """
     from allanite.study.survey import Deviations
     from allanite.study.theory import TheorySettings, expected_curves

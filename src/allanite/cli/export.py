@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from allanite.study.settings import ExportChoices
+from allanite.study.settings import ExportChoices, NoiseChoices
 
 from .deliver import Extra, carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, SHOWN, options
@@ -25,10 +25,12 @@ USUAL = "datasheet"
 
 @click.command()
 @options(
-    "some files", "target", "axis", "inflate", "cover", "filter_rate", "models", "unexplained", "from_curve",
-    *RECORDING, *IDENTIFYING, *FILE, settings=(ExportChoices,),
+    "some files", "target", "axis", "inflate", "cover", "filter_rate", "models", "datasheet", "unexplained",
+    "from_curve", *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices, ExportChoices),
 )  # fmt: skip
-def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], **choices: Any) -> None:
+def export(
+    files: tuple[str, ...], target: str | None, models: tuple[str, ...], datasheet: str | None, **choices: Any
+) -> None:
     """Write the noise as a file of a filter.
 
     FILES are recordings, or results that analyze has written with --json, for example of a gyro and of an
@@ -40,8 +42,9 @@ def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], 
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How
 
+    models = (*models, datasheet) if datasheet else models
     if not files and not models:
-        raise UsageError("give a recording, a result of analyze in JSON, or the noise with --model")
+        raise UsageError("give a recording, a result of analyze in JSON, or the noise with --model or --datasheet")
     out = outputs(choices, [*files, choices["recipe"]], also=("output",))
     how = settings_of(How, dict(choices))
     row, suffix = prepared(target or USUAL, how, _suffix(out.paths))
@@ -58,9 +61,9 @@ def export(files: tuple[str, ...], target: str | None, models: tuple[str, ...], 
 def convert(values: tuple[str, ...], target: str | None, origin: str | None, **choices: Any) -> None:
     """Convert values of a data sheet to fields.
 
-    VALUE is a value with its unit ('0.66 deg/sqrt(h)', '100 ug/sqrt(Hz)') or a model ('N 0.66 deg/sqrt(h), K 3
-    deg/h/sqrt(h)'). --to names the target, by default the units of data sheets. With --from, VALUE is a file of that
-    target, whose coefficients are printed, or converted to --to.
+    VALUE is a value with its unit ('0.66 deg/sqrt(h)', '100 ug/sqrt(Hz)'), a model ('N 0.66 deg/sqrt(h), K 3
+    deg/h/sqrt(h)') or the name of a data sheet (adis16470). --to names the target, by default the units of data sheets.
+    With --from, VALUE is a file of that target, whose coefficients are printed, or converted to --to.
     """
     from allanite.exporting.conversion import models_of
     from allanite.exporting.export import exported, prepared

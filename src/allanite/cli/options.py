@@ -76,7 +76,7 @@ class Alone(Option):
 
     def _given(self, process: Any) -> Any:
         def given(value: Any, state: Any) -> None:
-            if isinstance(value, str) and value != self.flag_value and not (value[:1].isdigit() and "," in value):
+            if isinstance(value, str) and value not in ("yes", "no") and not (value[:1].isdigit() and "," in value):
                 state.rargs.insert(0, value)
                 value = self.flag_value
             process(value, state)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 EXCEEDED = 4
 """Exit code if a limit is exceeded."""
 
-NOISE = ("optional file", "model", "sensor", "unexplained", *RECORDING, *IDENTIFYING)
+NOISE = ("optional file", "model", "sensor", "datasheet", "unexplained", *RECORDING, *IDENTIFYING)
 """A recording, or a model of its noise."""
 
 
@@ -24,8 +24,8 @@ NOISE = ("optional file", "model", "sensor", "unexplained", *RECORDING, *IDENTIF
 def plan(file: str | None, **choices: Any) -> None:
     """Predict accuracy against record length.
 
-    Uses the Cramer-Rao bound; nothing is simulated. The noise is that of --model or --sensor, or is identified from a
-    recording FILE.
+    Uses the Cramer-Rao bound; nothing is simulated. The noise is that of --model, --sensor or --datasheet, or is
+    identified from a recording FILE.
     """
     from allanite.study.modelling import PlanSettings
 
@@ -40,9 +40,9 @@ def plan(file: str | None, **choices: Any) -> None:
 def selfcheck(file: str | None, **choices: Any) -> None:
     """Test the identification by simulation.
 
-    Prints bias, spread, coverage and errors beside the Cramer-Rao bound. The noise is that of --model or --sensor, or
-    is identified from a recording FILE, whose length is then used. If a given limit is exceeded by more than two Monte
-    Carlo standard errors, the exit code is 4.
+    Prints bias, spread, coverage and errors beside the Cramer-Rao bound. The noise is that of --model, --sensor or
+    --datasheet, or is identified from a recording FILE, whose length is then used. If a given limit is exceeded by more
+    than two Monte Carlo standard errors, the exit code is 4.
     """
     from allanite.study.modelling import SelfCheckSettings
 
@@ -60,9 +60,9 @@ def selfcheck(file: str | None, **choices: Any) -> None:
 def statespace(file: str | None, **choices: Any) -> None:
     """Export the noise as a state-space model.
 
-    Prints the transition, covariance and measurement matrices of a Kalman filter. The noise is that of --model or
-    --sensor, or is identified from a recording FILE. Flicker is approximated by a sum of Gauss-Markov processes between
-    two averaging times.
+    Prints the transition, covariance and measurement matrices of a Kalman filter. The noise is that of --model,
+    --sensor or --datasheet, or is identified from a recording FILE. Flicker is approximated by a sum of Gauss-Markov
+    processes between two averaging times.
     """
     from allanite.study.modelling import StateSpaceSettings
 

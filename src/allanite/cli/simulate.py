@@ -23,7 +23,8 @@ NAMES = {"gyro": "g", "accelerometer": "a", "dimensionless": "c"}
 @click.command()
 @options(
     click.argument("out", type=click.Path()),
-    "model", "sensor", "simulated rate", "duration", "samples", "simulated channels", "seed", "simulated unit",
+    "model", "sensor", "datasheet", "simulated rate", "duration", "samples", "simulated channels", "seed",
+    "simulated unit",
     click.option("--rounding", is_flag=True, help="Generate Q by rounding the angle to steps of Q sqrt(12)."),
     click.option("--constant", metavar="RATE", help="Bias or earth rate, e.g. '10 deg/h'."),
     click.option("--low-pass", metavar="HZ", help="Low-pass filter of first order; '20 Hz 4' has order 4."),
@@ -51,11 +52,11 @@ def simulate(**choices: Any) -> None:
     from allanite.core.errors import UsageError
     from allanite.simulation.recording import Simulation, readings
     from allanite.simulation.ring_laser import RING_LASERS
-    from allanite.study.modelling import NoiseSettings
+    from allanite.study.modelling import WAYS, NoiseSettings
 
-    model = NoiseSettings(choices["model"], choices["sensor"]).given()
+    model = NoiseSettings(choices["model"], choices["sensor"], choices["datasheet"]).given()
     if model is None:
-        raise UsageError("give the noise with --model or --sensor")
+        raise UsageError(f"give the noise with {WAYS[0]}")
     n = readings(choices["rate"], choices["duration"], choices["samples"])
     laser = RING_LASERS.get((choices["sensor"] or "").lower())
     with progress(out) as tell:

@@ -116,6 +116,7 @@ def _survey(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Repo
 
 def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
     from allanite.comparison import comparing
+    from allanite.comparison.sheet import compare_with_sheet
     from allanite.core.errors import UsageError
 
     against, part, count = settings.against, settings.part, len(files)
@@ -124,7 +125,12 @@ def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Rep
     if against is not None and count != 2:
         words = f"--against names channels of the second of two files, but {count} files were given"
         raise UsageError(words, choice="against")
+    if settings.datasheet is not None and (count > 1 or part is not None):
+        words = "--datasheet compares a single file with a data sheet; give one file, without --part"
+        raise UsageError(words, choice="datasheet")
     sources = [reports.source(file, recipe) for file in files]
+    if settings.datasheet is not None:
+        return compare_with_sheet(sources[0], settings.datasheet, recipe, progress=reports.tell)
     if part is not None:
         return comparing.truncation(sources[0], part, recipe, progress=reports.tell)
     if count == 1:

@@ -224,14 +224,15 @@ DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
     control="list", takes=LISTS, form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'",
 )  # fmt: skip
-_SPAN = "two averaging times in s, e.g. 1,1000 or '1 s,10 min', or auto"
+_SPAN = "two averaging times in s, e.g. 1,1000 or '1 s,10 min', or yes, or no"
+_ANSWERS = {"yes": True, "no": False}
 
 
 def _span(value: Any) -> Any:
-    if value in ("auto", True):
-        return "auto"
-    if value in (None, False):
-        return None
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str) and value in _ANSWERS:
+        return _ANSWERS[value]
     try:
         low, high = DURATIONS.read(value)
     except (UsageError, TypeError, ValueError):
@@ -242,7 +243,8 @@ def _span(value: Any) -> Any:
 
 
 SPAN = ChoiceKind(
-    "span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="auto",
+    "span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
+    write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value),
 )  # fmt: skip
 LINES = ChoiceKind(
     "text", _lines, control="list", many=True, takes=(str, list, tuple, dict), form="text, a list of texts, or a table"

@@ -72,3 +72,16 @@ def row_of(what: str, name: Any, table: Mapping[str, Row], *, where: str = "", c
     """The row of a name; an unknown one is refused as by `demand_name`."""
     demand_name(what, name, table, where=where, choice=choice)
     return table[name]
+
+
+def row_alike(what: str, name: Any, table: Mapping[str, Row]) -> Row:
+    """The row of a name in which upper case, hyphens, underscores and spaces do not matter; or refused as by `row_of`.
+
+    Examples
+    --------
+    >>> row_alike("target", "LIO_SAM", {"lio-sam": 1})
+    1
+    """
+    if isinstance(name, str) and name not in table:
+        name = next((known for known in table if _plain(known) == _plain(name)), name)
+    return row_of(what, name, table)

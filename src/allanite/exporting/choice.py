@@ -33,6 +33,7 @@ class AxisCoefficient:
     note: str = ""
     time: float = LONG
     level: float = 0.95
+    covers: bool = False
 
 
 def worst(found: Found) -> Found:
@@ -117,9 +118,10 @@ def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> AxisCoefficie
     forced = unexplained and e.status == "not valid" and e.value is not None
     if (e.valued or forced) and e.value:
         low, high = e.interval(axis.level)
-        note = say("the model does not explain the record") if forced else e.reason if e.method == COVER else ""
+        note = say("the model does not explain the record") if forced else e.reason
         given = axis.fit.method == "given"
-        return AxisCoefficient(axis.name, e.value, low, high, False, given, note, level=axis.level)
+        covers = e.method == COVER
+        return AxisCoefficient(axis.name, e.value, low, high, False, given, note, level=axis.level, covers=covers)
     if e.value is None and e.upper:
         note = e.reason or say("{symbol} not identified", symbol=e.symbol)
         return AxisCoefficient(axis.name, e.upper, math.nan, math.nan, limit=True, note=note)
@@ -135,4 +137,7 @@ def _markov(axis: Axis) -> AxisCoefficient | None:
     walk = math.sqrt(2 / time)
     low, high = e.interval(axis.level)
     note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(), time=time)
-    return AxisCoefficient(axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level)
+    covers = e.method == COVER
+    return AxisCoefficient(
+        axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level, covers
+    )

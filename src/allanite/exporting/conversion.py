@@ -12,6 +12,7 @@ from allanite.core.model import Model, Term
 from allanite.core.notation import split_quantities
 from allanite.core.plain import Value, from_dict
 from allanite.core.units import signal_with, unit_of
+from allanite.planning.datasheets import claimed
 from allanite.study.analysis import analyze
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
@@ -24,24 +25,31 @@ COEFFICIENTS = "NKBQR"
 
 
 def models_of(texts: Iterable[str]) -> list[Model]:
-    """The noise that texts describe, by sensor: models, or single values whose unit says what they are.
+    """The noise that texts describe, by sensor: models, names of data sheets, or single values whose unit says all.
 
     Raises
     ------
     UsageError
-        A text is neither.
+        A text is none of them.
 
     Examples
     --------
     >>> [str(model) for model in models_of(["0.66 deg/sqrt(h)", "K 3 deg/h/sqrt(h)", "100 ug/sqrt(Hz)"])]
     ['N = 0.66 deg/sqrt(h), K = 3 deg/h/sqrt(h)', 'N = 0.05884 m/s/sqrt(h)']
+    >>> [str(model) for model in models_of(["adis16470 accelerometer"])]
+    ['N = 0.037 m/s/sqrt(h), B = 19.57 ug']
     """
     found: dict[str, Model] = {}
-    for text in texts:
-        model = Model(text) if text.split(maxsplit=1)[:1] and text.split()[0] in TERMS else _single(text)
+    for model in (model for text in texts for model in _described(text)):
         sensor = model.signal.name
         found[sensor] = found[sensor] + model if sensor in found else model
     return list(found.values())
+
+
+def _described(text: str) -> tuple[Model, ...]:
+    if text.split(maxsplit=1)[:1] and text.split(maxsplit=1)[0] in TERMS:
+        return (Model(text),)
+    return claimed(text) if text[:1].isalpha() else (_single(text),)
 
 
 def _single(text: str) -> Model:

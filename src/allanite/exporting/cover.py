@@ -51,7 +51,7 @@ def covered(target: Target, axes: Sequence[Axis], groups: Sequence[Sequence[Axis
 
 def _fit(target: Target, noises: Sequence[AxisNoise]) -> Fit:
     model, (low, high) = covering(target, noises), noises[0].tau[[0, -1]].tolist()
-    note = say("covers {low:.3g} to {high:.3g} s", low=low, high=high)
+    note = say("covers {low:.4g} to {high:.4g} s", low=low, high=high)
     estimates = (Estimate(t.symbol, t.signal, t.value, None, "reported", None, COVER, shape=t.shape, reason=note)
                  for t in model)  # fmt: skip
     return Fit(tuple(estimates), COVER, model.signal, model)

@@ -22,7 +22,7 @@ from .cover import covered
 from .exports import target_named
 from .fields import How, demand_how, fill, usable
 from .provenance import header, left_out
-from .stated_noise import StatedNoise, compared, groups_of
+from .stated_noise import StatedNoise, compared, groups_of, to_cover
 from .target import Target, demand_rate
 
 
@@ -133,8 +133,9 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     unexplained : bool
         Whether coefficients are exported although no model explains the record.
     cover : bool or (low, high), optional
-        Whether the file covers the noise, and the upper limits of what was not identified: averaging times in s, or
-        True, from 1 s to a tenth of the record. See `StatedNoise`.
+        Whether the file covers the noise and its upper limits, see `StatedNoise`: between two averaging times in s; or
+        True, from 1 s to a tenth of the record. By default where a filter has no field for what was identified, and
+        would be over-confident.
     from_curve : bool
         Whether upper bounds, read off the measured Allan deviation, are exported where no model explains the record or
         a coefficient has neither a value nor a limit. The file says so.
@@ -189,10 +190,10 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     """The file of a target for a source, in the form of one of its suffixes."""
     axes = _axes(source, how)
     kept = usable(axes, how, target.sensors)
-    noises = groups_of(kept, how) if target.fields else []
-    stand = covered(target, kept, noises) if how.cover else kept
+    groups = groups_of(kept, how) if target.drifts else []
+    stand = covered(target, kept, to_cover(target, kept, groups, how))
     entries, missing = fill(target, stand, how)
-    stated = tuple(found for group in noises if (found := compared(target, entries, group, how)) is not None)
+    stated = tuple(found for group in groups if (found := compared(target, entries, group, how)) is not None)
     if not target.fields:
         kept = tuple(axis for group in by_sensor(kept).values() for axis in selected(group, how.axis))
     rate = next((target.rate(axis.rate, how.filter_rate) for axis in kept), None)
@@ -200,8 +201,10 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
         demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
     notes = (*missing, *left_out(target, stand), *(line for made in stated if made.covers for line in made.words()))
-    warned = (line for made in stated if made.confident for line in made.words())
-    head = (*header(target, kept, how), *notes, *warned, *(f"left out: {axis.name} ({axis.doubt})" for axis in doubts))
+    known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
+    warned = [line for made in stated if made.confident for line in made.words()[:known]]
+    left = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
+    head = (*header(target, kept, how), *notes, *warned, *left)
     made = target.forms[suffix](Content(tuple(map(one_line, head)), entries, kept, rate, how.inflate))
     binary = isinstance(made, bytes)
     text = base64.b64encode(made).decode() if isinstance(made, bytes) else made
@@ -210,7 +213,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     rejected = dict.fromkeys(chain((axis.name for axis in doubts), *(study.rejected for study in studies)))
     return Export(
         target.name, suffix, text, binary, entries, stated, (*notes, *target.notes),
-        tuple(_alerts(kept, doubts, studies, stated)),
+        (*_alerts(kept, doubts, studies), *warned),
         tuple(rejected), recipe, provenance,
     )  # fmt: skip
 
@@ -234,9 +237,7 @@ def _axes(source: Source, how: How) -> tuple[Axis, ...]:
     return tuple(found)
 
 
-def _alerts(
-    kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study], stated: Sequence[StatedNoise]
-) -> list[str]:
+def _alerts(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:
     """Warnings, those that several channels share once."""
     alerts: dict[str, list[str]] = {}
     for axis in kept:
@@ -245,6 +246,5 @@ def _alerts(
     found = [str(finding) for study in studies for finding in study.findings]
     found += [say("{names}: {alert}", names=", ".join(names), alert=alert) for alert, names in alerts.items()]
     found += [say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) for axis in doubts]
-    found += [line for made in stated if made.confident for line in made.words()]
     refused = [channel for study in studies for channel in study if channel.refusal]
     return found + [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in refused]

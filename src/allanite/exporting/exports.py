@@ -1,6 +1,6 @@
 """The table of targets: a line each."""
 
-from allanite.core.names import row_of
+from allanite.core.names import row_alike
 from allanite.plugins import Registry
 
 from .target import Target
@@ -67,8 +67,7 @@ def target_named(name: str) -> Target:
     >>> target_named("LIO_SAM").name
     'lio-sam'
     """
-    known = str(name).lower().replace("_", "-")
-    return EXPORTS[known] if known in EXPORTS else row_of("target", name, EXPORTS)
+    return row_alike("target", name, EXPORTS)
 
 
 def row_of_file(name: str) -> Target:

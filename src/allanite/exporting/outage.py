@@ -27,7 +27,7 @@ FIRST, LAST = 0.25, 10.0
 
 @dataclass(frozen=True, eq=False)
 class Covariances:
-    """Of the steps of the past (n, n), of these with what is gained in the times without aid (n, k), and of it (k,)."""
+    """Covariances of the angles gained: in steps of the past (n, n), in these and without aid (n, k), without (k,)."""
 
     past: FloatArray
     cross: FloatArray

@@ -1,23 +1,23 @@
 """The noise model that a file states beside the noise that was identified, and the errors of a filter with it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
+from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
 from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
 from allanite.statistics import expected
 from allanite.statistics.row import FloatArray
 from allanite.terms import TERMS
 
 from .content import Axis, Entry, by_sensor
-from .fields import How
+from .fields import How, fill
 from .outage import Outages
 from .target import LONG, Target, TargetField
 
@@ -36,7 +36,7 @@ CLOSE = 0.9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StatedNoise(Value):
-    """The Allan deviation of the noise model that a file states, and of the noise that it stands for.
+    """The noise model that a file states, beside the noise that was identified.
 
     Attributes
     ----------
@@ -51,6 +51,8 @@ class StatedNoise(Value):
         predicts after them, that of its error under the identified noise, and that of the best filter, SI.
     covers : bool
         Whether the file was made to cover the upper limit.
+    curves : tuple of Curve
+        The measured Allan deviations.
     """
 
     _also: ClassVar = ("lowest", "span")
@@ -67,6 +69,7 @@ class StatedNoise(Value):
     actual: FloatArray
     best: FloatArray
     covers: bool = False
+    curves: tuple[Curve, ...] = ()
 
     @property
     def span(self) -> tuple[float, float]:
@@ -90,19 +93,20 @@ class StatedNoise(Value):
     def words(self) -> tuple[str, ...]:
         """What the file covers and at what cost, or by how much a filter with it errs more than it predicts."""
         (low, high), (ratio, at), wrong = self.span, self.lowest, self.actual / self.predicted
+        sensor = say(self.noise.signal.name)
         if not self.covers:
             return (
-                say("{channels}: the Allan deviation of this file is {ratio:.2f} of that of the noise at {at:.3g} s",
+                say("{channels}: the Allan deviation of this file is {ratio:.2f} of that of the noise at {at:.4g} s",
                     channels=self.label, ratio=ratio, at=at),
-                say("{channels}: a filter with it errs up to {wrong:.2g} times what it predicts; {option} covers it",
-                    channels=self.label, wrong=float(wrong.max()), option=spelled("--cover", "cover=True")),
+                say("{sensor}: a filter errs up to {wrong:.2g} times what it predicts with this file",
+                    sensor=sensor, wrong=float(wrong.max())),
             )  # fmt: skip
         loss = 100 * float((self.actual / self.best).max() - 1)
         return (
-            say("{channels}: covers the noise from {low:.3g} to {high:.3g} s, lowest ratio {ratio:.2f} at {at:.3g} s",
+            say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} s",
                 channels=self.label, low=low, high=high, ratio=ratio, at=at),
-            say("{channels}: a filter with it errs at most {loss:.0f} % more than the best one and predicts up to "
-                "{wide:.2g} times its errors", channels=self.label, loss=loss, wide=1 / float(wrong.min())),
+            say("{sensor}: errors without aid at most {loss:.0f} % above the best filter's, predicted up to {wide:.2g} "
+                "times as large", sensor=sensor, loss=loss, wide=1 / float(wrong.min())),
         )  # fmt: skip
 
     @property
@@ -139,7 +143,7 @@ def span_of(axis: Axis) -> tuple[float, float]:
 
 
 def groups_of(axes: Sequence[Axis], how: How) -> list[tuple[AxisNoise, ...]]:
-    """The noises of the axes that one value of a field stands for: all of a sensor under "worst", otherwise each."""
+    """The noises of the axes that share the values of the fields: under "worst" all of a sensor, otherwise each."""
     groups: list[tuple[AxisNoise, ...]] = []
     for group in by_sensor(axes).values():
         low, high = how.span or span_of(group[0])
@@ -230,14 +234,33 @@ def _term(field: TargetField, coefficient: float, signal: Signal, time: float | 
     return Term("GM", coefficient * (time / 2) ** 0.5, signal, (time,))
 
 
+def to_cover(
+    target: Target, axes: Sequence[Axis], groups: Sequence[tuple[AxisNoise, ...]], how: How
+) -> list[tuple[AxisNoise, ...]]:
+    """The groups to cover: if that is not said, those of a filter that would be over-confident with what was found."""
+    if how.cover is not None or target.simulates:
+        return list(groups) if how.cover else []
+    entries = fill(target, axes, replace(how, partial=True))[0]
+    found = ((group, compared(target, entries, group, how)) for group in groups)
+    return [group for group, made in found if (made.confident if made else _lacking(target, group))]
+
+
+def _lacking(target: Target, group: Sequence[AxisNoise]) -> bool:
+    """Whether the target has no field for a slow term of the group."""
+    fields = {field.term for field in target.fields}
+    slow = {t.symbol for noise in group for t in noise.model if not t.row.slope < 0}
+    return bool(slow - fields)
+
+
 def compared(target: Target, entries: Sequence[Entry], noises: Sequence[AxisNoise], how: How) -> StatedNoise | None:
-    """How the fields of a file compare with the noise of the axes that they stand for; None if some are missing."""
+    """How the fields of a file compare with the noise of the axes that share them; None if some are missing."""
     axis = noises[0].axis
-    places = [entry.channels.index(axis.name) for entry in entries if axis.name in entry.channels]
+    own = [entry for entry in entries if entry.sensor == axis.sensor]
+    places = [entry.channels.index(axis.name) for entry in own if axis.name in entry.channels]
     if how.axis in "xyz" and axis.name and not places:
         return None  # another axis was asked for
     model = model_of_fields(target, entries, axis, target.rate(axis.rate, how.filter_rate), max(places, default=0))
-    return None if model is None else beside(noises, model, covers=bool(how.cover))
+    return None if model is None else beside(noises, model, covers=any(entry.covers for entry in own))
 
 
 def beside(noises: Sequence[AxisNoise], model: Model, *, covers: bool) -> StatedNoise:
@@ -254,4 +277,5 @@ def beside(noises: Sequence[AxisNoise], model: Model, *, covers: bool) -> Stated
         np.sqrt(_allan(tuple(model), tau, first.axis.rate)),
         np.sqrt(np.max([n.identified for n in noises], axis=0)), np.sqrt(np.max([n.upper for n in noises], axis=0)),
         outages.times, np.sqrt(own.errors(weights)), np.sqrt(actual), np.sqrt(best), covers,
+        tuple(noise.axis.curve for noise in noises if noise.axis.curve is not None),
     )  # fmt: skip

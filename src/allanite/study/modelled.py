@@ -26,7 +26,7 @@ from allanite.statistics import deviation
 
 from .channels import Inspected, Progress, Source, run
 from .job import Job
-from .modelling import NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use
+from .modelling import WAYS, NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use
 from .noise import noise_of
 from .provenance import provenance_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
@@ -218,17 +218,10 @@ def run_model_job(
     >>> type(found).__name__, found[0].name, found[0].result.names
     ('RecordingPlans', 'fog', ('Q', 'N', 'B', 'K', 'R'))
     """
-    recipe, given = recipe or Recipe(), settings.given()
+    recipe, given = recipe or Recipe(), settings.instead_of(source)
     job, make = KINDS[type(settings)]
     rng = np.random.default_rng(settings.seed if isinstance(settings, SelfCheckSettings) else None)
     kind, work = partial(job, settings=settings), partial(make, settings, rng)
-    if (given is None) == (source is None):
-        raise UsageError(
-            spelled(
-                "give either a recording, or the noise with --model or --sensor",
-                "give either a source, or the noise with model or sensor of the settings",
-            )
-        )
     tell = progress or (lambda what, fraction: None)
     if given is not None:
         demand_no_recording(settings, recipe)
@@ -236,7 +229,7 @@ def run_model_job(
         if not 0 < rate < math.inf:
             wrong = "" if recipe.rate is None else f", not {recipe.rate!r}"
             raise UsageError(f"a model needs a sampling rate above 0: {spelled('--rate HZ', 'rate=...')}{wrong}")
-        noise = Supposed(given, rate, settings.sensor or "")
+        noise = Supposed(given, rate, settings.name)
         made = Modelled(noise.name, noise.rate, result=work(noise, recipe, tell))
         return kind((made,), recipe, (), (), provenance_of())
     assert source is not None  # noqa: S101 - one of them is there
@@ -272,6 +265,6 @@ def demand_no_recording(settings: NoiseSettings, recipe: Recipe) -> None:
             option = {"start": "from"}.get(key, key.replace("_", "-"))
             raise UsageError(
                 f"{spelled('--' + option, key)} applies to a recording, but the noise is given by "
-                + spelled("--model or --sensor", "model or sensor")
+                + spelled(*WAYS)
                 + "; omit it"
             )

@@ -9,11 +9,15 @@ from allanite.core.notation import split_quantities
 from allanite.core.plain import Value
 from allanite.core.units import convert
 from allanite.phrases.wording import spelled
+from allanite.planning.datasheets import claimed
 from allanite.planning.plan import DURATIONS
 from allanite.planning.sensors import sensor as typical
 
 from .recipe import IDENTIFYING, READING, SELECTING
 from .settings import CheckChoices, NoiseChoices, PlanChoices, StateSpaceChoices
+
+WAYS = "--model, --sensor or --datasheet", "model, sensor or datasheet"
+"""Choices that give a noise without a recording, as options and as arguments."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -26,6 +30,8 @@ class NoiseSettings(NoiseChoices, Value):
         Terms as `Model` reads them.
     sensor : str, optional
         Or a name in `SENSORS`.
+    datasheet : str, optional
+        Or a name in `DATASHEETS`, followed by accelerometer if it is not its gyro that is meant.
     unexplained : bool
         Whether the best model of a recording is used although it does not explain the record.
     """
@@ -34,23 +40,41 @@ class NoiseSettings(NoiseChoices, Value):
     """Whether the options of the identification also apply to a given model."""
 
     def given(self) -> Model | None:
-        """The given model, or that of the sensor; None if there is neither.
+        """The given model, or that of the sensor or of the data sheet; None if there is none of them.
 
         Raises
         ------
         UsageError
-            Both are given, or the text cannot be parsed.
+            More than one is given, or the text cannot be parsed.
         """
-        if self.model is not None and self.sensor is not None:
+        ways = ((self.model, Model), (self.sensor, typical), (self.datasheet, lambda text: claimed(text)[0]))
+        found = [(text, way) for text, way in ways if text is not None]
+        if len(found) > 1:
+            raise UsageError(f"the noise is given twice: use only one of {spelled(*WAYS)}")
+        return found[0][1](found[0][0]) if found else None
+
+    def instead_of(self, source: object) -> Model | None:
+        """The given model; None if there is a `source` in its place.
+
+        Raises
+        ------
+        UsageError
+            There is neither a model nor a source, or there are both.
+        """
+        model = self.given()
+        if (model is None) == (source is None):
             raise UsageError(
                 spelled(
-                    "the noise is given twice: use either --model or --sensor",
-                    "the noise is given twice: use either model or sensor",
+                    f"give either a recording, or the noise with {WAYS[0]}",
+                    f"give either a source, or the noise with {WAYS[1]} of the settings",
                 )
             )
-        if self.model is not None:
-            return Model(self.model)
-        return None if self.sensor is None else typical(self.sensor)
+        return model
+
+    @property
+    def name(self) -> str:
+        """What the given model is called."""
+        return self.sensor or self.datasheet or ""
 
     def counting(self, *, recorded: bool) -> tuple[str, ...]:
         """The keys of a recipe that apply, for a recording or a given model."""

@@ -92,6 +92,8 @@ class NoiseChoices:
     model: str | None = choice("TERMS", "Noise model, e.g. 'N 0.01 deg/sqrt(h), GM 0.1 deg/h 20 s'.")
     sensor: str | None = choice(
         "NAME", "Or a typical gyro: mems, fog or rlg; or a ring laser that counts: gl1 or gl1-smooth.")
+    datasheet: str | None = choice(
+        "NAME", "Or the noise of a data sheet: adis16470 is its gyro, 'adis16470 accelerometer' the other sensor.")
     unexplained: bool = _unexplained()
 
 
@@ -148,6 +150,19 @@ class ComparisonChoices:
     against: tuple[str, ...] | None = choice("A,B,...", "Channels of the second file to compare with --channels.")
     part: float | None = choice("TIME", "Compare the first part of a file, of this length, with the rest.",
         kind=INSTANT)
+    datasheet: str | None = choice("NAME", "Compare a file with a data sheet, e.g. adis16470.")
+
+
+@dataclass(frozen=True, repr=False)
+class ClaimChoices:
+    """What is claimed of the noise of a recording."""
+
+    claims: str | None = choice(
+        "CLAIM", "File of a filter or simulator, limits file (.toml), name of a data sheet, or model: "
+        "'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'.")
+    claims_from: str | None = choice("TARGET", "Program whose file it is.", told="recognized by its fields")
+    at_most: bool = choice("", "The values are upper bounds, as those of data sheets and limits files.", default=False)
+    tolerance: float = choice("PERCENT", "Difference that is accepted.", kind=PERCENT, default=0.02)
 
 
 @dataclass(frozen=True, repr=False)
@@ -178,8 +193,8 @@ class ExportChoices:
     filter_rate: float | None = choice(
         "HZ", "Rate of the filter's steps.", told="the target's own, or the sampling rate")
     unexplained: bool = _unexplained()
-    cover: str | tuple[float, float] | None = choice(
-        "[SPAN]", "Cover the noise and its upper limits between these averaging times, e.g. 1,1000, or from 1 s to "
-        "what the record resolves.", kind=SPAN)
+    cover: bool | tuple[float, float] | None = choice(
+        "[SPAN]", "Cover the noise and its upper limits between two averaging times, e.g. 1,1000, or from 1 s to a "
+        "tenth of the record; --cover=no: do not.", kind=SPAN, told="where a filter would be over-confident")
     from_curve: bool = choice(
         "", "Where no model explains the record, upper bounds read off the Allan deviation.", default=False)

@@ -52,14 +52,8 @@ def expected_curves(
     >>> [curve.statistic for curve in found.curves]
     ['oadev', 'ohdev']
     """
-    recipe, model = recipe or Recipe(), settings.given()
-    if model is None or source is not None:
-        raise UsageError(
-            spelled(
-                "give either a recording, or the noise with --model or --sensor",
-                "give either a source, or the noise with model or sensor of the settings",
-            )
-        )
+    recipe, model = recipe or Recipe(), settings.instead_of(source)
+    assert model is not None  # noqa: S101 - a recording is refused
     demand_no_recording(settings, recipe)
     if wanted.m is not None or wanted.to is not None:
         raise UsageError(
@@ -72,4 +66,4 @@ def expected_curves(
             raise UsageError(f"the length of a record needs its sampling rate: {spelled('--rate HZ', 'rate=...')}")
         size = readings(recipe.rate, settings.duration, settings.samples)
     tau = "log" if wanted.taus == Deviations.taus else wanted.taus
-    return expectation(model, wanted.statistic, tau=tau, rate=recipe.rate, size=size, name=settings.sensor or "")
+    return expectation(model, wanted.statistic, tau=tau, rate=recipe.rate, size=size, name=settings.name)

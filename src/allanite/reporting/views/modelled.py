@@ -33,7 +33,7 @@ class ModelledForm(NamedTuple):
         header = header_of(job.provenance, job.notes, say(", method {method}", method=job.recipe.method))
         if given:
             header = [(say("noise"), str(given)), *header_of(job.provenance, ())[1:]]
-        names = join(" ", (self.title, job.settings.sensor or str(given or source_of(job)))), self.brand
+        names = join(" ", (self.title, job.settings.name or str(given or source_of(job)))), self.brand
         limits = [Note(say("limit exceeded: {limit}", limit=text), "alert", where="page") for text in job.exceeded]
         sheets = []
         for channel in job:

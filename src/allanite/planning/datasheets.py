@@ -1,0 +1,217 @@
+"""What data sheets print of the noise of gyros and accelerometers, where, and the models that it makes."""
+
+import csv
+import math
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import ClassVar, NamedTuple
+
+from allanite.core.datasheet import ONE_SIDED
+from allanite.core.errors import UsageError
+from allanite.core.model import Model, Term, term
+from allanite.core.names import row_alike
+from allanite.core.plain import Value
+from allanite.plugins import Registry
+from allanite.terms import TERMS
+
+SENSORS = ("gyro", "accelerometer")
+
+
+class Conversion(NamedTuple):
+    """How a quantity becomes a coefficient: value times factor, over sqrt(2 bandwidth) if `bandwidth`."""
+
+    symbol: str
+    factor: float
+    formula: str
+    meaning: str
+    bandwidth: bool = False
+
+
+_FLOOR = math.sqrt(TERMS["B"].level)
+
+QUANTITIES: dict[str, Conversion] = {
+    "random walk": Conversion("N", 1.0, "N", "angle or velocity random walk"),
+    "noise density": Conversion(
+        "N", 1 / ONE_SIDED, "N sqrt(2)", "amplitude spectral density of white noise, one-sided"
+    ),
+    "rms noise": Conversion("N", 1.0, "N sqrt(2 bandwidth)", "white noise within a bandwidth", bandwidth=True),
+    "bias stability": Conversion(
+        "B", 1 / _FLOOR, "0.664 B", "minimum of the Allan deviation, to which N and K contribute: B is at most this"
+    ),
+    "bias instability": Conversion("B", 1.0, "B", "minimum of the Allan deviation over 0.664"),
+}
+"""What is printed, and how a coefficient follows from it; of two that give the same coefficient the first is used."""
+
+
+@dataclass(frozen=True, repr=False)
+class Claim(Value):
+    """A line of a data sheet.
+
+    Attributes
+    ----------
+    sensor : {"gyro", "accelerometer"}
+    quantity : str
+        A key of `QUANTITIES`.
+    printed : str
+        What the document calls it.
+    value : float
+    unit : str
+    limit : {"typical", "nominal", "maximum", ""}
+    conditions : str
+    place : str
+        Page, and table or section.
+    bandwidth : float or None
+        Noise bandwidth of an rms value, Hz.
+    """
+
+    sensor: str
+    quantity: str
+    printed: str
+    value: float
+    unit: str
+    limit: str = "typical"
+    conditions: str = ""
+    place: str = ""
+    bandwidth: float | None = None
+
+    @property
+    def term(self) -> Term | None:
+        """The coefficient that it means; None for an rms value without its bandwidth.
+
+        Raises
+        ------
+        UnitError
+            The unit is not that of the quantity.
+
+        Examples
+        --------
+        >>> print(Claim("gyro", "noise density", "Rate Noise Density", 0.008, "deg/s/sqrt(Hz)").term)
+        N = 0.3394 deg/sqrt(h)
+        >>> print(Claim("gyro", "bias stability", "In-Run Bias Stability", 8, "deg/h").term)
+        B = 12.04 deg/h
+        """
+        how = QUANTITIES[self.quantity]
+        if not how.bandwidth:
+            return term(how.symbol, self.value * how.factor, self.unit)
+        if self.bandwidth is None:
+            return None
+        return term(how.symbol, self.value * how.factor / math.sqrt(2 * self.bandwidth), f"{self.unit}/sqrt(Hz)")
+
+
+@dataclass(frozen=True, repr=False)
+class DataSheet(Value):
+    """What a data sheet prints of noise.
+
+    Attributes
+    ----------
+    name, maker : str
+        Of the sensor.
+    document : str
+        Its number or title, and its revision.
+    claims : tuple of Claim
+
+    Examples
+    --------
+    >>> sheet = data_sheet_named("adis16470")
+    >>> print(sheet.document, "|", sheet.gyro)
+    ADIS16470, Rev. C | N = 0.34 deg/sqrt(h), B = 12.04 deg/h
+    """
+
+    _also: ClassVar = ("gyro", "accelerometer")
+
+    name: str
+    maker: str
+    document: str
+    claims: tuple[Claim, ...]
+
+    @property
+    def gyro(self) -> Model | None:
+        """The noise of its gyro; None if it has none."""
+        return self.model("gyro")
+
+    @property
+    def accelerometer(self) -> Model | None:
+        """The noise of its accelerometer; None if it has none."""
+        return self.model("accelerometer")
+
+    @property
+    def models(self) -> tuple[Model, ...]:
+        """The models that there are, that of the gyro first."""
+        return tuple(model for model in map(self.model, SENSORS) if model is not None)
+
+    def used(self, sensor: str) -> tuple[Claim, ...]:
+        """The lines from which the model of a sensor is made, one for each coefficient.
+
+        Typical values are preferred to maxima, quantities are tried in the order of `QUANTITIES`, and of several axes,
+        ranges or modes the largest value is used.
+        """
+        order, found = list(QUANTITIES), dict[str, Claim]()
+        mine = [claim for claim in self.claims if claim.sensor == sensor and claim.term is not None]
+        for claim in sorted(mine, key=lambda c: (c.limit == "maximum", order.index(c.quantity), -c.value)):
+            found.setdefault(QUANTITIES[claim.quantity].symbol, claim)
+        symbols = dict.fromkeys(how.symbol for how in QUANTITIES.values())
+        return tuple(found[symbol] for symbol in symbols if symbol in found)
+
+    def model(self, sensor: str) -> Model | None:
+        """The noise of a sensor: N and B, where they are printed; None if nothing is."""
+        terms = [found for claim in self.used(sensor) if (found := claim.term) is not None]
+        return Model(terms) if terms else None
+
+
+def _own() -> dict[str, DataSheet]:
+    """The sheets of the table in this package, whose lines begin with sheet, maker and document."""
+    _, *lines = csv.reader(Path(__file__).with_name("datasheets.csv").read_text("utf-8").splitlines())
+    return {
+        name: DataSheet(name, maker, document, tuple(_claim(*cells[3:]) for cells in rows))
+        for (name, maker, document), rows in groupby(lines, lambda cells: cells[:3])
+    }
+
+
+def _claim(*cells: str) -> Claim:
+    sensor, quantity, printed, value, unit, limit, conditions, place, bandwidth = cells
+    size = float(bandwidth) if bandwidth else None
+    return Claim(sensor, quantity, printed, float(value), unit, limit, conditions, place, size)
+
+
+DATASHEETS = Registry(_own(), "allanite.datasheets", kind=DataSheet, key="name")
+"""Data sheets by name."""
+
+
+def data_sheet_named(name: str) -> DataSheet:
+    """The data sheet of a sensor; upper case, hyphens and spaces do not matter.
+
+    Raises
+    ------
+    UsageError
+        There is none; the message names a similar one.
+
+    Examples
+    --------
+    >>> data_sheet_named("mpu6050").name
+    'MPU-6050'
+    """
+    return row_alike("data sheet", name, DATASHEETS)
+
+
+def claimed(text: str) -> tuple[Model, ...]:
+    """The noise that a data sheet claims: that of its gyro first, or that of the sensor alone that follows its name.
+
+    Raises
+    ------
+    UsageError
+        There is no such data sheet, or it says nothing of this sensor.
+
+    Examples
+    --------
+    >>> [str(model) for model in claimed("adis16470")]
+    ['N = 0.34 deg/sqrt(h), B = 12.04 deg/h', 'N = 0.037 m/s/sqrt(h), B = 19.57 ug']
+    >>> [str(model) for model in claimed("adis16470 accelerometer")]
+    ['N = 0.037 m/s/sqrt(h), B = 19.57 ug']
+    """
+    name, _, sensor = text.strip().rpartition(" ") if text.strip().endswith(SENSORS) else (text, "", "")
+    sheet = data_sheet_named(name)
+    found = tuple(filter(None, (sheet.model(sensor),))) if sensor else sheet.models
+    if not found:
+        raise UsageError(f"the data sheet of the {sheet.name} says nothing of the noise of its {sensor or 'sensors'}")
+    return found
