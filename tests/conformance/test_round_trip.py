@@ -25,6 +25,7 @@ from allanite.applications.signals import TorqueScale
 from allanite.applications.signals.budgeting import PathSettings
 from allanite.applications.signals.stage import codes
 from allanite.batch.scatter import Outlying, Trend
+from allanite.claims.claim import claim_of
 from allanite.comparison.comparison import ComparisonSettings
 from allanite.core.averaged import averaged
 from allanite.core.correction import Correction
@@ -54,6 +55,11 @@ MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.5, "deg/h") + al.Sine(3, "deg/h", fre
 def record(i=0):
     noise = MODEL if i < 3 else MODEL + al.R(2000.0, "deg/h^2")
     return dataclasses.replace(al.simulate(noise, 16384, 100.0, rng=np.random.default_rng(i)), name=f"z{i}")
+
+
+@cache
+def claim_check():
+    return al.check(record(), "N 0.02 deg/sqrt(h), B 0.5 deg/h")
 
 
 @cache
@@ -151,7 +157,7 @@ def compensation():
         heads = "time [s],gx [deg/h],flat [deg/h],temp [degC]"
         np.savetxt(path, rows, "%.9g", ",", header=heads, comments="")
         settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
-        return compensate_file(path, al.Recipe(level=LEVEL, outliers="mark"), settings, apply_to=path)
+        return compensate_file(path, al.Recipe(level=LEVEL, outliers="mark"), settings, apply_to=path, beyond=2)
 
 
 @cache
@@ -247,6 +253,9 @@ MAKERS = {
     "BudgetStudy with a scale factor": lambda: rounded(0.2),
     "Calibration": calibration,
     "Change": lambda: comparison()["N"],
+    "Cause": lambda: claim_check().causes[0],
+    "CheckedTerm": lambda: claim_check().terms[0],
+    "ClaimCheck": claim_check,
     "Channel": lambda: study().channels[0],
     "Channel that is refused": lambda: study().channels[2],
     "Change of a signed term": lambda: comparison()["R"],
@@ -275,6 +284,7 @@ MAKERS = {
     "Angle": lambda: level().angles[0],
     "Loop": lambda: al.attitude.Loop(0.9, 0.016),
     "Optimum": lambda: level().angles[0].optimum,
+    "Order": lambda: compensation()[0].orders[0],
     "Prediction": lambda: level().angles[0].prediction,
     "ScenarioErrors": scenario_errors,
     "Source": lambda: level().angles[0].prediction.sources[0],
@@ -321,12 +331,18 @@ MAKERS = {
     "Specification": lambda: batch().specification,
     "Meaning": lambda: meaning(fit(), read(), rate=100.0, length=163.84, device="mems"),
     "Entry": lambda: exported().entries[0],
+    "Drift": lambda: al.drift(study(), require=["1 deg in 10 min"]),
+    "DriftAxis": lambda: al.drift(study()).axes[0],
+    "DriftCause": lambda: al.drift(study()).axes[0].causes[0],
+    "DriftSettings": lambda: al.DriftSettings(turn_on=("3 deg/h",)),
     "Explanation": lambda: Explanation("kalibr"),
     "Claim": lambda: al.DATASHEETS["ADIS16470"].claims[0],
     "DataSheet": lambda: al.DATASHEETS["BMI088"],
     "SheetComparison": lambda: al.compare_with_sheet(record(), "adis16470", al.Recipe(level=LEVEL)),
     "Export": exported,
     "Export of matrices": lambda: al.export(WHITE_AND_WALK[0], "statespace", rate=100.0),
+    "StatedNoise": lambda: exported().stated[0],
+    "ClaimedNoise": lambda: claim_of("N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)"),
     "Imported": lambda: noise_in(exported().text, al.EXPORTS["kalibr"], None),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,
@@ -437,7 +453,7 @@ def test_every_class_that_is_written_can_be_read():
     own = {cls.__name__: cls for cls in classes(Value) if cls.__module__.startswith("allanite.")}
     tried = {name.split()[0] for name in MAKERS} | {"Harmonics"}  # a correction, tried beside what estimates it
     others = {cls.__name__ for cls in own.values() if "to_dict" in vars(cls)} - tried  # they write another type
-    assert tried == own.keys() - others | {"BatchUnit"}  # of which one is read again when it is asked for
+    assert tried == own.keys() - others | {"BatchUnit", "Study"}  # read again when it is asked for; has a kind
     assert all(TYPES[name] is cls for name, cls in own.items())
     for cls in own.values():
         assert cls.__repr__ is Value.__repr__ or issubclass(cls, Correction)

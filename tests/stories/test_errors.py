@@ -36,6 +36,7 @@ def sentence(command, *said, cure="", code=2):
 MODEL = "'N 0.1 deg/sqrt(h)'"
 SHORT = "deviation gyro.csv --no-intervals --channels gx"
 ANALYZE = "analyze gyro.csv --channels gx"
+THERMAL = "compensate gyro.csv -o new.params --regressors gz"
 PLAN = "plan --rate 100 --durations 600"
 
 ROWS = [
@@ -102,10 +103,21 @@ ROWS = [
     sentence("compare gyro.csv gyro.csv --datasheet adis16470", "a single file with a data sheet"),
     sentence("explain adis1647", "did you mean ADIS16470?", cure="explain ADIS16470"),
     sentence("plan --sensor mems", "sampling rate", "--rate HZ"),
+    sentence("drift", "give the noise", "--model, --sensor or --datasheet", "--require '1 deg in 10 min'"),
+    sentence("drift --sensor mems --require '1 deg'", "'1 deg in 10 min' or '100 m in 1 min', not '1 deg'"),
+    sentence("drift --sensor mems --claims imu.yml", "'imu.yml' cannot be read", code=3),
+    sentence("drift --sensor mems --scale-factor 1", "share below 0.1", "did you mean 1%?"),
+    sentence("drift --sensor mems --turn 90deg", "did you mean --maneuver?"),
     sentence("vertical six.csv --filter kalmann", "did you mean kalman?"),
     sentence("rate gyro.csv --interval 99999", "longer than the record of 100 s", cure="rate gyro.csv --interval 10"),
     sentence("dynamic gyro.csv --window 99999", "99999 s is not possible", "100 s long"),
     sentence("compensate gyro.csv --regressors temp", "no column 'temp'", "gx [deg/s]"),
+    sentence("compensate gyro.csv --regressors gz --to px4", "--to px4 writes a file", "--output PATH"),
+    sentence("compensate gyro.csv --regressors gz -o x", "for the parameters of an autopilot", "add --to px4"),
+    sentence(f"{THERMAL} --to pixhawk", "unknown autopilot 'pixhawk'", "px4, ardupilot"),
+    sentence(f"{THERMAL} --to px4 --degree 5", "powers up to 3, not 5: --degree 3"),
+    sentence(f"{THERMAL} --to px4 --instance 4", "numbers its sensors from 0 to 3"),
+    sentence(f"{THERMAL},gy --to ardupilot", "the powers of one temperature, not gy as well", "--regressors temp"),
     sentence("export gyro.csv --channels gx --to kalibr --unexplained", "needs an accelerometer", "--model", code=3),
     sentence(f"simulate new.csv --model {MODEL} --rate 10 --duration 5x", "'10 min' or 1h, not '5x'"),
     sentence(f"simulate new.foo --model {MODEL} --rate 10 --duration 9", "'.foo'", ".csv, .npz"),

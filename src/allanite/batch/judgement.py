@@ -73,7 +73,7 @@ def judge_study(study: Study, specification: Specification) -> tuple[Judgement, 
     for channel in study:
         name = channel.record.name
         for limit in specification.of(name, channel.record.signal):
-            judgements.append(judge(name, limit, _seen(channel, limit.symbol, study.recipe.level)))
+            judgements.append(judge(name, limit, seen_of(channel, limit.symbol, study.recipe.level)))
     known = {channel.record.name for channel in study}
     for name, limits in specification.channels.items():
         if name not in known:
@@ -120,7 +120,7 @@ def judge(channel: str, limit: Limit, seen: Seen) -> Judgement:
     return Judgement(channel, limit, outcome, size, join(", ", parts), near)
 
 
-def _seen(channel: Channel, symbol: str, level: float) -> Seen:
+def seen_of(channel: Channel, symbol: str, level: float) -> Seen:
     """What is known of a coefficient of a channel, or of the minimum of its curve."""
     if channel.refusal:
         return Seen(reason=say("no result: {reason}", reason=channel.refusal))

@@ -145,11 +145,11 @@ def joint(
         every = zip(wholes, records, seen, strict=True)
         wholes = [whole.with_more(column(one.sampled(record.rate), found)) for whole, record, found in every]
     own = zip(wholes, seen, scopes, strict=True)
-    parts = tuple(_part(whole, found, noise, scope, band=band, scopes=scopes) for whole, found, scope in own)
+    parts = tuple(part_of(whole, found, noise, scope, band=band, scopes=scopes) for whole, found, scope in own)
     return Joint(noise, parts, seen, records[0].signal, band, constant)
 
 
-def _part(
+def part_of(
     whole: Likelihood,
     seen: BinnedSpectrum,
     noise: Sequence[str],

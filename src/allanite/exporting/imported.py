@@ -1,7 +1,8 @@
 """The coefficients that the file of a target holds: the way back."""
 
+import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from allanite.core.errors import DataError, UsageError
@@ -16,6 +17,7 @@ from .target import LONG, Target, TargetField
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 _VALUES = rf"[\"']?[\s:=,>(]*(?:np\.array\()?\s*(?:\[\s*({_NUMBER}(?:[\s,;]+{_NUMBER})*)\s*\]|({_NUMBER}))"
+_SENSORS = ("gyro", "accelerometer")
 _RATES = ("update_rate", "IMU.Frequency")
 
 
@@ -29,17 +31,28 @@ class Imported(Value):
     gyro, accelerometer : Model or None
     rate : float or None
         Rate that the formulas used, Hz.
+    times : dict of str to float
+        Correlation time of the bias by sensor, s, where the file states one; it is not part of the models.
     """
 
     target: str
     gyro: Model | None
     accelerometer: Model | None
     rate: float | None
+    times: dict[str, float] = field(default_factory=dict)
 
     @property
     def models(self) -> tuple[Model, ...]:
         """The models that there are."""
         return tuple(model for model in (self.gyro, self.accelerometer) if model is not None)
+
+    @property
+    def simulated(self) -> tuple[Model, ...]:
+        """The models as a simulator has them: the bias is a Gauss-Markov process where a correlation time is stated.
+
+        A random walk K whose bias is correlated over T has the standard deviation K sqrt(T/2).
+        """
+        return tuple(_correlated(model, self.times.get(model.signal.name, math.inf)) for model in self.models)
 
     def _summary(self) -> str:
         return f"from {self.target}: {'; '.join(map(str, self.models))}"
@@ -82,7 +95,7 @@ def noise_in(text: str, target: Target, rate: float | None, name: str = "the tex
     plain = re.sub(target.comments, "", text, flags=re.DOTALL if target.comments.startswith("<") else 0)
     stated = next((found[0] for key in _RATES if target.rated and (found := numbers(plain, key))), None)
     rate = target.rate(stated or rate, None)
-    values = {field: numbers(_section(plain, field, target), field.name) for field in target.fields}
+    values = {field: numbers(section_of(plain, field, target), field.name) for field in target.fields}
     if not any(values.values()):
         wanted = ", ".join(field.name for field in target.fields)
         raise DataError(f"{name!r} has none of the fields of {target.name}: {wanted}")
@@ -91,21 +104,30 @@ def noise_in(text: str, target: Target, rate: float | None, name: str = "the tex
             f"the fields of {target.name} are of discrete time: give the sampling rate, "
             + spelled("--rate HZ", "rate=...")
         )
-    models = [_model(sensor, values, rate or 1.0) for sensor in ("gyro", "accelerometer")]
-    return Imported(target.name, models[0], models[1], rate)
+    # the correlation time of a sensor, or the one that both have in common, s
+    own = {f.sensor: max(found) * unit_of(f.unit).factor for f, found in values.items() if found and not f.term}
+    times = {sensor: own.get(sensor, next(iter(own.values()))) for sensor in _SENSORS} if own else {}
+    models = [_model(sensor, values, rate or 1.0, times.get(sensor, LONG)) for sensor in _SENSORS]
+    return Imported(target.name, models[0], models[1], rate, times)
 
 
-def _model(sensor: str, values: dict[TargetField, list[float]], rate: float) -> Model | None:
-    # the correlation time of the sensor, or the one that both have in common, s
-    times = {f.sensor: max(found) * unit_of(f.unit).factor for f, found in values.items() if found and not f.term}
-    time = times.get(sensor, next(iter(times.values()), LONG))
+def _correlated(model: Model, time: float) -> Model:
+    """A model whose random walk is a Gauss-Markov process of this correlation time, unless that is very long."""
+    if not 0 < time < LONG:
+        return model
+    return Model(tuple(
+        Term("GM", t.value * math.sqrt(time / 2), t.signal, (time,)) if t.symbol == "K" else t for t in model
+    ))  # fmt: skip
+
+
+def _model(sensor: str, values: dict[TargetField, list[float]], rate: float, time: float) -> Model | None:
     largest = {f: max(found) for f, found in values.items() if found and f.sensor == sensor and f.term}
     signal = signal_named(sensor)
     terms = [Term(f.term, f.coefficient(size, rate, time), signal) for f, size in largest.items() if size > 0]
     return Model(tuple(terms)) if terms else None
 
 
-def _section(text: str, field: TargetField, target: Target) -> str:
+def section_of(text: str, field: TargetField, target: Target) -> str:
     """The part of a file that holds a field."""
     if not field.section:
         return text

@@ -65,8 +65,8 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     ratios = pair.ratios
     assert ratios is not None  # noqa: S101 - the caller has looked
     for i, curve, name in zip(COLORS, (ratios.before, ratios.after), map(printable, names), strict=True):
-        _curve(above, curve, (i, name), level)
-    _frame(above, ratios.before, pair.name, [ratios.before, ratios.after])
+        draw_curve(above, curve, (i, name), level)
+    frame_curves(above, ratios.before, pair.name, [ratios.before, ratios.after])
     apart = ratios.p <= pair.alpha
     low, high = ratios.interval(level)
     ratio = ratios.ratio
@@ -83,7 +83,8 @@ def _draw_pair(pair: Pair, names: tuple[str, ...], level: float, axes: tuple[Axe
     below.set_ylabel(say("variance of {after}\nover {before}", after=after, before=before), parse_math=False)
 
 
-def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> None:
+def draw_curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> None:
+    """A curve with its band; it is called by the place of its color and marker, and its name."""
     i, name = called
     shown = curve.to(readable_unit(curve.unit))
     low, high = shown.interval(level)
@@ -101,7 +102,7 @@ def _curve(ax: Axes, curve: Curve, called: tuple[int, str], level: float) -> Non
     ax.plot(shown.tau, shown.deviation, color=color, lw=1.1, marker=marker, ms=3.4, mew=0, zorder=3, label=name)
 
 
-def _frame(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
+def frame_curves(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> None:
     """Axes, title and grid; the upper limits of the last points are far off, and not worth the room."""
     unit = readable_unit(curve.unit)
     values = np.concatenate([c.to(unit).deviation for c in curves])
@@ -126,12 +127,12 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
     whole = channel.curve
     assert whole is not None  # noqa: S101 - the caller has looked
     unit = readable_unit(whole.unit)
-    _curve(above, whole, (0, say("all runs")), level)
+    draw_curve(above, whole, (0, say("all runs")), level)
     for name, curve in zip(names, channel.curves, strict=True):
         color, label = (style.ALARM, say("apart")) if name in channel.apart else (style.OTHER, say("one run"))
         above.plot(curve.tau, curve.to(unit).deviation, color=color, lw=0.8, zorder=2.5, label=label)
         below.plot(curve.tau, curve.variance / whole.variance, color=color, lw=0.8, zorder=3)
-    _frame(above, whole, channel.name, channel.curves)
+    frame_curves(above, whole, channel.name, channel.curves)
     low, high = channel.curves[0].interval(level)
     size = channel.curves[0].variance
     below.fill_between(

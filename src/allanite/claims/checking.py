@@ -1,0 +1,156 @@
+"""Whether a record has the noise that is claimed of it: every number of the claim held against the record."""
+
+import math
+import os
+from collections.abc import Iterator
+from dataclasses import fields, replace
+
+from allanite.batch.judgement import seen_of
+from allanite.batch.specification import Limit
+from allanite.core.aliases import aliased
+from allanite.core.errors import DataError, UsageError
+from allanite.core.model import Model
+from allanite.core.record import Record
+from allanite.core.threads import one_thread
+from allanite.phrases.phrase import say
+from allanite.study.analysis import analyzed
+from allanite.study.channels import Progress, Source
+from allanite.study.recipe import Recipe
+from allanite.study.results import Channel, Study
+
+from .causes import causes_of
+from .claim import KINDS, ClaimedNoise, claim_of
+from .exact import Counts, by_sensor, curve_row, exact_rows
+from .result import AGREES, EXCEEDS, NOT_SHOWN, CheckedTerm, ClaimCheck, fit_of
+
+TOLERANCE = 0.02
+"""Relative difference that is accepted: files state two or three digits."""
+
+SHARES = 5
+"""Kinds of comparisons that share the chance of a false alarm: terms, times, other noise, curves, distributions."""
+
+
+@aliased
+def check(
+    source: Source,
+    claims: "str | os.PathLike[str] | Model | ClaimedNoise",
+    recipe: Recipe | None = None,
+    *,
+    claims_from: str | None = None,
+    at_most: bool = False,
+    tolerance: float = TOLERANCE,
+    progress: Progress | None = None,
+    **choices: object,
+) -> ClaimCheck:
+    """Check whether a recording has the noise that a configuration, a simulator or a data sheet claims.
+
+    A model and the file of a filter or simulator claim exact values: each coefficient is estimated by likelihood in the
+    form that is claimed, with profile limits; then come the correlation time of the bias, other noise, the Allan
+    deviation at every octave of averaging times and the distribution of the residuals. Data sheets and limits are upper
+    bounds: each number is held against the identified noise. The chance that a right record is contradicted in any of
+    its channels is 1 - level.
+
+    Parameters
+    ----------
+    source : Recording, Record, path, table or array
+        As for `analyze`.
+    claims : str, path, Model or ClaimedNoise
+        See `claim_of`.
+    recipe : Recipe, optional
+    claims_from : str, optional
+        The target whose file `claims` is, if its fields do not tell.
+    at_most : bool
+        Whether the values are upper bounds, whatever states them.
+    tolerance : float
+        Relative difference that is accepted.
+    progress : callable, optional
+    **choices
+        Fields of `Recipe`.
+
+    Returns
+    -------
+    ClaimCheck
+
+    Raises
+    ------
+    DataError
+        A file cannot be read, or nothing is claimed of any channel.
+    UsageError
+        The claim cannot be understood, or an option is wrong.
+
+    Examples
+    --------
+    >>> import allanite as al
+    >>> record = al.simulate(al.N(0.3, "deg/sqrt(h)"), 8192, 100.0, rng=1)
+    >>> al.check(record, "N 0.3 deg/sqrt(h)").agrees
+    True
+    >>> found = al.check(record, "N 0.2121 deg/sqrt(h)")
+    >>> found.causes[0].names
+    ('sqrt(2)',)
+    """
+    if not 0 <= tolerance < 1:
+        raise UsageError(f"the tolerance must be from 0 to less than 1, not {tolerance:g}", choice="tolerance")
+    recipe = (recipe or Recipe()).but(choices)
+    claim_of(claims, claims_from, recipe.rate or 1.0)  # what cannot be read is refused before any work
+    study = analyzed(source, recipe, progress)
+    rates = dict.fromkeys(channel.record.rate for channel in study)
+    of_rate = {rate: claim_of(claims, claims_from, rate) for rate in rates}
+    first = next(iter(of_rate.values()))
+    first = replace(first, bound=first.bound or at_most)
+    with one_thread():
+        terms = tuple(_checked(study, of_rate, first.bound, tolerance))
+    if not terms:
+        there = ", ".join(dict.fromkeys(channel.record.signal.sensor for channel in study))
+        raise DataError(say("{claim} claims nothing of the channels of this record ({sensors})",
+                            claim=first.title, sensors=there))  # fmt: skip
+    known = {f.name: getattr(study, f.name) for f in fields(Study)}
+    return ClaimCheck(**known, claim=first, terms=terms, causes=causes_of(study, first, terms), tolerance=tolerance)
+
+
+def _checked(study: Study, claims: dict[float, ClaimedNoise], bound: bool, tolerance: float) -> Iterator[CheckedTerm]:
+    """The rows of all channels, by kind of sensor."""
+    alpha = 1 - study.recipe.level
+    if bound:
+        yield from _bounds(study, claims, alpha, tolerance)
+        return
+    sensors = by_sensor(study, claims)
+    count = Counts(sensors, alpha / SHARES, tolerance)
+    for sensor in sensors:
+        yield from exact_rows(sensor, count)
+
+
+def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, tolerance: float) -> Iterator[CheckedTerm]:
+    """The rows of all channels whose noise is claimed to be at most this, channel by channel.
+
+    A configuration and a model claim all noise, so that no deviation may exceed theirs; data sheets and limits say
+    nothing of terms that they do not have.
+    """
+    whole = next(iter(claims.values())).kind not in KINDS
+    limits = [(c, claims[c.record.rate].limits_of(c.record.name, c.record.signal)) for c in study]
+    each = alpha / max(sum(len(own) + whole for _, own in limits if own), 1)
+    for channel, own in limits:
+        for limit in own:
+            yield _bounded(channel, limit, 1 - 2 * each, tolerance)
+        model, fit = claims[channel.record.rate].of(channel.record.signal), fit_of(channel)
+        noise = None if model is None else model.noise
+        if whole and noise is not None and fit is not None and isinstance(channel.record, Record):
+            yield curve_row(
+                channel, noise, fit, 2 * each, lambda low, _: EXCEEDS if low > 1 + tolerance else AGREES
+            )  # fmt: skip
+
+
+def _bounded(channel: Channel, limit: Limit, level: float, tolerance: float) -> CheckedTerm:
+    """A number that is an upper bound, held against what was identified."""
+    seen, most, record = seen_of(channel, limit.symbol, level), limit.maximum, channel.record
+    row = CheckedTerm(record.name, record.signal, limit.symbol, most, seen.value, limit.unit, reason=seen.reason)
+    if seen.value is None:
+        if seen.upper is None:
+            return replace(row, outcome=NOT_SHOWN)
+        outcome = AGREES if seen.upper <= most * (1 + tolerance) else NOT_SHOWN
+        return replace(row, low=0.0, high=seen.upper / most, outcome=outcome,
+                       reason=seen.reason or say("not identified"))  # fmt: skip
+    low, high = (seen.low, seen.high) if math.isfinite(seen.low) else (seen.value, seen.value)
+    outcome = (
+        EXCEEDS if low > most * (1 + tolerance) else NOT_SHOWN if limit.judge == "upper" and high > most else AGREES
+    )
+    return replace(row, ratio=seen.value / most, low=low / most, high=high / most, outcome=outcome)

@@ -1,0 +1,195 @@
+"""ClaimedNoise: the noise that a configuration, a data sheet, a limits file or a model states."""
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from allanite.batch.specification import Limit, Specification
+from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.files import reason
+from allanite.core.model import Model, Term
+from allanite.core.plain import Value
+from allanite.core.units import Signal
+from allanite.exporting.conversion import models_of
+from allanite.exporting.exports import EXPORTS, target_named
+from allanite.exporting.imported import Imported, noise_in, numbers, section_of
+from allanite.exporting.target import Target
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
+from allanite.planning.datasheets import claimed
+from allanite.terms import TERMS
+
+SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml", ".xml", ".toml", ".txt", ".cfg"}
+"""Suffixes of files of claims: a text with one of them is a path, also where there is no such file."""
+
+
+KINDS = {"limits": say("limits"), "data sheet": say("data sheet")}
+"""Kinds of claims beside models and files of targets, in words."""
+
+
+@dataclass(frozen=True, repr=False)
+class ClaimedNoise(Value):
+    """Noise that is claimed.
+
+    Attributes
+    ----------
+    source : str
+        The file, the name of the data sheet, or the text of the model.
+    kind : str
+        What it is: "model", "data sheet", "limits", or the name of a target of `allanite.EXPORTS`.
+    models : tuple of Model
+        One for each kind of sensor, of limits as large as they are. Where the file of a target states a correlation
+        time, the bias is GM.
+    bound : bool
+        Whether the values are upper bounds, as those of a data sheet; otherwise the noise has exactly these values.
+    limits : Specification or None
+        The limits of a limits file.
+    rate : float or None
+        Rate that the formulas of the file used, Hz.
+    """
+
+    source: str
+    kind: str
+    models: tuple[Model, ...]
+    bound: bool = False
+    limits: Specification | None = None
+    rate: float | None = None
+
+    def of(self, signal: Signal) -> Model | None:
+        """The model of a kind of sensor; None if there is none."""
+        return next((model for model in self.models if model.signal is signal), None)
+
+    def limits_of(self, channel: str, signal: Signal) -> tuple[Limit, ...]:
+        """What is claimed of a channel, as limits: of a limits file, or of each term of the model."""
+        if self.limits is not None:
+            return self.limits.of(channel, signal)
+        return tuple(
+            Limit(t.symbol, abs(t.value), signal.sheet[t.row.power], signal)
+            for t in self.of(signal) or ()
+            if not t.row.periodic
+        )
+
+    @property
+    def title(self) -> str:
+        """Source and kind in a few words: ``imu.yaml (kalibr)``."""
+        if self.kind == "model":
+            return self.source
+        return say("{name} ({kind})", name=os.path.basename(self.source), kind=KINDS.get(self.kind, self.kind))
+
+    def _summary(self) -> str:
+        said = [str(self.limits)] if self.limits is not None else list(map(str, self.models))
+        return f"of {self.title}: {join('; ', said)}"
+
+
+def claim_of(
+    given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str | None = None, rate: float | None = None
+) -> ClaimedNoise:
+    """The claim that a text, a file or a name stands for.
+
+    Parameters
+    ----------
+    given : str, path, Model or ClaimedNoise
+        In this order: the path of a file of a target (kalibr, gazebo, px4 ...) or of limits (.toml); a model ``"N 0.3
+        deg/sqrt(h), K 3 deg/h/sqrt(h)"`` or a value with its unit, those of several sensors separated by ``;``; the
+        name of a data sheet.
+    origin : str, optional
+        Name of the target whose file it is; otherwise the fields in it tell.
+    rate : float, optional
+        Sampling rate, Hz, for files with fields of discrete time.
+
+    Returns
+    -------
+    ClaimedNoise
+
+    Raises
+    ------
+    UsageError
+        It is none of these, several targets have such fields with different meanings, or the rate is needed.
+    DataError
+        The file cannot be read, or has none of the fields.
+
+    Examples
+    --------
+    >>> claim_of("0.66 deg/sqrt(h); N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)").models
+    (<Model N = 0.66 deg/sqrt(h)>, <Model N = 0.05884 m/s/sqrt(h), K = 10 ug/sqrt(h)>)
+    """
+    if isinstance(given, ClaimedNoise | Model):
+        return given if isinstance(given, ClaimedNoise) else ClaimedNoise(str(given), "model", (given,))
+    text = os.fspath(given)
+    if origin or os.path.isfile(text) or os.path.splitext(text)[1] in SUFFIXES or not isinstance(given, str):
+        return _of_file(text, origin or "", rate)
+    if text[:1].isdigit() or text.split(" ")[0] in TERMS:
+        return ClaimedNoise(text, "model", tuple(models_of(part.strip() for part in text.split(";"))))
+    try:
+        return ClaimedNoise(text, "data sheet", claimed(text), bound=True)
+    except UsageError as error:
+        _, meant = error.cure
+        raise UsageError(
+            f"{text!r} is no file, no data sheet, and no model such as 'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'; "
+            + (f"did you mean the data sheet {meant}?" if meant else "'allanite explain' lists the data sheets"),
+            cure=error.cure,
+        ) from None
+
+
+def _of_file(path: str, origin: str | None, rate: float | None) -> ClaimedNoise:
+    if path.lower().endswith(".toml") and not origin:
+        limits = Specification.load(path)
+        return ClaimedNoise(path, "limits", tuple(_limited(limits)), bound=True, limits=limits)
+    try:
+        text = Path(path).read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"{path!r} cannot be read: {reason(error)}") from None
+    found = noise_in(text, target_named(origin), rate, path) if origin else recognized(text, rate, path)
+    if not found.models:
+        raise DataError(f"{path!r} has no value above 0 in the fields of {found.target}: it claims no noise")
+    return ClaimedNoise(path, found.target, found.simulated, rate=found.rate)
+
+
+def _limited(limits: Specification) -> Iterator[Model]:
+    """The models of sensors that are as large as the limits of all channels."""
+    for signal in dict.fromkeys(limit.signal.name for limit in limits.limits):
+        own = [limit for limit in limits.limits if limit.signal.name == signal and limit.symbol in TERMS]
+        terms = [Term(limit.symbol, limit.maximum, limit.signal) for limit in own if not TERMS[limit.symbol].parameters]
+        if terms:
+            yield Model(tuple(terms))
+
+
+def recognized(text: str, rate: float | None = None, name: str = "the text") -> Imported:
+    """The noise in the text of a file of a target, which is recognized by its fields.
+
+    Raises
+    ------
+    DataError
+        No target has such fields.
+    UsageError
+        Several targets have them, and they mean something else in each.
+    """
+    counts = {row.name: _fields(text, row) for row in EXPORTS.values()}
+    most = max(counts.values())
+    if not most:
+        known = ", ".join(row.name for row in EXPORTS.values() if row.fields)
+        raise DataError(f"{name!r} has no field of a known target; these are known: {known}")
+    found, refused = list[Imported](), list[AllaniteError]()
+    for row in (EXPORTS[target] for target, count in counts.items() if count == most):
+        try:
+            found.append(noise_in(text, row, rate, name))
+        except UsageError as error:
+            refused.append(error)
+    if refused:
+        raise refused[0]
+    if any(other.simulated != found[0].simulated for other in found[1:]):
+        names = [imported.target for imported in found]
+        wanted = spelled(f"--claims-from {names[0]}", f"origin={names[0]!r}")
+        raise UsageError(
+            say("{name!r} may be a file of {targets}, whose fields mean different things: name its target, {option}",
+                name=name, targets=join(" or ", names), option=wanted)
+        )  # fmt: skip
+    return found[0]
+
+
+def _fields(text: str, target: Target) -> int:
+    """How many of the fields of a target are in a text."""
+    fields: Sequence[Any] = target.fields
+    return sum(bool(numbers(section_of(text, field, target), field.name)) for field in fields)

@@ -1,0 +1,188 @@
+"""How a claim is shown, and what a record says of it."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from allanite.claims.claim import ClaimedNoise
+from allanite.claims.result import NOT_SHOWN, OUTCOMES, UNCLAIMED, CheckedTerm, ClaimCheck
+from allanite.core.readings import MINIMUM
+from allanite.core.units import Signal
+from allanite.phrases.phrase import Phrase, join, say
+from allanite.reporting import figures, words
+from allanite.reporting.digits import rounded
+from allanite.reporting.first import DETAILS, FIGURES, Axes, First, Quantity, Remark, plus_minus
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Sheet, Table
+from allanite.terms import TERMS
+
+from . import Rows, view
+from .axes import doubts, how_read, title_of
+from .jobs import channel_sheet, job_face, source_of
+
+TITLES = {
+    "T": say("correlation time of the bias"),
+    "curve": say("Allan deviation"),
+    "kurtosis": say("distribution of the residuals"),
+    MINIMUM: say("minimum of the Allan deviation"),
+}
+"""What the quantities are called that are no terms."""
+
+CLOSE = 1.2
+"""Ratio of the limits of a factor from which these are shown instead of its value."""
+
+AT_MOST = ("--at-most", say("the claim as upper bounds"))
+
+OUTCOME_WORDS = {
+    "agrees": say("agrees"),
+    "differs": say("differs"),
+    "exceeds": say("exceeds"),
+    "not claimed": say("not claimed"),
+    "not shown": say("not shown"),
+}
+
+HOW = (
+    say(
+        "Exact values: the likelihood of the record (binned powers of the cosine transform) is maximized over the "
+        "coefficients of the terms that are claimed, with the claimed correlation time; the interval of a factor is "
+        "that of its profile. The correlation time is that of all channels of a sensor together. Other noise is there "
+        "if it raises the likelihood significantly. The Allan deviation at each octave is held against the one that "
+        "is claimed, with the distribution that it has under the claim. Light tails of the residuals show numbers that "
+        "are not Gaussian."
+    ),
+    say(
+        "Upper bounds: the interval of each coefficient that was identified, or its upper limit, is held against the "
+        "bound."
+    ),
+    say(
+        "All comparisons of a record share the chance of a false alarm, which is one minus the confidence level in "
+        "all. A convention is named if its factor lies in the interval."
+    ),
+)
+
+
+def _title(row: CheckedTerm) -> Phrase | str:
+    return TITLES[row.quantity] if row.quantity in TITLES else words.title(row.quantity, row.signal)
+
+
+def first_of_check(value: ClaimCheck, level: float) -> First:
+    """The factor of every number by channel, and what explains those that are wrong."""
+    shown = {row.signal.name: row.signal for row in value.terms}
+    answer = [_axes(value, signal) for signal in shown.values()]
+    remarks = [Remark(", ".join(cause.channels), (cause.words,), grave=True) for cause in value.causes]
+    remarks += [] if value.agrees else doubts(value.checked)
+    legend = [say("Factors are found over claimed; * contradicts the claim, all comparisons considered.")]
+    title = join("   ", (title_of(value), say("against {claim}", claim=value.claim.title)))
+    after = [FIGURES, DETAILS, *([] if value.agrees or value.claim.bound else [AT_MOST])]
+    return First(title, value.verdict, answer, remarks, legend, how_read(value), after)
+
+
+def _axes(value: ClaimCheck, signal: Signal) -> Axes:
+    """The factors of a kind of sensor: what is claimed, and a column for each channel."""
+    rows = [row for row in value.terms if row.signal is signal]
+    names = list(dict.fromkeys(row.channel for row in rows if row.quantity != "T"))
+    found: list[Quantity] = []
+    for quantity in dict.fromkeys(row.quantity for row in rows):
+        own = {
+            name: row for row in rows if row.quantity == quantity for name in (row.channel, *row.channel.split(", "))
+        }
+        first = next(iter(own.values()))
+        if quantity == "kurtosis" and not first.contradicts:
+            continue
+        claimed = (
+            ""
+            if first.claimed is None or quantity in ("curve", "kurtosis")
+            else rounded(first.shown(first.claimed) or 0.0)
+        )
+        symbol, unit = (quantity, first.unit) if quantity in TERMS or quantity == "T" else ("", "")
+        cells = [claimed, *(_cell(own.get(name)) for name in names)]
+        found.append(Quantity(_title(first), symbol, unit, cells, 0 if any(r.contradicts for r in own.values()) else 1))
+    return Axes([say("claimed"), *names], found, signal.sensor)
+
+
+def _cell(row: CheckedTerm | None) -> str:
+    """The factor of a channel, with a sign if it contradicts the claim."""
+    if row is None or row.outcome == NOT_SHOWN:
+        return "" if row is None else say("not shown")
+    said: str = say("agrees")
+    if row.outcome == UNCLAIMED:
+        said = say("found {value}", value=rounded(row.shown(row.found) or 0.0))
+    elif row.quantity == "kurtosis":
+        said = say("uniform")
+    elif row.quantity == "curve":
+        said = join(" ", (rounded(row.ratio), row.reason)) if row.contradicts else said
+    elif math.isinf(row.high):
+        said = say("above {limit}", limit=rounded(row.low)) if row.low > 0 else said
+    elif row.low <= 0:
+        said = say("below {limit}", limit=rounded(row.high))
+    elif row.high > CLOSE * row.low:
+        said = f"{rounded(row.low)} .. {rounded(row.high)}"
+    else:
+        said = plus_minus(row.ratio, row.low, row.high)
+    return join("", (said, " *")) if row.contradicts else said
+
+
+MARKS: dict[str, Mark] = {"agrees": "good", "not shown": "quiet"}
+COLUMNS = (
+    Column(say("quantity"), "symbol"), Column("", "text"), Column(say("claimed"), form=rounded),
+    Column(say("found"), form=rounded), Column(say("unit"), "unit"), Column(say("factor"), form=rounded),
+    Column(say("interval"), "interval"), Column(say("outcome"), "name"), Column("", "text", aside=True),
+)  # fmt: skip
+
+
+def _table(rows: Sequence[CheckedTerm]) -> Table:
+    cells = [
+        [row.quantity if row.quantity in TERMS else "", _title(row), *_numbers(row), OUTCOME_WORDS[row.outcome],
+         row.reason]
+        for row in rows
+    ]  # fmt: skip
+    return Table(COLUMNS, cells, marks=[MARKS.get(row.outcome, "alarm") for row in rows])
+
+
+def _numbers(row: CheckedTerm) -> list[Any]:
+    """Claimed and found, unit, factor, interval."""
+    known = row.high == row.high  # no NaN
+    interval = f"{rounded(row.low)} .. {rounded(row.high)}" if known else ""
+    return ["" if v is None else v for v in (row.shown(row.claimed), row.shown(row.found))] + [
+        row.unit, "" if math.isnan(row.ratio) else row.ratio, interval,
+    ]  # fmt: skip
+
+
+@view(lambda values, fit, level: figures.plot_claims(values, level), lambda value, level: value.rows(level),
+      first=first_of_check)  # fmt: skip
+def check_view(value: ClaimCheck, level: float) -> Face:
+    """What is claimed and found of each channel."""
+    causes = [Note(join(": ", (", ".join(cause.channels), cause.words)), "alert") for cause in value.causes]
+    timed = [row for row in value.terms if row.quantity == "T"]
+    common = [_table(timed)] if timed else []
+    drawn = [channel for channel in value.checked if channel.curve is not None]
+    label = say("measured curves with the claimed ones")
+    caption = say("Deviation by averaging time with its confidence band, and the one that is claimed (dashed).")
+    drawing = [Drawing(lambda: figures.plot_claims([value], level), label, caption)] if drawn else []
+    met = {row.outcome for row in value.terms}
+    meanings = [
+        Note(join(": ", (OUTCOME_WORDS[name], text)), "quiet") for name, text in OUTCOMES.items() if name in met
+    ]
+    return job_face(
+        value, (say("{file} against {claim}", file=source_of(value), claim=value.claim.title), say("noise and claim")),
+        list(_sheets(value)), [Note(value.verdict, "good" if value.agrees else "strong"), *causes, *drawing, *common],
+        close=meanings, how=[Note(text) for text in HOW],
+    )  # fmt: skip
+
+
+def _sheets(value: ClaimCheck) -> Iterator[Sheet]:
+    """A table for each channel of which something is claimed."""
+    for channel in value.checked:
+        rows = [row for row in value.terms if row.channel == channel.record.name]
+        yield channel_sheet(channel, [_table(rows)], doubt=any(row.contradicts for row in rows))
+
+
+def _claim_rows(value: ClaimedNoise, _: float) -> Rows:
+    return ("term", "value", "unit"), [[t.symbol, t.value, t.unit] for model in value.models for t in model]
+
+
+@view(rows=_claim_rows)
+def claim_view(value: ClaimedNoise, level: float) -> Face:
+    """The terms that are claimed."""
+    rows = [[t.symbol, words.title(t.symbol, t.signal), str(t)] for model in value.models for t in model]
+    table = Table((Column(say("term"), "symbol"), Column("", "text"), Column("", "text")), rows)
+    return Face(say("what {source} claims", source=value.title), say("noise and claim"), [Sheet("", (), [table])])
