@@ -31,6 +31,9 @@ from .batch.specification import Specification as Specification
 from .claims.checking import check as check
 from .claims.claim import ClaimedNoise as ClaimedNoise
 from .claims.claim import claim_of as claim_of
+from .claims.drift import Drift as Drift
+from .claims.drift_settings import DriftSettings as DriftSettings
+from .claims.drifting import drift as drift
 from .claims.result import ClaimCheck as ClaimCheck
 from .comparison.comparing import compare as compare
 from .comparison.comparing import pool as pool

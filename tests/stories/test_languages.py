@@ -255,6 +255,10 @@ RUNS = {
     ],
     "simulate": ["{made} --sensor mems --rate 20 --samples 2000 --force"],
     "plan": ["--sensor fog --rate 10", "{a} --channels gx"],
+    "drift": [
+        "--sensor fog --require '1 deg in 10 min'", "{six} --from-curve", GIVEN + " --times 3600 --turn-on '9 deg/h'",
+        "{a} --channels gx --calibration 0 --platform level",
+    ],
     "selfcheck": ["--sensor mems --rate 20 --samples 1000 --records 3"],
     "statespace": ["--sensor fog --rate 10"],
     "export": [

@@ -31,6 +31,7 @@ RUNS = {
     "angle": "angle plan --latitude 60 --duration 3600",
     "simulate": "simulate out.csv --sensor fog --rate 100 --duration 10",
     "plan": "plan --sensor fog --rate 100",
+    "drift": "drift --sensor fog --require '1 deg in 10 min' --times 60,600",
     "selfcheck": "selfcheck --sensor rlg --rate 10 --duration 300 --records 2",
     "statespace": "statespace --sensor fog --rate 100",
     "export": f"export {SAMPLE} --to statespace",

@@ -120,6 +120,16 @@ def pieces(unit: str) -> ChoiceKind:
     )  # fmt: skip
 
 
+def _share(value: Any) -> float:
+    if not isinstance(value, str):
+        return float(value)
+    number, size = next(
+        ((value.removesuffix(unit), size) for unit, size in (("%", 1e-2), ("ppm", 1e-6)) if value.endswith(unit)),
+        (value, 1.0),
+    )
+    return float(NUMBER.read(number)) * size
+
+
 def _table(value: Any) -> Any:
     if not isinstance(value, str):
         return value
@@ -192,6 +202,7 @@ PERCENT = ChoiceKind(
     form=A_NUMBER,
 )  # fmt: skip
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
+SHARE = ChoiceKind("share", _share, _demand_number, form="a share such as 0.1%, 1000ppm or 0.001")
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
 SYMBOLS = ChoiceKind(
     "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v), form="a word"

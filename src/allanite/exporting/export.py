@@ -165,7 +165,7 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     >>> flicker = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")
     >>> covering = al.export([flicker, accelerometer], "kalibr", rate=200.0, cover=(1, 300))
     >>> print(covering.stated[0].model)
-    N = 0.509 deg/sqrt(h), K = 48.17 deg/h/sqrt(h)
+    N = 0.6289 deg/sqrt(h), K = 35.84 deg/h/sqrt(h)
     """
     how = How(axis, inflate, rate, filter_rate, unexplained, SPAN.demand("cover", cover), from_curve)
     row, suffix = prepared(target, how, form)
@@ -213,7 +213,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     rejected = dict.fromkeys(chain((axis.name for axis in doubts), *(study.rejected for study in studies)))
     return Export(
         target.name, suffix, text, binary, entries, stated, (*notes, *target.notes),
-        (*_alerts(kept, doubts, studies), *warned),
+        (*alerts_of(kept, doubts, studies), *warned),
         tuple(rejected), recipe, provenance,
     )  # fmt: skip
 
@@ -237,7 +237,7 @@ def _axes(source: Source, how: How) -> tuple[Axis, ...]:
     return tuple(found)
 
 
-def _alerts(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:
+def alerts_of(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:
     """Warnings, those that several channels share once."""
     alerts: dict[str, list[str]] = {}
     for axis in kept:

@@ -9,6 +9,7 @@ from .closeup import plot_closeups as plot_closeups
 from .comparison import plot_comparison as plot_comparison
 from .compensation import plot_compensated as plot_compensated
 from .curves import plot_panels as plot_panels
+from .drift import plot_drifts as plot_drifts
 from .lots import Course as Course
 from .lots import LotRow as LotRow
 from .lots import plot_lot as plot_lot
