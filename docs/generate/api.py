@@ -38,7 +38,7 @@ TOPICS: dict[str, tuple[str, str]] = {
     "comparing": ("Comparison", "compare pool truncation Comparison Pool"),
     "compensating": (
         "Temperature compensation",
-        "compensate compensate_file compensation Regression CompensationSettings",
+        "compensate compensate_file temperature_parameters compensation Regression CompensationSettings",
     ),
     "quantizing": (
         "Quantization budget and torquer currents",
