@@ -17,7 +17,7 @@ from .options import SHOWN, options
     "samples", "taus", "csv", "json", *SHOWN, settings=(LengthChoices,),
 )  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
-    """Explain a target, a statistic or a data sheet.
+    """Explain a target, statistic or data sheet.
 
     Of a target of export, prints the fields with their units, formulas and sources; of a statistic, its ratio to the
     Allan variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging
