@@ -130,7 +130,7 @@ CONVENTIONS = (
 
 
 def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convention]]:
-    """The conventions whose factor lies within limits, the nearest to their middle first, each after its factor as a formula.
+    """The conventions whose factor lies within limits, the nearest to their middle first, each after its formula.
 
     Parameters
     ----------
