@@ -22,6 +22,7 @@ READ = {
     "check": ("--claims", "N 100 deg/sqrt(h)", "--at-most"),
     "rate": ("--interval", "60", "--no-times", "--methods", "mean"),
     "plan": ("--unexplained",),
+    "drift": ("--unexplained",),
     "selfcheck": ("--records", "2", "--unexplained"),
     "statespace": ("--unexplained",),
     "export": ("--to", "datasheet", "--unexplained"),

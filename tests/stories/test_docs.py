@@ -33,12 +33,12 @@ def commands(text):
 WITH_COMMANDS = (
     "tutorial.md", "command.md", "simulation.md", "install.md", "files.md", "json.md", "compare.md", "how_long.md",
     "why_absent.md", "choosing_statistic.md", "rate_and_angle.md", "languages.md", "stabilizer_paper.md",
-    "theoh_paper.md",
+    "theoh_paper.md", "drift.md",
 )  # fmt: skip
 WITH_PYTHON = (
     "simulation.md", "files.md", "json.md", "compare.md", "rate_and_angle.md", "data_sheet.md", "migrating.md",
     "command.md", "reference_data.md", "languages.md", "log_to_filter.md", "vertical.md", "stream.md",
-    "plugins.md", "check.md",
+    "plugins.md", "check.md", "drift.md",
 )  # fmt: skip
 """Pages whose commands, and whose Python, are run by the tests below."""
 

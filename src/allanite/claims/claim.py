@@ -119,7 +119,7 @@ def claim_of(
         return given if isinstance(given, ClaimedNoise) else ClaimedNoise(str(given), "model", (given,))
     text = os.fspath(given)
     if origin or os.path.isfile(text) or os.path.splitext(text)[1] in SUFFIXES or not isinstance(given, str):
-        return _of_file(text, origin, rate)
+        return _of_file(text, origin or "", rate)
     if text[:1].isdigit() or text.split(" ")[0] in TERMS:
         return ClaimedNoise(text, "model", tuple(models_of(part.strip() for part in text.split(";"))))
     try:

@@ -23,6 +23,7 @@ _OWN = (
     Verb("serve", "Analyze", "serve.serve", synonyms=("gui", "web")),
     Verb("simulate", "Simulate and plan", "simulate.simulate", synonyms=("generate", "synth")),
     Verb("plan", "Simulate and plan", "plan.plan"),
+    Verb("drift", "Simulate and plan", "drift.drift", synonyms=("navigation", "error")),
     Verb("selfcheck", "Simulate and plan", "plan.selfcheck"),
     Verb("statespace", "Simulate and plan", "plan.statespace"),
     Verb("export", "Use in a filter", "export.export", synonyms=("kalibr",)),

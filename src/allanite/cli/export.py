@@ -15,7 +15,7 @@ from .options import IDENTIFYING, RECORDING, SHOWN, options
 FILE = (
     click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
         help="Write the file; - is standard output. The suffix chooses the form if there are several."),
-    "json", *SHOWN,
+    "plot", "json", *SHOWN,
 )  # fmt: skip
 
 
@@ -25,8 +25,8 @@ USUAL = "datasheet"
 
 @click.command()
 @options(
-    "some files", "target", "axis", "inflate", "filter_rate", "models", "datasheet", "unexplained", "from_curve",
-    *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices, ExportChoices),
+    "some files", "target", "axis", "inflate", "cover", "filter_rate", "models", "datasheet", "unexplained",
+    "from_curve", *RECORDING, *IDENTIFYING, *FILE, settings=(NoiseChoices, ExportChoices),
 )  # fmt: skip
 def export(
     files: tuple[str, ...], target: str | None, models: tuple[str, ...], datasheet: str | None, **choices: Any
@@ -56,7 +56,7 @@ def export(
 @options(
     click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target",
     "origin", "rate",
-    "axis", "inflate", *FILE, settings=(ExportChoices,),
+    "axis", "inflate", "cover", *FILE, settings=(ExportChoices,),
 )  # fmt: skip
 def convert(values: tuple[str, ...], target: str | None, origin: str | None, **choices: Any) -> None:
     """Convert values of a data sheet to fields.

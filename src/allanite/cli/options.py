@@ -64,6 +64,26 @@ class Option(click.Option):
         self.synonyms = synonyms
 
 
+class Alone(Option):
+    """An option whose value may be omitted: what follows is taken for it only if it is one."""
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        """Give back to the parser what is no value."""
+        super().add_to_parser(parser, ctx)
+        for name in self.opts:
+            row = parser._long_opt[name]
+            row.process = self._given(row.process)
+
+    def _given(self, process: Any) -> Any:
+        def given(value: Any, state: Any) -> None:
+            if isinstance(value, str) and value not in ("yes", "no") and not (value[:1].isdigit() and "," in value):
+                state.rargs.insert(0, value)
+                value = self.flag_value
+            process(value, state)
+
+        return given
+
+
 def _path(name: str, help: str, *synonyms: str) -> Decorator:  # noqa: A002 - the word of click
     return click.option(f"--{name}", metavar="PATH", type=click.Path(), help=help, cls=Option, synonyms=synonyms)
 
@@ -86,6 +106,8 @@ def option_of(choice: ChoiceRow) -> Decorator:
     if choice.kind.many:
         form = {"multiple": True, "callback": lambda _, __, values: values or None}
     form |= {"metavar": choice.metavar or None, "help": choice.text, "cls": Option, "synonyms": choice.synonyms}
+    if choice.kind.alone:
+        form |= {"cls": Alone, "is_flag": False, "flag_value": choice.kind.alone}
     return click.option(*choice.options, choice.name, **form)
 
 
@@ -148,6 +170,8 @@ OPTIONS: dict[str, Decorator] = {
         help="Noise of a sensor without a file, e.g. 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'; repeatable."),
     "origin": click.option("--from", "origin", metavar="TARGET",
         help="VALUE is a file of this target: read its coefficients."),
+    "claimed": click.option("--claims", "claims", multiple=True, metavar="FILE",
+        help="Configuration of a filter or simulator, e.g. of kalibr; repeatable.", cls=Option, synonyms=("config",)),
     "filter": click.option("--filter", "filter_name", metavar="NAME",
         help="complementary, second-order, kalman, mahony, madgwick, bortz or accelerometer.  "
         "[default: complementary]"),

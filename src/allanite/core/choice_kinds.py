@@ -1,5 +1,6 @@
 """Kinds of choices: how text becomes a value, what a value of Python must be, and how the page asks for it."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import UnionType
@@ -21,7 +22,7 @@ class ChoiceKind:
     request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice. Each
     refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
     "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that is
-    read, if `written` does not.
+    read, if `written` does not. `alone` is the value of an option that is given without one.
     """
 
     name: str
@@ -32,6 +33,7 @@ class ChoiceKind:
     write: "Callable[[Any], str] | None" = None
     takes: tuple[type, ...] = ONE
     form: str = ""
+    alone: str = ""
 
     def parse(self, data: Any) -> Any:
         """The value from text or plain data.
@@ -118,6 +120,16 @@ def pieces(unit: str) -> ChoiceKind:
     )  # fmt: skip
 
 
+def _share(value: Any) -> float:
+    if not isinstance(value, str):
+        return float(value)
+    number, size = next(
+        ((value.removesuffix(unit), size) for unit, size in (("%", 1e-2), ("ppm", 1e-6)) if value.endswith(unit)),
+        (value, 1.0),
+    )
+    return float(NUMBER.read(number)) * size
+
+
 def _table(value: Any) -> Any:
     if not isinstance(value, str):
         return value
@@ -190,6 +202,7 @@ PERCENT = ChoiceKind(
     form=A_NUMBER,
 )  # fmt: skip
 """A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
+SHARE = ChoiceKind("share", _share, _demand_number, form="a share such as 0.1%, 1000ppm or 0.001")
 WORD = ChoiceKind("text", str, _demand_word, form="a word")
 SYMBOLS = ChoiceKind(
     "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v), form="a word"
@@ -221,6 +234,28 @@ MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 
 DURATIONS = ChoiceKind(
     "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
     control="list", takes=LISTS, form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'",
+)  # fmt: skip
+_SPAN = "two averaging times in s, e.g. 1,1000 or '1 s,10 min', or yes, or no"
+_ANSWERS = {"yes": True, "no": False}
+
+
+def _span(value: Any) -> Any:
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str) and value in _ANSWERS:
+        return _ANSWERS[value]
+    try:
+        low, high = DURATIONS.read(value)
+    except (UsageError, TypeError, ValueError):
+        low, high = 0.0, 0.0
+    if not 0 < low < high < math.inf:
+        raise UsageError(f"expected {_SPAN}, not {value!r}")
+    return low, high
+
+
+SPAN = ChoiceKind(
+    "span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
+    write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value),
 )  # fmt: skip
 LINES = ChoiceKind(
     "text", _lines, control="list", many=True, takes=(str, list, tuple, dict), form="text, a list of texts, or a table"

@@ -16,6 +16,9 @@ from .target import LONG
 
 Found = tuple["AxisCoefficient", ...]
 
+COVER = "cover"
+"""Method of estimates that cover what was identified."""
+
 
 @dataclass(frozen=True)
 class AxisCoefficient:
@@ -30,6 +33,7 @@ class AxisCoefficient:
     note: str = ""
     time: float = LONG
     level: float = 0.95
+    covers: bool = False
 
 
 def worst(found: Found) -> Found:
@@ -69,15 +73,25 @@ def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
     """The axes of one sensor that a policy uses: all, or the one of that name or place; a given model is every axis."""
     if policy not in "xyz" or not any(axis.name for axis in axes):
         return tuple(axes)
-    named = [axis for axis in axes if axis.name.lower().endswith(policy)]
-    if len(named) == 1:
-        return tuple(named)
-    if len(axes) != 3:
+    place = placed([axis.name for axis in axes], policy)
+    if place is None:
         raise UsageError(
             f"there is no axis {policy} among the channels {', '.join(axis.label for axis in axes)}; choose "
             f"another one with {spelled('--axis', 'axis')}"
         )
-    return (axes["xyz".index(policy)],)
+    return (axes[place],)
+
+
+def placed(names: Sequence[str], axis: str) -> int | None:
+    """Which channel is an axis: the one whose name ends in x, y or z, or of three that at its place.
+
+    Examples
+    --------
+    >>> placed(["gyro_y", "gyro_x"], "x"), placed(["w[0]", "w[1]", "w[2]"], "y"), placed(["left", "right"], "z")
+    (1, 1, None)
+    """
+    named = [i for i, name in enumerate(names) if name.lower().endswith(axis)]
+    return named[0] if len(named) == 1 else "xyz".index(axis) if len(names) == 3 else None
 
 
 def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained: bool) -> tuple[Found, list[str]]:
@@ -104,9 +118,10 @@ def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> AxisCoefficie
     forced = unexplained and e.status == "not valid" and e.value is not None
     if (e.valued or forced) and e.value:
         low, high = e.interval(axis.level)
-        note = say("the model does not explain the record") if forced else ""
+        note = say("the model does not explain the record") if forced else e.reason
         given = axis.fit.method == "given"
-        return AxisCoefficient(axis.name, e.value, low, high, False, given, note, level=axis.level)
+        covers = e.method == COVER
+        return AxisCoefficient(axis.name, e.value, low, high, False, given, note, level=axis.level, covers=covers)
     if e.value is None and e.upper:
         note = e.reason or say("{symbol} not identified", symbol=e.symbol)
         return AxisCoefficient(axis.name, e.upper, math.nan, math.nan, limit=True, note=note)
@@ -122,4 +137,7 @@ def _markov(axis: Axis) -> AxisCoefficient | None:
     walk = math.sqrt(2 / time)
     low, high = e.interval(axis.level)
     note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(), time=time)
-    return AxisCoefficient(axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level)
+    covers = e.method == COVER
+    return AxisCoefficient(
+        axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level, covers
+    )

@@ -80,6 +80,8 @@ class Entry(Value):
         Interval, or why the value is a limit; stands in the file.
     measured : bool
         Whether every value comes from an identified coefficient, not from a limit.
+    covers : bool
+        Whether the value is that of a model that covers what was identified.
     """
 
     name: str
@@ -91,6 +93,7 @@ class Entry(Value):
     channels: tuple[str, ...]
     remark: str
     measured: bool = True
+    covers: bool = False
 
     @property
     def full(self) -> str:

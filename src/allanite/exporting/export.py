@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
 
+from allanite.core.choice_kinds import SPAN
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, encoded, write
 from allanite.core.plain import Value
@@ -17,9 +18,11 @@ from .axes import Source, axes_of
 from .bounds import bounded
 from .choice import demand_policy, selected
 from .content import Axis, Content, Entry, by_sensor, one_line
+from .cover import covered
 from .exports import target_named
 from .fields import How, demand_how, fill, usable
 from .provenance import header, left_out
+from .stated_noise import StatedNoise, compared, groups_of, to_cover
 from .target import Target, demand_rate
 
 
@@ -37,6 +40,8 @@ class Export(Value):
         The file; base64 if it is `binary`.
     entries : tuple of Entry
         The fields; empty for targets that take whole models.
+    stated : tuple of StatedNoise
+        How the noise model of the file compares with that of the record; empty for targets that take whole models.
     notes : tuple of str
         What the target has no field for, and what users must know.
     alerts : tuple of str
@@ -53,6 +58,7 @@ class Export(Value):
     text: str
     binary: bool = False
     entries: tuple[Entry, ...] = ()
+    stated: tuple[StatedNoise, ...] = ()
     notes: tuple[str, ...] = ()
     alerts: tuple[str, ...] = ()
     rejected: tuple[str, ...] = ()
@@ -102,6 +108,7 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     rate: float | None = None,
     filter_rate: float | None = None,
     unexplained: bool = False,
+    cover: bool | str | tuple[float, float] | None = None,
     from_curve: bool = False,
     form: str = "",
 ) -> Export:
@@ -125,6 +132,10 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
         rate.
     unexplained : bool
         Whether coefficients are exported although no model explains the record.
+    cover : bool or (low, high), optional
+        Whether the file covers the noise and its upper limits, see `StatedNoise`: between two averaging times in s; or
+        True, from 1 s to a tenth of the record. By default where a filter has no field for what was identified, and
+        would be over-confident.
     from_curve : bool
         Whether upper bounds, read off the measured Allan deviation, are exported where no model explains the record or
         a coefficient has neither a value nor a limit. The file says so.
@@ -151,8 +162,12 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     >>> found = al.export([gyro, accelerometer], "vins-mono", rate=200.0)
     >>> round(found["gyr_n"], 7)
     0.0008727
+    >>> flicker = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")
+    >>> covering = al.export([flicker, accelerometer], "kalibr", rate=200.0, cover=(1, 300))
+    >>> print(covering.stated[0].model)
+    N = 0.6289 deg/sqrt(h), K = 35.84 deg/h/sqrt(h)
     """
-    how = How(axis, inflate, rate, filter_rate, unexplained, from_curve)
+    how = How(axis, inflate, rate, filter_rate, unexplained, SPAN.demand("cover", cover), from_curve)
     row, suffix = prepared(target, how, form)
     return exported(row, source, how, suffix)
 
@@ -175,15 +190,21 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     """The file of a target for a source, in the form of one of its suffixes."""
     axes = _axes(source, how)
     kept = usable(axes, how, target.sensors)
-    entries, missing = fill(target, kept, how)
+    groups = groups_of(kept, how) if target.drifts else []
+    stand = covered(target, kept, to_cover(target, kept, groups, how))
+    entries, missing = fill(target, stand, how)
+    stated = tuple(found for group in groups if (found := compared(target, entries, group, how)) is not None)
     if not target.fields:
         kept = tuple(axis for group in by_sensor(kept).values() for axis in selected(group, how.axis))
     rate = next((target.rate(axis.rate, how.filter_rate) for axis in kept), None)
     if not how.partial:
         demand_rate(target, rate)
     doubts = [axis for axis in axes if axis.doubt and not how.unexplained]
-    notes = (*missing, *left_out(target, kept))
-    head = (*header(target, kept, how), *notes, *(f"left out: {axis.name} ({axis.doubt})" for axis in doubts))
+    notes = (*missing, *left_out(target, stand), *(line for made in stated if made.covers for line in made.words()))
+    known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
+    warned = [line for made in stated if made.confident for line in made.words()[:known]]
+    left = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
+    head = (*header(target, kept, how), *notes, *warned, *left)
     made = target.forms[suffix](Content(tuple(map(one_line, head)), entries, kept, rate, how.inflate))
     binary = isinstance(made, bytes)
     text = base64.b64encode(made).decode() if isinstance(made, bytes) else made
@@ -191,7 +212,8 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, {})
     rejected = dict.fromkeys(chain((axis.name for axis in doubts), *(study.rejected for study in studies)))
     return Export(
-        target.name, suffix, text, binary, entries, (*notes, *target.notes), tuple(_alerts(kept, doubts, studies)),
+        target.name, suffix, text, binary, entries, stated, (*notes, *target.notes),
+        (*alerts_of(kept, doubts, studies), *warned),
         tuple(rejected), recipe, provenance,
     )  # fmt: skip
 
@@ -215,7 +237,7 @@ def _axes(source: Source, how: How) -> tuple[Axis, ...]:
     return tuple(found)
 
 
-def _alerts(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:
+def alerts_of(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:
     """Warnings, those that several channels share once."""
     alerts: dict[str, list[str]] = {}
     for axis in kept:

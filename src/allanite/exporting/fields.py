@@ -31,6 +31,9 @@ class How(ExportChoices):
         Rate of the filter's steps, Hz, if it is neither the target's own nor the sampling rate.
     unexplained : bool
         Whether coefficients are used although no model explains the record.
+    cover : (low, high), bool, optional
+        Averaging times, s, between which the noise is covered; True: from 1 s to what the record resolves; None: where
+        a filter would be over-confident.
     from_curve : bool
         Whether upper bounds read off the measured curve are used where there are no coefficients.
     partial : bool
@@ -38,6 +41,11 @@ class How(ExportChoices):
     """
 
     partial: bool = False
+
+    @property
+    def span(self) -> tuple[float, float] | None:
+        """The averaging times that are covered or compared, s; None if they follow from the record."""
+        return self.cover if isinstance(self.cover, tuple) else None
 
 
 def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[Axis, ...]:
@@ -120,7 +128,7 @@ def _entry(field: TargetField, found: Found, group: Sequence[Axis], target: Targ
     return Entry(
         field.name, field.sensor, field.section, field.unit, field.formula, values,
         tuple(c.channel for c in found if c.channel), join("; ", remarks[:1] if len(set(remarks)) == 1 else each),
-        not any(c.limit for c in found),
+        not any(c.limit for c in found), all(c.covers for c in found),
     )  # fmt: skip
 
 
@@ -136,7 +144,7 @@ def _value(field: TargetField, one: AxisCoefficient, rate: float, inflate: float
     elif math.isfinite(one.low) and math.isfinite(one.high):
         low, high = (field.value(limit, rate, one.time) for limit in (one.low, one.high))
         parts.append(say("{level:g} %: {low:.4g} to {high:.4g}", level=100 * one.level, low=low, high=high))
-    else:
+    elif one.given or not one.note:
         parts.append(say("given") if one.given else say("no interval"))
     if inflate != 1:
         parts.append(say("value inflated by {factor:g}", factor=inflate))
@@ -165,5 +173,10 @@ def demand_how(target: Target, how: How) -> None:
             raise UsageError(f"a rate must be above 0 Hz, not {rate:g}")
     if how.inflate != 1 and not target.inflatable:
         raise UsageError(f"{target.name} states what was measured: it is not inflated")
+    if how.cover and not target.drifts:
+        what = (
+            "only white noise, which covers no drift" if target.fields else "the whole model: there is nothing to cover"
+        )
+        raise UsageError(f"{target.name} takes {what}; omit {spelled('--cover', 'cover')}")
     if how.axis == "each" and target.fields and not target.each:
         raise UsageError(f"{target.name} takes one value for all axes; choose worst, median, x, y or z")

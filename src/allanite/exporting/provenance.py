@@ -6,8 +6,7 @@ from allanite.core.fit import Fit
 from allanite.core.titles import title_of
 from allanite.core.validity import graded
 from allanite.core.version import __version__
-from allanite.phrases.phrase import join, say
-from allanite.terms import TERMS
+from allanite.phrases.phrase import say
 
 from .bounds import BOUND, READ
 from .content import Axis, by_sensor
@@ -67,9 +66,5 @@ def left_out(target: Target, axes: Sequence[Axis]) -> Iterator[str]:
             name = title_of(e.symbol, e.signal)
             yield say("{axis}: no field for {symbol} ({name}), {words}",
                       axis=axis.label, symbol=e.symbol, name=name, words=e.words())  # fmt: skip
-        if slow := [e.symbol for e in lost if TERMS[e.symbol].slope >= 0]:
-            yield say("{axis}: without {symbols} the file states too little drift, also where K is an upper limit: the "
-                      "errors of a Kalman filter can be two to three times what it predicts",
-                      axis=axis.label, symbols=join(", ", slow))  # fmt: skip
         for line in axis.fit.lines:
             yield say("{axis}: no field for the sinusoid at {line}", axis=axis.label, line=line.words())

@@ -9,6 +9,7 @@ from allanite.core.errors import UsageError
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
+from allanite.terms import TERMS
 
 if TYPE_CHECKING:
     from .content import Content
@@ -134,6 +135,8 @@ class Target:
         Regular expression of comments in its file.
     inflatable : bool
         Whether its coefficients may be multiplied by a factor.
+    simulates : bool
+        Whether it simulates the noise of its file, and does not filter with it.
     synonyms : tuple of str
         Other names by which it is asked for; they are suggested, not taken.
     """
@@ -150,12 +153,18 @@ class Target:
     each: bool = False
     comments: str = r"#.*"
     inflatable: bool = True
+    simulates: bool = False
     synonyms: tuple[str, ...] = ()
 
     @property
     def sensors(self) -> tuple[str, ...]:
         """The sensors without which the file is useless."""
         return tuple(dict.fromkeys(field.sensor for field in self.fields if field.needed))
+
+    @property
+    def drifts(self) -> bool:
+        """Whether it has a field for slow noise."""
+        return any(field.term and TERMS[field.term].slope >= 0 for field in self.fields)
 
     @property
     def needs_rate(self) -> bool:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, PERCENT
+from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, LINES, PERCENT, SHARE, SPAN
 from allanite.core.choices import choice
 
 # fmt: off
@@ -26,6 +26,11 @@ def _unit() -> Any:
 
 def _unexplained() -> Any:
     return choice("", "Use the coefficients of channels that no model explains, too.", default=False)
+
+
+def _from_curve() -> Any:
+    return choice(
+        "", "Where no model explains the record, upper bounds read off the Allan deviation.", default=False)
 
 
 @dataclass(frozen=True, repr=False)
@@ -193,5 +198,36 @@ class ExportChoices:
     filter_rate: float | None = choice(
         "HZ", "Rate of the filter's steps.", told="the target's own, or the sampling rate")
     unexplained: bool = _unexplained()
-    from_curve: bool = choice(
-        "", "Where no model explains the record, upper bounds read off the Allan deviation.", default=False)
+    cover: bool | tuple[float, float] | None = choice(
+        "[SPAN]", "Cover the noise and its upper limits between two averaging times, e.g. 1,1000, or from 1 s to a "
+        "tenth of the record; --cover=no: do not.", kind=SPAN, told="where a filter would be over-confident")
+    from_curve: bool = _from_curve()
+
+
+@dataclass(frozen=True, repr=False)
+class DriftChoices:
+    """The choices of `DriftSettings`."""
+
+    times: tuple[float, ...] = choice(
+        "A,B,...", "Times without aid.", kind=DURATIONS, default=(1.0, 10.0, 60.0, 600.0, 3600.0),
+        told="1 s,10 s,1 min,10 min,1 h")
+    calibration: float | None = choice(
+        "TIME", "Time at rest before, over which the bias was averaged; 0: it was not.", kind=INSTANT,
+        told="60 s; 0 with --turn-on")
+    turn_on: tuple[str, ...] = choice(
+        "BIAS", "Standard deviation of a constant bias: '10 deg/h', '2 mg'; repeatable.", kind=LINES, default=(),
+        told="", synonyms=("bias",))
+    scale_factor: float = choice(
+        "SHARE", "Error of the scale factor, 1 sigma: 0.1%, 1000ppm or 0.001.", kind=SHARE, default=0.0, told="none")
+    maneuver: tuple[str, ...] = choice(
+        "SIZE", "On which the scale factor acts: '90 deg', '5 deg/s', '20 m/s', '2 m/s^2'; repeatable.",
+        kind=LINES, default=(), told="", synonyms=("turn", "acceleration"))
+    platform: Literal["strapdown", "level"] = choice(
+        "WORD", "strapdown: gravity acts through the tilt from the gyros; level: the platform is kept level.",
+        default="strapdown")
+    schuler: bool = choice("", "The earth is round: what is kept level swings with 84.4 min.", default=False)
+    require: tuple[str, ...] = choice(
+        "LIMIT", "Largest drift, 1 sigma: '1 deg in 10 min', '100 m in 1 min'; repeatable. Exit code 4 if exceeded.",
+        kind=LINES, default=(), told="", synonyms=("limit", "goal"))
+    unexplained: bool = _unexplained()
+    from_curve: bool = _from_curve()

@@ -58,7 +58,7 @@ def test_the_refusal_names_what_writes_a_file(file, tmp_path):
     )
     forced = run("export", file, "--to", "kalibr", "--unexplained")
     assert forced.exit_code == 0 or "read off the measured curve: --from-curve" in forced.stderr
-    written = run("export", file, "--to", "kalibr", "--from-curve", "-o", tmp_path / "imu.yaml")
+    written = run("export", file, "--to", "kalibr", "--from-curve", "--cover=no", "-o", tmp_path / "imu.yaml")
     assert written.exit_code == 0, written.stderr
     text = (tmp_path / "imu.yaml").read_text()
     assert text.count(f"{BOUND}, this is its 95 % upper limit") == 4
@@ -67,7 +67,7 @@ def test_the_refusal_names_what_writes_a_file(file, tmp_path):
 
 
 def test_bounds_are_those_of_the_curve_and_above_the_truth(study):
-    found = al.export(study, "kalibr", from_curve=True)
+    found = al.export(study, "kalibr", from_curve=True, cover=False)
     for channel, sensor, truth in zip(study, ("gyroscope", "accelerometer"), (GYRO, ACCELEROMETER), strict=True):
         curve = channel.curve
         high = curve.interval(0.95)[1]

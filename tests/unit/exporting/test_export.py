@@ -370,9 +370,14 @@ def test_a_line_break_in_a_path_is_no_line_of_the_file(tactical):
     assert "\n# source: a\\nimport os" in text
 
 
-def test_flicker_without_a_field_is_said_with_what_it_costs(tactical):
+def test_flicker_without_a_field_is_said_with_what_it_costs():
     """N and a limit of K were once called more cautious than need be."""
-    said = "gx: without B the file states too little drift, also where K is an upper limit"
-    assert {target: said in al.export(list(tactical), target).text for target in ("kalibr", "matlab", "px4")} == {
-        "kalibr": True, "matlab": False, "px4": True
-    }  # fmt: skip
+    noise = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")
+    study = al.analyze(al.simulate(noise, size=200_000, rate=10.0, rng=np.random.default_rng(3)))
+    accelerometer = al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
+    made = {target: al.export([study, accelerometer], target, cover=False) for target in ("matlab", "kalibr")}
+    said = {target: [alert for alert in one.alerts if "errs up to" in alert] for target, one in made.items()}
+    assert not said["matlab"], "it has a field for flicker"
+    (alert,) = said["kalibr"]
+    assert re.search(r"errs up to 2\.\d times what it predicts with this file$", alert)
+    assert alert in made["kalibr"].text

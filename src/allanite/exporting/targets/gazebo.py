@@ -40,6 +40,7 @@ GAZEBO = Target(
         )
     ),
     forms={".sdf": sdf},
+    simulates=True,
     source="gz-sensors, src/GaussianNoiseModel.cc: white noise of stddev per sample; the bias is a Gauss-Markov "
     "process driven with the variance dynamic_bias_stddev^2 T (1 - exp(-2 dt/T))/2 per step: "
     "dynamic_bias_stddev is K, not a standard deviation. The copy of 2018 had no dynamic bias",
@@ -66,6 +67,7 @@ GAZEBO_CLASSIC = Target(
             end=("</plugin>",),
         )
     },
+    simulates=True,
     source="rotors_gazebo_plugins/src/gazebo_imu_plugin.cpp: white noise density/sqrt(dt), and a Gauss-Markov "
     "bias driven with the variance walk^2 T (1 - exp(-2 dt/T))/2 per step",
     notes=(say("gyroscopeTurnOnBiasSigma and accelerometerTurnOnBiasSigma do not follow from a static recording"),),

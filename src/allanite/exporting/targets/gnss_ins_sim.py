@@ -29,6 +29,7 @@ GNSS_INS_SIM = Target(
             end=("}",),
         )
     },
+    simulates=True,
     source="gnss_ins_sim/sim/imu_model.py; gnss_ins_sim/pathgen/pathgen.py, bias_drift: a Gauss-Markov process "
     "driven by b_stability sqrt(1 - exp(-2 dt/T)), which starts at 0. Versions before drove it by "
     "b_stability dt, which depends on the rate. Without b_corr the drift is white noise",

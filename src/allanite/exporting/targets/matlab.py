@@ -19,6 +19,7 @@ MATLAB = Target(
     title=say("parameters of MATLAB's imuSensor, for loadparams(imu, file, 'IMU')"),
     fields=FIELDS,
     forms={".json": JsonLayout(root="IMU", extra=(("NoiseType", "single-sided"),), each=True)},
+    simulates=True,
     source="MathWorks, pages of gyroparams, accelparams and imuSensor, and the example of the Allan variance, "
     "which sets single-sided noise to match N and K. The keys of the file are the names of the "
     "properties; no sample of a file was seen",

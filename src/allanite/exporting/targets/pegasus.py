@@ -18,6 +18,7 @@ PEGASUS = Target(
         )
     ),
     forms={".json": JsonLayout(rate="update_rate")},
+    simulates=True,
     source="pegasus/simulator/logic/sensors/imu.py: white noise density/sqrt(dt), and a Gauss-Markov bias driven with "
     "the variance walk^2 T (1 - exp(-2 dt/T))/2 per step. In the version that was read the bias is not added to the "
     "samples, and the gyro has the correlation time of the accelerometer",

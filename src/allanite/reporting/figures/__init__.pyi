@@ -9,6 +9,7 @@ from .closeup import plot_closeups as plot_closeups
 from .comparison import plot_comparison as plot_comparison
 from .compensation import plot_compensated as plot_compensated
 from .curves import plot_panels as plot_panels
+from .drift import plot_drifts as plot_drifts
 from .lots import Course as Course
 from .lots import LotRow as LotRow
 from .lots import plot_lot as plot_lot
@@ -24,6 +25,7 @@ from .residuals import plot_goodness as plot_goodness
 from .residuals import plot_residuals as plot_residuals
 from .residuals import plot_series as plot_series
 from .spectra import plot_spectra as plot_spectra
+from .stated import plot_stated as plot_stated
 from .statespace import plot_state_spaces as plot_state_spaces
 from .surfaces import plot_surfaces as plot_surfaces
 from .units import LimitLine as LimitLine

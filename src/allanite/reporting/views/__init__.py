@@ -95,6 +95,7 @@ _OWN = {
     "Properties": "properties.properties_view",
     "StateSpace": "statespace.SPACE",
     "StateSpaces": "statespace.SPACES",
+    "Drift": "drift.drift_view",
     "Export": "export.export_view",
     "Imported": "export.imported_view",
     "Explanation": "export.explanation_view",

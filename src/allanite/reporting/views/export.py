@@ -4,19 +4,22 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from allanite.core.errors import UndrawnError
+from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.titles import title_of
 from allanite.core.units import signal_named
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
-from allanite.exporting.exports import EXPORTS
+from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
 from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.planning.datasheets import DATASHEETS
+from allanite.reporting import figures
 from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, condensed, plus_minus
-from allanite.reporting.sheet import Code, Column, Face, Note, Part, Sheet, Table, header_of, one_sheet
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS, WHITE
 
@@ -27,6 +30,12 @@ KEY = say(
     "f is the rate, T a correlation time; N, K and B are the coefficients of white noise, random walk and flicker"
 )
 
+
+DRAWN_LABEL = say("Allan deviation of the file and of the noise")
+DRAWN = say(
+    "Above, the Allan deviation of the noise model of the file beside that of the noise. Below, for a filter that knew "
+    "the angle (the velocity) and is left alone: the error it makes, and what it predicts."
+)
 
 SENSORS = {GYRO: say("gyro"), ACCELEROMETER: say("accelerometer")}
 HEADINGS = (
@@ -74,14 +83,23 @@ def first_of_export(value: Export, level: float) -> First:
     return First(EXPORTS[value.target].title, "", [Axes(names, rows)], alerts, after=after)
 
 
-@view(rows=lambda value, _: value.rows(), first=first_of_export)
+def _plot(values: Sequence[Export], _: Fit | None, __: float) -> Plot:
+    stated = [noise for value in values for noise in value.stated]
+    if not stated:
+        raise UndrawnError("there is no figure of this file: it holds the whole model, or no noise was found")
+    return figures.plot_stated(stated)
+
+
+@view(_plot, rows=lambda value, _: value.rows(), first=first_of_export)
 def export_view(value: Export, _: float) -> Face:
     """The fields of a file, or its text."""
-    row = EXPORTS[value.target]
+    row = row_of_file(value.target)
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
     if value.entries:
         parts.append(Table(HEADINGS, value.rows()[1]))
         parts.append(Note(KEY, "quiet"))
+        if value.stated:
+            parts.append(Drawing(lambda: figures.plot_stated(value.stated), DRAWN_LABEL, DRAWN))
     elif not value.binary:
         parts.append(Code(value.text.rstrip("\n")))
     parts += _noted(row, value.notes)
@@ -111,6 +129,7 @@ def _tables() -> dict[str, dict[str, str]]:
     """The names of every table, those of plug-ins among them, and what they are."""
     return {
         say("targets"): {name: row.title for name, row in EXPORTS.items()},
+        say("temperature parameters"): {row.name: row.title for row in TEMPERATURE.values()},
         say("statistics"): {name: row.title for name, row in STATISTICS.items()},
         say("noise terms"): {symbol: row.title for symbol, row in TERMS.items()},
         say("data sheets"): {name: row.document for name, row in DATASHEETS.items()},
@@ -137,7 +156,7 @@ def explanation_view(value: Explanation, _: float) -> Face:
         tables = ((title, Table(heads, list(rows.items()), most=99)) for title, rows in _tables().items())
         sheets = tuple(Sheet(title, (), (table,)) for title, table in tables)
         return Face(say("targets, statistics, noise terms and data sheets"), BRAND, sheets)
-    row = EXPORTS[value.target]
+    row = row_of_file(value.target)
     fields = [
         [f.full, SENSORS[f.sensor], f.unit, f.formula,
          title_of(f.term, signal_named(f.sensor)) if f.term else say("correlation time")]

@@ -1,0 +1,245 @@
+"""Drift: how far heading, attitude, velocity and position err with time without aid, and what causes it."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.encoding import plain
+from allanite.core.errors import UsageError
+from allanite.core.model import Term
+from allanite.core.names import demand_name
+from allanite.core.plain import Value
+from allanite.core.units import Signal, convert
+from allanite.phrases.phrase import say
+
+from .drift_axes import TURN_ON, DriftAxis, DriftCause, DriftShare, WorstAxis, worst_axis
+from .drift_settings import QUANTITIES, DriftPath, DriftSettings, Requirement
+
+PLANNED = ("N", "B", "K")
+"""The terms that a requirement is divided among, with the turn-on bias."""
+
+
+@dataclass(frozen=True, eq=False)
+class DriftCourse:
+    """A quantity with time.
+
+    Attributes
+    ----------
+    name : str
+        In `QUANTITIES`.
+    times : array
+        s.
+    sigma, low, high : array
+        Standard deviation and its interval, SI; NaN limits if no coefficient has an interval.
+    most : array
+        The same with the terms that were not identified at their upper limits.
+    shares : tuple of DriftShare
+        Of the axis of each sensor that is the worst at a time, those of upper limits among them.
+    """
+
+    name: str
+    times: FloatArray
+    sigma: FloatArray
+    low: FloatArray
+    high: FloatArray
+    most: FloatArray
+    shares: tuple[DriftShare, ...]
+
+    def to(self, unit: str) -> FloatArray:
+        """The standard deviation in a unit."""
+        return np.asarray(self.sigma * convert(1.0, QUANTITIES[self.name].si, unit))
+
+    @property
+    def title(self) -> str:
+        """What it is called."""
+        return QUANTITIES[self.name].title
+
+    @property
+    def unit(self) -> str:
+        """The unit in which it is shown."""
+        return QUANTITIES[self.name].unit
+
+    @property
+    def scale(self) -> float:
+        """What makes numbers in this unit of those in SI."""
+        return convert(1.0, QUANTITIES[self.name].si, self.unit)
+
+
+@dataclass(frozen=True, eq=False)
+class AllowedTerm:
+    """The coefficient with which a required drift is just kept, SI: alone, and with an equal share of the variance.
+
+    `found` is that of the worst axis; None if it is unknown.
+    """
+
+    sensor: str
+    name: str
+    signal: Signal
+    alone: float
+    shared: float
+    found: float | None
+
+    @property
+    def unit(self) -> str:
+        """Unit of data sheets."""
+        return self.signal.sheet[self.power]
+
+    @property
+    def power(self) -> float:
+        """Power of time in its unit."""
+        return 0.0 if self.name == TURN_ON else Term(self.name, 1.0, self.signal).row.power
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Drift(Value):
+    """Standard deviation of heading, attitude, velocity and position against time without aid.
+
+    Attributes
+    ----------
+    axes : tuple of DriftAxis
+    settings : DriftSettings
+    alerts, rejected : tuple of str
+        Warnings, and channels that were left out.
+    recipe, provenance : dict
+
+    Examples
+    --------
+    >>> import allanite as al
+    >>> found = al.drift(al.Model("N 0.3 deg/sqrt(h), B 7 deg/h"), times=(60.0, 600.0), calibration=300.0)
+    >>> found["heading"].to("deg").round(3).tolist(), round(found["position"].sigma[0])
+    ([0.126, 1.134], 14)
+    """
+
+    _also: ClassVar = ("results", "allowed")
+
+    axes: tuple[DriftAxis, ...]
+    settings: DriftSettings
+    alerts: tuple[str, ...] = ()
+    rejected: tuple[str, ...] = ()
+    recipe: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, str] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> DriftCourse:
+        """A quantity at the times of the settings."""
+        return self.course(name, self.settings.times)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """The quantities that the sensors give."""
+        sensors = {axis.sensor for axis in self.axes}
+        return tuple(dict.fromkeys(path.quantity for path in self.settings.paths if path.sensor in sensors))
+
+    def course(self, name: str, times: Sequence[float] | FloatArray) -> DriftCourse:
+        """A quantity at any times, s.
+
+        Raises
+        ------
+        UsageError
+            The sensors do not give it.
+        """
+        demand_name("quantity", name, self.quantities)
+        at = np.asarray(times, dtype=np.float64)
+        found = list(filter(None, (self._worst(path, at) for path in self.settings.paths if path.quantity == name)))
+        shares = [share for worst in found for share in worst.shares]
+        known = [share for share in shares if not share.cause.limit]
+        nothing = np.zeros_like(at)
+        total = sum((share.variance for share in known), nothing)
+        below, above = (np.sqrt(sum((getattr(worst, end) for worst in found), nothing)) for end in ("below", "above"))
+        if not any(math.isfinite(share.cause.high) for share in known):
+            below = above = np.full_like(at, math.nan)
+        most = sum((worst.most for worst in found), nothing)
+        return DriftCourse(
+            name, at, np.sqrt(total), np.sqrt(np.maximum(total - below, 0)), np.sqrt(total + above), np.sqrt(most),
+            tuple(shares),
+        )  # fmt: skip
+
+    def _worst(self, path: DriftPath, times: FloatArray) -> WorstAxis | None:
+        """The worst axis of a sensor at each time; None if there is none."""
+        axes = [axis for axis in self.axes if axis.sensor == path.sensor]
+        return worst_axis(axes, path, self.settings, times) if axes else None
+
+    @property
+    def allowed(self) -> list[dict[str, Any]]:
+        """What every requirement allows, as plain data."""
+        found = []
+        for need in self.settings.requirements:
+            terms = [
+                {"sensor": t.sensor, "name": t.name, "alone": t.alone, "shared": t.shared, "found": t.found,
+                 "unit": t.signal.si[t.power]}
+                for t in self.allowing(need)
+            ]  # fmt: skip
+            found.append({"require": need.text, "drift": self.reached(need), "terms": terms})
+        return found
+
+    def reached(self, need: Requirement) -> float | None:
+        """The drift at the time of a requirement, SI; None if nothing is known."""
+        return float(self.course(need.quantity, [need.time]).sigma[0]) if need.quantity in self.quantities else None
+
+    @property
+    def exceeded(self) -> list[str]:
+        """Which requirements are not kept, in sentences."""
+        found = ((need, self.reached(need)) for need in self.settings.requirements)
+        return [
+            say("{quantity} {size:.3g} {unit}, required: {text}", quantity=need.quantity,
+                size=reached / convert(1.0, need.unit, QUANTITIES[need.quantity].si), unit=need.unit, text=need.text)
+            for need, reached in found if reached is not None and reached > need.limit
+        ]  # fmt: skip
+
+    def allowing(self, need: Requirement) -> Iterator[AllowedTerm]:
+        """Coefficients with which a required drift is kept: each alone, and all of them with equal shares."""
+        at, settings = np.array([need.time]), self.settings
+        paths = [path for path in settings.paths if path.quantity == need.quantity]
+        if not paths:
+            raise UsageError(f"on a platform that is kept level there is no {need.quantity} to require")
+        count = len(paths) * (len(PLANNED) + 1)
+        for path in paths:
+            worst, signal = self._worst(path, at), path.signal
+            found = {s.cause.name: s.cause for s in worst.shares if not s.cause.limit} if worst else {}
+            for name in (*PLANNED, TURN_ON):
+                unit = DriftCause(name, Term(name, 1.0, signal)) if name in PLANNED else DriftCause(name, bias=1.0)
+                one = math.sqrt(unit.variance(settings.response(path), at, settings.averaged, None)[0])
+                cause = found.get(name)
+                known = None if cause is None else cause.term.value if cause.term else cause.bias
+                yield AllowedTerm(path.sensor, name, signal, need.limit / one, need.limit / one / count**0.5, known)
+
+    @property
+    def results(self) -> list[dict[str, Any]]:
+        """The quantities at the times, as plain data."""
+        found = []
+        for course in (self[name] for name in self.quantities):
+            shares = [
+                {"sensor": s.sensor, "channels": list(s.channels), "name": s.cause.name, "limit": s.cause.limit,
+                 "sigma": plain(np.sqrt(s.variance))}
+                for s in course.shares
+            ]  # fmt: skip
+            numbers = {key: plain(getattr(course, key)) for key in ("times", "sigma", "low", "high", "most")}
+            found.append({"quantity": course.name, "unit": QUANTITIES[course.name].si, **numbers, "causes": shares})
+        return found
+
+    def rows(self) -> tuple[list[str], list[list[Any]]]:
+        """Headings and rows: the total and each cause of each quantity at each time, and its share of the variance."""
+        headings = ["quantity", "time_s", "cause", "sensor", "channel", "sigma", "low", "high", "unit", "share_percent"]
+        rows: list[list[Any]] = []
+        for course in (self[name] for name in self.quantities):
+            si, unit = course.scale, course.unit
+            for i, time in enumerate(course.times.tolist()):
+                whole = float(course.sigma[i])
+                ends = [course.sigma, course.low, course.high]
+                rows.append([course.name, time, "all", "", "", *(float(v[i]) * si for v in ends), unit, 100.0])
+                rows.append([course.name, time, "all, with limits", "", "", float(course.most[i]) * si, None, None,
+                             unit, None])  # fmt: skip
+                for s in course.shares:
+                    sizes = [math.sqrt(float(v[i])) * si for v in (s.variance, s.low, s.high)]
+                    share = None if s.cause.limit or not whole else 100 * float(s.variance[i]) / whole**2
+                    name = f"{s.cause.name}, upper limit" if s.cause.limit else s.cause.name
+                    rows.append([course.name, time, name, s.sensor, s.channels[i], *sizes, unit, share])
+        return headings, rows
+
+    def _summary(self) -> str:
+        ends = (self[name] for name in self.quantities)
+        last = (f"{c.name} {c.to(c.unit)[-1]:.3g} {c.unit}" for c in ends)
+        return f"after {self.settings.times[-1]:g} s: {', '.join(last)}"

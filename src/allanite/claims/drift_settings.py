@@ -1,0 +1,213 @@
+"""Settings of a drift: what was calibrated, what is constant, how the sensors are mounted, and what is required."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+from allanite.core.choice_kinds import seconds_of
+from allanite.core.choices import demand_choices
+from allanite.core.errors import UnitError, UsageError, given
+from allanite.core.names import demand_name
+from allanite.core.notation import split_quantities
+from allanite.core.plain import Value
+from allanite.core.units import Signal, convert, signal_named, unit_of
+from allanite.exporting.target import ACCELEROMETER, GYRO
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
+from allanite.planning.drift import GRAVITY, Response, flat, schuler
+from allanite.study.settings import DriftChoices
+
+CALIBRATION = 60.0
+"""Usual time over which the bias is averaged, s."""
+
+LARGE = 0.1
+"""Errors of a scale factor from which on percent are meant."""
+
+
+class QuantityUnits(NamedTuple):
+    """What a quantity is called, and its units: SI, and that in which it is shown."""
+
+    title: str
+    si: str
+    unit: str
+
+
+QUANTITIES: dict[str, QuantityUnits] = {
+    "heading": QuantityUnits(say("heading"), "rad", "deg"),
+    "attitude": QuantityUnits(say("attitude"), "rad", "deg"),
+    "velocity": QuantityUnits(say("velocity"), "m/s", "m/s"),
+    "position": QuantityUnits(say("position"), "m", "m"),
+}
+
+
+class DriftPath(NamedTuple):
+    """A sensor in a quantity: how often its integral is integrated; `coupled` if it acts through a tilt."""
+
+    quantity: str
+    sensor: str
+    order: int
+    coupled: bool = False
+
+    @property
+    def signal(self) -> Signal:
+        """The output of the sensor."""
+        return signal_named(self.sensor)
+
+
+PATHS = (
+    DriftPath("heading", GYRO, 0),
+    DriftPath("attitude", GYRO, 0, coupled=True),
+    DriftPath("velocity", ACCELEROMETER, 0),
+    DriftPath("velocity", GYRO, 1, coupled=True),
+    DriftPath("position", ACCELEROMETER, 1),
+    DriftPath("position", GYRO, 2, coupled=True),
+)
+
+PLATFORMS = {"strapdown": PATHS, "level": tuple(path for path in PATHS if not path.coupled)}
+
+
+class Requirement(NamedTuple):
+    """A quantity that must not err more than `limit`, SI, after `time`, s; `unit` is that of the text."""
+
+    text: str
+    quantity: str
+    limit: float
+    unit: str
+    time: float
+
+    @classmethod
+    def of(cls, text: str) -> "Requirement":
+        """Read ``1 deg in 10 min`` or ``attitude 1 deg in 10 min``.
+
+        Raises
+        ------
+        UsageError
+            It is of another form, or in a unit of no quantity.
+
+        Examples
+        --------
+        >>> Requirement.of("100 m in 1 min")[1:]
+        ('position', 100.0, 'm', 60.0)
+        """
+        size, _, time = text.partition(" in ")
+        words = size.split()
+        name = words.pop(0) if words and words[0] in QUANTITIES else ""
+        try:
+            ((limit, unit),) = split_quantities(words)
+            seconds = seconds_of(time)
+        except ValueError:
+            limit, unit, seconds = 0.0, "", 0.0
+        if not (unit and seconds > 0 and 0 < limit < math.inf):
+            raise UsageError(f"a requirement has the form '1 deg in 10 min' or '100 m in 1 min', not {text!r}")
+        dimension = unit_of(unit).dimension
+        fitting = [q for q, row in QUANTITIES.items() if unit_of(row.si).dimension == dimension]
+        if not fitting or (name and name not in fitting):
+            raise UnitError(f"a required drift is an angle, a velocity or a distance as '1 deg', not {size.strip()!r}")
+        quantity = name or fitting[0]
+        return cls(text, quantity, convert(limit, unit, QUANTITIES[quantity].si), unit, seconds)
+
+
+@dataclass(frozen=True, repr=False)
+class DriftSettings(DriftChoices, Value):
+    """Choices of a drift.
+
+    Attributes
+    ----------
+    times : tuple of float
+        Without aid, s.
+    calibration : float, optional
+        Time at rest before, over which the bias was averaged, s; 0: it was not. By default 60 s, and 0 with `turn_on`.
+    turn_on : tuple of str
+        Standard deviations of constant biases: "10 deg/h", "2 mg".
+    scale_factor : float
+        Standard deviation of the error of the scale factor, as a share.
+    maneuver : tuple of str
+        What the scale factor acts upon: an angle or a rate, a velocity or an acceleration.
+    platform : {"strapdown", "level"}
+        Whether gravity acts through the tilt from the gyros, or the platform is kept level.
+    schuler : bool
+        Whether the earth is round.
+    require : tuple of str
+        Largest drifts: "1 deg in 10 min".
+    unexplained, from_curve : bool
+        As for `export`.
+
+    Raises
+    ------
+    UsageError
+        A time is not positive, or a text is of another form.
+    """
+
+    def __post_init__(self) -> None:
+        demand_choices(self)
+        demand_name("platform", self.platform, PLATFORMS)
+        times = tuple(float(time) for time in self.times)
+        if not times or not all(0 < time < math.inf for time in times):
+            raise UsageError(f"times without aid must be above 0 s, not {given(self.times)}")
+        object.__setattr__(self, "times", tuple(sorted(set(times))))
+        if self.calibration is not None and not 0 <= self.calibration < math.inf:
+            raise UsageError(f"a time of calibration must be 0 s or above, not {given(self.calibration)}")
+        if not 0 <= self.scale_factor < LARGE:
+            said = f"an error of the scale factor is a share below {LARGE:g}, not {self.scale_factor:g}"
+            raise UsageError(f"{said}; did you mean {self.scale_factor:g}%?" if self.scale_factor > 0 else said)
+        if bool(self.scale_factor) != bool(self.maneuver):
+            raise UsageError(
+                "an error of the scale factor acts on a maneuver: give both, e.g. "
+                + spelled("--scale-factor 0.1% --maneuver '90 deg'", "scale_factor=0.001, maneuver=['90 deg']")
+            )
+        assert self.requirements is not None  # noqa: S101 - texts are read now
+        for text in self.turn_on:
+            self._size(text, "a turn-on bias", "3 deg/h", (0,))
+        for text in self.maneuver:
+            self._size(text, "a maneuver", "90 deg", (0, 1))
+
+    @staticmethod
+    def _size(text: str, what: str, example: str, powers: tuple[int, ...]) -> tuple[str, float, int]:
+        """Sensor, size in SI and power of time of a quantity."""
+        try:
+            ((value, unit),) = split_quantities(text.split())
+        except (ValueError, AttributeError):
+            value, unit = math.nan, ""
+        if not unit or not 0 <= value < math.inf:
+            raise UsageError(f"{what} has the form '{example}', not {given(text)}")
+        for sensor in (GYRO, ACCELEROMETER):
+            for power in powers:
+                si = signal_named(sensor).si[power]
+                if unit_of(si).dimension == unit_of(unit).dimension:
+                    return sensor, convert(value, unit, si), power
+        raise UnitError(f"{what} of a gyro or an accelerometer has the form '{example}'; {unit!r} is not a unit of it")
+
+    @property
+    def averaged(self) -> float:
+        """The time of calibration, s."""
+        if self.calibration is not None:
+            return float(self.calibration)
+        return 0.0 if self.turn_on else CALIBRATION
+
+    @cached_property
+    def requirements(self) -> tuple[Requirement, ...]:
+        """What is required."""
+        return tuple(map(Requirement.of, self.require))
+
+    @property
+    def paths(self) -> tuple[DriftPath, ...]:
+        """How the sensors act on this platform."""
+        return PLATFORMS[self.platform]
+
+    def response(self, path: DriftPath) -> Response:
+        """What the integral of a sensor does to a quantity."""
+        gain = GRAVITY if path.sensor == GYRO and path.order else 1.0
+        round_earth = self.schuler and path.quantity != "heading"
+        return (schuler if round_earth else flat)(path.order, gain)
+
+    def bias(self, sensor: str) -> float:
+        """Standard deviation of the turn-on bias, SI."""
+        found = (self._size(text, "a turn-on bias", "3 deg/h", (0,)) for text in self.turn_on)
+        return math.hypot(*(size for of, size, _ in found if of == sensor))
+
+    def scaled(self, sensor: str) -> tuple[float, float]:
+        """Errors that the scale factor makes of the motion: of the rate and of its integral, SI."""
+        found = [self._size(text, "a maneuver", "90 deg", (0, 1)) for text in self.maneuver]
+        rate, integral = (sum(s for of, s, p in found if of == sensor and p == power) for power in (0, 1))
+        return self.scale_factor * rate, self.scale_factor * integral

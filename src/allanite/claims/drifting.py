@@ -1,0 +1,154 @@
+"""From the noise of the axes to the drift that it causes."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import PurePath
+from typing import Any
+
+import numpy as np
+
+from allanite.core.errors import DataError, UsageError
+from allanite.core.estimate import Estimate
+from allanite.core.model import Term
+from allanite.exporting.axes import Source, axes_of
+from allanite.exporting.bounds import bounded
+from allanite.exporting.content import Axis
+from allanite.exporting.conversion import load
+from allanite.exporting.export import alerts_of
+from allanite.exporting.fields import How, usable
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
+from allanite.study.provenance import provenance_of
+from allanite.study.recipe import Recipe
+from allanite.study.results import Study
+from allanite.terms import TERMS, WHITE
+
+from .drift import Drift
+from .drift_axes import SCALE, TURN_ON, DriftAxis, DriftCause
+from .drift_settings import DriftSettings
+
+
+def drift(
+    source: Source | str | PurePath | None = None, settings: DriftSettings | None = None, **choices: Any
+) -> Drift:
+    """Predict how far heading, attitude, velocity and position drift with time without aid, from the noise.
+
+    Each is a standard deviation, in closed form from the structure function of every noise term; nothing is simulated.
+    The bias is the mean over a calibration at rest before, whose own error is part of the drift.
+
+    Parameters
+    ----------
+    source : Study, Channel, Fit, Model, Term, Imported, path, or a sequence of these
+        The noise of gyros, accelerometers or both; of several axes the worst counts. None if only `require` is asked.
+    settings : DriftSettings, optional
+    **choices
+        Fields of `DriftSettings`: ``drift(fit, times=(60, 600), turn_on=("10 deg/h",))``.
+
+    Returns
+    -------
+    Drift
+
+    Raises
+    ------
+    UsageError
+        There is neither a source nor a requirement, or a choice is wrong.
+    DataError
+        A file cannot be read, no model explains the records, or none is of a gyro or an accelerometer.
+
+    Notes
+    -----
+    With the integral x of the error of a rate and D(t) = E[(x(s + t) - x(s))^2], an angle errs by
+    e(t) = x(t) - x(0) - (t/T) (x(0) - x(-T)) after a calibration of T, whose variance is
+    (1 + t/T) D(t) - (t/T) D(t + T) + (t/T) (1 + t/T) D(T). Strapdown, a tilt turns gravity g into the acceleration g e:
+    velocity and position err by its integrals, and by those of the accelerometer's noise.
+
+    Examples
+    --------
+    >>> from allanite import Model
+    >>> found = drift(Model("N 0.3 deg/sqrt(h)"), times=(3600,), calibration=0)
+    >>> found["heading"].to("deg").round(4).tolist()
+    [0.3]
+    """
+    settings = replace(settings or DriftSettings(), **choices)
+    sources = list(source) if isinstance(source, (list, tuple)) else [] if source is None else [source]
+    files = [str(one) for one in sources if isinstance(one, (str, PurePath))]
+    given = [one for one in sources if not isinstance(one, (str, PurePath))]
+    return drift_of([*load(files, Recipe(), ()), *given], settings)
+
+
+def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
+    """The drift from sources that have been read."""
+    if not sources:
+        if not settings.require:
+            raise UsageError(
+                "give the noise: a recording, a result of analyze in JSON, or "
+                + spelled("--model, --sensor or --datasheet", "a model")
+                + "; without it, what it may be: "
+                + spelled("--require '1 deg in 10 min'", "require=['1 deg in 10 min']")
+            )
+        return Drift((), settings, provenance=provenance_of())
+    found = list(axes_of([getattr(one, "models", one) for one in sources]))
+    inertial = [bounded(axis, asked=settings.from_curve) for axis in found if axis.fit.signal.inertial]
+    if found and not inertial:
+        names = ", ".join(f"{axis.label!r} ({axis.sensor})" for axis in found)
+        raise DataError(f"heading, velocity and position drift with gyros and accelerometers, not with {names}")
+    kept = usable(inertial, How(unexplained=settings.unexplained))
+    axes = tuple(_axis(axis, settings) for axis in kept)
+    studies = [one for one in sources if isinstance(one, Study)]
+    left = [axis for axis in inertial if axis not in kept]
+    alerts = [*alerts_of(kept, left, studies), *_unknown(kept)]
+    rejected = dict.fromkeys([*(axis.name for axis in left), *(name for study in studies for name in study.rejected)])
+    recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, provenance_of())
+    return Drift(axes, settings, tuple(alerts), tuple(rejected), recipe, provenance)
+
+
+def _unknown(axes: Sequence[Axis]) -> Iterator[str]:
+    """The terms of which there is neither a value nor a limit, with the channels."""
+    reasons: dict[str, list[str]] = {}
+    for axis in axes:
+        for e in axis.fit:
+            if e.value is None and not e.upper and not TERMS[e.symbol].slope < WHITE:  # others are bounded
+                reasons.setdefault(f"{e.symbol} {e.words()}", []).append(axis.label)
+    for words, names in reasons.items():
+        yield say("{names}: not taken into account: {terms}", names=", ".join(names), terms=words)
+
+
+def _axis(axis: Axis, settings: DriftSettings) -> DriftAxis:
+    """What makes an axis drift: its terms, sinusoids, and constant errors."""
+    places = [(i, cause) for i, e in enumerate(axis.fit) if (cause := _cause(axis, e, settings)) is not None]
+    causes = [cause for _, cause in places]
+    rows = [i for i, cause in places if not cause.limit]
+    correlation = axis.fit.correlation
+    if correlation is not None:
+        known = correlation[np.ix_(rows, rows)]
+        correlation = np.where(np.isfinite(known), known, np.eye(len(rows)))
+    lines = [DriftCause("Sine", line.term) for line in axis.fit.lines]
+    bias, (rate, step) = settings.bias(axis.sensor), settings.scaled(axis.sensor)
+    constant = [DriftCause(TURN_ON, bias=bias)] if bias else []
+    constant += [DriftCause(SCALE, bias=rate, step=step)] if rate or step else []
+    if correlation is not None and lines:
+        size = len(rows) + len(lines)
+        whole = np.eye(size)
+        whole[: len(rows), : len(rows)] = correlation
+        correlation = whole
+    curve = axis.curve or axis.fit.curve
+    longest = None if curve is None else float(curve.tau[-1])
+    return DriftAxis(axis.sensor, axis.name, (*causes, *lines, *constant), axis.rate, longest, correlation)
+
+
+def _cause(axis: Axis, e: Estimate, settings: DriftSettings) -> DriftCause | None:
+    """The term of an estimate at its value, or at its upper limit; None of what has neither, or no structure."""
+    if e.symbol in {line.term.symbol for line in axis.fit.lines}:
+        return None
+    usable = e.valued or (settings.unexplained and e.status == "not valid")
+    if usable and e.value and not TERMS[e.symbol].transient:
+        low, high = np.abs(e.interval(axis.level)) / abs(e.value)
+        across = math.prod(e.interval(axis.level)) < 0  # a ramp that may be none
+        return DriftCause(
+            e.symbol, Term(e.symbol, e.value, e.signal, e.shape), low=0.0 if across else float(min(low, high)),
+            high=float(max(low, high)),
+        )  # fmt: skip
+    if e.value is None and e.upper and not e.row.claimed and not e.shape and not TERMS[e.symbol].parameters:
+        return DriftCause(e.symbol, Term(e.symbol, e.upper, e.signal), limit=True)
+    return None

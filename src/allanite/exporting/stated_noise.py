@@ -1,0 +1,282 @@
+"""The noise model that a file states beside the noise that was identified, and the errors of a filter with it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from allanite.core.curve import Curve
+from allanite.core.estimate import Estimate
+from allanite.core.model import Model, Term
+from allanite.core.plain import Value
+from allanite.core.units import Signal, unit_of
+from allanite.phrases.phrase import join, say
+from allanite.statistics import expected
+from allanite.statistics.row import FloatArray
+from allanite.terms import TERMS
+
+from .content import Axis, Entry, by_sensor
+from .fields import How, fill
+from .outage import Outages
+from .target import LONG, Target, TargetField
+
+USUAL = 1.0, 1000.0
+"""Averaging times, s, that are compared where there is no record."""
+
+RESOLVED = 0.1
+"""Share of a record up to which averaging times are compared."""
+
+PER_DECADE = 20
+"""Averaging times at which two curves are compared, and times without aid, in a decade."""
+
+CLOSE = 0.9
+"""Ratio of deviations from which a file is not called over-confident."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StatedNoise(Value):
+    """The noise model that a file states, beside the noise that was identified.
+
+    Attributes
+    ----------
+    channels : tuple of str
+    model, noise : Model
+        What the file states, with its inflation; what was identified.
+    tau, deviation, identified, upper : arrays, shape (k,)
+        Averaging times, s; Allan deviations of the file, of the identified noise, and the upper limit of what it may
+        be, SI.
+    times, predicted, actual, best : arrays, shape (j,)
+        Times without aid, s; standard deviation of the angle (of the velocity) that a filter with the file's model
+        predicts after them, that of its error under the identified noise, and that of the best filter, SI.
+    covers : bool
+        Whether the file was made to cover the upper limit.
+    curves : tuple of Curve
+        The measured Allan deviations.
+    """
+
+    _also: ClassVar = ("lowest", "span")
+
+    channels: tuple[str, ...]
+    model: Model
+    noise: Model
+    tau: FloatArray
+    deviation: FloatArray
+    identified: FloatArray
+    upper: FloatArray
+    times: FloatArray
+    predicted: FloatArray
+    actual: FloatArray
+    best: FloatArray
+    covers: bool = False
+    curves: tuple[Curve, ...] = ()
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The averaging times that were compared, s."""
+        return float(self.tau[0]), float(self.tau[-1])
+
+    @property
+    def lowest(self) -> tuple[float, float]:
+        """The lowest ratio of the file's Allan deviation to that of the noise, and its averaging time, s.
+
+        To the upper limit, if the file was made to cover it.
+        """
+        ratio = self.deviation / (self.upper if self.covers else self.identified)
+        return float(ratio.min()), float(self.tau[ratio.argmin()])
+
+    @property
+    def label(self) -> str:
+        """The channels, or that it is a given model."""
+        return join(", ", self.channels) or say("given {sensor}", sensor=self.noise.signal.name)
+
+    def words(self) -> tuple[str, ...]:
+        """What the file covers and at what cost, or by how much a filter with it errs more than it predicts."""
+        (low, high), (ratio, at), wrong = self.span, self.lowest, self.actual / self.predicted
+        sensor = say(self.noise.signal.name)
+        if not self.covers:
+            return (
+                say("{channels}: the Allan deviation of this file is {ratio:.2f} of that of the noise at {at:.4g} s",
+                    channels=self.label, ratio=ratio, at=at),
+                say("{sensor}: a filter errs up to {wrong:.2g} times what it predicts with this file",
+                    sensor=sensor, wrong=float(wrong.max())),
+            )  # fmt: skip
+        loss = 100 * float((self.actual / self.best).max() - 1)
+        return (
+            say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} s",
+                channels=self.label, low=low, high=high, ratio=ratio, at=at),
+            say("{sensor}: errors without aid at most {loss:.0f} % above the best filter's, predicted up to {wide:.2g} "
+                "times as large", sensor=sensor, loss=loss, wide=1 / float(wrong.min())),
+        )  # fmt: skip
+
+    @property
+    def confident(self) -> bool:
+        """Whether a filter with the file is over-confident."""
+        return not self.covers and self.lowest[0] < CLOSE
+
+    def _summary(self) -> str:
+        return self.words()[0]
+
+
+@dataclass(frozen=True, eq=False)
+class AxisNoise:
+    """What is known of the noise of an axis between two averaging times: Allan variances at `tau`, SI, shape (k,)."""
+
+    axis: Axis
+    model: Model
+    tau: FloatArray
+    identified: FloatArray
+    upper: FloatArray
+
+    @property
+    def steady(self) -> Model:
+        """The model without a ramp, whose effect depends on how long ago it began."""
+        kept = tuple(t for t in self.model if t.row.waveform is None)
+        return Model(kept) if kept else self.model
+
+
+def span_of(axis: Axis) -> tuple[float, float]:
+    """The averaging times to compare, s: from 1 s to a tenth of the record."""
+    low = max(USUAL[0], 2 / axis.rate) if axis.rate else USUAL[0]
+    length = axis.curve.size / axis.curve.rate if axis.curve is not None and axis.curve.size else USUAL[1] / RESOLVED
+    return low, max(RESOLVED * length, 10 * low)
+
+
+def groups_of(axes: Sequence[Axis], how: How) -> list[tuple[AxisNoise, ...]]:
+    """The noises of the axes that share the values of the fields: under "worst" all of a sensor, otherwise each."""
+    groups: list[tuple[AxisNoise, ...]] = []
+    for group in by_sensor(axes).values():
+        low, high = how.span or span_of(group[0])
+        tau = np.geomspace(low, high, max(2, round(PER_DECADE * np.log10(high / low)) + 1))
+        noises = [noise_of(axis, tau, unexplained=how.unexplained) for axis in group]
+        found = [noise for noise in noises if noise is not None]
+        groups += [tuple(found)] if how.axis == "worst" and found else [(noise,) for noise in found]
+    return groups
+
+
+def noise_of(axis: Axis, tau: FloatArray, *, unexplained: bool) -> AxisNoise | None:
+    """The noise of an axis and its upper limit; None if there is no term.
+
+    The upper limit is the smaller one of two: the sum of the upper limits of all terms, and the upper limit of the
+    measured Allan deviation.
+    """
+    known, limits, struck = [], [], False
+    for e in axis.fit:
+        row = TERMS[e.symbol]
+        if not row.scatters or len(e.shape) != len(row.parameters):
+            continue
+        forced = unexplained and e.status == "not valid"
+        value = e.value if e.valued or forced else None
+        most = _most(e, axis.level)
+        known += [Term(e.symbol, value, e.signal, e.shape)] if value else []
+        limits += [Term(e.symbol, most, e.signal, e.shape)] if most else []
+        struck = struck or (e.status == "not valid" and not most)
+    if not limits:
+        return None
+    identified = _allan(known, tau, axis.rate)
+    summed = np.full(tau.shape, np.inf) if struck else _allan(limits, tau, axis.rate)
+    upper = np.minimum(summed, _measured(axis, tau))
+    upper = np.maximum(np.where(np.isfinite(upper), upper, _allan(limits, tau, axis.rate)), identified)
+    return AxisNoise(axis, Model(known or limits), tau, identified if known else upper, upper)
+
+
+def _most(e: Estimate, level: float) -> float:
+    """The upper limit of a coefficient, or its value if there is none."""
+    if not e.valued:
+        return e.upper or 0.0
+    high = e.interval(level)[1]
+    return float(high if np.isfinite(high) else e.value or 0.0)
+
+
+def _allan(terms: Sequence[Term], tau: FloatArray, rate: float | None) -> FloatArray:
+    if not terms:
+        return np.zeros(tau.shape)
+    model = Model(tuple(t for t in terms if not t.row.per_sample or rate))
+    return expected(model, "oadev", tau, rate=rate) if rate else expected(model, "oadev", tau)
+
+
+def _measured(axis: Axis, tau: FloatArray) -> FloatArray:
+    """The upper limit of the measured Allan variance; infinity where there is none."""
+    none = np.full(tau.shape, np.inf)
+    if axis.curve is None or axis.curve.law is None:
+        return none
+    upper = axis.curve.to(axis.fit.signal.unit).interval(axis.level)[1]
+    upper = np.where(np.isfinite(upper), upper, np.inf)
+    logs = np.interp(np.log(tau), np.log(axis.curve.tau), np.log(upper), left=np.inf, right=np.inf)
+    return np.exp(2 * logs)
+
+
+def model_of_fields(
+    target: Target, entries: Sequence[Entry], axis: Axis, rate: float | None, which: int
+) -> Model | None:
+    """The noise model that the fields of a file state for a sensor; None if one is missing that the file needs.
+
+    A random walk with a correlation time is a Gauss-Markov process. `which` is the place of the axis.
+    """
+    by_name = {entry.full: entry.values[min(which, len(entry.values) - 1)] for entry in entries}
+    fields = [field for field in target.fields if field.sensor == axis.sensor]
+    if any(field.needed and field.full not in by_name for field in fields):
+        return None
+    times = [by_name[f.full] * unit_of(f.unit).factor for f in target.fields if not f.term and f.full in by_name]
+    own = [by_name[f.full] * unit_of(f.unit).factor for f in fields if not f.term]
+    time = (own or times or [LONG])[0]
+    terms = [
+        _term(f, f.coefficient(by_name[f.full], rate or 1.0, time), axis.fit.signal, time if own or times else None)
+        for f in fields
+        if f.term and by_name.get(f.full)
+    ]
+    return Model(tuple(terms)) if terms else None
+
+
+def _term(field: TargetField, coefficient: float, signal: Signal, time: float | None) -> Term:
+    if time is None or TERMS[field.term].slope <= 0:
+        return Term(field.term, coefficient, signal)
+    return Term("GM", coefficient * (time / 2) ** 0.5, signal, (time,))
+
+
+def to_cover(
+    target: Target, axes: Sequence[Axis], groups: Sequence[tuple[AxisNoise, ...]], how: How
+) -> list[tuple[AxisNoise, ...]]:
+    """The groups to cover: if that is not said, those of a filter that would be over-confident with what was found."""
+    if how.cover is not None or target.simulates:
+        return list(groups) if how.cover else []
+    entries = fill(target, axes, replace(how, partial=True))[0]
+    found = ((group, compared(target, entries, group, how)) for group in groups)
+    return [group for group, made in found if (made.confident if made else _lacking(target, group))]
+
+
+def _lacking(target: Target, group: Sequence[AxisNoise]) -> bool:
+    """Whether the target has no field for a slow term of the group."""
+    fields = {field.term for field in target.fields}
+    slow = {t.symbol for noise in group for t in noise.model if not t.row.slope < 0}
+    return bool(slow - fields)
+
+
+def compared(target: Target, entries: Sequence[Entry], noises: Sequence[AxisNoise], how: How) -> StatedNoise | None:
+    """How the fields of a file compare with the noise of the axes that share them; None if some are missing."""
+    axis = noises[0].axis
+    own = [entry for entry in entries if entry.sensor == axis.sensor]
+    places = [entry.channels.index(axis.name) for entry in own if axis.name in entry.channels]
+    if how.axis in "xyz" and axis.name and not places:
+        return None  # another axis was asked for
+    model = model_of_fields(target, entries, axis, target.rate(axis.rate, how.filter_rate), max(places, default=0))
+    return None if model is None else beside(noises, model, covers=any(entry.covers for entry in own))
+
+
+def beside(noises: Sequence[AxisNoise], model: Model, *, covers: bool) -> StatedNoise:
+    """The comparison of a file's model with the noise of its axes: the largest of it at each averaging time."""
+    first, tau = noises[0], noises[0].tau
+    times = np.geomspace(tau[0], tau[-1], max(2, round(np.log10(tau[-1] / tau[0]) * PER_DECADE / 2) + 1))
+    outages = Outages(tuple(times.tolist()))
+    own = outages.of(model)
+    weights = outages.weights(own)
+    truths = [outages.of(noise.steady) for noise in noises]
+    best = np.max([cov.errors(outages.weights(cov)) for cov in truths], axis=0)
+    actual = np.max([cov.errors(weights) for cov in truths], axis=0)
+    return StatedNoise(
+        tuple(noise.axis.name for noise in noises if noise.axis.name), model, first.model, tau,
+        np.sqrt(_allan(tuple(model), tau, first.axis.rate)),
+        np.sqrt(np.max([n.identified for n in noises], axis=0)), np.sqrt(np.max([n.upper for n in noises], axis=0)),
+        times, np.sqrt(own.errors(weights)), np.sqrt(actual), np.sqrt(best), covers,
+        tuple(noise.axis.curve for noise in noises if noise.axis.curve is not None),
+    )  # fmt: skip

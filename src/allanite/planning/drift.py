@@ -1,0 +1,186 @@
+r"""Variance of an angle or a velocity without aid, and of its integrals, from the structure function of the noise.
+
+The error of a rate is y, its integral x. The bias is removed as the mean of y over a time T before the start:
+
+    e(t) = x(t) - x(0) - (t/T) (x(0) - x(-T)).
+
+What a level axis makes of it is sum of weights times x: e(t) itself, or its integral with a kernel psi of the age
+a = t - s. With A = the sum of the weights after 0 and r = (integral of A)/T the weights of x(0) and x(-T) are -(A + r)
+and r. They remove constants and lines, and therefore the variance follows from D(t), also of noise whose D is a
+generalized function (flicker, random walk, ramp): it is -1/2 times the sum of all products of two weights and D of the
+distance between them.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.model import Term
+from allanite.core.units import convert
+from allanite.terms.row import FAR
+
+GRAVITY = convert(1.0, "g", "m/s^2")
+RADIUS = 6_371_008.8
+"""Mean radius of the earth, m; with gravity it makes the Schuler period of 84.4 min."""
+
+INSTANT = 1.0
+"""Mean of flicker that is its bias at the start where nothing was averaged, s: at an instant flicker has no value."""
+
+BRIEF = 1e-5
+"""The same of a random walk and a ramp, which have one, as a share of t: the limit at 0."""
+
+NODES, HALVINGS, MOST = 24, 40, 4000
+"""Gauss-Legendre nodes of a panel; panels, of which each is half as long as the next; periods that have panels."""
+
+
+@dataclass(frozen=True)
+class Response:
+    """What the integral x of a rate's error does to a quantity: at(0) x(t) + the integral of psi(t - s) x(s).
+
+    Attributes
+    ----------
+    at : float
+        Weight of x(t).
+    kernel : tuple of (c, k, nu)
+        psi(a) is the sum of the real parts of c a^k exp(i nu a).
+    """
+
+    at: float = 0.0
+    kernel: tuple[tuple[complex, int, float], ...] = ()
+
+    def psi(self, a: FloatArray) -> FloatArray:
+        """The kernel at ages `a`, s."""
+        return np.asarray(sum(((c * a**k * np.exp(1j * nu * a)).real for c, k, nu in self.kernel), np.zeros_like(a)))
+
+    def bias(self, t: FloatArray) -> FloatArray:
+        """What a constant error of the rate of 1 has made of the quantity after `t` s."""
+        return np.array([_panels(self, float(each), 0.0).bias for each in t])
+
+    def step(self, t: FloatArray) -> FloatArray:
+        """What a constant error of the integral of 1, from the start on, has made of it after `t` s."""
+        return np.array([_panels(self, float(each), 0.0).whole for each in t])
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """Nodes h in [0, t], and the weights of D at them: of two ages h apart, of the age h, of the age t - h."""
+
+    h: FloatArray
+    pairs: FloatArray
+    recent: FloatArray
+    early: FloatArray
+    whole: float
+    bias: float
+
+
+def flat(order: int, gain: float = 1.0) -> Response:
+    """The `order`-th integral of x over a flat earth, times `gain`."""
+    return Response(gain) if order == 0 else Response(0.0, ((gain / math.factorial(order - 1), order - 1, 0.0),))
+
+
+def schuler(order: int, gain: float = 1.0) -> Response:
+    """The same of an axis that stays level on a round earth: integrals of cos(w s), w^2 = g/R, instead of 1.
+
+    Examples
+    --------
+    >>> hour = np.array([3600.0])
+    >>> (schuler(2, GRAVITY).bias(hour) / flat(2, GRAVITY).bias(hour)).round(3).tolist()
+    [0.366]
+    """
+    w = math.sqrt(GRAVITY / RADIUS)
+    kernels = {0: ((1j * gain * w, 0, w),), 1: ((gain + 0j, 0, w),), 2: ((-1j * gain / w, 0, w),)}
+    return Response(gain if order == 0 else 0.0, kernels[order])
+
+
+@lru_cache(maxsize=1024)
+def _panels(response: Response, t: float, period: float) -> Panels:
+    """Nodes of panels that grow from 0 to t, with ends at every half of a period."""
+    x, w = np.polynomial.legendre.leggauss(NODES)
+    edges = np.append(0.0, t * 0.5 ** np.arange(HALVINGS, -1, -1.0))
+    if period > 0:
+        turns = np.arange(1, min(MOST, int(2 * t / period) + 1)) * period / 2
+        edges = np.unique(np.concatenate([edges, turns[turns < t]]))
+    half = np.diff(edges)[:, None] / 2
+    h, weight = (edges[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel()
+    inner, own = np.polynomial.legendre.leggauss(2 * NODES)
+    age = (t - h)[:, None] / 2 * (1 + inner)
+    products = (response.psi(age) * response.psi(age + h[:, None])) @ own * (t - h) / 2
+    recent, early = weight * response.psi(h), weight * response.psi(t - h)
+    whole = response.at + recent.sum()
+    return Panels(h, 2 * weight * products, recent, early, float(whole), float(t * whole - recent @ h))
+
+
+def drift_variance(
+    term: Term, response: Response, times: FloatArray, *, calibration: float = 0.0, rate: float | None = None
+) -> FloatArray:
+    """Variance of a quantity from one noise term, `times` after the start, SI.
+
+    Parameters
+    ----------
+    term : Term
+        One with a structure function; a sinusoid has a random phase.
+    response : Response
+    times : array
+        s, above 0.
+    calibration : float
+        Time over which the bias was averaged before the start, s. With 0 it is known at the start without error: that
+        of a random walk and a ramp, of flicker the mean of its last second, and of other noise, which has a finite
+        variance or is white, nothing.
+    rate : float, optional
+        Sampling rate, Hz, of noise that begins with the sampling.
+
+    Examples
+    --------
+    >>> from allanite import N
+    >>> white, hour = N(0.3, "deg/sqrt(h)"), np.array([3600.0])
+    >>> [round(float(np.degrees(drift_variance(white, flat(0), hour, calibration=T) ** 0.5)[0]), 3) for T in (0, 3600)]
+    [0.3, 0.424]
+    """
+    own = rate if term.row.per_sample and rate else 1.0
+    row, size = term.sampled(own), term.power(own) / own**2
+    general = float(row.structure(np.array([FAR]))[0]) < 0  # D of noise without a finite variance of its increments
+    usual = (INSTANT if row.growth < 2.5 else 0.0) if general and not calibration else calibration
+
+    def one(t: float) -> float:
+        window = usual or (BRIEF * t if general else 0.0)
+        if row.periodic:
+            return _sinusoid(response, t, window, 2 * math.pi * row.shape[0])
+        return _sum(response, t, window, lambda h: row.structure(h * own), row.period / own)
+
+    return size * np.array([one(float(t)) for t in times])
+
+
+def _sum(response: Response, t: float, window: float, D: Callable[[FloatArray], FloatArray], period: float) -> float:
+    """-1/2 times the sum of all products of weights and D of their distance."""
+    at, p = response.at, _panels(response, t, period)
+    whole, r = p.whole, p.bias / window if window else 0.0
+    end, last, before = D(np.array([t, window, t + window])).tolist()
+    inner = D(p.h)
+    found = -0.5 * p.pairs @ inner - at * (p.recent @ inner)
+    found += (whole + r) * (at * end + p.early @ inner)
+    if window:
+        found += r * ((whole + r) * last - at * before - p.early @ D(p.h + window))
+    return max(float(found), 0.0)
+
+
+def _sinusoid(response: Response, t: float, window: float, w: float) -> float:
+    """The mean over the phase of the square, for a rate of amplitude 1: half the square of the complex response."""
+    p, turned = _panels(response, t, 0.0), response.at + 0j
+    for c, k, nu in response.kernel:  # the real part of c exp(i nu a) is half of it and of its conjugate
+        turned += (c * _moment(k, 1j * (nu - w), t) + c.conjugate() * _moment(k, -1j * (nu + w), t)) / 2
+    r = p.bias / window if window else 0.0
+    total = turned * np.exp(1j * w * t) - p.whole - r + r * np.exp(-1j * w * window)
+    return float(abs(total) ** 2 / (2 * w**2))
+
+
+def _moment(k: int, u: complex, t: float) -> complex:
+    """The integral of a^k exp(u a) from 0 to t; k is 0 or 1."""
+    z = u * t
+    if abs(z) < 0.1:
+        return t ** (k + 1) * sum(z**j / (math.factorial(j) * (j + k + 1)) for j in range(12))
+    whole = complex(np.exp(z))
+    return (whole - 1) / u if k == 0 else (whole * (z - 1) + 1) / u**2

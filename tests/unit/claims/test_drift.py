@@ -1,0 +1,200 @@
+"""The drift that noise causes: axes, intervals, limits, constant errors, requirements, and the command."""
+
+import dataclasses
+import json
+import math
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+import drift as script
+from allanite.cli import main
+from allanite.core.errors import DataError, UsageError
+
+GYRO, ACCELEROMETER = al.Model("N 0.3 deg/sqrt(h), B 7 deg/h"), al.Model("N 100 ug/sqrt(Hz), B 50 ug")
+G = 9.80665
+
+
+@pytest.fixture(scope="module")
+def study():
+    """Two gyros, of which the last drifts most, and an accelerometer."""
+    models, units = [GYRO, GYRO + al.K(100, "deg/h/sqrt(h)"), ACCELEROMETER], ["deg/h", "deg/h", "ug"]
+    records = [
+        dataclasses.replace(al.simulate(model, 20_000, 10.0, rng=seed, unit=unit), name=name)
+        for seed, (model, unit, name) in enumerate(zip(models, units, ("gx", "gz", "ax"), strict=True))
+    ]
+    return al.analyze(al.Recording(tuple(records)))
+
+
+def test_the_share_of_each_cause_adds_up(study):
+    found = al.drift(study)
+    for name in found.quantities:
+        course = found[name]
+        known = [s for s in course.shares if not s.cause.limit]
+        np.testing.assert_allclose(sum(s.variance for s in known), course.sigma**2, rtol=1e-12)
+        assert (course.low <= course.sigma).all()
+        assert (course.sigma <= course.high).all()
+        assert (course.sigma <= course.most).all()
+        assert np.isfinite(course.high).all()
+    assert found.quantities == ("heading", "attitude", "velocity", "position")
+
+
+def test_the_worst_axis_is_that_of_each_time(study):
+    whole = al.drift(study)["heading"]
+    each = [al.drift(study[name].fit)["heading"] for name in ("gx", "gz")]
+    np.testing.assert_allclose(whole.sigma, np.max([one.sigma for one in each], axis=0), rtol=1e-12)
+    names = ["gx", "gz"]
+    assert [names[i] for i in np.argmax([one.sigma for one in each], axis=0)] == list(whole.shares[0].channels)
+    assert whole.shares[0].channels[-1] == "gz"
+
+
+def test_the_interval_follows_the_correlation_of_the_estimates(study):
+    """Of one term the limits are those of its coefficient; of two, no wider than if both were at theirs."""
+    fit = study["gz"].fit
+    alone = dataclasses.replace(fit, estimates=tuple(e for e in fit if e.symbol == "N"), correlation=None)
+    course = al.drift(alone)["heading"]
+    low, high = fit.N.interval()
+    np.testing.assert_allclose(course.low / course.sigma, low / fit.N.value, rtol=1e-9)
+    np.testing.assert_allclose(course.high / course.sigma, high / fit.N.value, rtol=1e-9)
+    course = al.drift(fit)["heading"]
+    ends = [np.sqrt(sum(getattr(s, end) for s in course.shares if not s.cause.limit)) for end in ("low", "high")]
+    assert (course.low >= ends[0] * (1 - 1e-9)).all()
+    assert (course.high <= ends[1] * (1 + 1e-9)).all()
+
+
+def test_terms_that_were_not_found_are_limits(study):
+    fit = study["gx"].fit
+    absent = [e.symbol for e in fit if e.value is None and e.upper]
+    assert "K" in absent
+    course = al.drift(fit)["heading"]
+    limits = [s for s in course.shares if s.cause.limit]
+    assert {s.cause.name for s in limits} == set(absent)
+    np.testing.assert_allclose(sum(s.variance for s in limits), course.most**2 - course.sigma**2, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("choices", "quantity", "expected"),
+    [
+        ({"turn_on": ("10 deg/h",)}, "heading", lambda t: np.radians(10 / 3600) * t),
+        ({"turn_on": ("10 deg/h",)}, "velocity", lambda t: G * np.radians(10 / 3600) * t**2 / 2),
+        ({"turn_on": ("10 deg/h",)}, "position", lambda t: G * np.radians(10 / 3600) * t**3 / 6),
+        ({"turn_on": ("2 mg", "3 mg")}, "position", lambda t: math.hypot(2, 3) * 1e-3 * G * t**2 / 2),
+        ({"turn_on": ("2 mg",), "platform": "level"}, "velocity", lambda t: 2e-3 * G * t),
+        ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "heading", lambda t: 0.01 * math.pi / 2 + 0 * t),
+        ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "attitude", lambda t: 0 * t),
+        ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "velocity", lambda t: 0 * t),
+        ({"scale_factor": 0.01, "maneuver": ("5 deg/s",)}, "heading", lambda t: 0.01 * np.radians(5) * t),
+        ({"scale_factor": 0.01, "maneuver": ("20 m/s",)}, "position", lambda t: 0.2 * t),
+        ({"scale_factor": 0.01, "maneuver": ("2 m/s^2",)}, "position", lambda t: 0.01 * t**2),
+    ],
+)  # fmt: skip
+def test_constant_errors(choices, quantity, expected):
+    times = np.array([1.0, 60.0, 3600.0])
+    tiny = [al.N(1e-15, "rad/sqrt(s)"), al.N(1e-15, "m/s/sqrt(s)")]
+    found = al.drift(tiny, times=times, **choices)
+    np.testing.assert_allclose(found[quantity].sigma, expected(times), rtol=1e-9, atol=1e-6)
+
+
+@pytest.mark.parametrize("text", ["1 deg in 10 min", "attitude 0.5 deg in 1 min", "3 m/s in 60 s", "100 m in 1 h"])
+def test_what_is_allowed_just_keeps_the_requirement(text):
+    (need,) = al.DriftSettings(require=(text,)).requirements
+    terms = list(al.drift(require=(text,)).allowing(need))
+    shared = {}
+    for term in terms:
+        bias = term.name == "turn-on bias"
+        models = {} if bias else {term.sensor: al.Model(f"{term.name} {term.alone!r} {term.signal.si[term.power]}")}
+        turn_on = (f"{term.alone!r} {term.signal.si[0]}",) if bias else ()
+        source = list(models.values()) or [al.Model(f"N 1e-15 {term.signal.si[0.5]}")]
+        found = al.drift(source, calibration=60, turn_on=turn_on, require=(text,))
+        assert found.reached(need) == pytest.approx(need.limit, rel=1e-6)
+        shared.setdefault(term.sensor, []).append(term)
+    models = [
+        al.Model(", ".join(f"{t.name} {t.shared!r} {t.signal.si[t.power]}" for t in of if t.power or t.name == "B"))
+        for of in shared.values()
+    ]
+    biases = [f"{t.shared!r} {t.signal.si[0]}" for t in terms if t.name == "turn-on bias"]
+    assert al.drift(models, calibration=60, turn_on=biases).course(need.quantity, [need.time]).sigma[0] == (
+        pytest.approx(need.limit, rel=1e-9)
+    )
+
+
+@pytest.mark.parametrize(
+    ("choices", "words"),
+    [
+        ({"times": ()}, "above 0 s"),
+        ({"times": (0,)}, "above 0 s"),
+        ({"calibration": -1}, "0 s or above, not -1"),
+        ({"scale_factor": 0.5, "maneuver": ("90 deg",)}, "did you mean 0.5%?"),
+        ({"scale_factor": 0.01}, "give both"),
+        ({"maneuver": ("90 deg",)}, "give both"),
+        ({"turn_on": ("10 deg",)}, "'3 deg/h'; 'deg' is not a unit of it"),
+        ({"turn_on": ("fast",)}, "has the form '3 deg/h', not 'fast'"),
+        ({"scale_factor": 0.01, "maneuver": ("3 K",)}, "'90 deg'; 'K' is not a unit of it"),
+        ({"platform": "levl"}, "did you mean level?"),
+        ({"require": ("1 deg",)}, "'1 deg in 10 min' or '100 m in 1 min', not '1 deg'"),
+        ({"require": ("1 deg in soon",)}, "not '1 deg in soon'"),
+        ({"require": ("1 K in 1 s",)}, "an angle, a velocity or a distance"),
+        ({"require": ("attitude 1 m in 1 s",)}, "an angle, a velocity or a distance"),
+    ],
+)  # fmt: skip
+def test_choices_that_are_refused(choices, words):
+    with pytest.raises(UsageError) as error:
+        al.drift(GYRO, **choices)
+    assert words in str(error.value)
+
+
+def test_sources_that_are_refused():
+    with pytest.raises(UsageError, match="give the noise"):
+        al.drift()
+    with pytest.raises(DataError, match="drift with gyros and accelerometers, not with"):
+        al.drift(al.N(1, "V/sqrt(Hz)"))
+    with pytest.raises(UsageError, match=r"unknown quantity 'heading'"):
+        al.drift(ACCELEROMETER)["heading"]
+    with pytest.raises(UsageError, match="there is no attitude to require"):
+        list(
+            al.drift(GYRO, platform="level").allowing(
+                al.DriftSettings(require=("attitude 1 deg in 1 s",)).requirements[0]
+            )
+        )
+
+
+def run(*words):
+    return CliRunner().invoke(main, ["drift", *words])
+
+
+def test_a_configuration_drifts_as_its_model(tmp_path):
+    walk = [al.Model("N 0.3 deg/sqrt(h), K 20 deg/h/sqrt(h)"), al.Model("N 100 ug/sqrt(Hz), K 50 ug/sqrt(h)")]
+    al.export(walk, "kalibr", rate=100.0).write(tmp_path / "imu.yaml")
+    found = json.loads(run("--claims", str(tmp_path / "imu.yaml"), "--json", "-").stdout)
+    expected = al.drift(walk).to_dict()
+    for one, other in zip(found["results"], expected["results"], strict=True):
+        np.testing.assert_allclose(one["sigma"], other["sigma"], rtol=1e-4)
+
+
+def test_a_requirement_that_is_exceeded_ends_with_4():
+    model = ("--model", "N 0.3 deg/sqrt(h), B 7 deg/h")
+    kept, lost = (run(*model, "--require", text) for text in ("3 deg in 10 min", "1 deg in 10 min"))
+    assert kept.exit_code == 0
+    assert "1.327° predicted: kept" in kept.stdout
+    assert lost.exit_code == 4
+    assert "limit exceeded: heading 1.33 deg, required: 1 deg in 10 min" in lost.stderr
+
+
+def test_a_share_is_typed_in_three_ways():
+    tails = [run("--sensor", "rlg", "--maneuver", "90deg", "--scale-factor", text, "--csv", "-").stdout
+             for text in ("0.1%", "1000ppm", "0.001")]  # fmt: skip
+    assert tails[0] == tails[1] == tails[2]
+    assert "scale factor" in tails[0]
+
+
+def test_a_part_of_the_benchmark_made_again():
+    """100 runs: within 4.5 standard errors of the closed form, strapdown and on the round earth."""
+    runs = 100
+    for schuler in (False, True):
+        found = script.simulated("N B K", runs, 99, script.round_earth if schuler else script.strapdown)
+        course = script.predicted("N B K", schuler=schuler)
+        for name, rms in found.items():
+            axes = 1 if name == "heading" else 2
+            np.testing.assert_allclose(rms, course[name].sigma, rtol=4.5 / math.sqrt(2 * axes * runs))
