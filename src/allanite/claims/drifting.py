@@ -97,10 +97,11 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
     axes = tuple(_axis(axis, settings) for axis in kept)
     studies = [one for one in sources if isinstance(one, Study)]
     left = [axis for axis in inertial if axis not in kept]
-    alerts = [*alerts_of(kept, left, studies), *_unknown(kept)]
+    alerts = alerts_of([replace(axis, alerts=()) for axis in kept], left, [])
+    notes = [*alerts_of([replace(axis, doubt="") for axis in kept], [], studies), *_unknown(kept)]
     rejected = dict.fromkeys([*(axis.name for axis in left), *(name for study in studies for name in study.rejected)])
     recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, provenance_of())
-    return Drift(axes, settings, tuple(alerts), tuple(rejected), recipe, provenance)
+    return Drift(axes, settings, tuple(alerts), tuple(notes), tuple(rejected), recipe, provenance)
 
 
 def _unknown(axes: Sequence[Axis]) -> Iterator[str]:

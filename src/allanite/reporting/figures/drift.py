@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from allanite.claims.drift import Drift
+from allanite.core.errors import UndrawnError
 from allanite.core.units import signal_named
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
@@ -14,13 +15,12 @@ from .drawing import dashes, stacked, with_unit
 PER_DECADE, DEEP = 12, 1e-3
 """Times of a decade; the least share of the largest drift that is drawn."""
 
-ACCELEROMETER = (0.0, (7.0, 1.6, 1.4, 1.6))
-"""Line of what does not come from the gyros."""
-
 
 @style.plotted
 def plot_drifts(new_figure: style.NewFigure, value: Drift) -> Figure:
     """A panel for each quantity, but attitude where it is as the heading."""
+    if not value.axes:
+        raise UndrawnError("a requirement alone is not drawn: give the noise, too")
     times = value.settings.times
     ends = (min(times), max(times)) if len(times) > 1 else (times[0] / 100, times[0])
     grid = np.geomspace(*ends, max(8, round(PER_DECADE * np.log10(ends[1] / ends[0]))))
@@ -42,8 +42,9 @@ def plot_drifts(new_figure: style.NewFigure, value: Drift) -> Figure:
             name = share.cause.name
             label = join(" ", (signal_named(share.sensor).name, name)) if several else name
             color = TERMS[name].color if name in TERMS else style.OTHER
-            look = dashes(name) if name in TERMS and share.sensor == "gyro" else ACCELEROMETER
-            ax.plot(grid, np.sqrt(share.variance) * scale, color=color, ls=look, lw=1.3, label=label)
+            dashed = name in TERMS and share.sensor == "gyro"  # thin and solid: what does not come from the gyros
+            line, width = (dashes(name), 1.4) if dashed else ("-", 0.8)
+            ax.plot(grid, np.sqrt(share.variance) * scale, color=color, ls=line, lw=width, label=label)
         top = max(course.most.max(), course.sigma.max()) * scale
         bottom = max(course.sigma.min() * scale / 10, top * 1e-12)
         ax.set(xscale="log", yscale="log", ylim=(bottom, 2 * top), xlim=ends,
