@@ -147,6 +147,13 @@ def test_choices_that_are_refused(choices, words):
     assert words in str(error.value)
 
 
+def test_one_text_or_number_is_taken_where_several_are():
+    found = al.drift(GYRO, times=60, turn_on="10 deg/h", require="1 deg in 1 min")
+    several = al.drift(GYRO, times=(60,), turn_on=["10 deg/h"], require=["1 deg in 1 min"])
+    assert found.to_dict() == several.to_dict()
+    assert al.drift(GYRO, times="1 min,1 h").settings.times == (60, 3600)
+
+
 def test_sources_that_are_refused():
     with pytest.raises(UsageError, match="give the noise"):
         al.drift()
