@@ -40,6 +40,8 @@ from .comparison.comparing import pool as pool
 from .comparison.comparing import truncation as truncation
 from .comparison.comparison import Comparison as Comparison
 from .comparison.pooled import Pool as Pool
+from .comparison.sheet import SheetComparison as SheetComparison
+from .comparison.sheet import compare_with_sheet as compare_with_sheet
 from .core.correction import Correction as Correction
 from .core.curve import Curve as Curve
 from .core.errors import AllaniteError as AllaniteError
@@ -75,6 +77,7 @@ from .exporting.export import export as export
 from .exporting.exports import EXPORTS as EXPORTS
 from .exporting.imported import Imported as Imported
 from .exporting.imported import read_noise as read_noise
+from .exporting.temperature import temperature_parameters as temperature_parameters
 from .identification import METHODS as METHODS
 from .identification import identify as identify
 from .identification.checks.residuals import residuals as residuals

@@ -157,7 +157,7 @@ def compensation():
         heads = "time [s],gx [deg/h],flat [deg/h],temp [degC]"
         np.savetxt(path, rows, "%.9g", ",", header=heads, comments="")
         settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))
-        return compensate_file(path, al.Recipe(level=LEVEL, outliers="mark"), settings, apply_to=path)
+        return compensate_file(path, al.Recipe(level=LEVEL, outliers="mark"), settings, apply_to=path, beyond=2)
 
 
 @cache
@@ -284,6 +284,7 @@ MAKERS = {
     "Angle": lambda: level().angles[0],
     "Loop": lambda: al.attitude.Loop(0.9, 0.016),
     "Optimum": lambda: level().angles[0].optimum,
+    "Order": lambda: compensation()[0].orders[0],
     "Prediction": lambda: level().angles[0].prediction,
     "ScenarioErrors": scenario_errors,
     "Source": lambda: level().angles[0].prediction.sources[0],
@@ -335,10 +336,13 @@ MAKERS = {
     "DriftCause": lambda: al.drift(study()).axes[0].causes[0],
     "DriftSettings": lambda: al.DriftSettings(turn_on=("3 deg/h",)),
     "Explanation": lambda: Explanation("kalibr"),
+    "Claim": lambda: al.DATASHEETS["ADIS16470"].claims[0],
+    "DataSheet": lambda: al.DATASHEETS["BMI088"],
+    "SheetComparison": lambda: al.compare_with_sheet(record(), "adis16470", al.Recipe(level=LEVEL)),
     "Export": exported,
     "Export of matrices": lambda: al.export(WHITE_AND_WALK[0], "statespace", rate=100.0),
-    "ClaimedNoise": lambda: claim_of("N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)"),
     "StatedNoise": lambda: exported().stated[0],
+    "ClaimedNoise": lambda: claim_of("N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)"),
     "Imported": lambda: noise_in(exported().text, al.EXPORTS["kalibr"], None),
     "RateSettings": lambda: RateSettings(noise=MODEL, signal=MODEL.signal, horizontal=True, latitude=55.8),
     "RateStudy": rate_study,

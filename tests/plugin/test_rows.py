@@ -6,9 +6,10 @@ from allanite_sample import tones
 
 from allanite.cli import VERBS
 from allanite.exporting.exports import EXPORTS
+from allanite.planning.datasheets import DATASHEETS
 from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
-from allanite.testing import check_reader, check_statistic, check_target, check_term, check_verb
+from allanite.testing import check_data_sheet, check_reader, check_statistic, check_target, check_term, check_verb
 
 FILE = str(Path(__file__).with_name("example.tones"))
 
@@ -27,6 +28,10 @@ def test_the_noise_term():
 
 def test_the_target():
     check_target(EXPORTS["pilot"])
+
+
+def test_the_data_sheet():
+    check_data_sheet(DATASHEETS["SG-1"])
 
 
 def test_the_verb():

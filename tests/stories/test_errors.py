@@ -36,6 +36,7 @@ def sentence(command, *said, cure="", code=2):
 MODEL = "'N 0.1 deg/sqrt(h)'"
 SHORT = "deviation gyro.csv --no-intervals --channels gx"
 ANALYZE = "analyze gyro.csv --channels gx"
+THERMAL = "compensate gyro.csv -o new.params --regressors gz"
 PLAN = "plan --rate 100 --durations 600"
 
 ROWS = [
@@ -89,14 +90,18 @@ ROWS = [
     sentence(f"{ANALYZE} --device fogg", "did you mean fog?", cure=f"{ANALYZE} --device fog"),
     sentence("analyze gyro.csv --lang fr", "unknown language 'fr'", "en, ru, zh"),
     sentence("spectrum gyro.csv --window han", "did you mean hann?", cure="spectrum gyro.csv --window hann"),
-    sentence("export gyro.csv --to open_vins", "unknown target 'open_vins'", "did you mean openvins?"),
-    sentence("explain open_vins", "did you mean openvins?", cure="explain openvins"),
+    sentence("export gyro.csv --to openvin", "unknown target 'openvin'", "did you mean openvins?"),
+    sentence("explain openvin", "did you mean openvins?", cure="explain openvins"),
     sentence("explain vins", "did you mean vins-mono?", cure="explain vins-mono"),
     sentence("convert '0.1 deg/rt(h)'", "did you mean deg/sqrt(h)?", cure="convert '0.1 deg/sqrt(h)'"),
     sentence("convert 0.1", "has the form '0.66 deg/sqrt(h)'"),
     sentence(f"{PLAN} --sensor memss", "did you mean mems?", cure=f"{PLAN} --sensor mems"),
     sentence(f"{PLAN} --model 'ARW 0.1 deg/sqrt(h)'", "did you mean N?", cure=f"{PLAN} --model {MODEL}"),
-    sentence(PLAN, "give either a recording, or the noise with --model or --sensor", cure=f"{PLAN} --model {MODEL}"),
+    sentence(PLAN, "or the noise with --model, --sensor or --datasheet", cure=f"{PLAN} --model {MODEL}"),
+    sentence(f"{PLAN} --datasheet adis1647", "did you mean ADIS16470?", cure=f"{PLAN} --datasheet ADIS16470"),
+    sentence(f"{PLAN} --datasheet adis16470 --sensor fog", "given twice", "use only one of --model, --sensor or"),
+    sentence("compare gyro.csv gyro.csv --datasheet adis16470", "a single file with a data sheet"),
+    sentence("explain adis1647", "did you mean ADIS16470?", cure="explain ADIS16470"),
     sentence("plan --sensor mems", "sampling rate", "--rate HZ"),
     sentence("drift", "give the noise", "--model, --sensor or --datasheet", "--require '1 deg in 10 min'"),
     sentence("drift --sensor mems --require '1 deg'", "'1 deg in 10 min' or '100 m in 1 min', not '1 deg'"),
@@ -107,6 +112,12 @@ ROWS = [
     sentence("rate gyro.csv --interval 99999", "longer than the record of 100 s", cure="rate gyro.csv --interval 10"),
     sentence("dynamic gyro.csv --window 99999", "99999 s is not possible", "100 s long"),
     sentence("compensate gyro.csv --regressors temp", "no column 'temp'", "gx [deg/s]"),
+    sentence("compensate gyro.csv --regressors gz --to px4", "--to px4 writes a file", "--output PATH"),
+    sentence("compensate gyro.csv --regressors gz -o x", "for the parameters of an autopilot", "add --to px4"),
+    sentence(f"{THERMAL} --to pixhawk", "unknown autopilot 'pixhawk'", "px4, ardupilot"),
+    sentence(f"{THERMAL} --to px4 --degree 5", "powers up to 3, not 5: --degree 3"),
+    sentence(f"{THERMAL} --to px4 --instance 4", "numbers its sensors from 0 to 3"),
+    sentence(f"{THERMAL},gy --to ardupilot", "the powers of one temperature, not gy as well", "--regressors temp"),
     sentence("export gyro.csv --channels gx --to kalibr --unexplained", "needs an accelerometer", "--model", code=3),
     sentence(f"simulate new.csv --model {MODEL} --rate 10 --duration 5x", "'10 min' or 1h, not '5x'"),
     sentence(f"simulate new.foo --model {MODEL} --rate 10 --duration 9", "'.foo'", ".csv, .npz"),

@@ -41,6 +41,10 @@ SCREENS = {
     "explain": r"targets: kalibr, openvins",
     "explain oadev": r"degrees of freedom",
     "explain kalibr": r"gyroscope_noise_density",
+    "explain sch16t-k01": r"gyroscope: N = 0\.025 °/√h, B = 0\.3 °/h",
+    f"compare {TWO} --datasheet adis16470": r"Angular Random Walk +°/√h +0\.34 +0\.1192 ± 1 %",
+    "plan --datasheet adis16470 --rate 100": r"\nN +0\.34 +°/√h",
+    "convert adis16470": r"^0\.34 °/√h = 0\.005667 °/s/√Hz",
     "example": r"^000  angle error",
     "vertical --gyro 'N 0.3 deg/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz)'": r"time constant \S+ s: RMS error",
     "angle plan --latitude 60 --duration 3600": r"The best window of 1 h begins",
@@ -74,6 +78,7 @@ MADE = {
     "lot stored": r"2 of 2 units analyzed\n\nfile +channel +N °/√h .*\na\.csv +gx +\d",
     "simulate walk.csv --model 'N 0.3 deg/sqrt(h)' --rate 10 --duration 100": r"gx: gyroscope, rate in °/h, 10 Hz",
     "compensate warm.csv --rate 10 --regressors temp": r"gx depends on temp",
+    "compensate both.csv --rate 10 --regressors temp --to px4 -o a.params": r"gx +gy\nvariance removed +\d.* no effect",
     "watch warm.csv --channels gx --idle 0.2 --rate 10": r"warm\.csv +gyroscope, 10 Hz",
 }
 """The same of verbs that need files of their own, in the folder of `made`."""
@@ -89,6 +94,8 @@ def made(tmp_path_factory):
     temperature = 20 + 5 * np.sin(np.arange(2000) / 200)
     columns = np.column_stack([rng.normal(size=2000) + temperature, temperature])
     np.savetxt(folder / "warm.csv", columns, delimiter=",", header="gx [deg/h],temp [degC]", comments="")
+    both = np.column_stack([columns[:, 0], rng.normal(size=2000), temperature])
+    np.savetxt(folder / "both.csv", both, delimiter=",", header="gx [deg/h],gy [deg/h],temp [degC]", comments="")
     return folder
 
 

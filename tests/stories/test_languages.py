@@ -67,6 +67,10 @@ FIELDS |= {part for name in FIELDS for part in (name.split(".")[-1], f"{name.spl
 KNOWN = sorted(FIELDS | {*EXPORTS, *STATISTICS}, key=len, reverse=True)
 DATA.append(rf"(?<![\w.])({'|'.join(map(re.escape, KNOWN))})(?!\w)")
 
+QUOTED = {text for sheet in al.DATASHEETS.values() for text in (sheet.name, sheet.maker, sheet.document)}
+QUOTED |= {text for c in al.DATASHEETS["ADIS16470"].claims for text in (c.printed, c.conditions, c.place)}
+DATA += sorted((rf"(?<!\w){re.escape(text)}(?!\w)" for text in QUOTED), key=len, reverse=True)
+
 UNITS = "deg rad arcsec sqrt Hz kHz min mGal ug mg ms degC ppm rms LSB bit nT mV uV mA uA Nm kg"
 SYMBOLS = "beta GM ARW VRW RRW tau edf dof chi AIC ADC DAC Phi Qd"
 NAMES = "adis gx gy gz ay ux temp enc ref h_polar q_polar offset ax az fog mems hann python operator arXiv Shupe Zhuo"
@@ -234,7 +238,10 @@ RUNS = {
     "deviation": ["{a} --channels gx --statistic oadev,hdev"],
     "spectrum": ["{a} --channels gx"],
     "dynamic": ["{a} --channels gx"],
-    "compare": ["{a} {b} --channels gx", "{a} {b} {wild} --channels gx", "{a} --channels gx --part 60"],
+    "compare": [
+        "{a} {b} --channels gx", "{a} {b} {wild} --channels gx", "{a} --channels gx --part 60",
+        "{a} --channels gx --datasheet adis16470",
+    ],
     "check": [
         "{six} --claims 'N 0.3 deg/sqrt(h), K 20 deg/h/sqrt(h); 60 ug/sqrt(Hz)'", "{a} --channels gx --claims {limits}",
         "{six} --claims adis16470", "{a} --channels gx --claims 'N 1 deg/sqrt(h), GM 30 deg/h 20 s, R 3 deg/h^2'",
@@ -259,9 +266,9 @@ RUNS = {
         "{six} --to datasheet", "--to px4 " + GIVEN, "{six} --to statespace",
     ],
     "convert": ["'1 deg/sqrt(h)' --to gtsam", "{kalibr} --from kalibr", "{kalibr} --from kalibr --to vins-mono"],
-    "explain": ["", *EXPORTS, "theo1", "hdev --samples 100"],
+    "explain": ["", *EXPORTS, "px4-tc", "theo1", "hdev --samples 100", "adis16470"],
     "budget": ["{current} --unit V {stage} --torquer " + TORQUER + " --sense 5"],
-    "compensate": ["{a} --regressors temp --channels gx"],
+    "compensate": ["{a} --regressors temp --channels gx", "{a} --regressors temp --to px4 -o {a}.params --force"],
     "vertical": [
         "{six}", "{six} --filter bortz", "{six} --filter kalman --time-constant 5 --keep-bias",
         NOISE + " --gyro-bias '10 deg/h'", NOISE + " --scenarios --rate 10", "{six} --gate 0.001",

@@ -15,7 +15,7 @@ from tests import ROOT
 
 import allanite as al
 from allanite.cli import Verb
-from allanite.testing import check_reader, check_statistic, check_target, check_verb
+from allanite.testing import check_data_sheet, check_reader, check_statistic, check_target, check_verb
 
 SAMPLE = ROOT / "tests" / "plugin"
 SAID = "; update or remove it"
@@ -75,7 +75,7 @@ sys.exit(pytest.main(["-q", "-c", "/dev/null", "--noconftest", "-p", "no:cachepr
 
 def test_the_sample_passes_the_public_checks(sample, tmp_path):
     out, _ = run(PASSING.replace("sys.argv[1]", repr(str(SAMPLE / "test_rows.py"))), *sample, cwd=tmp_path)
-    assert "5 passed" in out
+    assert "6 passed" in out
 
 
 USED = (
@@ -87,10 +87,13 @@ from allanite.web.tables import tables
 os.environ["ALLANITE_DETAILS"] = "1"
 shown = {"help": allanite("--help"), "info": allanite("info a.tones"), "list": allanite("explain")}
 shown["statistic"], shown["target"] = allanite("explain fdev"), allanite("explain pilot")
+shown["sheet"], shown["plan"] = allanite("explain sg1"), allanite("plan --datasheet sg1 --rate 10")
 shown["verb"] = allanite("extent a.tones --json extent.json --csv extent.csv --report extent.html --lang ru")
 shown["curve"] = allanite("deviation a.tones --statistic fdev --json curve.json")
 shown["fit"] = allanite("analyze a.tones --terms N,RR --json fit.json --report page.html")
 shown["export"] = allanite("export a.tones --model 'N 60 ug/sqrt(Hz)' --to pilot --output pilot.cfg --json export.json")
+shown["back"] = allanite("convert --from pilot pilot.cfg")
+shown["converted"] = allanite("convert sg1 '60 ug/sqrt(Hz)' --to pilot")
 Path("b.bin").write_bytes(bytes(100))
 shown["unknown"] = allanite("info b.bin", 3)
 shown["types"] = [type(al.from_dict(json.loads(p.read_text("utf-8")))).__name__ for p in sorted(Path().glob("*.json"))]
@@ -132,6 +135,11 @@ def test_a_verb_from_outside_stands_below_its_heading(used):
         ("list", "RR driven relaxation"),
         ("statistic", "fourth-difference deviation"),
         ("target", "manual of Pilot, section 3"),
+        ("back", "N velocity random walk 0.0353039"),
+        ("converted", "gyro_noise 5.81776e-05 rad/s/√Hz"),
+        ("list", "SG-1 SG-1 data sheet, Rev. A"),
+        ("sheet", "Angle random walk 0.2"),
+        ("plan", "N = 0.2 °/√h, B = 1.505 °/h"),
         ("fit", "driven relaxation"),
         ("term", "RR = 4.455e+10 deg/h^2.5"),
     ],
@@ -266,6 +274,7 @@ def reader(**parts):
 
 
 KALIBR, ADEV = al.EXPORTS["kalibr"], al.STATISTICS["adev"]
+SHEET = al.DATASHEETS["ADIS16470"]
 METERS = replace(KALIBR, fields=(replace(KALIBR.fields[0], unit="m"),))
 
 
@@ -284,6 +293,14 @@ def silent(path):
         (check_target, replace(KALIBR, forms={}), "target 'kalibr': it has no form of a file"),
         (check_target, replace(KALIBR, fields=KALIBR.fields * 2), "fields have the same name"),
         (check_target, METERS, "the unit m of .* is not that of N"),
+        (
+            check_data_sheet,
+            replace(SHEET, claims=SHEET.claims[:1] * 2),
+            "data sheet 'ADIS16470': a line is there twice",
+        ),
+        (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], unit="deg/h"),)), "is not a unit of N"),
+        (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], place=""),)), "it has no page or table"),
+        (check_data_sheet, replace(SHEET, claims=(replace(SHEET.claims[0], sensor="accelerometer"),)), "of the gyro"),
         (check_reader, SimpleNamespace(TITLE="x"), "the reader has no sniff, read"),
         (check_reader, reader(sniff=lambda head, suffix: False), "sniff does not recognize a.mine"),
         (check_reader, reader(read=lambda path, options: [1.0]), "read returns a list, not a Recording"),

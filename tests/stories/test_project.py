@@ -147,7 +147,12 @@ def test_the_wheel_of_the_sdist_holds_what_the_package_needs(tmp_path):
 
     archive, wheel = release.built(tmp_path)
     names = zipfile.ZipFile(wheel).namelist()
-    for needed in ("allanite/py.typed", "allanite/reporting/page.html.j2", "allanite/cli/__init__.py"):
+    for needed in (
+        "allanite/py.typed",
+        "allanite/reporting/page.html.j2",
+        "allanite/planning/datasheets.csv",
+        "allanite/cli/__init__.py",
+    ):
         assert needed in names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     assert not [name for name in names if not name.startswith(("allanite/", "allanite-"))]

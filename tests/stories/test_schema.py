@@ -38,6 +38,8 @@ RUNS = {
     "convert": "convert '0.66 deg/sqrt(h)' --to kalibr",
     "explain": "explain vins-mono",
     "explain, a statistic": "explain theo1 --taus 9,75",
+    "explain, a data sheet": "explain adis16470",
+    "compare with a data sheet": f"compare {SAMPLE} --channels gx --datasheet adis16470",
     "convert, back": "convert --from px4 px4.params",
     "budget": f"budget {SAMPLE} --channels gx --stage 'output 16 300deg/s'",
     "compensate": "compensate warm.csv --regressors temp",

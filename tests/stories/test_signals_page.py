@@ -37,6 +37,10 @@ def desk(tmp_path_factory):
         gx = np.degrees(al.simulate(model, t.size, 1.0, rng=rng).values) * 3600 + 3 * temp
         rows = np.column_stack([t, gx, temp])
         np.savetxt(folder / f"{day}.csv", rows, "%.9g", ",", header="time [s],gx [deg/h],temp [degC]", comments="")
+    chamber = np.sin(np.arange(3600) / 400)
+    axes = [np.degrees(al.simulate(model, 3600, 1.0, rng=rng).values) * 3600 + 90 * chamber**k for k in (1, 2, 3)]
+    rows, header = np.column_stack([np.arange(3600), *axes, 40 + 25 * chamber]), "gx [deg/h],gy [deg/h],gz [deg/h]"
+    np.savetxt(folder / "soak.csv", rows, "%.9g", ",", header=f"time [s],{header},temp [degC]", comments="")
     volts = 5 * al.simulate(al.N(2.5, "deg/sqrt(h)"), 5000, 1000.0, rng=np.random.default_rng(4)).values / 0.2
     rows = np.column_stack([np.arange(5000) / 1000, volts])
     np.savetxt(folder / "current.csv", rows, ["%.3f", "%.10g"], ",", header="time [s],ux [V]", comments="")
@@ -53,12 +57,12 @@ def test_python_prints_what_it_says(block, capsys):
 
 def test_commands_run_one_after_the_other(desk, monkeypatch):
     monkeypatch.chdir(desk)
-    assert len(COMMANDS) == 8
+    assert len(COMMANDS) == 10
     for command in COMMANDS:
         words = shlex.split(command)[1:]
         done = CliRunner().invoke(main, words)
         assert done.exit_code == 0, done.output
-        for option in ("--report", "--save", "--corrected"):
+        for option in ("--report", "--save", "--corrected", "--output"):
             if option in words:
                 assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
 

@@ -119,7 +119,7 @@ def claim_of(
         return given if isinstance(given, ClaimedNoise) else ClaimedNoise(str(given), "model", (given,))
     text = os.fspath(given)
     if origin or os.path.isfile(text) or os.path.splitext(text)[1] in SUFFIXES or not isinstance(given, str):
-        return _of_file(text, origin, rate)
+        return _of_file(text, origin or "", rate)
     if text[:1].isdigit() or text.split(" ")[0] in TERMS:
         return ClaimedNoise(text, "model", tuple(models_of(part.strip() for part in text.split(";"))))
     try:
@@ -133,7 +133,7 @@ def claim_of(
         ) from None
 
 
-def _of_file(path: str, origin: str, rate: float | None) -> ClaimedNoise:
+def _of_file(path: str, origin: str | None, rate: float | None) -> ClaimedNoise:
     if path.lower().endswith(".toml") and not origin:
         limits = Specification.load(path)
         return ClaimedNoise(path, "limits", tuple(_limited(limits)), bound=True, limits=limits)

@@ -2,15 +2,18 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
+from allanite.core.encoding import plain
 from allanite.core.readings import FLICKER
+from allanite.phrases.phrase import say
 from allanite.planning.datasheets import QUANTITIES, Claim, DataSheet, data_sheet_named
 from allanite.study.analysis import analyze
 from allanite.study.channels import Progress, Source
+from allanite.study.job import Job
 from allanite.study.recipe import Recipe
-from allanite.study.results import Channel, Study
+from allanite.study.results import Channel
 
 
 class Measured(NamedTuple):
@@ -29,17 +32,19 @@ class Measured(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SheetComparison(Study):
-    """An analysis, and the data sheet that its sensor has.
+class SheetComparison(Job[Channel]):
+    """An analysis, and the data sheet of the sensor.
 
     Attributes
     ----------
     sheet : DataSheet
     channels, recipe, findings, notes, provenance
-        Those of the analysis.
+        Those of the `Study`.
     """
 
-    sheet: DataSheet = field(kw_only=True)
+    _channel = Channel
+
+    sheet: DataSheet
 
     def measured(self, channel: Channel, level: float = 0.95) -> Iterator[Measured]:
         """The lines of the data sheet that speak of the sensor of a channel and have a coefficient.
@@ -60,6 +65,16 @@ class SheetComparison(Study):
             for name, m, c in pairs
         ]
 
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was actually used, as plain data."""
+        return self.recipe.to_dict() | {"datasheet": self.sheet.name}
+
+    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
+        heads, rows = self.rows(level)
+        return super()._around(level, channels) | {
+            "measured": plain([dict(zip(heads, row, strict=True)) for row in rows])
+        }
+
 
 def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
     """What was measured of a coefficient, as the value that the data sheet would have for it."""
@@ -71,7 +86,7 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
             return Measured(claim)
         scale *= FLICKER
         low, high = readings.minimum.interval(level)
-        remark = "" if readings.inside else "upper limit: still falling"
+        remark = "" if readings.inside else say("upper limit: still falling")
         return Measured(claim, readings.minimum.deviation * scale, low * scale, high * scale, remark)
     found = next((e for e in channel.fit or () if e.symbol == term.symbol), None)
     if found is None or found.value is None or not found.valued:
@@ -81,7 +96,12 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
 
 
 def compare_with_sheet(
-    source: Source, sheet: str | DataSheet, recipe: Recipe | None = None, *, progress: Progress | None = None
+    source: Source,
+    sheet: str | DataSheet,
+    recipe: Recipe | None = None,
+    *,
+    progress: Progress | None = None,
+    **choices: Any,
 ) -> SheetComparison:
     """Compare the noise of a recording with what a data sheet says.
 
@@ -90,7 +110,7 @@ def compare_with_sheet(
     source : Recording, Record or path
     sheet : str or DataSheet
         A name in `DATASHEETS`, or a data sheet.
-    recipe, progress
+    recipe, progress, **choices
         As for `analyze`.
 
     Returns
@@ -114,5 +134,5 @@ def compare_with_sheet(
     ('Angular Random Walk', 0.88)
     """
     known = sheet if isinstance(sheet, DataSheet) else data_sheet_named(sheet)
-    study = analyze(source, recipe, progress=progress)
-    return SheetComparison(**{f.name: getattr(study, f.name) for f in fields(study)}, sheet=known)
+    study = analyze(source, recipe, progress=progress, **choices)
+    return SheetComparison(study.channels, study.recipe, study.findings, study.notes, study.provenance, known)

@@ -73,15 +73,25 @@ def selected(axes: Sequence[Axis], policy: str) -> tuple[Axis, ...]:
     """The axes of one sensor that a policy uses: all, or the one of that name or place; a given model is every axis."""
     if policy not in "xyz" or not any(axis.name for axis in axes):
         return tuple(axes)
-    named = [axis for axis in axes if axis.name.lower().endswith(policy)]
-    if len(named) == 1:
-        return tuple(named)
-    if len(axes) != 3:
+    place = placed([axis.name for axis in axes], policy)
+    if place is None:
         raise UsageError(
             f"there is no axis {policy} among the channels {', '.join(axis.label for axis in axes)}; choose "
             f"another one with {spelled('--axis', 'axis')}"
         )
-    return (axes["xyz".index(policy)],)
+    return (axes[place],)
+
+
+def placed(names: Sequence[str], axis: str) -> int | None:
+    """Which channel is an axis: the one whose name ends in x, y or z, or of three that at its place.
+
+    Examples
+    --------
+    >>> placed(["gyro_y", "gyro_x"], "x"), placed(["w[0]", "w[1]", "w[2]"], "y"), placed(["left", "right"], "z")
+    (1, 1, None)
+    """
+    named = [i for i, name in enumerate(names) if name.lower().endswith(axis)]
+    return named[0] if len(named) == 1 else "xyz".index(axis) if len(names) == 3 else None
 
 
 def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained: bool) -> tuple[Found, list[str]]:

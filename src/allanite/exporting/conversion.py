@@ -18,7 +18,7 @@ from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
 from .axes import Source
-from .exports import EXPORTS, target_named
+from .exports import EXPORTS, row_of_file
 
 COEFFICIENTS = "NKBQR"
 """The terms that a value with a unit may be, by the dimension of its unit."""
@@ -106,12 +106,12 @@ class Explanation(Value):
 
     def __post_init__(self) -> None:
         if self.target:
-            object.__setattr__(self, "target", target_named(self.target).name)
+            object.__setattr__(self, "target", row_of_file(self.target).name)
 
     @property
     def targets(self) -> list[dict[str, Any]]:
         """Title, fields, notes and source of each."""
-        rows = [EXPORTS[self.target]] if self.target else list(EXPORTS.values())
+        rows = [row_of_file(self.target)] if self.target else list(EXPORTS.values())
         return [
             {
                 "name": row.name,

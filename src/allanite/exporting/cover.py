@@ -7,11 +7,13 @@ White noise N' wider than N needs a slow term of the size
 to cover the Allan variance A on a span; of N and flicker B at most sqrt(3) (0.664 B)^2 / (2 sqrt(N'^2 - N^2)) on any
 span, by the inequality of the means. A larger N' needs a smaller K. Of these models, and of those with a Gauss-Markov
 process in place of the random walk where the target has one, that is taken whose predicted errors after a time without
-aid, within the span, exceed those of the best filter least.
+aid, from ten times the beginning of the span to its end, exceed those of the best filter least.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import reduce
+from operator import add
 
 import numpy as np
 
@@ -38,6 +40,9 @@ WIDENINGS = 60
 LEAST = 1e-6
 """Share of the variance that the slow term has at least: no file without one."""
 
+SETTLED = 10.0
+"""The shortest time without aid whose cost counts, over the shortest averaging time: before, white noise dominates."""
+
 TIMES = 4
 """Correlation times that are tried in a decade, and times without aid."""
 
@@ -61,30 +66,31 @@ def covering(target: Target, noises: Sequence[AxisNoise]) -> Model:
     """The model of the target's form that covers the noises at the least cost."""
     tau = noises[0].tau
     allan = np.max([noise.upper for noise in noises], axis=0)
-    outages = Outages(np.geomspace(tau[0], tau[-1], max(2, round(TIMES * np.log10(tau[-1] / tau[0])) + 1)))
+    times = np.geomspace(tau[0], tau[-1], max(2, round(TIMES * np.log10(tau[-1] / tau[0])) + 1))
+    outages, late = Outages(tuple(times.tolist())), times >= 0.999 * min(SETTLED * tau[0], tau[-1])
     truths = [outages.of(noise.steady) for noise in noises]
     best = np.max([cov.errors(outages.weights(cov)) for cov in truths], axis=0)
     signal = noises[0].axis.fit.signal
     kept = _kept(target, noises)
     narrow = max((t.value for n in noises for t in n.model if t.symbol == "N"), default=np.sqrt(allan[0] * tau[0]))
     white, whites = Term("N", 1.0, signal), np.geomspace(narrow, WIDEST * narrow, WIDENINGS)
-    white_allan, white_cov = expected(white, "oadev", tau), outages.of(Model(white))
-    kept_cov = sum((outages.of(Model(term)) for term in kept), white_cov * 0.0)
-    kept_allan = sum((expected(term, "oadev", tau) for term in kept), np.zeros(tau.shape))
+    rest = allan - sum((expected(term, "oadev", tau) for term in kept), np.zeros(tau.shape))
+    uncovered = rest - np.multiply.outer(whites**2, expected(white, "oadev", tau))
+    fixed = reduce(add, (outages.of(Model(term)) for term in kept), outages.of(Model(white)) * whites**2)
     found: list[tuple[float, Model]] = []
     for slow in _slow(target, signal, tau):
-        slow_allan, slow_cov = expected(slow, "oadev", tau), outages.of(Model(slow))
-        for N in whites:
-            least = LEAST * np.min(allan / slow_allan)
-            size = max(np.max((allan - kept_allan - N**2 * white_allan) / slow_allan), least)
-            cov = white_cov * N**2 + slow_cov * size + kept_cov
-            weights = outages.weights(cov)
-            predicted = cov.errors(weights)
-            # a curve that lies above does not quite suffice: neither may the errors exceed what is predicted
-            wider = max(1.0, *(np.max(truth.errors(weights) / predicted) for truth in truths))
-            sizes = np.sqrt(wider * np.array([N**2, size, *(term.value**2 for term in kept)])).tolist()
-            terms = [replace(term, value=value) for term, value in zip((white, slow, *kept), sizes, strict=True)]
-            found.append((float(wider * np.max(predicted / best)), Model(tuple(terms))))
+        slow_allan = expected(slow, "oadev", tau)
+        power = np.maximum(np.max(uncovered / slow_allan, axis=1), LEAST * np.min(allan / slow_allan))
+        cov = fixed + outages.of(Model(slow)) * power
+        weights = outages.weights(cov)
+        predicted = cov.errors(weights)
+        # a curve that lies above does not quite suffice: neither may the errors exceed what is predicted
+        wider = np.max([np.max(truth.errors(weights) / predicted, axis=1) for truth in truths], axis=0).clip(min=1.0)
+        cost = wider * np.max((predicted / best)[:, late], axis=1)
+        i = int(cost.argmin())
+        sizes = np.sqrt(wider[i] * np.array([whites[i] ** 2, power[i], *(term.value**2 for term in kept)])).tolist()
+        terms = [replace(term, value=value) for term, value in zip((white, slow, *kept), sizes, strict=True)]
+        found.append((float(cost[i]), Model(tuple(terms))))
     return min(found, key=lambda pair: pair[0])[1]
 
 

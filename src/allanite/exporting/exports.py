@@ -4,7 +4,7 @@ from allanite.core.names import row_alike
 from allanite.plugins import Registry
 
 from .target import Target
-from .targets.ardupilot import ARDUPILOT
+from .targets.ardupilot import ARDUPILOT, ARDUPILOT_TCAL
 from .targets.datasheet import DATASHEET
 from .targets.gazebo import GAZEBO, GAZEBO_CLASSIC
 from .targets.gnss_ins_sim import GNSS_INS_SIM
@@ -18,7 +18,7 @@ from .targets.openvins import OPENVINS
 from .targets.orb_slam3 import ORB_SLAM3
 from .targets.pegasus import PEGASUS
 from .targets.psins import PSINS
-from .targets.px4 import PX4
+from .targets.px4 import PX4, PX4_TC
 from .targets.ros import ROBOT_LOCALIZATION, ROS_IMU
 from .targets.statespace import STATESPACE
 from .targets.vins import VINS_FUSION, VINS_MONO
@@ -50,6 +50,9 @@ _OWN = (
 EXPORTS = Registry({row.name: row for row in _OWN}, "allanite.targets", kind=Target, key="name")
 """Targets of `allanite.export` by name."""
 
+TEMPERATURE = {"px4": PX4_TC, "ardupilot": ARDUPILOT_TCAL}
+"""Autopilots that take temperature polynomials, of `allanite.temperature_parameters`."""
+
 
 def target_named(name: str) -> Target:
     """The row of a target; upper case and underscores do not matter.
@@ -65,3 +68,8 @@ def target_named(name: str) -> Target:
     'lio-sam'
     """
     return row_alike("target", name, EXPORTS)
+
+
+def row_of_file(name: str) -> Target:
+    """The row of a file that was written: of a target, or of the temperature parameters of an autopilot."""
+    return next((row for row in TEMPERATURE.values() if row.name == name), None) or target_named(name)

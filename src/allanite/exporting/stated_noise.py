@@ -27,7 +27,7 @@ USUAL = 1.0, 1000.0
 RESOLVED = 0.1
 """Share of a record up to which averaging times are compared."""
 
-PER_DECADE = 12
+PER_DECADE = 20
 """Averaging times at which two curves are compared, and times without aid, in a decade."""
 
 CLOSE = 0.9
@@ -266,7 +266,8 @@ def compared(target: Target, entries: Sequence[Entry], noises: Sequence[AxisNois
 def beside(noises: Sequence[AxisNoise], model: Model, *, covers: bool) -> StatedNoise:
     """The comparison of a file's model with the noise of its axes: the largest of it at each averaging time."""
     first, tau = noises[0], noises[0].tau
-    outages = Outages(np.geomspace(tau[0], tau[-1], max(2, round(np.log10(tau[-1] / tau[0]) * PER_DECADE / 2) + 1)))
+    times = np.geomspace(tau[0], tau[-1], max(2, round(np.log10(tau[-1] / tau[0]) * PER_DECADE / 2) + 1))
+    outages = Outages(tuple(times.tolist()))
     own = outages.of(model)
     weights = outages.weights(own)
     truths = [outages.of(noise.steady) for noise in noises]
@@ -276,6 +277,6 @@ def beside(noises: Sequence[AxisNoise], model: Model, *, covers: bool) -> Stated
         tuple(noise.axis.name for noise in noises if noise.axis.name), model, first.model, tau,
         np.sqrt(_allan(tuple(model), tau, first.axis.rate)),
         np.sqrt(np.max([n.identified for n in noises], axis=0)), np.sqrt(np.max([n.upper for n in noises], axis=0)),
-        outages.times, np.sqrt(own.errors(weights)), np.sqrt(actual), np.sqrt(best), covers,
+        times, np.sqrt(own.errors(weights)), np.sqrt(actual), np.sqrt(best), covers,
         tuple(noise.axis.curve for noise in noises if noise.axis.curve is not None),
     )  # fmt: skip

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from allanite.core.datasheet import ONE_SIDED
 from allanite.core.errors import UsageError
@@ -117,6 +117,8 @@ class DataSheet(Value):
     >>> print(sheet.document, "|", sheet.gyro)
     ADIS16470, Rev. C | N = 0.34 deg/sqrt(h), B = 12.04 deg/h
     """
+
+    _also: ClassVar = ("gyro", "accelerometer")
 
     name: str
     maker: str

@@ -1,9 +1,9 @@
 """What other packages add: objects behind the entry points of a group, and tables that hold them beside their own rows.
 
 The groups are ``allanite.readers`` (modules that read a format), ``allanite.statistics``, ``allanite.terms``,
-``allanite.targets`` and ``allanite.verbs`` (rows of tables), and ``allanite.views`` (how results are shown, by the
-names of their types). Nothing is looked for until a table is asked for a name that it has not, or is listed. What is
-broken, or has a name that is taken, is left out, and named by a `PluginWarning`.
+``allanite.targets``, ``allanite.datasheets`` and ``allanite.verbs`` (rows of tables), and ``allanite.views`` (how
+results are shown, by the names of their types). Nothing is looked for until a table is asked for a name that it has
+not, or is listed. What is broken, or has a name that is taken, is left out, and named by a `PluginWarning`.
 """
 
 import warnings

@@ -1,4 +1,4 @@
-"""What every format, statistic, noise term, target and verb keeps: checks for tests of the packages that add some.
+"""What each format, statistic, noise term, target, data sheet and verb keeps: checks for packages that add any.
 
 Each raises an AssertionError that says what is wrong. The tests of this package check its own rows by them, too.
 
@@ -14,9 +14,10 @@ AssertionError: statistic 'oadev': order is 3, but t^2 is not left out
 """
 
 from .readers import check_reader
+from .sheets import check_data_sheet
 from .statistics import check_statistic
 from .targets import check_target
 from .terms import check_term
 from .verbs import check_verb
 
-__all__ = ["check_reader", "check_statistic", "check_target", "check_term", "check_verb"]
+__all__ = ["check_data_sheet", "check_reader", "check_statistic", "check_target", "check_term", "check_verb"]

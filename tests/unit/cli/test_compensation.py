@@ -3,11 +3,13 @@
 import csv
 import io
 import json
+import re
 
 import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.unit.exporting import parsers
 
 import allanite as al
 from allanite.applications.compensation.settings import CompensationSettings, FitSettings
@@ -89,6 +91,46 @@ def test_everything_of_a_compensation_is_written(days, tmp_path):
     whole = al.read(days[1], along=["temp"])
     again = al.compensation.load(paths["save"])[0].apply(whole["gx"], whole)
     np.testing.assert_allclose(corrected["gx"].values, again.values, rtol=1e-9)
+
+
+@pytest.fixture(scope="module")
+def soak(tmp_path_factory):
+    """Three gyros and an accelerometer in a chamber; gz has a fifth power, gy follows nothing."""
+    rng, t = np.random.default_rng(3), np.arange(3600)
+    x = np.sin(2 * np.pi * t / 2400)
+    noise = [np.degrees(al.simulate(MODEL, t.size, 1.0, rng=rng).values) * 3600 for _ in "xyz"]
+    follows = (300 * x + 100 * x**2 + 80 * x**3, 0 * x, 200 * x**5)
+    az = 1000 + 2 * x + 0.1 * rng.standard_normal(t.size)
+    columns = np.column_stack([t, *map(np.add, noise, follows), az, 42 + 22 * x])
+    path = tmp_path_factory.mktemp("soak") / "soak.csv"
+    header = "time [s],gx [deg/h],gy [deg/h],gz [deg/h],az [mg],temp [degC]"
+    np.savetxt(path, columns, delimiter=",", fmt="%.9g", header=header, comments="")
+    return path
+
+
+@pytest.mark.parametrize("autopilot", ["px4", "ardupilot"])
+def test_an_autopilot_corrects_as_the_corrected_record(soak, autopilot, tmp_path):
+    path, corrected = tmp_path / "tc.params", tmp_path / "c.csv"
+    asked = ("--regressors", "temp", "--corrected", corrected)
+    done = run("compensate", soak, *asked, "--to", autopilot, "-o", path)
+    assert done.exit_code == 0, done.stderr
+    assert re.search(r"higher powers\n +power .*\n +4 +\S+ +0\.0 \.\. \S+ +°/h .*\n +5 +\S+ +\d", done.stdout)
+    text = path.read_text(encoding="utf-8")
+    assert re.search(r"^# gz: higher powers would remove more: temp\^5 \d+", text, re.MULTILINE)
+    assert f"{autopilot} takes powers up to 3" in text
+    assert "gy: no effect is shown" in text
+    rows = parsers.parameters(text, "\t" if autopilot == "px4" else ",")
+    v = {row[-3] if len(row) > 2 else row[0]: float(row[-2] if len(row) > 2 else row[1]) for row in rows}
+    before, after = al.read(soak, along=["temp"]), al.read(corrected)
+    seen, centre = before["temp"].values, 42 + 22 * np.sin(2 * np.pi * np.arange(3600) / 2400).mean()
+    for name, sensor, axis in (("gx", "gyro", 0), ("gz", "gyro", 2), ("az", "accelerometer", 2)):
+        removed = before[name].rate_values - after[name].rate_values
+        some = range(0, 3600, 37)
+        if autopilot == "px4":
+            found = [parsers.px4_thermal_offset(v, sensor, axis, seen[i]) for i in some]
+        else:
+            found = [parsers.ardupilot_thermal_offset(v, sensor, axis, seen[i], centre) for i in some]
+        np.testing.assert_allclose(found, removed[::37], rtol=0, atol=2e-4 * np.ptp(removed))
 
 
 def test_the_recipe_of_a_compensation_repeats_it(days, tmp_path):

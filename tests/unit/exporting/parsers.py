@@ -282,3 +282,34 @@ def simulated(n, k, dt, *, duration, rng, records=1500):
         angle += dt * bias + n * math.sqrt(dt) * rng.standard_normal(records)
         bias += k * math.sqrt(dt) * rng.standard_normal(records)
     return float(np.mean(angle**2)), math.sqrt(2 / records)
+
+
+# temperature: parameters of an autopilot -> its correction of a sample of one axis (0, 1, 2) at a temperature
+
+
+def px4_thermal_offset(v, sensor, axis, temperature):
+    """calc_thermal_offsets_3D of TemperatureCompensation.cpp; a sample is raw - offset."""
+    prefix = {"gyro": "TC_G0_", "accelerometer": "TC_A0_"}[sensor]
+    if temperature > v[prefix + "TMAX"]:
+        delta_temp = v[prefix + "TMAX"] - v[prefix + "TREF"]
+    elif temperature < v[prefix + "TMIN"]:
+        delta_temp = v[prefix + "TMIN"] - v[prefix + "TREF"]
+    else:
+        delta_temp = temperature - v[prefix + "TREF"]
+    delta_temp_2 = delta_temp * delta_temp
+    delta_temp_3 = delta_temp_2 * delta_temp
+    x0, x1, x2, x3 = (v[f"{prefix}X{k}_{axis}"] for k in range(4))
+    return x0 + x1 * delta_temp + x2 * delta_temp_2 + x3 * delta_temp_3
+
+
+def ardupilot_thermal_offset(v, sensor, axis, temperature, cal_temp):
+    """correct_sensor and polynomial_eval of AP_InertialSensor_tempcal.cpp; a sample is raw - offset."""
+    letters, axis = {"gyro": "GYR", "accelerometer": "ACC"}[sensor], "XYZ"[axis]
+    c = [v[f"INS_TCAL1_{letters}{k}_{axis}"] for k in (1, 2, 3)]
+
+    def polynomial_eval(tdiff):
+        return (c[0] + (c[1] + c[2] * tdiff) * tdiff) * tdiff * 1.0e-6
+
+    assert v["INS_TCAL1_ENABLE"] == 1
+    temperature, cal_temp = (min(max(t, v["INS_TCAL1_TMIN"]), v["INS_TCAL1_TMAX"]) for t in (temperature, cal_temp))
+    return polynomial_eval(temperature - 35.0) - polynomial_eval(cal_temp - 35.0)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import allanite as al
 from allanite.cli import main
+from allanite.exporting.cover import SETTLED
 from allanite.exporting.outage import Outages
 
 GYRO = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")
@@ -63,16 +64,17 @@ def test_what_has_its_fields_is_left_as_it_is(noise):
 
 
 def test_of_all_that_cover_it_costs_least():
-    """No other N' with the smallest K that covers predicts errors nearer to those of the best filter."""
-    found = covered("kalibr", GYRO, (10, 600))
-    outages = Outages(found.times)
-    least = (found.predicted / found.best).max()
+    """No other N' with the smallest K that covers predicts errors nearer to those of the best filter after 10 s."""
+    found = covered("kalibr", GYRO)
+    late = found.times >= SETTLED
+    outages = Outages(tuple(found.times))
+    least = (found.predicted / found.best)[late].max()
     for factor in np.geomspace(1.02, 6, 30):
         wide = factor * GYRO["N"].value
         walk = math.sqrt(max(3 * (al.expected(GYRO, "oadev", found.tau) - wide**2 / found.tau) / found.tau))
         other = outages.of(al.Model((al.Term("N", wide, GYRO.signal), al.Term("K", walk, GYRO.signal))))
         predicted = np.sqrt(other.errors(outages.weights(other)))
-        assert (predicted / found.best).max() > 0.99 * least
+        assert (predicted / found.best)[late].max() > 0.99 * least
 
 
 def test_a_shorter_span_costs_less():
@@ -163,7 +165,7 @@ def test_the_error_without_aid_is_that_of_a_filter_in_time():
     """A Kalman filter with the angle known every second, run to its steady state, and the truth as its states."""
     model, truth = al.Model("N 0.6 deg/sqrt(h), K 30 deg/h/sqrt(h)"), al.Model("N 0.3 deg/sqrt(h), GM 10 deg/h 200 s")
     times = np.array([10.0, 60.0, 300.0])
-    outages = Outages(times)
+    outages = Outages(tuple(times))
     own, true = outages.of(model), outages.of(truth)
     weights = outages.weights(own)
     N, K = (model[symbol].value for symbol in "NK")

@@ -59,6 +59,12 @@ def test_a_column_by_name_wins_over_its_sensor_and_over_its_name(write):
     assert units(read(path, unit="wx=deg/h,gyro=deg/s")) == {"wx": "deg/h"}
 
 
+@pytest.mark.parametrize("unit", ["gyro=deg/h,temp=degC", "wx=deg/h,3=degC"])
+def test_columns_beside_the_signals_have_the_unit_that_is_given_for_them(write, unit):
+    found = read(write("time [s],wx,temp"), along=["temp"], unit=unit)
+    assert units(found) == {"wx": "deg/h", "temp": "degC"}
+
+
 def test_other_columns_keep_their_header_or_are_left_out(write):
     recording = read(write("time [s],wx,ax [mg],foo"), unit="gyro=deg/s")
     assert units(recording) == {"wx": "deg/s", "ax": "mg"}

@@ -85,7 +85,7 @@ def test_everything_of_a_model_is_written(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ((), "give either a recording, or the noise with --model or --sensor"),
+        ((), "give either a recording, or the noise with --model, --sensor or --datasheet"),
         (("a.csv", "--sensor", "fog"), "give either a recording"),
         (("--sensor", "fog", "--statistic", "mdev"), "pass --rate HZ"),
         (("--sensor", "fog", "--statistic", "theoh", "--rate", "10"), "pass --duration TIME"),

@@ -1,12 +1,27 @@
 """Results of a compensation of files."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.extending import Curve, DataError, Header, Job, Noise, Record, Recording, RecordResult
+from allanite.extending import (
+    Curve,
+    DataError,
+    Header,
+    Job,
+    Noise,
+    Record,
+    Recording,
+    RecordResult,
+    join,
+    say,
+    unit_of,
+)
 
 from .gain import Gain
+from .order import Order
 from .regression import Regression
+from .regressor import SIGNIFICANT
 from .restricted import FloatArray
 from .settings import CompensationSettings
 
@@ -27,6 +42,8 @@ class Compensated(RecordResult):
         Gain on a record that was not used for the fit.
     alerts : tuple of str
     refusal : str
+    orders : tuple of Order
+        What higher powers than were asked for would take off.
     """
 
     regression: Regression | None = None
@@ -37,6 +54,7 @@ class Compensated(RecordResult):
     gain: Gain | None = None
     alerts: tuple[str, ...] = ()
     refusal: str = ""
+    orders: tuple[Order, ...] = ()
 
     @property
     def rates(self) -> tuple[FloatArray, FloatArray] | None:
@@ -44,6 +62,30 @@ class Compensated(RecordResult):
         if not (isinstance(self.record, Record) and isinstance(self.corrected, Record)):
             return None
         return self.record.rate_values, self.corrected.rate_values
+
+    @property
+    def further(self) -> list[Order]:
+        """The higher powers that are significant, p being multiplied by the number of those examined."""
+        return [o for o in self.orders if o.p * len(self.orders) < SIGNIFICANT]
+
+    @property
+    def prospect(self) -> str:
+        """What higher powers would take off, in words; empty if none was examined."""
+        if not self.orders or self.regression is None:
+            return ""
+        regressor, unit = self.regression.regressors[0], self.record.signal.sheet[0]
+        scale, (low, high) = unit_of(unit).factor, regressor.span or (math.nan, math.nan)
+        if found := self.further:
+            numbers = ((o.power, o.rms / scale, o.low / scale, o.high / scale) for o in found)
+            sizes = [f"{regressor.channel}^{n} {rms:.3g} ({a:.3g} .. {b:.3g}) {unit}" for n, rms, a, b in numbers]
+            held = self.regression.held
+            gained = held is None or any((o.explained or math.inf) > held.explained for o in found)
+            taken = say("higher powers would remove more: {sizes}, RMS over {low:.4g} to {high:.4g} {degrees}",
+                        sizes=", ".join(sizes), low=low, high=high, degrees=regressor.unit)  # fmt: skip
+            return join("; ", (taken, *([] if gained else [say("cross-validation does not gain from them")])))
+        powers, most = ", ".join(str(o.power) for o in self.orders), max(o.high for o in self.orders) / scale
+        return say("powers {powers} would remove at most {most:.2g} {unit}, RMS over {low:.4g} to {high:.4g} {degrees}",
+                   powers=powers, most=most, unit=unit, low=low, high=high, degrees=regressor.unit)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)

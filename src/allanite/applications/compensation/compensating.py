@@ -34,6 +34,7 @@ from allanite.extending import (
 from .clocks import aligned
 from .compensated import Compensated, CompensationStudy
 from .fit import compensate
+from .order import Order, order
 from .regression import Regression, gain_on, load
 from .settings import CompensationSettings
 
@@ -68,6 +69,7 @@ def compensate_file(
     settings: CompensationSettings | None = None,
     *,
     apply_to: PathLike | None = None,
+    beyond: int = 0,
     progress: Progress | None = None,
 ) -> CompensationStudy:
     """Fit every inertial channel of a file on other channels, and apply the regressions.
@@ -81,6 +83,8 @@ def compensate_file(
         The regressors, or a saved regression.
     apply_to : path, optional
         Another file of the same channels, which is not used for the fit.
+    beyond : int
+        Powers of the regressors up to this one are fitted as well, to tell what they would take off: see `Order`.
     progress : callable, optional
         Called with a description of the current step and the fraction completed.
 
@@ -102,14 +106,26 @@ def compensate_file(
         progress("reading", 0.0)
     here = _open(source, recipe, settings, keys)
 
-    def fitted(record: Record) -> Regression:
+    def fitted(record: Record, degree: int = settings.degree, *, every: bool = settings.fit.every) -> Regression:
         return compensate(
-            record, here.along, here.columns(settings.regressors), degree=settings.degree, lags=settings.lags,
-            derivative_of=here.columns(settings.derivative_of), trend=settings.trend, settings=settings.fit,
+            record, here.along, here.columns(settings.regressors), degree=degree, lags=settings.lags,
+            derivative_of=here.columns(settings.derivative_of), trend=settings.trend,
+            settings=replace(settings.fit, every=every),
         )  # fmt: skip
 
+    def further(record: Record, done: Compensated) -> Compensated:
+        """What the powers above the highest that was tried would take off."""
+        orders: list[Order] = []
+        for power in range(settings.degree + 1, beyond + 1):
+            try:
+                orders.append(order(fitted(record, power, every=True), recipe.level))
+            except DataError as error:
+                why = say("power {power} was not examined: {reason}", power=power, reason=str(error))
+                return replace(done, orders=tuple(orders), alerts=(*done.alerts, why))
+        return replace(done, orders=tuple(orders))
+
     parts = 1 if apply_to is None else 2
-    channels = _each(here, saved or fitted, recipe, progress=_part(progress, 0, parts))
+    channels = _each(here, saved or fitted, recipe, further=further, progress=_part(progress, 0, parts))
     demand_result(here.signals.channels, channels)
     provenance = provenance_of(here.signals)
     if settings.beside is not None:
@@ -155,6 +171,7 @@ def _each(
     regressions: Mapping[str, Regression] | Callable[[Record], Regression],
     recipe: Recipe,
     *,
+    further: Callable[[Record, Compensated], Compensated] = lambda _, done: done,
     progress: Progress | None,
 ) -> tuple[Compensated, ...]:
     """Every channel corrected by the regression of its name, or by one that is fitted to it.
@@ -182,7 +199,8 @@ def _each(
         regression = regression_of(seen.record)
         gain = gain_on(regression, seen.record, source.along) if held else None
         done = _corrected(seen.record, source.along, regression, recipe)
-        return replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
+        done = replace(done, gain=gain, alerts=(*done.alerts, *seen.alerts))
+        return done if held else further(seen.record, done)
 
     def refused(seen: Inspected, why: str) -> Compensated:
         return Compensated(seen.record, refusal=why)

@@ -162,11 +162,12 @@ def design(record: Record, along: Recording, settings: CompensationSettings) -> 
 
 
 class _Readings(NamedTuple):
-    """Unit, mean and samples of a channel."""
+    """Unit, mean, samples, least and greatest reading of a channel."""
 
     unit: str
     centre: float
     x: FloatArray
+    span: tuple[float, float]
 
 
 def _regressors(
@@ -174,16 +175,18 @@ def _regressors(
 ) -> Iterator[tuple[Regressor, bool]]:
     """Each column, and whether it is optional."""
     for name in settings.regressors:
-        yield Regressor(name, channels[name].unit, channels[name].centre), False
+        unit, centre, _, span = channels[name]
+        yield Regressor(name, unit, centre, span=span), False
     for name in settings.derivative_of:
-        yield Regressor(name, channels[name].unit, smooth=settings.fit.smooth), False
+        unit, _, _, span = channels[name]
+        yield Regressor(name, unit, smooth=settings.fit.smooth, span=span), False
     for name in settings.regressors:
-        unit, centre, _ = channels[name]
-        yield from ((Regressor(name, unit, centre, power), True) for power in range(2, settings.degree + 1))
+        unit, centre, _, span = channels[name]
+        yield from ((Regressor(name, unit, centre, power, span=span), True) for power in range(2, settings.degree + 1))
         for lag in settings.lags:
             if round(lag * record.rate) < 1:
                 raise UsageError(f"a lag of {lag:g} s is shorter than the sample interval of {record.interval:g} s")
-            yield Regressor(name, unit, centre, lag=lag), True
+            yield Regressor(name, unit, centre, lag=lag, span=span), True
     if settings.trend:
         yield Regressor(TREND, "s"), False
 
@@ -198,17 +201,17 @@ def _measured(name: str, record: Record, along: Recording) -> _Readings:
     there = x[np.isfinite(x)]
     if not there.size:
         raise DataError(say("the regressor {regressor!r} has no finite sample", regressor=name))
-    mean, spread = float(there.mean()), float(there.std())
-    if there.min() == there.max():
+    mean, spread, span = float(there.mean()), float(there.std()), (float(there.min()), float(there.max()))
+    if span[0] == span[1]:
         raise DataError(
             say(
                 "the regressor {regressor!r} is constant (always {value:g} {unit}) and cannot explain anything",
                 regressor=name,
-                value=float(there[0]),
+                value=span[0],
                 unit=unit,
             )
         )
-    return _Readings(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x)
+    return _Readings(unit, round(mean, int(4 - np.floor(np.log10(spread)))), x, span)
 
 
 def _stretches(fine: NDArray[np.bool_], n: int) -> tuple[tuple[Stretch, ...], tuple[str, ...]]:

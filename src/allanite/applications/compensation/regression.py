@@ -98,6 +98,16 @@ class Regression(Correction):
         return any(self.effect(i).significant for i in self.taken)
 
     @property
+    def harmless(self) -> bool:
+        """Whether cross-validation, if there is one, does not find that the correction increases the variance."""
+        return self.held is None or not self.held.explained < 0
+
+    @property
+    def useful(self) -> bool:
+        """Whether an effect is significant, and the correction harmless."""
+        return self.significant and self.harmless
+
+    @property
     def trend(self) -> list[int]:
         """The column of a linear drift, if one was estimated."""
         return [i for i, regressor in enumerate(self.regressors) if regressor.is_trend]

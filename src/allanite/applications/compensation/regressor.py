@@ -46,6 +46,8 @@ class Regressor(Value):
         Lag, s.
     smooth : float or None
         Length of the Hann window in which the derivative is estimated, s; None for samples.
+    span : (least, most) or None
+        Readings of the channel in the record that was fitted, in `unit`.
 
     Examples
     --------
@@ -66,6 +68,7 @@ class Regressor(Value):
     power: int = 1
     lag: float = 0.0
     smooth: float | None = None
+    span: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.centre) and math.isfinite(self.lag) and self.power >= 1):

@@ -91,19 +91,30 @@ def choose(design: Design, folds: Sequence[HeldBlock]) -> list[int]:
     """The columns that are kept: all that were requested, and one after the other what held-back blocks gain from.
 
     An optional column enters if it lowers the whitened misfit of the held-back blocks by more than one standard error
-    of that gain over the blocks; a power only after the one below it.
+    of that gain over the blocks, a power with those below it. What takes in fewer columns comes first: a square alone
+    may do harm where a third power beside it is wanted, too.
     """
     kept = [i for i, optional in enumerate(design.optional) if not optional]
-    open_ = [i for i, optional in enumerate(design.optional) if optional]
     columns = [(r.channel, r.power) for r in design.regressors]
     while True:
+        open_ = [i for i, optional in enumerate(design.optional) if optional and i not in kept]
+        steps = [[j for j in open_ if j == i or _below(columns[j], columns[i])] for i in open_]
         base = np.array([fold.misfit(kept) for fold in folds])
-        allowed = {(channel, power + 1) for channel, power in (columns[i] for i in kept)}
-        some = [i for i in open_ if columns[i][1] == 1 or columns[i] in allowed]
-        gains = {i: base - [fold.misfit([*kept, i]) for fold in folds] for i in some}
-        good = {i: float(g.mean()) for i, g in gains.items() if g.mean() > g.std(ddof=1) / np.sqrt(g.size)}
-        if not good:
+        for size in sorted({len(step) for step in steps}):
+            some = [step for step in steps if len(step) == size]
+            gains = [base - [fold.misfit([*kept, *step]) for fold in folds] for step in some]
+            good = [(float(g.mean()), step) for g, step in zip(gains, some, strict=True) if _clear(g)]
+            if good:
+                kept += max(good)[1]
+                break
+        else:
             return sorted(kept)
-        best = max(good, key=lambda i: good[i])
-        kept.append(best)
-        open_.remove(best)
+
+
+def _below(one: tuple[str, int], other: tuple[str, int]) -> bool:
+    """Whether a column is a lower power of the same channel."""
+    return one[0] == other[0] and 1 < one[1] < other[1]
+
+
+def _clear(gains: FloatArray) -> bool:
+    return bool(gains.mean() > gains.std(ddof=1) / np.sqrt(gains.size))

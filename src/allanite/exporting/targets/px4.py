@@ -1,9 +1,10 @@
-"""PX4: the EKF2 of the autopilot."""
+"""PX4: the EKF2 of the autopilot, and its thermal compensation."""
 
 from dataclasses import replace
 
 from allanite.exporting.layouts import LineLayout
-from allanite.exporting.target import GYRO, Target, TargetField, pair
+from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField, pair
+from allanite.exporting.thermal import ThermalTarget
 from allanite.phrases.phrase import say
 
 NOISE = TargetField("", GYRO, "N", "rad/s", rate=1, span=(1e-4, 0.1))
@@ -31,3 +32,25 @@ PX4 = Target(
     ),
     step=0.01,
 )
+
+PX4_TC = ThermalTarget(
+    name="px4-tc",
+    title=say("thermal compensation of PX4, for QGroundControl"),
+    fields=(),
+    forms={".params": LineLayout("1\t1\t{name}\t{value}\t9")},
+    source="src/modules/temperature_compensation/TemperatureCompensation.cpp (calc_thermal_offsets_3D: polynomial of "
+    "the third degree, temperature limited to TMIN .. TMAX) and .h (at most 4 sensors); src/lib/sensor_calibration/"
+    "Gyroscope.hpp and Accelerometer.hpp (Correct: data - thermal offset - offset, then rotation); format of the file "
+    "and TREF in the middle of the range: Tools/process_sensor_caldata.py. Not verified: how a vehicle takes the file",
+    notes=(
+        say("set TC_G*_ID and TC_A*_ID to the device IDs of the sensors (as in CAL_GYRO*_ID and CAL_ACC*_ID); without "
+            "them PX4 does not apply the correction"),
+        say("the record must be that of sensor_gyro and sensor_accel, in their axes and without a correction"),
+        say("after loading, restart and calibrate gyro and accelerometer again"),
+    ),
+    prefixes={n: f"TC_{{sensor}}{n}_" for n in range(4)},
+    letters={GYRO: "G", ACCELEROMETER: "A"},
+    coefficient="X{power}_{axis}",
+    axes=("0", "1", "2"),
+    enable="1\t1\tTC_{sensor}_ENABLE\t1\t6",
+)  # fmt: skip

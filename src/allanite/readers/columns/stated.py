@@ -44,6 +44,17 @@ def of_columns(columns: tuple[FileColumn, ...], options: Options) -> Callable[[F
     return lambda column: own.get(column, Stated(plain))
 
 
+def apart(
+    columns: tuple[FileColumn, ...], theirs: tuple[FileColumn, ...], options: Options
+) -> tuple[dict[FileColumn, str], Options]:
+    """The units that are given for some columns by their names, and the options of the others."""
+    sensors = KINDS_OF_SENSORS.values()
+    units = {name: lookup(columns, name) for name, _ in options.units if name not in sensors}
+    own = {units[name]: unit for name, unit in options.units if units.get(name) in theirs}
+    left = tuple((name, unit) for name, unit in options.units if units.get(name) not in own)
+    return own, replace(options, units=left) if own else options
+
+
 def _columns_of(columns: tuple[FileColumn, ...], sensor: str, unit: str) -> list[FileColumn]:
     """The columns of a type of sensor; refused if there are none."""
     types = dict[FileColumn, str]()  # by the unit of each, otherwise by its name

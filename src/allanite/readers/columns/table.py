@@ -21,7 +21,7 @@ from allanite.readers.clock import clocks
 from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
-from . import channels, conventions, lattice, pairs, resolver
+from . import channels, conventions, lattice, pairs, resolver, stated
 from .arrays import RATE_NAMES
 from .column import FileColumn, unique
 
@@ -85,13 +85,14 @@ class FileTable:
         chosen = channels.named(columns, options.channels)
         # a column whose meaning the file states is a clock only if the user says so
         open_ = tuple(c for c in columns if not c.kind) if options.time is None else columns
-        stated, place = self.nominal
+        nominal, place = self.nominal
         sources = replace(
             clocks.find(open_, options.time, chosen),
-            rate=self.rate, source=self.rate_source, stated=stated, stated_source=place,
+            rate=self.rate, source=self.rate_source, stated=nominal, stated_source=place,
         )  # fmt: skip
-        along, said = channels.beside(channels.named(columns, options.along) or ())
-        taken = [signal.column for signal in along]
+        taken = channels.named(columns, options.along) or ()
+        units, options = stated.apart(columns, taken, options)
+        along, said = channels.beside(tuple(replace(c, unit=units.get(c, c.unit)) for c in taken))
         open_to_choice = tuple(column for column in columns if column not in taken)
         choice = channels.choose(open_to_choice, options, chosen, sources.stamps)
         return Sense(columns, sources, choice, along, ((*self.notes, *joined), said))

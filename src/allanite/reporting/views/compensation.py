@@ -1,21 +1,21 @@
 """How a compensation is shown: coefficients in data-sheet units per unit of the regressor, and deviations."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 from allanite.applications.compensation.compensated import Compensated, CompensationStudy
-from allanite.applications.compensation.gain import Gain
 from allanite.applications.compensation.regression import Regression
-from allanite.applications.compensation.regressor import Effect
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, printable, printed_number
+from allanite.reporting.first import Axes, First, Quantity, Remark, condensed, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, known
 
 from . import view
+from .compensation_verdict import found, verdict
 from .jobs import channel_sheet, job_face, source_of
 
 BRAND = say("compensation by regressors")
@@ -83,94 +83,12 @@ def _beside(regression: Regression) -> str:
     )
 
 
-def verdict(channel: Compensated, shown: Callable[[str], str] = str) -> str:
-    """What the regression does, in one or two sentences; `shown` prints a number."""
-    name = printable(channel.record.name) or say("the channel")
-    if channel.regression is None:
-        return say("{channel} gives no result: {reason}.", channel=name, reason=channel.refusal)
-    if channel.gain is None:
-        return _found(name, channel.regression, shown)
-    gain = channel.gain
-    share = shown(words.percent(abs(gain.explained), 3))
-    if gain.explained < 0:
-        said = say("The correction increases the variance of {channel} by {share}", channel=name, share=share)
-    else:
-        said = say("The correction reduces the variance of {channel} by {share}", channel=name, share=share)
-    if gain.low is None or gain.high is None:
-        return join("", (said, "."))
-    expected = _share(gain.expected, gain)
-    limits = shown(f"{expected} ({_share(gain.low, gain)} .. {_share(gain.high, gain)})")
-    if gain.met:
-        return say("{effect}; {limits} could be expected.", effect=said, limits=limits)
-    return say(
-        "{effect}; {limits} could be expected, and it does not: the dependence is another one here.",
-        effect=said,
-        limits=limits,
-    )
-
-
-def _found(name: str, regression: Regression, shown: Callable[[str], str] = str) -> str:
-    own = [e for e in regression if e.taken_off]
-    undecided = []
-    if regression.ambiguous:  # the regressors and a linear drift explain the record alike
-        undecided.append(
-            say(
-                "the effect of {regressors} can hardly be separated from a rate ramp R in this record: the two share "
-                "{share} of their variance, and either alone fits about as well. Record until {regressors} returns to "
-                "its initial value.",
-                regressors=_names(own),
-                share=words.percent(regression.shared),
-            )
-        )
-    if not regression.significant and undecided:
-        return join(": ", (name, *undecided))
-    if not regression.significant:
-        return say(
-            "{channel} shows no dependence on {regressors}: the correction would only remove noise.",
-            channel=name,
-            regressors=_names(own),
-        )
-    gain, held = regression.inside, regression.held
-    also = [say("about a linear drift")] if regression.trend else []
-    # by chance the sum of squares falls a little even where nothing is found
-    also += [say("{share} expected by chance", share=shown(_share(gain.expected, gain)))]
-    if held is not None:
-        also.append(say("{share} in cross-validation", share=shown(f"{100 * held.explained:.3g} %")))
-    said = [
-        say(
-            "{channel} depends on {regressors}. The correction reduces the variance by {share} ({also}).",
-            channel=name,
-            regressors=_names([e for e in own if e.significant]),
-            share=shown(f"{100 * gain.explained:.3g} %"),
-            also=join("; ", also),
-        ),
-        *undecided,
-    ]
-    rest = _names([e for e in own if not (e.chosen or e.significant)])
-    said += [say("Leave out {regressors}: no dependence on it is shown.", regressors=rest)] if rest else []
-    if held and held.explained < 0:
-        said.append(say("In cross-validation it does harm: do not use it."))
-    return join(" ", said)
-
-
-def _names(effects: Sequence[Effect]) -> str:
-    return join(", ", [e.label for e in effects])
-
-
-def _share(part: float, gain: Gain) -> str:
-    # two digits, of which "g" writes 100 as 1e+02
-    return f"{float(f'{100 * part / gain.before:.2g}'):g} %"
-
-
 def _sheet(channel: Compensated, level: float, source: str = "") -> Sheet:
     said = verdict(channel, printed_number)
     said = join(": ", (source, said)) if source else said
     regression, gain = channel.regression, channel.gain
-    if gain is not None:
-        doubt = gain.met is False or gain.explained < 0
-    else:
-        held = regression.held if regression is not None else None
-        doubt = regression is None or not regression.significant or bool(held and held.explained < 0)
+    useful = regression is not None and regression.useful
+    doubt = not useful if gain is None else gain.met is False or gain.explained < 0
     of = say("noise before the correction")
     sheet = channel_sheet(channel, _parts(channel, level), (said,), doubt=doubt, of=of)
     if not source:
@@ -186,6 +104,8 @@ def _parts(channel: Compensated, level: float) -> Iterator[Part]:
     yield Note(verdict(channel), "strong", where="text")
     if channel.gain is None:
         yield from _regression_parts(regression, level)
+    if channel.orders:
+        yield _orders(channel)
     caption = say(
         "Overlapping Allan deviation before and after with {level} bands, and the rate over time less "
         "its bias: what was recorded, what the regressors explain, what is left.",
@@ -215,6 +135,83 @@ def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
     yield from (Note(note, "alert") for note in regression.notes)
     yield Note(_beside(regression), where="text")
     yield coefficients(regression, level)
+
+
+def _orders(channel: Compensated) -> Table:
+    """What higher powers would take off."""
+    unit = channel.record.signal.sheet[0]
+    scale, last = unit_of(unit).factor, channel.regression and channel.regression.held
+    heads = (
+        Column(say("power")), Column(say("takes off")), Column(say("limits"), "interval"), Column(say("unit"), "unit"),
+        Column("p", form=lambda p: words.probability(p, 1e-4)), Column(say("cross-validation [%]"), form=known(".3g")),
+    )  # fmt: skip
+    rows = [
+        [
+            o.power,
+            *digits(o.rms / scale, o.low / scale, o.high / scale).plain(),
+            unit,
+            o.p,
+            100 * (o.explained or math.nan),
+        ]
+        for o in channel.orders
+    ]
+    key = say(
+        "What each power takes off beyond all lower ones: root mean square over the range of the temperature. "
+        "Cross-validation: reduction of the variance of held-back blocks by all powers up to this one; {share} by the "
+        "regression above.", share="-" if not last else f"{100 * last.explained:.3g} %",
+    )  # fmt: skip
+    return Table(heads, rows, say("higher powers"), key=key)
+
+
+def first_of_study(study: CompensationStudy, level: float) -> First:
+    """The sensitivities of each sensor side by side, and what higher powers would take off."""
+    first = condensed(study_view.face(study, level), drawn=True)
+    shown = [c for c in study.channels if c.regression is not None]
+    if len(shown) < 2 or study.applied:
+        prospects = [Remark.of(c.record.name, c.prospect) for c in shown if c.prospect]
+        return replace(first, remarks=[*prospects, *first.remarks])
+    sensors = dict.fromkeys(c.record.signal.name for c in shown)
+    told = [
+        c
+        for c in shown
+        if c.regression and (c.regression.ambiguous or (c.regression.significant and not c.regression.harmless))
+    ]
+    doubted = [Remark.of("", verdict(c), grave=True) for c in told]
+    alike: dict[str, list[str]] = {}
+    for name, alert in ((c.record.name, a) for c in shown if c.regression for a in (*c.regression.notes, *c.alerts)):
+        alike.setdefault(alert, []).append(name)
+    merged = [Remark.of(", ".join(names), alert, grave=True) for alert, names in alike.items()]
+    others = [remark for remark in first.remarks if remark.about not in {c.record.name for c in shown}]
+    axes = [_axes([c for c in shown if c.record.signal.name == sensor], level) for sensor in sensors]
+    return replace(first, answer=axes, remarks=[*others, *doubted, *merged])
+
+
+def _axes(channels: Sequence[Compensated], level: float) -> Axes:
+    """Coefficients and what higher powers would take off, the channels of a sensor side by side."""
+    unit = channels[0].record.signal.sheet[0]
+    scale = 1 / unit_of(unit).factor
+    removed = (say("variance removed"), "")
+    effects: dict[tuple[str, str], dict[str, str]] = {removed: {}}
+    orders: dict[tuple[str, str], dict[str, str]] = {}
+    for c in channels:
+        name, regression = c.record.name, c.regression
+        assert regression is not None  # noqa: S101 - for type checkers
+        share = f"{100 * regression.inside.explained:.3g} %" if regression.significant else say("no effect")
+        effects[removed][name] = share
+        for i in regression.taken:
+            e = regression.effect(i, level)
+            row = (e.label, f"{unit}/{e.regressor.column_unit}".removesuffix("/1"))
+            said = plus_minus(e.value * scale, e.low * scale, e.high * scale, signed=True)
+            effects.setdefault(row, {})[name] = said if e.significant else say("absent")
+        for o in c.orders:
+            row = (say("power {power} would remove, RMS", power=o.power), unit)
+            size = plus_minus(o.rms * scale, o.low * scale, o.high * scale)
+            said = size if o in c.further else f"< {digits(o.high * scale, figures=2).plain()[0]}"
+            orders.setdefault(row, {})[name] = said
+    names = [c.record.name for c in channels]
+    cells = effects | orders
+    rows = [Quantity(title, "", per, [found.get(n, "") for n in names]) for (title, per), found in cells.items()]
+    return Axes(names, rows, channels[0].record.signal.sensor)
 
 
 def _draw(channels: Sequence[Compensated], level: float) -> Plot:
@@ -248,6 +245,7 @@ def _lines(channel: Compensated, of: str, level: float) -> Iterator[list[Any]]:
             for row in _lines(channel, of, level)
         ],
     ),
+    first=first_of_study,
 )
 def study_view(study: CompensationStudy, level: float) -> Face:
     """The channels of a file, and of one that the correction was applied to."""
@@ -275,5 +273,5 @@ def regression_view(regression: Regression, level: float) -> Face:
         say("Regression of {channel}", channel=regression.name),
         BRAND,
         (Sheet(regression.name, parts=tuple(_regression_parts(regression, level))),),
-        parts=[Note(_found(printable(regression.name) or say("the channel"), regression), "strong")],
+        parts=[Note(found(printable(regression.name) or say("the channel"), regression), "strong")],
     )

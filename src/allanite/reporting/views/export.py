@@ -11,7 +11,7 @@ from allanite.core.titles import title_of
 from allanite.core.units import signal_named
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
-from allanite.exporting.exports import EXPORTS
+from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
 from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.phrases.phrase import Phrase, join, say
@@ -93,7 +93,7 @@ def _plot(values: Sequence[Export], _: Fit | None, __: float) -> Plot:
 @view(_plot, rows=lambda value, _: value.rows(), first=first_of_export)
 def export_view(value: Export, _: float) -> Face:
     """The fields of a file, or its text."""
-    row = EXPORTS[value.target]
+    row = row_of_file(value.target)
     parts: list[Part] = [Note(alert, "alert") for alert in value.alerts]
     if value.entries:
         parts.append(Table(HEADINGS, value.rows()[1]))
@@ -129,6 +129,7 @@ def _tables() -> dict[str, dict[str, str]]:
     """The names of every table, those of plug-ins among them, and what they are."""
     return {
         say("targets"): {name: row.title for name, row in EXPORTS.items()},
+        say("temperature parameters"): {row.name: row.title for row in TEMPERATURE.values()},
         say("statistics"): {name: row.title for name, row in STATISTICS.items()},
         say("noise terms"): {symbol: row.title for symbol, row in TERMS.items()},
         say("data sheets"): {name: row.document for name, row in DATASHEETS.items()},
@@ -155,7 +156,7 @@ def explanation_view(value: Explanation, _: float) -> Face:
         tables = ((title, Table(heads, list(rows.items()), most=99)) for title, rows in _tables().items())
         sheets = tuple(Sheet(title, (), (table,)) for title, table in tables)
         return Face(say("targets, statistics, noise terms and data sheets"), BRAND, sheets)
-    row = EXPORTS[value.target]
+    row = row_of_file(value.target)
     fields = [
         [f.full, SENSORS[f.sensor], f.unit, f.formula,
          title_of(f.term, signal_named(f.sensor)) if f.term else say("correlation time")]

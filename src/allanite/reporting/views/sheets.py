@@ -17,23 +17,26 @@ from .jobs import channel_sheet, job_face, source_of
 
 BRAND = say("noise in a data sheet")
 MEANS = {
-    "random walk": say("a random walk is N"),
-    "noise density": say("a noise density is one-sided: sqrt(2) N"),
+    "random walk": say("random walk is N"),
+    "noise density": say("noise density is one-sided: sqrt(2) N"),
     "rms noise": say("rms noise within a bandwidth is N sqrt(2 bandwidth)"),
     "bias stability": say(
-        "a bias stability is the minimum of the Allan deviation, 0.664 B where flicker alone makes it"
+        "bias stability is the minimum of the Allan deviation: 0.664 B, or more where N and K contribute"
     ),
-    "bias instability": say("a bias instability is that minimum over 0.664"),
+    "bias instability": say("bias instability is the minimum of the Allan deviation over 0.664"),
 }
 """How a quantity is related to a coefficient."""
+
+LIMITS = {"typical": say("typical"), "nominal": say("nominal"), "maximum": say("maximum"), "": ""}
+"""What kind of value is printed."""
 
 assert MEANS.keys() == QUANTITIES.keys()  # noqa: S101 - each quantity has its sentence
 
 
 def first_of_sheet(value: DataSheet, _: float) -> First:
     """The models of a data sheet, and the lines from which they are made."""
-    answer: list[str | Table] = [str(model) for model in value.models]
-    rows = [[c.printed, *_size(c), c.limit, c.place] for c in value.claims if c.limit != "maximum"]
+    answer: list[str | Table] = list(_models(value))
+    rows = [[c.printed, *_size(c), LIMITS[c.limit], c.place] for c in value.claims if c.limit != "maximum"]
     answer.append(Table([Column("", "name"), *[Column("", "text")] * 4], rows))
     after = (
         (f"allanite export --datasheet {value.name} --to kalibr", say("a file of a filter")),
@@ -52,16 +55,21 @@ def sheet_view(value: DataSheet, _: float) -> Face:
         Column(say("place"), "text"), Column(say("is"), "text"),
     )  # fmt: skip
     rows = [
-        [signal_named(c.sensor).name, c.printed, *_size(c), c.limit, c.conditions, c.place, c.term or ""]
+        [signal_named(c.sensor).name, c.printed, *_size(c), LIMITS[c.limit], c.conditions, c.place,
+         printed_unit(str(c.term or ""))]
         for c in value.claims
-    ]
+    ]  # fmt: skip
     means = dict.fromkeys(MEANS[claim.quantity] for claim in value.claims)
     parts: list[Part] = [
-        *(Note(str(model), "strong") for model in value.models),
+        *(Note(text, "strong") for text in _models(value)),
         Table(heads, rows, most=99), *(Note(text, "quiet") for text in means),
     ]  # fmt: skip
     title = join(" ", (value.maker, value.name))
     return one_sheet(title, BRAND, value.name, parts, about=(say("source: {source}", source=value.document),))
+
+
+def _models(value: DataSheet) -> Iterator[str]:
+    return (join(": ", (model.signal.sensor, str(model))) for model in value.models)
 
 
 def _sheet_rows(value: DataSheet) -> Rows:
@@ -107,7 +115,7 @@ def _axes(value: SheetComparison, sensor: str, level: float) -> Axes:
         measured = [each[claim] for each in found]
         rows.append(Quantity(claim.printed, symbol, claim.unit, [f"{claim.value:g}", *map(_shown, measured)]))
         ratios = [digits(m.ratio[0], figures=3).plain()[0] if m.value == m.value else "" for m in measured]
-        rows.append(Quantity(say("over the data sheet"), "", "", ["", *ratios]))
+        rows.append(Quantity(say("ratio to the data sheet"), "", "", ["", *ratios]))
     return Axes([say("data sheet"), *(c.record.name for c in channels)], rows, signal_named(sensor).sensor)
 
 
@@ -140,4 +148,14 @@ def _rows(value: SheetComparison, channel: Channel, level: float) -> Iterator[li
         claim = found.claim
         shown = [digits(*numbers).plain() for numbers in ((found.value, found.low, found.high), found.ratio)]
         (size, limits), (ratio, around) = shown if rounded(found.value) else [("", "")] * 2
-        yield [claim.printed, claim.limit, f"{claim.value:g}", size, limits, claim.unit, ratio, around, found.remark]
+        yield [
+            claim.printed,
+            LIMITS[claim.limit],
+            f"{claim.value:g}",
+            size,
+            limits,
+            claim.unit,
+            ratio,
+            around,
+            found.remark,
+        ]

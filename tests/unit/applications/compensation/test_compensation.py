@@ -42,6 +42,16 @@ def terms_of(theta, symbols="QNBK"):
     return [Term(s, float(np.sqrt(t)), SIGNALS[0]) for s, t in zip(symbols, theta, strict=True) if t > 0]
 
 
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_powers_enter_together_where_the_lower_one_alone_does_harm(seed):
+    """Blocks see other temperatures: a parabola that stands in for a third power leads astray there."""
+    x = np.sin(2 * np.pi * HOUR / 2400)
+    y = gyro(seed, 1e-3 * (x + 0.4 * x**2 + 0.5 * x**3))
+    found = compensate(y, channel(42 + 22 * x), ["temp"], degree=4)
+    assert [regressor.label for regressor in found.regressors] == ["temp", "temp^2", "temp^3", "time"]
+    assert found.held.explained > 0.99
+
+
 @pytest.mark.parametrize("stretches", [[(0, 60)], [(0, 25), (30, 60)]], ids=["whole", "gap"])
 @pytest.mark.parametrize(
     ("theta", "off"), [([0, 1.0, 0, 0.01], 1e-8), ([0.3, 1.0, 0, 0.01], 0.02), ([0.3, 1.0, 0.5, 0.01], 0.15)],

@@ -1,0 +1,200 @@
+"""Data sheets: each line has its place, each conversion is that of a formula in plain numbers, names are forgiving."""
+
+import csv
+import math
+from dataclasses import replace
+
+import pytest
+from tests import ROOT
+
+import allanite as al
+from allanite.core.errors import UsageError
+from allanite.exporting.conversion import models_of
+from allanite.planning.datasheets import QUANTITIES, SENSORS, Claim, DataSheet, claimed
+from allanite.testing import check_data_sheet
+
+DEG, G, H = math.pi / 180, 9.80665, 3600.0
+SI = {
+    "deg/sqrt(h)": DEG / 60, "deg/s/sqrt(Hz)": DEG, "mdeg/s/sqrt(Hz)": 1e-3 * DEG, "deg/s": DEG, "deg/h": DEG / H,
+    "m/s/sqrt(h)": 1 / 60, "ug/sqrt(Hz)": 1e-6 * G, "mg/sqrt(Hz)": 1e-3 * G, "m/s^2/sqrt(Hz)": 1.0, "m/s^2": 1.0,
+    "mg": 1e-3 * G, "ug": 1e-6 * G,
+}  # fmt: skip
+"""Sizes of the units that are printed."""
+
+FORMULAS = {
+    "random walk": lambda value, _: ("N", value),
+    "noise density": lambda value, _: ("N", value / 2**0.5),
+    "rms noise": lambda value, bandwidth: ("N", value / (2 * bandwidth) ** 0.5),
+    "bias stability": lambda value, _: ("B", value / (2 * math.log(2) / math.pi) ** 0.5),
+    "bias instability": lambda value, _: ("B", value),
+}
+
+CLAIMS = [(sheet, claim) for sheet in al.DATASHEETS.values() for claim in sheet.claims]
+
+
+@pytest.mark.parametrize("name", al.DATASHEETS)
+def test_a_sheet_of_the_table_keeps_what_every_sheet_must(name):
+    check_data_sheet(al.DATASHEETS[name])
+
+
+def test_the_table_has_many_sensors_of_many_makers():
+    assert len(al.DATASHEETS) >= 25
+    assert len({sheet.document for sheet in al.DATASHEETS.values()}) >= 25
+    assert len({sheet.maker for sheet in al.DATASHEETS.values()}) >= 8
+    _, *lines = csv.reader((ROOT / "src/allanite/planning/datasheets.csv").read_text("utf-8").splitlines())
+    assert len(lines) == len(CLAIMS)
+    assert [line[0] for line in lines] == sorted(line[0] for line in lines)
+
+
+def test_every_conversion_of_the_table_is_that_of_its_formula():
+    assert FORMULAS.keys() == QUANTITIES.keys() == {claim.quantity for _, claim in CLAIMS}
+    assert {claim.unit for _, claim in CLAIMS} == SI.keys()
+    for sheet, claim in CLAIMS:
+        if claim.quantity == "rms noise" and claim.bandwidth is None:
+            assert claim.term is None
+            continue
+        symbol, value = FORMULAS[claim.quantity](claim.value * SI[claim.unit], claim.bandwidth)
+        assert claim.term.symbol == symbol
+        assert claim.term.value == pytest.approx(value, rel=1e-12), (sheet.name, claim)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "unit", "bandwidth", "text"),
+    [
+        ("noise density", 0.008, "deg/s/sqrt(Hz)", None, "N = 0.3394 deg/sqrt(h)"),
+        ("random walk", 0.34, "deg/sqrt(h)", None, "N = 0.34 deg/sqrt(h)"),
+        ("rms noise", 0.05, "deg/s", 100.0, "N = 0.2121 deg/sqrt(h)"),
+        ("bias stability", 8.0, "deg/h", None, "B = 12.04 deg/h"),
+        ("bias instability", 0.3, "deg/h", None, "B = 0.3 deg/h"),
+        ("noise density", 100.0, "ug/sqrt(Hz)", None, "N = 0.04161 m/s/sqrt(h)"),
+        ("rms noise", 1.0, "mg", 100.0, "N = 0.04161 m/s/sqrt(h)"),
+    ],
+)
+def test_a_quantity_becomes_a_coefficient(quantity, value, unit, bandwidth, text):
+    sensor = "gyro" if "deg" in unit else "accelerometer"
+    assert str(Claim(sensor, quantity, "x", value, unit, place="page 1", bandwidth=bandwidth).term) == text
+
+
+APART = {
+    ("ADIS16355", "gyro", "noise density"): 0.51,  # 4.2 is 0.05 * 60 * sqrt(2): the root on the wrong side
+    ("ADIS16355", "accelerometer", "noise density"): 0.385,
+    ("IMX-5", "gyro", "noise density"): 1.33,
+    ("IMX-6", "gyro", "noise density"): 1.61,
+    ("IMX-6", "accelerometer", "noise density"): 1.47,
+    ("MPU-9250", "accelerometer", "rms noise"): 2.75,
+    ("MPU-9255", "accelerometer", "rms noise"): 2.75,
+}
+"""Where a sheet contradicts itself: N that follows from one line over that from another."""
+
+
+def largest(sheet, sensor):
+    """The largest N that typical lines give, by quantity."""
+    found = {}
+    for claim in sheet.claims:
+        if claim.sensor == sensor and claim.limit != "maximum" and claim.term and claim.term.symbol == "N":
+            found[claim.quantity] = max(found.get(claim.quantity, 0.0), claim.term.value)
+    return found
+
+
+def test_lines_of_a_sheet_agree_on_N_except_where_the_sheet_contradicts_itself():
+    """That densities are one-sided, and rms noise their root mean square, is what the sheets themselves show."""
+    ratios = {}
+    for sheet in al.DATASHEETS.values():
+        for sensor in SENSORS:
+            if (sheet.model(sensor) is None) or len(found := largest(sheet, sensor)) < 2:
+                continue
+            first = next(value for quantity in QUANTITIES if (value := found.get(quantity)))
+            ratios |= {(sheet.name, sensor, quantity): value / first for quantity, value in found.items()}
+    densities = [value for (_, _, quantity), value in ratios.items() if quantity == "noise density" and value != 1]
+    assert len(ratios) > 60
+    assert sorted(densities)[len(densities) // 2] == pytest.approx(1.0, abs=0.1)  # the median
+    for key, value in ratios.items():
+        if key in APART:
+            assert value == pytest.approx(APART[key], rel=0.01), key
+        else:
+            assert 0.79 < value < 1.28, (key, value)
+
+
+def sheet_of(*claims):
+    return DataSheet("X1", "Maker", "document 1", tuple(claims))
+
+
+WALK = Claim("gyro", "random walk", "ARW", 0.3, "deg/sqrt(h)", place="page 1")
+DENSITY = Claim("gyro", "noise density", "Density", 0.01, "deg/s/sqrt(Hz)", place="page 1")
+NOISE = Claim("gyro", "rms noise", "Noise", 0.1, "deg/s", place="page 1", bandwidth=50.0)
+
+
+@pytest.mark.parametrize(
+    ("claims", "used"),
+    [
+        ((NOISE, DENSITY, WALK), WALK),
+        ((NOISE, DENSITY), DENSITY),
+        ((NOISE,), NOISE),
+        ((WALK, replace(WALK, value=0.4)), replace(WALK, value=0.4)),
+        ((replace(WALK, limit="maximum"), DENSITY), DENSITY),
+        ((replace(WALK, limit="maximum"),), replace(WALK, limit="maximum")),
+    ],
+)
+def test_one_line_makes_the_coefficient(claims, used):
+    sheet = sheet_of(*claims)
+    assert sheet.used("gyro") == (used,)
+    assert sheet.gyro == al.Model((used.term,))
+    assert sheet.accelerometer is None
+    assert sheet.models == (sheet.gyro,)
+
+
+def test_noise_without_a_bandwidth_makes_no_coefficient():
+    sheet = sheet_of(replace(NOISE, bandwidth=None))
+    assert sheet.models == ()
+
+
+@pytest.mark.parametrize("name", ["ADIS16470", "adis16470", "ADIS-16470", "adis 16470", "Adis_16470"])
+def test_a_name_is_found_as_it_is_typed(name):
+    assert al.data_sheet_named(name).name == "ADIS16470"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("adis1647", "unknown data sheet 'adis1647'; did you mean ADIS16470?"),
+        ("xyz", "unknown data sheet 'xyz'; known data sheets: ADIS16355, "),
+        ("itg-3200 accelerometer", "the data sheet of the ITG-3200 says nothing of the noise of its accelerometer"),
+    ],
+)
+def test_what_is_not_there_is_refused(text, said):
+    with pytest.raises(UsageError) as caught:
+        claimed(text)
+    assert str(caught.value).startswith(said)
+
+
+def test_texts_of_a_conversion_may_be_names_of_data_sheets():
+    sheet = al.DATASHEETS["ADIS16470"]
+    assert models_of(["adis16470"]) == list(sheet.models)
+    assert models_of(["adis16470 accelerometer", "0.5 deg/sqrt(h)"]) == [
+        sheet.accelerometer,
+        al.Model("N 0.5 deg/sqrt(h)"),
+    ]
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_what_was_measured_is_given_as_the_sheet_would_say_it(sensor):
+    """A record of exactly the random walk of a sheet: its density is what the sheet should have printed."""
+    sheet = al.data_sheet_named("adis16470")
+    record = al.simulate(al.Model((sheet.model(sensor)["N"],)), 60_000, 100.0, rng=2, name="x")
+    found = al.compare_with_sheet(record, sheet)
+    ratios = {m.claim.quantity: m.ratio for m in found.measured(found[0])}
+    sizes = largest(sheet, sensor)
+    assert ratios.keys() == {"random walk", "noise density", "bias stability"}
+    for quantity, truth in (("random walk", 1.0), ("noise density", sizes["random walk"] / sizes["noise density"])):
+        value, low, high = ratios[quantity]
+        assert low < truth < high
+        assert value == pytest.approx(truth, rel=0.02)
+    least = found[0].readings.minimum.deviation / SI["deg/h" if sensor == "gyro" else "ug"]
+    assert ratios["bias stability"][0] == pytest.approx(least / (8 if sensor == "gyro" else 13))
+    assert [row[:2] for row in found.rows()[1]] == [["x", quantity] for quantity in ratios]
+
+
+def test_a_channel_of_a_sensor_that_the_sheet_has_not_is_left_alone():
+    record = al.simulate(al.N(60, "ug/sqrt(Hz)"), 8192, 100.0, rng=2, name="ax")
+    found = al.compare_with_sheet(record, "itg-3200")
+    assert list(found.measured(found[0])) == []
