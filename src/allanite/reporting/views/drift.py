@@ -128,16 +128,16 @@ def _remarks(value: Drift) -> list[Remark]:
     longest = min((axis.longest for axis in value.axes if axis.longest), default=math.inf)
     strapdown = settings.platform == "strapdown" and bool(sensors)
     tilt = value["attitude"] if "attitude" in value.quantities else None
-    lost = [] if tilt is None else tilt.times[tilt.most > LARGE].tolist()
+    lost = [] if tilt is None else tilt.times[np.where(tilt.sigma > 0, tilt.sigma, tilt.most) > LARGE].tolist()
     told = (
         (lost, say("after {time} the tilt is no longer small: take velocity and position there as lost",
                    time=words.duration(min(lost, default=0.0))), ""),
         (last > longest, say("beyond {longest} the record says nothing: there the drift is that of the model alone",
                              longest=words.duration(min(longest, last))), ""),
         (strapdown and "accelerometer" not in sensors,
-         say("velocity and position without the errors of accelerometers, whose noise is not given"), ""),
+         say("velocity and position without the errors of accelerometers, whose noise is not known"), ""),
         (strapdown and "gyro" not in sensors,
-         say("velocity and position without the tilt, for the noise of gyros is not given"), ""),
+         say("velocity and position without the tilt: the noise of gyros is not known"), ""),
         (last >= ROUND and not settings.schuler and "velocity" in value.quantities,
          say("after 15 min the curvature of the earth reduces the drift of velocity and position"), "--schuler"),
     )  # fmt: skip
