@@ -10,7 +10,7 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.terms import TERMS
 
-from .drawing import dashes, stacked, with_unit
+from .drawing import dashes, draw_legend, stacked, with_unit
 
 PER_DECADE, DEEP = 12, 1e-3
 """Times of a decade; the least share of the largest drift that is drawn."""
@@ -28,9 +28,9 @@ def plot_drifts(new_figure: style.NewFigure, value: Drift) -> Figure:
     if len(courses) > 1 and np.allclose(courses[0].sigma, courses[1].sigma, rtol=1e-9):
         del courses[1]
     figure, columns = stacked(new_figure, [1] * len(courses))
+    several = len({axis.sensor for axis in value.axes}) > 1
     for (ax,), course in zip(columns, courses, strict=True):
         scale = course.scale
-        several = len({share.sensor for share in course.shares}) > 1
         if np.isfinite(course.high).all():
             ax.fill_between(grid, course.low * scale, course.high * scale, color=style.INK, alpha=0.15, lw=0)
         ax.plot(grid, course.sigma * scale, color=style.INK, lw=2.0, label=say("all causes"))
@@ -48,11 +48,9 @@ def plot_drifts(new_figure: style.NewFigure, value: Drift) -> Figure:
         top = max(course.most.max(), course.sigma.max()) * scale
         bottom = max(course.sigma.min() * scale / 10, top * 1e-12)
         ax.set(xscale="log", yscale="log", ylim=(bottom, 2 * top), xlim=ends,
-               xlabel=say("time without aid"), ylabel=with_unit(course.title, course.unit))  # fmt: skip
-        ax.set_xticks(list(times), [words.duration(time) for time in times])
-        ax.minorticks_off()
+               xlabel=say("time without aid (s)"), ylabel=with_unit(course.title, course.unit))  # fmt: skip
         style.grid(ax)
-        style.plain_ticks(ax.yaxis)
-        ax.legend(loc="upper left")
+        style.plain_ticks(ax.xaxis, ax.yaxis)
         style.title(ax, words.capital(course.title))
+    draw_legend(figure, marks=False, columns=5)
     return figure
