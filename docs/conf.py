@@ -15,7 +15,10 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml", "navigation", "tables"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
-INCLUDED = ("help", "methods", "efficiencies", "accuracies", "devices", "exports", "recordings")
+INCLUDED = (
+    "help", "methods", "efficiencies", "accuracies", "devices", "exports", "recordings", "data_sheets", "quantities",
+    "compared",
+)  # fmt: skip
 exclude_patterns = [f"generated/{name}.md" for name in INCLUDED]  # included by others
 default_role = "py:obj"  # names in docstrings lead to their own
 suppress_warnings = ["ref.python"]  # an attribute such as `count` is one of several classes: the first will do

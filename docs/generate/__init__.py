@@ -11,6 +11,7 @@ from allanite.terms import TERMS
 from generate.api import api_pages
 from generate.benchmarks import benchmark_pages
 from generate.compensation import compensation_page
+from generate.data_sheets import compared_page, data_sheets_page, quantities_table
 from generate.devices import devices_page
 from generate.exports import exports_page
 from generate.gallery import gallery_page
@@ -54,6 +55,9 @@ def write_pages(docs: Path) -> None:
     _write(root / "efficiencies.md", efficiencies(results / "methods.md"))
     _write(root / "curve_efficiencies.md", efficiencies(results / "curves.md"))
     _write(root / "devices.md", devices_page())
+    _write(root / "data_sheets.md", data_sheets_page())
+    _write(root / "quantities.md", quantities_table())
+    _write(root / "compared.md", compared_page(results / "data_sheets.md"))
     _write(root / "recordings.md", recordings_page(results / "recordings.md"))
     _write(root / "exports.md", exports_page())
     benchmark_pages(results, root / "benchmarks")

@@ -38,7 +38,7 @@ WITH_COMMANDS = (
 WITH_PYTHON = (
     "simulation.md", "files.md", "json.md", "compare.md", "rate_and_angle.md", "data_sheet.md", "migrating.md",
     "command.md", "reference_data.md", "languages.md", "log_to_filter.md", "vertical.md", "stream.md",
-    "plugins.md", "drift.md",
+    "plugins.md", "check.md", "drift.md",
 )  # fmt: skip
 """Pages whose commands, and whose Python, are run by the tests below."""
 

@@ -266,9 +266,9 @@ RUNS = {
         "{six} --to datasheet", "--to px4 " + GIVEN, "{six} --to statespace",
     ],
     "convert": ["'1 deg/sqrt(h)' --to gtsam", "{kalibr} --from kalibr", "{kalibr} --from kalibr --to vins-mono"],
-    "explain": ["", *EXPORTS, "theo1", "hdev --samples 100", "adis16470"],
+    "explain": ["", *EXPORTS, "px4-tc", "theo1", "hdev --samples 100", "adis16470"],
     "budget": ["{current} --unit V {stage} --torquer " + TORQUER + " --sense 5"],
-    "compensate": ["{a} --regressors temp --channels gx"],
+    "compensate": ["{a} --regressors temp --channels gx", "{a} --regressors temp --to px4 -o {a}.params --force"],
     "vertical": [
         "{six}", "{six} --filter bortz", "{six} --filter kalman --time-constant 5 --keep-bias",
         NOISE + " --gyro-bias '10 deg/h'", NOISE + " --scenarios --rate 10", "{six} --gate 0.001",

@@ -21,6 +21,9 @@ NAMED = 3
 WIDE, NEARLY = 15.0, 1.02
 """Ratio of the limits of a factor above which nothing is named, and factor by which they are widened if none is."""
 
+FIRST = 1000
+"""Samples at the start whose mean is looked at."""
+
 NEAR = 0.1
 """Relative difference of a mean from what rand() makes of it, up to which rand() is named."""
 
@@ -121,8 +124,8 @@ def _half(study: Study, light: set[str]) -> Iterator[Cause]:
         record = channel.record
         if record.name in light and isinstance(record, Record):
             rates = record.rate_values
-            fast = np.nanstd(np.diff(rates)) / math.sqrt(2)
-            found += [record.name] if abs(np.nanmean(rates) / fast / math.sqrt(3) - 1) < NEAR else []
+            fast = np.nanstd(np.diff(rates)) / math.sqrt(2)  # and the mean before the bias has drifted
+            found += [record.name] if abs(np.nanmean(rates[:FIRST]) / fast / math.sqrt(3) - 1) < NEAR else []
     if found:
         yield _trace(tuple(found), "mean", say("the mean is not zero, but half the width of the distribution, as that "
                                                "of rand() between 0 and 1"))  # fmt: skip

@@ -10,6 +10,7 @@ from allanite.batch.specification import Limit
 from allanite.core.aliases import aliased
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model
+from allanite.core.record import Record
 from allanite.core.threads import one_thread
 from allanite.phrases.phrase import say
 from allanite.study.analysis import analyzed
@@ -18,14 +19,14 @@ from allanite.study.recipe import Recipe
 from allanite.study.results import Channel, Study
 
 from .causes import causes_of
-from .claim import ClaimedNoise, claim_of
-from .exact import Counts, by_sensor, exact_rows
-from .result import AGREES, EXCEEDS, NOT_SHOWN, CheckedTerm, ClaimCheck
+from .claim import KINDS, ClaimedNoise, claim_of
+from .exact import Counts, by_sensor, curve_row, exact_rows
+from .result import AGREES, EXCEEDS, NOT_SHOWN, CheckedTerm, ClaimCheck, fit_of
 
 TOLERANCE = 0.02
 """Relative difference that is accepted: files state two or three digits."""
 
-KINDS = 5
+SHARES = 5
 """Kinds of comparisons that share the chance of a false alarm: terms, times, other noise, curves, distributions."""
 
 
@@ -110,15 +111,32 @@ def _checked(study: Study, claims: dict[float, ClaimedNoise], bound: bool, toler
     """The rows of all channels, by kind of sensor."""
     alpha = 1 - study.recipe.level
     if bound:
-        pairs = [(c, limit) for c in study for limit in claims[c.record.rate].limits_of(c.record.name, c.record.signal)]
-        for channel, limit in pairs:
-            level = 1 - 2 * alpha / len(pairs)
-            yield _bounded(channel, limit, level, tolerance)
+        yield from _bounds(study, claims, alpha, tolerance)
         return
     sensors = by_sensor(study, claims)
-    count = Counts(sensors, alpha / KINDS, tolerance)
+    count = Counts(sensors, alpha / SHARES, tolerance)
     for sensor in sensors:
         yield from exact_rows(sensor, count)
+
+
+def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, tolerance: float) -> Iterator[CheckedTerm]:
+    """The rows of all channels whose noise is claimed to be at most this, channel by channel.
+
+    A configuration and a model claim all noise, so that no deviation may exceed theirs; data sheets and limits say
+    nothing of terms that they do not have.
+    """
+    whole = next(iter(claims.values())).kind not in KINDS
+    limits = [(c, claims[c.record.rate].limits_of(c.record.name, c.record.signal)) for c in study]
+    each = alpha / max(sum(len(own) + whole for _, own in limits if own), 1)
+    for channel, own in limits:
+        for limit in own:
+            yield _bounded(channel, limit, 1 - 2 * each, tolerance)
+        model, fit = claims[channel.record.rate].of(channel.record.signal), fit_of(channel)
+        noise = None if model is None else model.noise
+        if whole and noise is not None and fit is not None and isinstance(channel.record, Record):
+            yield curve_row(
+                channel, noise, fit, 2 * each, lambda low, _: EXCEEDS if low > 1 + tolerance else AGREES
+            )  # fmt: skip
 
 
 def _bounded(channel: Channel, limit: Limit, level: float, tolerance: float) -> CheckedTerm:

@@ -133,7 +133,7 @@ def claim_of(
         ) from None
 
 
-def _of_file(path: str, origin: str, rate: float | None) -> ClaimedNoise:
+def _of_file(path: str, origin: str | None, rate: float | None) -> ClaimedNoise:
     if path.lower().endswith(".toml") and not origin:
         limits = Specification.load(path)
         return ClaimedNoise(path, "limits", tuple(_limited(limits)), bound=True, limits=limits)

@@ -111,7 +111,7 @@ class Drift(Value):
     >>> import allanite as al
     >>> found = al.drift(al.Model("N 0.3 deg/sqrt(h), B 7 deg/h"), times=(60.0, 600.0), calibration=300.0)
     >>> found["heading"].to("deg").round(3).tolist(), round(found["position"].sigma[0])
-    ([0.102, 1.187], 8)
+    ([0.126, 1.134], 14)
     """
 
     _also: ClassVar = ("results", "allowed")

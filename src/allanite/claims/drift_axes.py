@@ -45,7 +45,7 @@ class DriftCause(Value):
     limit: bool = False
 
     def variance(self, response: Response, times: FloatArray, calibration: float, rate: float | None) -> FloatArray:
-        """Of a quantity, SI."""
+        """What it adds to the variance of a quantity, SI."""
         if self.term is not None:
             return drift_variance(self.term, response, times, calibration=calibration, rate=rate)
         return np.asarray((self.bias * response.bias(times) + self.step * response.step(times)) ** 2)

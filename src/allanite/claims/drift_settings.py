@@ -19,7 +19,7 @@ from allanite.planning.drift import GRAVITY, Response, flat, schuler
 from allanite.study.settings import DriftChoices
 
 CALIBRATION = 60.0
-"""Time over which the bias is averaged unless something else is said, s."""
+"""Usual time over which the bias is averaged, s."""
 
 LARGE = 0.1
 """Errors of a scale factor from which on percent are meant."""

@@ -83,7 +83,7 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
         if not settings.require:
             raise UsageError(
                 "give the noise: a recording, a result of analyze in JSON, or "
-                + spelled("--model, --sensor", "a model")
+                + spelled("--model, --sensor or --datasheet", "a model")
                 + "; without it, what it may be: "
                 + spelled("--require '1 deg in 10 min'", "require=['1 deg in 10 min']")
             )

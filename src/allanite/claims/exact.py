@@ -1,7 +1,7 @@
 """Noise that is claimed exactly: coefficients by likelihood, correlation time, other noise, curve, distribution."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from allanite.batch.judgement import seen_of
 from allanite.core.arrays import FloatArray
+from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.core.units import Signal, unit_of
@@ -143,7 +144,8 @@ def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
                 channel, quantity=other.symbol, found=math.sqrt(float(subset.theta[i])),
                 unit=sensor.signal.sheet[other.row.power], outcome=UNCLAIMED,
             )  # fmt: skip
-        yield _curve(axis, channel, count)
+        noise = Model(axis.noise)
+        yield curve_row(axis.channel, noise, noise, count.channel, count.outcome)
         yield from _distribution(axis, channel, count)
 
 
@@ -182,21 +184,25 @@ def _estimated(channel: Channel, term: Term, count: Counts) -> CheckedTerm:
     return replace(row, ratio=ratio, low=low / size, high=high / size, outcome=count.outcome(low / size, high / size))
 
 
-def _curve(axis: AxisCheck, row: CheckedTerm, count: Counts) -> CheckedTerm:
-    """The Allan deviation where it is farthest from the claimed one, all octaves considered."""
-    record = axis.channel.record
-    assert isinstance(record, Record)  # noqa: S101 - there is a likelihood of its samples
-    claimed = Model(axis.noise)
-    curve = deviation(record, "oadev", taus="octave", noise=claimed)
+def curve_row(
+    channel: Channel, claimed: Model, supposed: Model | Fit, alpha: float, judge: Callable[[float, float], str]
+) -> CheckedTerm:
+    """The Allan deviation where it is farthest from the claimed one, all octaves considered.
+
+    Its intervals are those under the noise that is `supposed`; `judge` says what limits of the ratio mean.
+    """
+    record = channel.record
+    assert isinstance(record, Record)  # noqa: S101 - the callers have looked
+    curve = deviation(record, "oadev", taus="octave", noise=supposed)
     factor, expected = unit_of(curve.unit).factor, claimed_deviation(claimed, curve)
-    low, high = (limit / expected for limit in curve.interval(1 - count.channel / curve.tau.size))
-    outside = np.maximum(low / (1 + count.tolerance), (1 - count.tolerance) / high)
-    most = int(outside.argmax())
-    return replace(
-        row, quantity="curve", claimed=factor * float(expected[most]), found=factor * float(curve.deviation[most]),
-        unit=record.signal.sheet[0], ratio=float(curve.deviation[most] / expected[most]), low=float(low[most]),
-        high=float(high[most]), outcome=count.outcome(float(low[most]), float(high[most])),
-        reason=say("at {tau:.4g} s", tau=float(curve.tau[most])),
+    low, high = (limit / expected for limit in curve.interval(1 - alpha / curve.tau.size))
+    outcomes = [judge(float(one), float(other)) for one, other in zip(low, high, strict=True)]
+    outside = np.maximum(low, 1 / high)
+    most = int(np.argmax(np.where([outcome != AGREES for outcome in outcomes], outside, outside - outside.max())))
+    return CheckedTerm(
+        record.name, record.signal, "curve", factor * float(expected[most]), factor * float(curve.deviation[most]),
+        record.signal.sheet[0], float(curve.deviation[most] / expected[most]), float(low[most]), float(high[most]),
+        outcomes[most], say("at {tau:.4g} s", tau=float(curve.tau[most])),
     )  # fmt: skip
 
 

@@ -170,9 +170,8 @@ OPTIONS: dict[str, Decorator] = {
         help="Noise of a sensor without a file, e.g. 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'; repeatable."),
     "origin": click.option("--from", "origin", metavar="TARGET",
         help="VALUE is a file of this target: read its coefficients."),
-    "claimed": click.option("--claims", "claims", multiple=True, metavar="FILE|NAME",
-        help="Noise that a configuration of a filter (kalibr, px4, ...) or a data sheet claims; repeatable.",
-        cls=Option, synonyms=("config", "datasheet")),
+    "claimed": click.option("--claims", "claims", multiple=True, metavar="FILE",
+        help="Configuration of a filter or simulator, e.g. of kalibr; repeatable.", cls=Option, synonyms=("config",)),
     "filter": click.option("--filter", "filter_name", metavar="NAME",
         help="complementary, second-order, kalman, mahony, madgwick, bortz or accelerometer.  "
         "[default: complementary]"),

@@ -46,7 +46,11 @@ def selfcheck(file: str | None, **choices: Any) -> None:
     """
     from allanite.study.modelling import SelfCheckSettings
 
-    found = _run(SelfCheckSettings, file, choices)
+    demand_kept(_run(SelfCheckSettings, file, choices))
+
+
+def demand_kept(found: Any) -> None:
+    """End with exit code 4, and say why, if a limit is exceeded."""
     for sentence in found.exceeded:
         click.echo(f"limit exceeded: {sentence}", err=True)
     if found.exceeded:

@@ -96,7 +96,12 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
 
 
 def compare_with_sheet(
-    source: Source, sheet: str | DataSheet, recipe: Recipe | None = None, *, progress: Progress | None = None
+    source: Source,
+    sheet: str | DataSheet,
+    recipe: Recipe | None = None,
+    *,
+    progress: Progress | None = None,
+    **choices: Any,
 ) -> SheetComparison:
     """Compare the noise of a recording with what a data sheet says.
 
@@ -105,7 +110,7 @@ def compare_with_sheet(
     source : Recording, Record or path
     sheet : str or DataSheet
         A name in `DATASHEETS`, or a data sheet.
-    recipe, progress
+    recipe, progress, **choices
         As for `analyze`.
 
     Returns
@@ -129,5 +134,5 @@ def compare_with_sheet(
     ('Angular Random Walk', 0.88)
     """
     known = sheet if isinstance(sheet, DataSheet) else data_sheet_named(sheet)
-    study = analyze(source, recipe, progress=progress)
+    study = analyze(source, recipe, progress=progress, **choices)
     return SheetComparison(study.channels, study.recipe, study.findings, study.notes, study.provenance, known)

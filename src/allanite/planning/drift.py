@@ -89,7 +89,7 @@ def schuler(order: int, gain: float = 1.0) -> Response:
     --------
     >>> hour = np.array([3600.0])
     >>> (schuler(2, GRAVITY).bias(hour) / flat(2, GRAVITY).bias(hour)).round(3).tolist()
-    [0.367]
+    [0.366]
     """
     w = math.sqrt(GRAVITY / RADIUS)
     kernels = {0: ((1j * gain * w, 0, w),), 1: ((gain + 0j, 0, w),), 2: ((-1j * gain / w, 0, w),)}

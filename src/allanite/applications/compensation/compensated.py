@@ -80,11 +80,11 @@ class Compensated(RecordResult):
             sizes = [f"{regressor.channel}^{n} {rms:.3g} ({a:.3g} .. {b:.3g}) {unit}" for n, rms, a, b in numbers]
             held = self.regression.held
             gained = held is None or any((o.explained or math.inf) > held.explained for o in found)
-            taken = say("higher powers would remove more: {sizes}, rms over {low:.4g} to {high:.4g} {degrees}",
+            taken = say("higher powers would remove more: {sizes}, RMS over {low:.4g} to {high:.4g} {degrees}",
                         sizes=", ".join(sizes), low=low, high=high, degrees=regressor.unit)  # fmt: skip
             return join("; ", (taken, *([] if gained else [say("cross-validation does not gain from them")])))
         powers, most = ", ".join(str(o.power) for o in self.orders), max(o.high for o in self.orders) / scale
-        return say("powers {powers} would remove at most {most:.2g} {unit}, rms over {low:.4g} to {high:.4g} {degrees}",
+        return say("powers {powers} would remove at most {most:.2g} {unit}, RMS over {low:.4g} to {high:.4g} {degrees}",
                    powers=powers, most=most, unit=unit, low=low, high=high, degrees=regressor.unit)  # fmt: skip
 
 

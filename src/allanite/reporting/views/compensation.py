@@ -200,11 +200,11 @@ def _axes(channels: Sequence[Compensated], level: float) -> Axes:
         effects[removed][name] = share
         for i in regression.taken:
             e = regression.effect(i, level)
-            row = (e.label, say("{unit} per {regressor}", unit=unit, regressor=e.regressor.column_unit))
+            row = (e.label, f"{unit}/{e.regressor.column_unit}".removesuffix("/1"))
             said = plus_minus(e.value * scale, e.low * scale, e.high * scale, signed=True)
             effects.setdefault(row, {})[name] = said if e.significant else say("absent")
         for o in c.orders:
-            row = (say("power {power} would remove", power=o.power), say("{unit} rms", unit=unit))
+            row = (say("power {power} would remove, RMS", power=o.power), unit)
             size = plus_minus(o.rms * scale, o.low * scale, o.high * scale)
             said = size if o in c.further else f"< {digits(o.high * scale, figures=2).plain()[0]}"
             orders.setdefault(row, {})[name] = said

@@ -11,7 +11,7 @@ from allanite.core.titles import title_of
 from allanite.core.units import signal_named
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
-from allanite.exporting.exports import EXPORTS, row_of_file
+from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
 from allanite.exporting.imported import Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.phrases.phrase import Phrase, join, say
@@ -129,6 +129,7 @@ def _tables() -> dict[str, dict[str, str]]:
     """The names of every table, those of plug-ins among them, and what they are."""
     return {
         say("targets"): {name: row.title for name, row in EXPORTS.items()},
+        say("temperature parameters"): {row.name: row.title for row in TEMPERATURE.values()},
         say("statistics"): {name: row.title for name, row in STATISTICS.items()},
         say("noise terms"): {symbol: row.title for symbol, row in TERMS.items()},
         say("data sheets"): {name: row.document for name, row in DATASHEETS.items()},

@@ -1,0 +1,48 @@
+"""The table of data sheets, and the recordings of the ADIS16405 beside theirs."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from allanite.planning.datasheets import DATASHEETS, QUANTITIES
+from allanite.reporting.digits import printed_unit
+from generate.markdown import table, typeset
+
+COMPARED = ("Random Walk", "Stability")
+"""Ends of the names of the quantities that the model of a data sheet is made of."""
+
+
+def data_sheets_page() -> Iterator[str]:
+    """What is included by docs/data_sheets.md."""
+    for name, sheet in DATASHEETS.items():
+        yield from (f"### {name}", "", f"{sheet.maker}. Document: {sheet.document}.", "")
+        rows = [
+            (c.sensor, c.printed, f"{c.value:g}", printed_unit(c.unit), c.limit, c.conditions.replace("_", r"\_"),
+             c.place, printed_unit(str(c.term or "")))
+            for c in sheet.claims
+        ]  # fmt: skip
+        yield from table(("sensor", "quantity", "value", "unit", "", "conditions", "place", "is"), rows)
+
+
+def quantities_table() -> Iterator[str]:
+    """What a quantity is of a coefficient."""
+    rows = [(name, typeset(how.formula), how.meaning) for name, how in QUANTITIES.items()]
+    yield from table(("quantity", "is", "what is meant"), rows)
+
+
+def compared_page(results: Path) -> Iterator[str]:
+    """What was measured, over what the data sheet says: a column a recording."""
+    head, *cells = [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in results.read_text(encoding="utf-8").splitlines()
+        if line.startswith("| ")
+    ]
+    rows = [dict(zip(head, row, strict=True)) for row in cells]
+    kept = [row for row in rows if row["quantity"].endswith(COMPARED)]
+    files = list(dict.fromkeys(row["file"] for row in kept))
+    found = {(row["channel"], row["quantity"], row["file"]): row for row in kept}
+    lines = []
+    for channel, quantity in dict.fromkeys((row["channel"], row["quantity"]) for row in kept):
+        each = [found[channel, quantity, file] for file in files]
+        shown = (f"{'≤ ' if row['remark'] else ''}{row['measured']} (× {row['ratio']})" for row in each)
+        lines.append((channel, quantity, f"{each[0]['data sheet']} {each[0]['unit']}", *shown))
+    yield from table(("channel", "quantity", "data sheet", *(f"`{file}`" for file in files)), lines)
