@@ -39,7 +39,7 @@ TOPICS: dict[str, tuple[str, str]] = {
     "sheets": ("Data sheets", "data_sheet_named DataSheet compare_with_sheet SheetComparison"),
     "compensating": (
         "Temperature compensation",
-        "compensate compensate_file compensation Regression CompensationSettings",
+        "compensate compensate_file temperature_parameters compensation Regression CompensationSettings",
     ),
     "quantizing": (
         "Quantization budget and torquer currents",

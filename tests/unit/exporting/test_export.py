@@ -160,7 +160,7 @@ def test_wrong_choices():
     for wrong in ({"inflate": 0.0}, {"inflate": float("nan")}, {"rate": -1.0}, {"filter_rate": 0.0}):
         with pytest.raises(al.UsageError):
             al.export(six(), "kalibr", **wrong)
-    with pytest.raises(al.UsageError, match="a str cannot be exported"):
+    with pytest.raises(al.UsageError, match="a str holds no noise"):
         al.export("gyro.csv", "kalibr")
     with pytest.raises(al.UsageError, match=r"statespace is written as .npz, .m, .h, not as '.txt'"):
         al.export(six(), "statespace", form=".txt", rate=1.0)
