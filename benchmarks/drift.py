@@ -157,7 +157,7 @@ def main() -> None:
     body += ["## Round earth", "", "Each axis by itself: the tilt falls by the velocity over the earth's radius.", ""]
     body += markdown(heads, compared(SENSORS[-1], runs, len(SENSORS) + 1, schuler=True))
     body += ["## Intervals of the heading", "", "From identified noise: share of records whose 95 % interval has the "
-             "truth, share whose upper limit (at most) is above it, %, and median of estimate over truth.", ""]  # fmt: skip
+             "truth, share whose upper limit is above it, %, and median of estimate over truth.", ""]  # fmt: skip
     times = [f"{t:g} s" for _, span in SPANS for t in span]
     rows = [row for text in IDENTIFIED for row in covered(text, run.asked.records)]
     body += markdown(("noise", "records", *times), rows)
