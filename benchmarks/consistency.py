@@ -1,6 +1,6 @@
 """Are exported files consistent: the error of a filter that uses them over the standard deviation that it predicts.
 
-    python benchmarks/consistency.py [--records 100] [--runs 2000] [--aids 0.1 0] [--covers no 1,1000] [--write PATH]
+    python benchmarks/consistency.py [--records 100] [--runs 1000] [--aids 0.1 0] [--covers no 1,1000] [--write PATH]
 
 Records of gyros are simulated, identified as a user's would be, and exported to every target with fields, without and
 with cover. Each file is read back into N, K, B and the correlation time of the bias, and a Kalman filter of these,
@@ -24,6 +24,8 @@ import aided
 import allanite as al
 from aided import AIDED, OUTAGES, Array
 from allanite.core.units import unit_of
+from allanite.exporting.export import exported
+from allanite.exporting.fields import How
 from allanite.exporting.imported import noise_in
 from allanite.exporting.target import Target
 
@@ -35,7 +37,6 @@ SENSORS = {
     "N B K": N + al.B(7.2, "deg/h") + al.K(20, "deg/h/sqrt(h)"),
     "N B GM": N + al.B(5, "deg/h") + al.GM(10, "deg/h", time_constant=100.0),
 }
-ACCELEROMETER = al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
 RECORDED = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
 TARGETS = {name: row for name, row in al.EXPORTS.items() if row.fields}
 COVERS: dict[str, tuple[object, Callable[[Target], bool]]] = {
@@ -104,11 +105,11 @@ def grouped(analyzed: Sequence[al.Study], word: str) -> list[Group]:
     groups: dict[tuple[str, ...], list[str]] = defaultdict(list)
     kept: dict[tuple[str, ...], list[al.Model]] = {}
     cover, asked_of = COVERS[word]
-    for name in (name for name, row in TARGETS.items() if asked_of(row)):
+    for name, row in ((name, row) for name, row in TARGETS.items() if asked_of(row)):
         models = []
         for study in analyzed:
             try:
-                models.append(read_back(al.export([study, ACCELEROMETER], name, cover=cover)))  # type: ignore[arg-type]
+                models.append(read_back(exported(row, study, How(cover=cover, partial=True), row.form(""))))
             except al.DataError:
                 continue
         key = tuple(map(str, models))
@@ -139,7 +140,7 @@ class Sensor:
         ratio, best = error / found.sigma, self.truth.errors(aided.filters([aided.best(self.model)], aid), aid)
         square = np.zeros(len(OUTAGES))
         for past, jitter, sigma in zip(found.past, found.aid, found.sigma, strict=True):
-            runs = self.angles + self.past @ past.T + aid * self.jitter @ jitter.T
+            runs = self.angles + self.past @ past.T + (aid * self.jitter @ jitter.T if aid else 0.0)
             square += np.mean((runs / sigma) ** 2, axis=0) / len(found.sigma)
         off = np.sqrt(square) / rms(ratio)
         columns = (rms(ratio), ratio.min(axis=0), ratio.max(axis=0))
@@ -171,7 +172,7 @@ def middle(models: Sequence[al.Model]) -> str:
 def main() -> None:
     """Make the table."""
     choices = {"sensors": list(SENSORS), "covers": list(COVERS)}
-    run = begin(__doc__, records=100, recorded=10, runs=2000, aids=[0.1, 0.0], **choices)
+    run = begin(__doc__, records=100, recorded=4, runs=1000, aids=[0.1, 0.0], **choices)
     asked = run.asked
     truths = {name: (SENSORS[name], asked.records) for name in asked.sensors}
     truths |= {name: (model, asked.recorded) for name, model in recorded()}

@@ -102,8 +102,8 @@ class Drift(Value):
     ----------
     axes : tuple of DriftAxis
     settings : DriftSettings
-    alerts, rejected : tuple of str
-        Warnings, and channels that were left out.
+    alerts, notes, rejected : tuple of str
+        Why the noise is in doubt, what was found in the data, and channels that were left out.
     recipe, provenance : dict
 
     Examples
@@ -119,6 +119,7 @@ class Drift(Value):
     axes: tuple[DriftAxis, ...]
     settings: DriftSettings
     alerts: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     rejected: tuple[str, ...] = ()
     recipe: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, str] = field(default_factory=dict)

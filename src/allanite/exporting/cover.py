@@ -34,7 +34,7 @@ from .target import Target
 WIDEST = 8.0
 """The largest N' over N that is tried."""
 
-WIDENINGS = 60
+WIDENINGS = 40
 """White noises that are tried."""
 
 LEAST = 1e-6
