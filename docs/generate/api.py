@@ -36,9 +36,10 @@ TOPICS: dict[str, tuple[str, str]] = {
     "exporting": ("Files for filters and simulators", "export read_noise Export Imported"),
     "claims": ("Noise and what is claimed of it", "check claim_of ClaimedNoise ClaimCheck"),
     "comparing": ("Comparison", "compare pool truncation Comparison Pool"),
+    "sheets": ("Data sheets", "data_sheet_named DataSheet compare_with_sheet SheetComparison"),
     "compensating": (
         "Temperature compensation",
-        "compensate compensate_file compensation Regression CompensationSettings",
+        "compensate compensate_file temperature_parameters compensation Regression CompensationSettings",
     ),
     "quantizing": (
         "Quantization budget and torquer currents",

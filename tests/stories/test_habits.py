@@ -77,6 +77,8 @@ WORKS = (
     ("al.analyze(path, fs=100, terms=['N', 'K'])['gx'].fit.N.to(SHOWN)", is_n),
     ("al.analyze(x, rate=100, unit='deg/s').to_dataframe()", lambda t: len(t) > 5),
     ("al.analyze(np.stack([x, y], axis=1), rate=100, unit='deg/s').channels", lambda found: len(found) == 2),
+    ("al.drift(fit)['heading'].to('deg')", lambda sigma: sigma.shape == (5,)),
+    ("al.drift(record, times=60)['position'].sigma", lambda sigma: sigma[0] > 0),
     ("al.compare(x, y, rate=100, unit='deg/s')", lambda found: not found.pairs[0].changed),
     # models and simulation
     ("al.Model('N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)')['K'].value", lambda v: v > 0),

@@ -16,7 +16,7 @@ import allanite as al
 from allanite.applications.attitude import FILTERS
 from allanite.applications.constant_rate import RATE_ESTIMATORS
 from allanite.cli import VERBS, deliver, main
-from allanite.exporting.exports import EXPORTS
+from allanite.exporting.exports import EXPORTS, TEMPERATURE
 from allanite.identification.methods import METHODS
 from allanite.parallel.sharing import Work, made
 from allanite.phrases.phrase import Phrase
@@ -64,7 +64,7 @@ DATA = [
 
 FIELDS = {field.full for row in EXPORTS.values() for field in row.fields}
 FIELDS |= {part for name in FIELDS for part in (name.split(".")[-1], f"{name.split('.')[0]}.")}
-KNOWN = sorted(FIELDS | {*EXPORTS, *STATISTICS}, key=len, reverse=True)
+KNOWN = sorted(FIELDS | {*EXPORTS, *STATISTICS} | {row.name for row in TEMPERATURE.values()}, key=len, reverse=True)
 DATA.append(rf"(?<![\w.])({'|'.join(map(re.escape, KNOWN))})(?!\w)")
 
 QUOTED = {text for sheet in al.DATASHEETS.values() for text in (sheet.name, sheet.maker, sheet.document)}
@@ -310,8 +310,8 @@ def values(verb, files):
     """What a verb shows, without names of papers."""
     found = []
     with pytest.MonkeyPatch.context() as patch:
-        for name, row in EXPORTS.items():
-            patch.setitem(EXPORTS, name, replace(row, source=""))
+        for table, name, row in [(t, *item) for t in (EXPORTS, TEMPERATURE) for item in t.items()]:
+            patch.setitem(table, name, replace(row, source=""))
         if verb == "explain":
             for name, statistic in STATISTICS.items():
                 patch.setitem(STATISTICS, name, replace(statistic, reference=""))

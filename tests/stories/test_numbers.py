@@ -121,6 +121,13 @@ def loss(gyro, accelerometer, column="loss"):
     return one("vertical.md", "Loss", column, gyro=[gyro], accelerometer=[accelerometer])
 
 
+def beside(sensor, *quantities):
+    """What was measured over what the data sheet says, least and most, in channels of a sensor."""
+    channels = [f"{sensor}. {axis}" for axis in "XYZ"]
+    return span(figures("data_sheets.md", "", "ratio", channel=channels, quantity=quantities))
+
+
+WALK, STABLE = ("Angular Random Walk", "Velocity Random Walk"), ("In-Run Bias Stability",)
 FIRST, GROWTH, SPEED, LISTED = (
     "first_run.md",
     "growth.md",
@@ -139,6 +146,11 @@ SENTENCES = [
     ("README.md", "takes about {:.0f} seconds", lambda: [one(FIRST, "", "median", run=["first"])]),
     ("README.md", "of {} in all", lambda: [len(EXPORTS) - 2]),  # data sheet and matrices are no filter and no simulator
     ("README.md", "| {} targets |", lambda: [len(EXPORTS) - 2]),
+    ("docs/data_sheets.md", "{:.2f} to {:.2f} times the angular random walk", lambda: beside("Gyro", *WALK)),
+    ("docs/data_sheets.md", "the accelerometers {:.2f} to {:.2f} times", lambda: beside("Accel", *WALK)),
+    ("docs/data_sheets.md", "the in-run stabilities are {:.2f} to {:.2f} and", lambda: beside("Gyro", *STABLE)),
+    ("docs/data_sheets.md", "and {:.2f} to {:.2f} times the printed ones", lambda: beside("Accel", *STABLE)),
+    ("docs/recordings.md", "is {:.2f} to {:.2f} times what it states", lambda: beside("Gyro", *WALK)),
     ("docs/install.md", "takes about {:.0f} seconds", lambda: [one(FIRST, "", "median", run=["first"])]),
     ("docs/accuracy.md", "| 95 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("95", 60))),
     ("docs/accuracy.md", "| 68 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("68", 60))),

@@ -26,7 +26,7 @@ SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml
 
 
 KINDS = {"limits": say("limits"), "data sheet": say("data sheet")}
-"""Kinds of claims beside models and files of targets, in words."""
+"""What kinds of claims are called, beside models and files of targets."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,7 +86,7 @@ class ClaimedNoise(Value):
 def claim_of(
     given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str | None = None, rate: float | None = None
 ) -> ClaimedNoise:
-    """The claim that a text, a file or a name stands for.
+    """The noise that a text, a file or a name claims.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ class Convention:
     Attributes
     ----------
     name : str
-        The factor as a formula.
+        The factor as a formula; empty if it follows from what is claimed.
     factor : Place -> float
         Found over claimed, or its inverse; NaN where the convention does not apply.
     sentence : str
@@ -99,15 +99,15 @@ CONVENTIONS = (
         say("standard deviation of the bias and the density that drives it confused"), WALKS,
     ),
     Convention(
-        say("claimed value"), lambda p: p.claimed, say("the coefficient is squared: variance and standard deviation "
+        "", lambda p: p.claimed, say("the coefficient is squared: variance and standard deviation "
                                                        "confused"), inverse=False,
     ),
     Convention(
-        say("claimed value x sqrt(rate)"), lambda p: p.claimed * math.sqrt(p.rate),
+        "", lambda p: p.claimed * math.sqrt(p.rate),
         say("the deviation of a sample is squared: variance and standard deviation confused"), ("N",), inverse=False,
     ),
     Convention(
-        say("other sensor"), lambda p: p.other / p.claimed, say("the value of the other kind of sensor"), inverse=False,
+        "", lambda p: p.other / p.claimed, say("the value of the other kind of sensor"), inverse=False,
     ),
     Convention(
         "1/sqrt(12)", lambda p: 12**-0.5 if p.uniform else NAN,
@@ -119,7 +119,7 @@ CONVENTIONS = (
     ),
     Convention("-1", _constant(-1.0), say("opposite sign"), ("R", "W"), inverse=False),
     Convention(
-        say("time of the other sensor"), lambda p: p.other / p.claimed,
+        "", lambda p: p.other / p.claimed,
         say("the correlation time of the other kind of sensor"), TIMES, inverse=False,
     ),
     Convention("60", _constant(60.0), say("minutes and seconds confused"), TIMES),
@@ -130,7 +130,7 @@ CONVENTIONS = (
 
 
 def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convention]]:
-    """The conventions whose factor lies within limits, the nearest to their middle first, and the factor in words.
+    """The conventions whose factor lies within limits, the nearest to their middle first, each after its formula.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ class DriftCourse:
     sigma, low, high : array
         Standard deviation and its interval, SI; NaN limits if no coefficient has an interval.
     most : array
-        The same with the terms that were not identified at their upper limits.
+        Upper limit with the terms that were not identified at theirs.
     shares : tuple of DriftShare
         Of the axis of each sensor that is the worst at a time, those of upper limits among them.
     """
@@ -102,8 +102,8 @@ class Drift(Value):
     ----------
     axes : tuple of DriftAxis
     settings : DriftSettings
-    alerts, rejected : tuple of str
-        Warnings, and channels that were left out.
+    alerts, notes, rejected : tuple of str
+        Why the noise is in doubt, what was found in the data, and channels that were left out.
     recipe, provenance : dict
 
     Examples
@@ -119,6 +119,7 @@ class Drift(Value):
     axes: tuple[DriftAxis, ...]
     settings: DriftSettings
     alerts: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     rejected: tuple[str, ...] = ()
     recipe: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, str] = field(default_factory=dict)

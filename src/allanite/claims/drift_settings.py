@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-from allanite.core.choice_kinds import seconds_of
+import numpy as np
+
+from allanite.core.choice_kinds import DURATIONS, seconds_of
 from allanite.core.choices import demand_choices
 from allanite.core.errors import UnitError, UsageError, given
 from allanite.core.names import demand_name
@@ -142,7 +144,10 @@ class DriftSettings(DriftChoices, Value):
     def __post_init__(self) -> None:
         demand_choices(self)
         demand_name("platform", self.platform, PLATFORMS)
-        times = tuple(float(time) for time in self.times)
+        for name in ("turn_on", "maneuver", "require"):
+            texts = getattr(self, name)
+            object.__setattr__(self, name, (texts,) if isinstance(texts, str) else tuple(texts))
+        times = DURATIONS.read(np.asarray(self.times).tolist())
         if not times or not all(0 < time < math.inf for time in times):
             raise UsageError(f"times without aid must be above 0 s, not {given(self.times)}")
         object.__setattr__(self, "times", tuple(sorted(set(times))))

@@ -11,6 +11,7 @@ import numpy as np
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.model import Term
+from allanite.core.record import Record, Recording
 from allanite.exporting.axes import Source, axes_of
 from allanite.exporting.bounds import bounded
 from allanite.exporting.content import Axis
@@ -19,6 +20,7 @@ from allanite.exporting.export import alerts_of
 from allanite.exporting.fields import How, usable
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
+from allanite.study.analysis import analyze
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
 from allanite.study.results import Study
@@ -30,7 +32,11 @@ from .drift_settings import DriftSettings
 
 
 def drift(
-    source: Source | str | PurePath | None = None, settings: DriftSettings | None = None, **choices: Any
+    source: Source | Record | Recording | str | PurePath | None = None,
+    settings: DriftSettings | None = None,
+    *,
+    recipe: Recipe | None = None,
+    **choices: Any,
 ) -> Drift:
     """Predict how far heading, attitude, velocity and position drift with time without aid, from the noise.
 
@@ -39,9 +45,12 @@ def drift(
 
     Parameters
     ----------
-    source : Study, Channel, Fit, Model, Term, Imported, path, or a sequence of these
-        The noise of gyros, accelerometers or both; of several axes the worst counts. None if only `require` is asked.
+    source : Study, Channel, Fit, Model, Term, ClaimedNoise, Record, Recording, path, or a sequence of these
+        The noise of gyros, accelerometers or both; of several axes the worst at each time counts. None if only
+        `require` is asked.
     settings : DriftSettings, optional
+    recipe : Recipe, optional
+        How recordings are read and their noise is identified.
     **choices
         Fields of `DriftSettings`: ``drift(fit, times=(60, 600), turn_on=("10 deg/h",))``.
 
@@ -72,9 +81,14 @@ def drift(
     """
     settings = replace(settings or DriftSettings(), **choices)
     sources = list(source) if isinstance(source, (list, tuple)) else [] if source is None else [source]
-    files = [str(one) for one in sources if isinstance(one, (str, PurePath))]
-    given = [one for one in sources if not isinstance(one, (str, PurePath))]
-    return drift_of([*load(files, Recipe(), ()), *given], settings)
+    return drift_of([_read(one, recipe or Recipe()) for one in sources], settings)
+
+
+def _read(one: Any, recipe: Recipe) -> Any:
+    """A source; recordings are analyzed."""
+    if isinstance(one, Record | Recording):
+        return analyze(one, recipe)
+    return load([str(one)], recipe, ())[0] if isinstance(one, (str, PurePath)) else one
 
 
 def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
@@ -97,10 +111,11 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
     axes = tuple(_axis(axis, settings) for axis in kept)
     studies = [one for one in sources if isinstance(one, Study)]
     left = [axis for axis in inertial if axis not in kept]
-    alerts = [*alerts_of(kept, left, studies), *_unknown(kept)]
+    alerts = alerts_of([replace(axis, alerts=()) for axis in kept], left, [])
+    notes = [*alerts_of([replace(axis, doubt="") for axis in kept], [], studies), *_unknown(kept)]
     rejected = dict.fromkeys([*(axis.name for axis in left), *(name for study in studies for name in study.rejected)])
     recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, provenance_of())
-    return Drift(axes, settings, tuple(alerts), tuple(rejected), recipe, provenance)
+    return Drift(axes, settings, tuple(alerts), tuple(notes), tuple(rejected), recipe, provenance)
 
 
 def _unknown(axes: Sequence[Axis]) -> Iterator[str]:
@@ -116,25 +131,22 @@ def _unknown(axes: Sequence[Axis]) -> Iterator[str]:
 
 def _axis(axis: Axis, settings: DriftSettings) -> DriftAxis:
     """What makes an axis drift: its terms, sinusoids, and constant errors."""
+    from scipy.linalg import block_diag
+
     places = [(i, cause) for i, e in enumerate(axis.fit) if (cause := _cause(axis, e, settings)) is not None]
     causes = [cause for _, cause in places]
     rows = [i for i, cause in places if not cause.limit]
-    correlation = axis.fit.correlation
-    if correlation is not None:
-        known = correlation[np.ix_(rows, rows)]
-        correlation = np.where(np.isfinite(known), known, np.eye(len(rows)))
     lines = [DriftCause("Sine", line.term) for line in axis.fit.lines]
+    together = None
+    if axis.fit.correlation is not None:
+        known = axis.fit.correlation[np.ix_(rows, rows)]
+        together = block_diag(np.where(np.isfinite(known), known, np.eye(len(rows))), np.eye(len(lines)))
     bias, (rate, step) = settings.bias(axis.sensor), settings.scaled(axis.sensor)
     constant = [DriftCause(TURN_ON, bias=bias)] if bias else []
     constant += [DriftCause(SCALE, bias=rate, step=step)] if rate or step else []
-    if correlation is not None and lines:
-        size = len(rows) + len(lines)
-        whole = np.eye(size)
-        whole[: len(rows), : len(rows)] = correlation
-        correlation = whole
     curve = axis.curve or axis.fit.curve
     longest = None if curve is None else float(curve.tau[-1])
-    return DriftAxis(axis.sensor, axis.name, (*causes, *lines, *constant), axis.rate, longest, correlation)
+    return DriftAxis(axis.sensor, axis.name, (*causes, *lines, *constant), axis.rate, longest, together)
 
 
 def _cause(axis: Axis, e: Estimate, settings: DriftSettings) -> DriftCause | None:

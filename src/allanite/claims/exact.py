@@ -52,7 +52,7 @@ class AxisCheck:
         fit, record = fit_of(self.channel), self.channel.record
         if fit is None or not isinstance(record, Record) or not self.noise:
             return None
-        return form_of(record, self.noise, fit, self.times)
+        return form_of(record, self.model, fit, self.times)
 
 
 @dataclass(frozen=True, eq=False)

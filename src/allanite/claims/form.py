@@ -10,7 +10,7 @@ from allanite.comparison.common_likelihood import common_band, part_of
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.fit import Fit
 from allanite.core.limits import quantile
-from allanite.core.model import Term
+from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.selection import Subset, ThetaProfile
@@ -68,23 +68,22 @@ class Form:
         return found
 
 
-def form_of(record: Record, claimed: Sequence[Term], fit: Fit, times: FloatArray) -> Form:
+def form_of(record: Record, model: Model, fit: Fit, times: FloatArray) -> Form:
     """The likelihood of a record under claimed noise.
 
     Parameters
     ----------
     record : Record
         Its outliers and sinusoids are left out.
-    claimed : sequence of Term
-        Noise terms.
+    model : Model
+        The claimed terms. A ramp among them may have any size.
     fit : Fit
-        Of the record: it tells the frequencies that noise explains, the filter, sinusoids, and a ramp.
+        Of the record: it tells the frequencies that noise explains, the filter, and sinusoids.
     times : array, shape (k,)
         Other time constants, s, of the first claimed term that has one.
     """
-    record = treated(record, "mark")
-    ramps = [e.symbol for e in fit if e.claimed and e.row.claimed and TERMS[e.symbol].waveform is not None]
-    ramps = [symbol for symbol in ramps if TERMS[symbol].scatters]
+    record, ramps = treated(record, "mark"), [t.symbol for t in model if t.row.waveform is not None and t.row.scatters]
+    claimed = [t for t in model if t.row.waveform is None]
     symbols = [t.symbol for t in claimed]
     plain = [t for t in claimed if not t.shape]
     plain += [Term(s, 1.0, record.signal) for s in BESIDE if s not in symbols]

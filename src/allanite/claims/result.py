@@ -171,7 +171,7 @@ class ClaimCheck(Study):
             return say("the record agrees with the claim")
         channels = list(dict.fromkeys(row.channel for row in against if row.quantity != "T"))
         if not channels:
-            return say("the correlation time disagrees")
+            return say("the correlation time of the bias disagrees with the claim")
         return say_count(len(self.checked), "{number} of {count} channel disagrees with the claim",
                          "{number} of {count} channels disagree with the claim", number=len(channels))  # fmt: skip
 

@@ -25,7 +25,7 @@ from .options import IDENTIFYING, RECORDING, RESULTS, options
     settings=(ClaimChoices,),
 )
 def check(file: str, **choices: Any) -> None:
-    """Check whether FILE has the noise that is claimed.
+    """Check whether FILE has the claimed noise.
 
     --claims names a file of a filter or simulator (kalibr, gazebo, px4 ...), a limits file, a data sheet, or a model.
     Files and models claim exact values, data sheets and limits upper bounds. Each number is compared with the record:

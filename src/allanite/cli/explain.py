@@ -17,7 +17,7 @@ from .options import SHOWN, options
     "samples", "taus", "csv", "json", *SHOWN, settings=(LengthChoices,),
 )  # fmt: skip
 def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
-    """Explain a target, a statistic or a data sheet.
+    """Explain a target, statistic or data sheet.
 
     Of a target of export, prints the fields with their units, formulas and sources; of a statistic, its ratio to the
     Allan variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging
@@ -26,14 +26,15 @@ def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
     """
     from allanite.core.names import row_alike
     from allanite.exporting.conversion import Explanation
-    from allanite.exporting.exports import EXPORTS
+    from allanite.exporting.exports import EXPORTS, TEMPERATURE
     from allanite.planning.datasheets import DATASHEETS, DataSheet
     from allanite.planning.properties import SIZE, properties
     from allanite.statistics import STATISTICS
     from allanite.statistics.row import Statistic
 
     out = outputs(choices, [])
-    row: Any = row_alike("name", name, {**STATISTICS, **EXPORTS, **DATASHEETS}) if name else None
+    thermal = {row.name: row for row in TEMPERATURE.values()}
+    row: Any = row_alike("name", name, {**STATISTICS, **EXPORTS, **thermal, **DATASHEETS}) if name else None
     if isinstance(row, Statistic):
         carry_out(lambda _: properties(row.name, samples or SIZE, taus=taus), out)
         return

@@ -52,11 +52,11 @@ def simulate(**choices: Any) -> None:
     from allanite.core.errors import UsageError
     from allanite.simulation.recording import Simulation, readings
     from allanite.simulation.ring_laser import RING_LASERS
-    from allanite.study.modelling import WAYS, NoiseSettings
+    from allanite.study.modelling import NoiseSettings, ways
 
     model = NoiseSettings(choices["model"], choices["sensor"], choices["datasheet"]).given()
     if model is None:
-        raise UsageError(f"give the noise with {WAYS[0]}")
+        raise UsageError(f"give the noise with {ways()}")
     n = readings(choices["rate"], choices["duration"], choices["samples"])
     laser = RING_LASERS.get((choices["sensor"] or "").lower())
     with progress(out) as tell:

@@ -131,7 +131,7 @@ def compare_with_sheet(
     >>> record = simulate(N(0.3, "deg/sqrt(h)"), 8192, 100.0, rng=np.random.default_rng(1))
     >>> found = compare_with_sheet(record, "adis16470")
     >>> [(m.claim.printed, round(m.ratio[0], 2)) for m in found.measured(found[0])][0]
-    ('Angular Random Walk', 0.88)
+    ('Angular Random Walk', 0.87)
     """
     known = sheet if isinstance(sheet, DataSheet) else data_sheet_named(sheet)
     study = analyze(source, recipe, progress=progress, **choices)

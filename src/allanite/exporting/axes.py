@@ -30,7 +30,7 @@ def axes_of(source: Any) -> Iterator[Axis]:
         The source is not a result that can be exported.
     """
     raise UsageError(
-        f"a {type(source).__name__} cannot be exported; give a Study, a Channel, a Fit, a Model, or a list of these"
+        f"a {type(source).__name__} holds no noise; give a Study, a Channel, a Fit, a Model, or a list of these"
     )
 
 

@@ -60,7 +60,7 @@ def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[
     lost = set(() if how.partial else needed) - {axis.sensor for axis in kept}
     doubted = [axis for axis in axes if axis.sensor in lost] if kept else axes
     if doubted or not kept:
-        reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt}" for axis in doubted)
+        reasons = "; ".join(f"{axis.name or 'the record'}: {axis.doubt.partition(';')[0]}" for axis in doubted)
         raise DataError(join("; ", (rejected(reasons or "no channel has a result"), remedy())))
     return kept
 

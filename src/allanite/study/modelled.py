@@ -26,7 +26,7 @@ from allanite.statistics import deviation
 
 from .channels import Inspected, Progress, Source, run
 from .job import Job
-from .modelling import WAYS, NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use
+from .modelling import NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use, ways
 from .noise import noise_of
 from .provenance import provenance_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
@@ -265,6 +265,6 @@ def demand_no_recording(settings: NoiseSettings, recipe: Recipe) -> None:
             option = {"start": "from"}.get(key, key.replace("_", "-"))
             raise UsageError(
                 f"{spelled('--' + option, key)} applies to a recording, but the noise is given by "
-                + spelled(*WAYS)
+                + ways()
                 + "; omit it"
             )

@@ -16,8 +16,10 @@ from allanite.planning.sensors import sensor as typical
 from .recipe import IDENTIFYING, READING, SELECTING
 from .settings import CheckChoices, NoiseChoices, PlanChoices, StateSpaceChoices
 
-WAYS = "--model, --sensor or --datasheet", "model, sensor or datasheet"
-"""Choices that give a noise without a recording, as options and as arguments."""
+
+def ways() -> str:
+    """The choices that give a noise without a recording."""
+    return spelled("--model, --sensor or --datasheet", "model, sensor or datasheet")
 
 
 @dataclass(frozen=True, repr=False)
@@ -47,10 +49,10 @@ class NoiseSettings(NoiseChoices, Value):
         UsageError
             More than one is given, or the text cannot be parsed.
         """
-        ways = ((self.model, Model), (self.sensor, typical), (self.datasheet, lambda text: claimed(text)[0]))
-        found = [(text, way) for text, way in ways if text is not None]
+        makers = ((self.model, Model), (self.sensor, typical), (self.datasheet, lambda text: claimed(text)[0]))
+        found = [(text, make) for text, make in makers if text is not None]
         if len(found) > 1:
-            raise UsageError(f"the noise is given twice: use only one of {spelled(*WAYS)}")
+            raise UsageError(f"the noise is given twice: use only one of {ways()}")
         return found[0][1](found[0][0]) if found else None
 
     def instead_of(self, source: object) -> Model | None:
@@ -63,12 +65,7 @@ class NoiseSettings(NoiseChoices, Value):
         """
         model = self.given()
         if (model is None) == (source is None):
-            raise UsageError(
-                spelled(
-                    f"give either a recording, or the noise with {WAYS[0]}",
-                    f"give either a source, or the noise with {WAYS[1]} of the settings",
-                )
-            )
+            raise UsageError(f"give either a recording, or the noise with {ways()}")
         return model
 
     @property

@@ -1,5 +1,7 @@
 """The drift that noise causes: axes, intervals, limits, constant errors, requirements, and the command."""
 
+from table import read
+
 import dataclasses
 import json
 import math
@@ -71,7 +73,8 @@ def test_terms_that_were_not_found_are_limits(study):
     course = al.drift(fit)["heading"]
     limits = [s for s in course.shares if s.cause.limit]
     assert {s.cause.name for s in limits} == set(absent)
-    np.testing.assert_allclose(sum(s.variance for s in limits), course.most**2 - course.sigma**2, rtol=1e-9)
+    beyond = np.hypot(course.high**2 - course.sigma**2, sum(s.variance for s in limits))
+    np.testing.assert_allclose(course.most**2 - course.sigma**2, beyond, rtol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -145,6 +148,13 @@ def test_choices_that_are_refused(choices, words):
     assert words in str(error.value)
 
 
+def test_one_text_or_number_is_taken_where_several_are():
+    found = al.drift(GYRO, times=60, turn_on="10 deg/h", require="1 deg in 1 min")
+    several = al.drift(GYRO, times=(60,), turn_on=["10 deg/h"], require=["1 deg in 1 min"])
+    assert found.to_dict() == several.to_dict()
+    assert al.drift(GYRO, times="1 min,1 h").settings.times == (60, 3600)
+
+
 def test_sources_that_are_refused():
     with pytest.raises(UsageError, match="give the noise"):
         al.drift()
@@ -198,3 +208,14 @@ def test_a_part_of_the_benchmark_made_again():
         for name, rms in found.items():
             axes = 1 if name == "heading" else 2
             np.testing.assert_allclose(rms, course[name].sigma, rtol=4.5 / math.sqrt(2 * axes * runs))
+
+
+def test_the_committed_table_agrees_at_all_times():
+    """Within 3 % everywhere, and the mean square is that of Monte-Carlo errors."""
+    (flat,), (round_,), off = *(read("drift.md").tables(section) for section in ("Strapdown", "Round")), []
+    assert {row["noise"] for row in flat} == set(script.SENSORS)
+    for row in flat + round_:
+        share = [float(row[f"{t:g} s"].split("(")[1].removesuffix(" %)")) for _, span in script.SPANS for t in span]
+        assert max(map(abs, share)) < 3
+        off += [part / (0.56 if row["quantity"] == "heading" else 0.40) for part in share]
+    assert np.mean(np.square(off)) < 1.6

@@ -160,7 +160,7 @@ def test_wrong_choices():
     for wrong in ({"inflate": 0.0}, {"inflate": float("nan")}, {"rate": -1.0}, {"filter_rate": 0.0}):
         with pytest.raises(al.UsageError):
             al.export(six(), "kalibr", **wrong)
-    with pytest.raises(al.UsageError, match="a str cannot be exported"):
+    with pytest.raises(al.UsageError, match="a str holds no noise"):
         al.export("gyro.csv", "kalibr")
     with pytest.raises(al.UsageError, match=r"statespace is written as .npz, .m, .h, not as '.txt'"):
         al.export(six(), "statespace", form=".txt", rate=1.0)
@@ -291,7 +291,7 @@ def test_the_other_sensor_as_a_model_and_json(files):
         (("convert", "0.66 deg/sqrt(h)", "--to", "vins-mono"), 2, "needs the sampling rate: --rate HZ"),
         (("convert", "--from", "kalibr", "{gyro}"), 3, "has none of the fields of kalibr: gyroscope_noise_density"),
         (("convert", "--from", "datasheet", "{gyro}"), 2, "datasheet cannot be read back"),
-        (("explain", "nothing"), 2, "unknown target 'nothing'"),
+        (("explain", "nothing"), 2, "unknown name 'nothing'"),
     ],
 )  # fmt: skip
 def test_what_is_refused_says_so(files, arguments, code, words):

@@ -43,7 +43,7 @@ class Compensated(RecordResult):
     alerts : tuple of str
     refusal : str
     orders : tuple of Order
-        What higher powers than were asked for would take off.
+        What higher powers than were asked for would remove.
     """
 
     regression: Regression | None = None
@@ -70,7 +70,7 @@ class Compensated(RecordResult):
 
     @property
     def prospect(self) -> str:
-        """What higher powers would take off, in words; empty if none was examined."""
+        """What higher powers would remove, as a sentence; empty if none was examined."""
         if not self.orders or self.regression is None:
             return ""
         regressor, unit = self.regression.regressors[0], self.record.signal.sheet[0]

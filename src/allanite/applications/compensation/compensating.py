@@ -84,7 +84,7 @@ def compensate_file(
     apply_to : path, optional
         Another file of the same channels, which is not used for the fit.
     beyond : int
-        Powers of the regressors up to this one are fitted as well, to tell what they would take off: see `Order`.
+        Powers of the regressors up to this one are fitted as well, to tell what they would remove: see `Order`.
     progress : callable, optional
         Called with a description of the current step and the fraction completed.
 
@@ -114,7 +114,7 @@ def compensate_file(
         )  # fmt: skip
 
     def further(record: Record, done: Compensated) -> Compensated:
-        """What the powers above the highest that was tried would take off."""
+        """What the powers above the highest that was tried would remove."""
         orders: list[Order] = []
         for power in range(settings.degree + 1, beyond + 1):
             try:

@@ -1,4 +1,4 @@
-"""What the next power of a regressor would take off beyond all lower ones, over the range of its readings."""
+"""What the next power of a regressor would remove beyond all lower ones, over the range of its readings."""
 
 import math
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Order(Value):
     p : float
         p-value of the coefficient.
     explained : float or None
-        Share of the variance that all powers up to n take off blocks that were held back.
+        Share of the variance that all powers up to n remove from blocks that were held back.
     """
 
     power: int

@@ -22,7 +22,7 @@ from .jobs import channel_sheet, job_face, source_of
 TITLES = {
     "T": say("correlation time of the bias"),
     "curve": say("Allan deviation"),
-    "kurtosis": say("distribution of the residuals"),
+    "kurtosis": say("excess kurtosis of the residuals"),
     MINIMUM: say("minimum of the Allan deviation"),
 }
 """What the quantities are called that are no terms."""
@@ -64,6 +64,10 @@ def _title(row: CheckedTerm) -> Phrase | str:
     return TITLES[row.quantity] if row.quantity in TITLES else words.title(row.quantity, row.signal)
 
 
+def _symbol(quantity: str) -> str:
+    return quantity if quantity in TERMS or quantity == "T" else ""
+
+
 def first_of_check(value: ClaimCheck, level: float) -> First:
     """The factor of every number by channel, and what explains those that are wrong."""
     shown = {row.signal.name: row.signal for row in value.terms}
@@ -93,7 +97,7 @@ def _axes(value: ClaimCheck, signal: Signal) -> Axes:
             if first.claimed is None or quantity in ("curve", "kurtosis")
             else rounded(first.shown(first.claimed) or 0.0)
         )
-        symbol, unit = (quantity, first.unit) if quantity in TERMS or quantity == "T" else ("", "")
+        symbol, unit = _symbol(quantity), first.unit * bool(_symbol(quantity))
         cells = [claimed, *(_cell(own.get(name)) for name in names)]
         found.append(Quantity(_title(first), symbol, unit, cells, 0 if any(r.contradicts for r in own.values()) else 1))
     return Axes([say("claimed"), *names], found, signal.sensor)
@@ -131,7 +135,7 @@ COLUMNS = (
 
 def _table(rows: Sequence[CheckedTerm]) -> Table:
     cells = [
-        [row.quantity if row.quantity in TERMS else "", _title(row), *_numbers(row), OUTCOME_WORDS[row.outcome],
+        [_symbol(row.quantity), _title(row), *_numbers(row), OUTCOME_WORDS[row.outcome],
          row.reason]
         for row in rows
     ]  # fmt: skip

@@ -138,11 +138,11 @@ def _regression_parts(regression: Regression, level: float) -> Iterator[Part]:
 
 
 def _orders(channel: Compensated) -> Table:
-    """What higher powers would take off."""
+    """What higher powers would remove."""
     unit = channel.record.signal.sheet[0]
     scale, last = unit_of(unit).factor, channel.regression and channel.regression.held
     heads = (
-        Column(say("power")), Column(say("takes off")), Column(say("limits"), "interval"), Column(say("unit"), "unit"),
+        Column(say("power")), Column(say("removes")), Column(say("limits"), "interval"), Column(say("unit"), "unit"),
         Column("p", form=lambda p: words.probability(p, 1e-4)), Column(say("cross-validation [%]"), form=known(".3g")),
     )  # fmt: skip
     rows = [
@@ -156,7 +156,7 @@ def _orders(channel: Compensated) -> Table:
         for o in channel.orders
     ]
     key = say(
-        "What each power takes off beyond all lower ones: root mean square over the range of the temperature. "
+        "What each power removes beyond all lower ones: root mean square over the range of the temperature. "
         "Cross-validation: reduction of the variance of held-back blocks by all powers up to this one; {share} by the "
         "regression above.", share="-" if not last else f"{100 * last.explained:.3g} %",
     )  # fmt: skip
@@ -164,7 +164,7 @@ def _orders(channel: Compensated) -> Table:
 
 
 def first_of_study(study: CompensationStudy, level: float) -> First:
-    """The sensitivities of each sensor side by side, and what higher powers would take off."""
+    """The sensitivities of each sensor side by side, and what higher powers would remove."""
     first = condensed(study_view.face(study, level), drawn=True)
     shown = [c for c in study.channels if c.regression is not None]
     if len(shown) < 2 or study.applied:
@@ -187,7 +187,7 @@ def first_of_study(study: CompensationStudy, level: float) -> First:
 
 
 def _axes(channels: Sequence[Compensated], level: float) -> Axes:
-    """Coefficients and what higher powers would take off, the channels of a sensor side by side."""
+    """Coefficients and what higher powers would remove, the channels of a sensor side by side."""
     unit = channels[0].record.signal.sheet[0]
     scale = 1 / unit_of(unit).factor
     removed = (say("variance removed"), "")

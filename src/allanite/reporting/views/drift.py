@@ -19,8 +19,8 @@ from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Sheet, T
 from . import view
 
 BRAND = say("drift without aid")
-LEAST, RAISED = 0.005, 0.1
-"""Share of the variance from which on a cause is named; by how much upper limits must raise a drift to be shown."""
+LEAST, SMALL, RAISED = 0.005, 1e-4, 0.1
+"""Shares of the variance from which on a cause is named and has its share; how much limits that are shown add."""
 
 HOW = say(
     "Standard deviations (1 sigma) from the structure function of each noise term; nothing is simulated. Heading and "
@@ -68,21 +68,23 @@ def _cells(course: DriftCourse) -> list[str]:
     """The standard deviation at each time, with the half width of its interval and what it is at most."""
     scale, cells = course.scale, []
     for size, low, high, most in zip(course.sigma, course.low, course.high, course.most, strict=True):
+        upper = high if math.isfinite(high) else size
         shown = plus_minus(size * scale, low * scale, high * scale) if size else ""
-        limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + RAISED) * size else ""
+        limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + RAISED) * upper else ""
         cells.append(f"{shown} ({limit})" if shown and limit else shown or limit)
     return cells
 
 
 def _percent(share: float) -> str:
     """A share of the variance."""
-    return "< 0.01 %" if share < 1e-4 else words.percent(share, 2 if share < 0.995 else 3)
+    return words.percent(share, 2 if share < 0.995 else 3)
 
 
 def _mostly(course: DriftCourse, i: int, count: int) -> str:
     """The largest causes at a time, with their shares of the variance."""
-    whole = float(course.sigma[i]) ** 2
-    shares = [(float(s.variance[i]) / whole, s) for s in course.shares if whole and not s.cause.limit]
+    causes = [s for s in course.shares if not s.cause.limit and s.variance.any()] or course.shares
+    whole = math.fsum(float(s.variance[i]) for s in causes)
+    shares = [(float(s.variance[i]) / whole, s) for s in causes if whole]
     largest = sorted((pair for pair in shares if pair[0] >= LEAST), key=lambda pair: -pair[0])[:count]
     named, before, told = _several(course), "", list[str]()
     for part, s in largest:
@@ -123,37 +125,26 @@ def _required(value: Drift, need: Requirement) -> Iterator[Answer]:
 
 def _remarks(value: Drift) -> list[Remark]:
     """What limits the answer."""
-    found = [Remark.of("", alert, grave=True) for alert in value.alerts]
-    longest = [axis.longest for axis in value.axes if axis.longest]
-    last, strapdown = value.settings.times[-1], value.settings.platform == "strapdown"
-    if strapdown and "attitude" in value.quantities:
-        lost = value["attitude"].times[value["attitude"].most > LARGE]
-        if lost.size:
-            found.append(Remark("", (
-                say("after {time} the tilt is no longer small: take velocity and position there as lost",
-                    time=words.duration(float(lost[0]))),
-            )))  # fmt: skip
-    if longest and last > min(longest):
-        found.append(Remark("", (
-            say("beyond {longest} the record says nothing: there the drift is that of the model alone",
-                longest=words.duration(min(longest))),
-        )))  # fmt: skip
-    sensors = {axis.sensor for axis in value.axes}
-    if strapdown and "accelerometer" not in sensors and sensors:
-        found.append(
-            Remark("", (say("velocity and position without the errors of accelerometers, whose noise is not given"),))
-        )
-    if strapdown and "gyro" not in sensors and sensors:
-        found.append(Remark("", (say("velocity and position without the tilt, for the noise of gyros is not given"),)))
-    if last >= ROUND and not value.settings.schuler and "velocity" in value.quantities:
-        found.append(
-            Remark(
-                "",
-                (say("after 15 min the curvature of the earth reduces the drift of velocity and position"),),
-                "--schuler",
-            )
-        )
-    return found
+    settings, last, sensors = value.settings, value.settings.times[-1], {axis.sensor for axis in value.axes}
+    longest = min((axis.longest for axis in value.axes if axis.longest), default=math.inf)
+    strapdown = settings.platform == "strapdown" and bool(sensors)
+    tilt = value["attitude"] if "attitude" in value.quantities else None
+    lost = [] if tilt is None else tilt.times[np.where(tilt.sigma > 0, tilt.sigma, tilt.most) > LARGE].tolist()
+    told = (
+        (lost, say("after {time} the tilt is no longer small: take velocity and position there as lost",
+                   time=words.duration(min(lost, default=0.0))), ""),
+        (last > longest, say("beyond {longest} the record says nothing: there the drift is that of the model alone",
+                             longest=words.duration(min(longest, last))), ""),
+        (strapdown and "accelerometer" not in sensors,
+         say("velocity and position without the errors of accelerometers, whose noise is not known"), ""),
+        (strapdown and "gyro" not in sensors,
+         say("velocity and position without the tilt: the noise of gyros is not known"), ""),
+        (last >= ROUND and not settings.schuler and "velocity" in value.quantities,
+         say("after 15 min the curvature of the earth reduces the drift of velocity and position"), "--schuler"),
+    )  # fmt: skip
+    limits = [Remark("", (text,), command) for applies, text, command in told if applies]
+    grave = [Remark.of("", alert, grave=True) for alert in value.alerts]
+    return [*grave, *limits, *(Remark.of("", note) for note in value.notes)]
 
 
 def _said(value: Drift) -> list[str]:
@@ -223,7 +214,8 @@ def _parts(value: Drift, name: str, course: DriftCourse) -> Iterator[Part]:
 
 def _sized(cell: tuple[float, float]) -> str:
     size, share = cell
-    return rounded(size) if math.isnan(share) else f"{digits(size, figures=3).plain()[0]} ({_percent(share)})"
+    shown = digits(size, figures=3).plain()[0]
+    return shown if math.isnan(share) or share < SMALL else f"{shown} ({_percent(share)})"
 
 
 @view(

@@ -1,0 +1,150 @@
+"""What is right agrees, and what is wrong is found and explained."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import allanite as al
+from allanite.claims.result import AGREES, CONTRADICTS, DIFFERS, EXCEEDS, NOT_SHOWN, UNCLAIMED
+from allanite.core.errors import DataError, UsageError
+
+RATE, SIZE = 50.0, 20_000
+GYRO, ACCELEROMETER = "N 1 deg/sqrt(h), K 300 deg/h/sqrt(h)", "N 100 ug/sqrt(Hz)"
+
+
+def simulated(model, name, seed):
+    return replace(al.simulate(al.Model(model), SIZE, RATE, rng=np.random.default_rng(seed)), name=name)
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return al.Recording((simulated(GYRO, "gx", 1), simulated(GYRO, "gy", 2), simulated(ACCELEROMETER, "ax", 3)))
+
+
+def outcomes(found, channel):
+    return {row.quantity: row.outcome for row in found.terms if row.channel == channel}
+
+
+def test_what_is_claimed_rightly_agrees(recording):
+    found = al.check(recording, f"{GYRO}; {ACCELEROMETER}")
+    assert found.agrees
+    assert not found.causes
+    assert outcomes(found, "gx") == dict.fromkeys(("N", "K", "curve", "kurtosis"), AGREES)
+    assert found.verdict == "the record agrees with the claim"
+    headings, rows = found.rows()
+    assert len(headings) == len(rows[0])
+    for row in found.terms:
+        assert row.quantity == "kurtosis" or row.low < row.ratio < row.high
+
+
+@pytest.mark.parametrize(
+    ("factor", "name"),
+    [(2**0.5, "sqrt(2)"), (2**-0.5, "1/sqrt(2)"), (RATE**0.5, "sqrt(rate)"), (1 / RATE, "1/rate"), (60, "60"),
+     (57.29578, "57.3"), (9.80665, "9.81"), (300, ""), (1.05, "")],
+)  # fmt: skip
+def test_the_factor_of_white_noise_is_found_and_named(recording, factor, name):
+    found = al.check(recording["gx"], f"N {1 / factor} deg/sqrt(h), K 300 deg/h/sqrt(h)")
+    (cause,) = found.causes
+    assert (cause.channels, cause.quantity, cause.names) == (("gx",), "N", (name,) if name else ())
+    assert cause.low < factor < cause.high
+    assert cause.words.startswith("N is ")
+
+
+def test_noise_that_is_not_claimed_is_found(recording):
+    found = al.check(recording, "N 1 deg/sqrt(h)")
+    assert {c.record.name for c in found.checked} == {"gx", "gy"}
+    assert outcomes(found, "gx")["K"] == outcomes(found, "gy")["K"] == UNCLAIMED
+    assert not found.agrees
+
+
+def test_a_bias_that_is_missing_is_said(recording):
+    found = al.check(recording["ax"], "N 100 ug/sqrt(Hz), K 3000 ug/sqrt(h)")
+    (cause,) = found.causes
+    assert cause.quantity == "K"
+    assert "the bias is not added to the samples" in cause.words
+
+
+@pytest.mark.parametrize(
+    ("claim", "options", "expected"),
+    [
+        ("N 1.5 deg/sqrt(h)", {"at_most": True}, {"N": AGREES, "curve": EXCEEDS}),
+        ("N 1.5 deg/sqrt(h), K 600 deg/h/sqrt(h)", {"at_most": True}, {"N": AGREES, "K": AGREES, "curve": AGREES}),
+        ("N 0.9 deg/sqrt(h), K 600 deg/h/sqrt(h)", {"at_most": True}, {"N": EXCEEDS, "K": AGREES, "curve": EXCEEDS}),
+        ("N 0.97 deg/sqrt(h), K 300 deg/h/sqrt(h)", {"tolerance": 0.1}, {"N": AGREES, "K": AGREES, "curve": AGREES}),
+        ("N 0.97 deg/sqrt(h), K 300 deg/h/sqrt(h)", {"tolerance": 0.0}, {"N": DIFFERS, "K": AGREES}),
+        ("N 1.5 deg/sqrt(h), GM 1 deg/h 20 s", {"at_most": True}, {"GM": NOT_SHOWN}),
+    ],
+)  # fmt: skip
+def test_bounds_and_tolerance(recording, claim, options, expected):
+    found = al.check(recording["gx"], claim, **options)
+    assert {key: value for key, value in outcomes(found, "gx").items() if key in expected} == expected
+    assert found.agrees == (not any(row.outcome in CONTRADICTS for row in found.terms))
+
+
+def test_limits_and_data_sheets_are_held_against_each_channel(recording, tmp_path):
+    file = tmp_path / "limits.toml"
+    file.write_text('[limits]\nN = { max = "1.2 deg/sqrt(h)" }\nminimum = { max = "1000 deg/h" }\n[channels.ax]\n'
+                    'N = { max = "50 ug/sqrt(Hz)" }\n')  # fmt: skip
+    found = al.check(recording, file)
+    assert outcomes(found, "gx") == {"N": AGREES, "minimum": AGREES}
+    assert outcomes(found, "ax") == {"N": EXCEEDS}
+    assert {row.outcome for row in al.check(recording, "adis16470").terms if row.quantity == "N"} == {EXCEEDS}
+
+
+def markov(time, seed, drive=None):
+    rng = np.random.default_rng(seed)
+    phi = np.exp(-1 / (RATE * time))
+    drive = rng.standard_normal if drive is None else drive(rng)
+    b, values = 0.0, np.empty(SIZE)
+    for i, w in enumerate(drive(SIZE)):
+        b = phi * b + np.sqrt(1 - phi**2) * w
+        values[i] = b
+    return 1e-3 * values + 1e-3 * rng.standard_normal(SIZE)
+
+
+SAME = "N 1.414214e-4 rad/s/sqrt(Hz), GM 1e-3 rad/s {} s; N 1 ug/sqrt(Hz), GM 1 ug 4 s"
+
+
+def test_the_correlation_time_is_found():
+    names = "xy"
+    right = al.Recording(tuple(al.Record(markov(20.0, i), RATE, "rad/s", name=names[i]) for i in range(2)))
+    assert al.check(right, SAME.format(20)).agrees
+    wrong = al.Recording(tuple(al.Record(markov(4.0, i), RATE, "rad/s", name=names[i]) for i in range(2)))
+    found = al.check(wrong, SAME.format(40))
+    (time,) = (row for row in found.terms if row.quantity == "T")
+    assert (time.channel, time.outcome, time.claimed) == ("x, y", DIFFERS, 40.0)
+    assert time.low < 0.1 < time.high
+    cause = next(cause for cause in found.causes if cause.quantity == "T")
+    assert cause.sentences == ("the correlation time of the other kind of sensor",)
+
+
+@pytest.mark.parametrize(
+    ("draw", "sentence"),
+    [
+        (lambda rng, n: rng.random(n) - 0.5, "rand() instead of randn(): uniform over an interval of length 1"),
+        (lambda rng, n: rng.random(n), "as that of rand() between 0 and 1"),
+        (lambda rng, n: 2 * rng.random(n) - 1, "rand() instead of randn(): uniform from -1 to 1"),
+        (lambda rng, n: 12**0.5 * (rng.random(n) - 0.5), "the samples are uniform: rand() instead of randn()"),
+    ],
+)
+def test_uniform_numbers_are_found(draw, sentence):
+    record = al.Record(1e-3 * draw(np.random.default_rng(4), SIZE), RATE, "rad/s", name="gx")
+    found = al.check(record, f"N {1e-3 / RATE**0.5} rad/s/sqrt(Hz)")
+    assert outcomes(found, "gx")["kurtosis"] == DIFFERS
+    assert any(sentence in cause.words for cause in found.causes)
+
+
+def test_a_bias_that_is_driven_by_rand_is_found():
+    record = al.Record(markov(20.0, 5, lambda rng: rng.random), RATE, "rad/s", name="gx")
+    found = al.check(record, SAME.format(20))
+    assert any("driven by rand()" in cause.words for cause in found.causes)
+
+
+def test_what_is_not_there_is_refused(recording):
+    with pytest.raises(DataError, match="claims nothing of the channels"):
+        al.check(recording["ax"], "N 1 deg/sqrt(h)")
+    with pytest.raises(UsageError, match="the tolerance must be"):
+        al.check(recording["ax"], "100 ug/sqrt(Hz)", tolerance=2.0)
+    with pytest.raises(UsageError, match="no file, no data sheet"):
+        al.check(recording["ax"], "nothing")
