@@ -1,9 +1,10 @@
 """Drift without aid: closed form against a strapdown integration of simulated sensors.
 
-    python benchmarks/drift.py [--runs 16000] [--write PATH]
+    python benchmarks/drift.py [--runs 6000] [--records 100] [--write PATH]
 
 Three gyros and three accelerometers at rest; the bias of each is its mean over a minute before. Rates turn the attitude
-by Rodrigues' formula, specific forces are turned and integrated twice. Random numbers have seeds 1, 2, 3 ...
+by Rodrigues' formula, specific forces are turned and integrated twice. Then the intervals of the heading from records
+of 2 h, whose noise is identified. Random numbers have seeds 1, 2, 3 ...
 """
 
 from table import begin, markdown
@@ -28,6 +29,12 @@ SPANS = ((20.0, (1.0, 10.0)), (1.0, (60.0, 600.0, 3600.0)))
 QUANTITIES = {"heading": "deg", "attitude": "deg", "velocity": "m/s", "position": "m"}
 GRAVITY, RADIUS = 9.80665, 6_371_008.8
 BATCH = 250
+IDENTIFIED = tuple(
+    f"N 0.3 deg/sqrt(h){more}"
+    for more in ("", ", B 7 deg/h", ", K 20 deg/h/sqrt(h)", ", B 7 deg/h, K 20 deg/h/sqrt(h)")
+)
+LENGTH = 36_000, 5.0
+"""Samples and sampling rate, Hz, of the records whose noise is identified."""
 
 
 def models(sensor: str) -> list[al.Model]:
@@ -126,8 +133,21 @@ def compared(sensor: str, runs: int, seed: int, *, schuler: bool = False) -> lis
     return rows
 
 
+def covered(text: str, records: int) -> list[list[str]]:
+    """Shares of records whose interval, and whose upper limit, is right about the heading, and the median estimate."""
+    model, (size, rate) = al.Model(text), LENGTH
+    truth = al.drift(model, calibration=CALIBRATION)["heading"].sigma
+    fits = (al.identify(al.simulate(model, size, rate, rng=seed)) for seed in range(1, records + 1))
+    found = [al.drift(fit, calibration=CALIBRATION)["heading"] for fit in fits if fit.valid is not None]
+    inside = np.mean([(c.low <= truth) & (truth <= c.high) for c in found], axis=0)
+    below = np.mean([truth <= c.most for c in found], axis=0)
+    ratio = np.median([c.sigma / truth for c in found], axis=0)
+    cells = [f"{100 * a:.0f}, {100 * b:.0f}, {r:.2f}" for a, b, r in zip(inside, below, ratio, strict=True)]
+    return [[text, str(len(found)), *cells]]
+
+
 def main() -> None:
-    run = begin(__doc__, runs=16000)
+    run = begin(__doc__, runs=6000, records=100)
     runs = run.asked.runs
     heads = ["noise", "quantity", "unit", *(f"{t:g} s" for _, span in SPANS for t in span)]
     errors = [100 / math.sqrt(2 * runs * axes) for axes in (1, 2)]
@@ -136,6 +156,11 @@ def main() -> None:
     ])]  # fmt: skip
     body += ["## Round earth", "", "Each axis by itself: the tilt falls by the velocity over the earth's radius.", ""]
     body += markdown(heads, compared(SENSORS[-1], runs, len(SENSORS) + 1, schuler=True))
+    body += ["## Intervals of the heading", "", "From identified noise: share of records whose 95 % interval has the "
+             "truth, share whose upper limit is above it, %, and median of estimate over truth.", ""]  # fmt: skip
+    times = [f"{t:g} s" for _, span in SPANS for t in span]
+    rows = [row for text in IDENTIFIED for row in covered(text, run.asked.records)]
+    body += markdown(("noise", "records", *times), rows)
     notes = [
         f"{runs} runs a row, seeds 1, 2, 3 ...; Monte-Carlo standard error {errors[0]:.2f} % of heading, "
         f"{errors[1]:.2f} % of the others, which are of two axes (of three on the round earth)",

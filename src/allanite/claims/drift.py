@@ -36,7 +36,7 @@ class DriftCourse:
     sigma, low, high : array
         Standard deviation and its interval, SI; NaN limits if no coefficient has an interval.
     most : array
-        The same with the terms that were not identified at their upper limits.
+        Upper limit with the terms that were not identified at theirs.
     shares : tuple of DriftShare
         Of the axis of each sensor that is the worst at a time, those of upper limits among them.
     """

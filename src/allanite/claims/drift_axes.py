@@ -120,7 +120,7 @@ class WorstAxis:
     """Of each time the axis of a sensor that drifts most.
 
     `below` and `above` are the squares of the distances of the limits of the variance from it; `most` is the largest
-    variance of any axis with the upper limits.
+    upper limit of any axis, with the terms that were not identified at theirs.
     """
 
     shares: tuple[DriftShare, ...]
@@ -140,7 +140,9 @@ def worst_axis(axes: Sequence[DriftAxis], path: DriftPath, settings: DriftSettin
     known = np.array([(one.variance * one.found).sum(axis=0) for one in each])
     every = np.array([one.variance.sum(axis=0) for one in each])
     which = (known if known.any() else every).argmax(axis=0)
-    ends = [np.array([one.squares(end) for one in each])[which, np.arange(times.size)] for end in ("low", "high")]
+    below, above = (np.array([one.squares(end) for one in each]) for end in ("low", "high"))
+    most = known + np.sqrt(above + (every - known) ** 2)
+    chosen = which, np.arange(times.size)
     shares: dict[tuple[str, tuple[float, ...], bool], DriftShare] = {}
     names = tuple(each[i].axis.channel for i in which)
     for i in dict.fromkeys(which.tolist()):
@@ -150,4 +152,4 @@ def worst_axis(axes: Sequence[DriftAxis], path: DriftPath, settings: DriftSettin
             if key in shares:
                 own += [shares[key].variance, shares[key].low, shares[key].high]
             shares[key] = DriftShare(path.sensor, names, cause, *own)
-    return WorstAxis(tuple(shares.values()), ends[0], ends[1], every.max(axis=0))
+    return WorstAxis(tuple(shares.values()), below[chosen], above[chosen], most.max(axis=0))

@@ -131,25 +131,22 @@ def _unknown(axes: Sequence[Axis]) -> Iterator[str]:
 
 def _axis(axis: Axis, settings: DriftSettings) -> DriftAxis:
     """What makes an axis drift: its terms, sinusoids, and constant errors."""
+    from scipy.linalg import block_diag
+
     places = [(i, cause) for i, e in enumerate(axis.fit) if (cause := _cause(axis, e, settings)) is not None]
     causes = [cause for _, cause in places]
     rows = [i for i, cause in places if not cause.limit]
-    correlation = axis.fit.correlation
-    if correlation is not None:
-        known = correlation[np.ix_(rows, rows)]
-        correlation = np.where(np.isfinite(known), known, np.eye(len(rows)))
     lines = [DriftCause("Sine", line.term) for line in axis.fit.lines]
+    together = None
+    if axis.fit.correlation is not None:
+        known = axis.fit.correlation[np.ix_(rows, rows)]
+        together = block_diag(np.where(np.isfinite(known), known, np.eye(len(rows))), np.eye(len(lines)))
     bias, (rate, step) = settings.bias(axis.sensor), settings.scaled(axis.sensor)
     constant = [DriftCause(TURN_ON, bias=bias)] if bias else []
     constant += [DriftCause(SCALE, bias=rate, step=step)] if rate or step else []
-    if correlation is not None and lines:
-        size = len(rows) + len(lines)
-        whole = np.eye(size)
-        whole[: len(rows), : len(rows)] = correlation
-        correlation = whole
     curve = axis.curve or axis.fit.curve
     longest = None if curve is None else float(curve.tau[-1])
-    return DriftAxis(axis.sensor, axis.name, (*causes, *lines, *constant), axis.rate, longest, correlation)
+    return DriftAxis(axis.sensor, axis.name, (*causes, *lines, *constant), axis.rate, longest, together)
 
 
 def _cause(axis: Axis, e: Estimate, settings: DriftSettings) -> DriftCause | None:

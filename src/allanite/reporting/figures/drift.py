@@ -34,7 +34,7 @@ def plot_drifts(new_figure: style.NewFigure, value: Drift) -> Figure:
         if np.isfinite(course.high).all():
             ax.fill_between(grid, course.low * scale, course.high * scale, color=style.INK, alpha=0.15, lw=0)
         ax.plot(grid, course.sigma * scale, color=style.INK, lw=2.0, label=say("all causes"))
-        if (course.most > 1.02 * course.sigma).any():
+        if (course.most > 1.02 * np.fmax(course.sigma, course.high)).any():
             ax.plot(grid, course.most * scale, color=style.INK, lw=1.2, ls=":", label=say("at most"))
         for share in course.shares:
             if share.cause.limit or not share.variance.any():

@@ -68,8 +68,9 @@ def _cells(course: DriftCourse) -> list[str]:
     """The standard deviation at each time, with the half width of its interval and what it is at most."""
     scale, cells = course.scale, []
     for size, low, high, most in zip(course.sigma, course.low, course.high, course.most, strict=True):
+        upper = high if math.isfinite(high) else size
         shown = plus_minus(size * scale, low * scale, high * scale) if size else ""
-        limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + RAISED) * size else ""
+        limit = f"≤ {digits(most * scale, figures=2).plain()[0]}" if most > (1 + RAISED) * upper else ""
         cells.append(f"{shown} ({limit})" if shown and limit else shown or limit)
     return cells
 
