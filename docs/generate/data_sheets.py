@@ -25,8 +25,9 @@ def data_sheets_page() -> Iterator[str]:
 
 def quantities_table() -> Iterator[str]:
     """What a quantity is of a coefficient."""
-    rows = [(name, typeset(how.formula), how.meaning) for name, how in QUANTITIES.items()]
-    yield from table(("quantity", "is", "what is meant"), rows)
+    yield from table(
+        ("coefficient", "follows from"), [(how.symbol, typeset(how.meaning)) for how in QUANTITIES.values()]
+    )
 
 
 def compared_page(results: Path) -> Iterator[str]:

@@ -185,7 +185,7 @@ def test_a_plugin_that_is_broken_is_named_and_left_out(sample, tmp_path):
     script = FILES + 'print(len(al.STATISTICS), "fdev" in al.STATISTICS, len(al.read("a.tones")), len(VERBS))'
     install(tmp_path / "theirs", "their_package", points)
     out, err = run(script, *sample, tmp_path / "theirs", tmp_path, cwd=tmp_path)
-    assert out == "18 True 1 24\n"
+    assert out == "18 True 1 26\n"
     said = " ".join(err.split())
     for plugin, why in {
         "statistic plugin 'mine'": "it is a object, not a Statistic",
@@ -219,7 +219,7 @@ ROW, VERB = replace(STATISTICS["adev"], order=1), replace(VERBS["info"], group="
     script = "from allanite.readers.formats.registry import added\nfrom allanite.reporting.views import VIEWS\n"
     script += 'print(al.STATISTICS["adev"].order, len(added()), VERBS["info"].group, VIEWS["Fit"])\n'
     out, err = run(script + "print(len(al.STATISTICS), len(VERBS), len(VIEWS) > 9)", tmp_path, cwd=tmp_path)
-    assert out == "2 0 Analyze fit.fit_view\n17 23 True\n"
+    assert out == "2 0 Analyze fit.fit_view\n17 25 True\n"
     for name in ("adev", "text", "info", "Fit"):
         assert f"(the name {name!r} exists already)" in err
 

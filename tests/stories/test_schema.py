@@ -25,7 +25,7 @@ RUNS = {
     "spectrum": f"spectrum {SAMPLE} --channels gx --fit",
     "dynamic": f"dynamic {SAMPLE} --channels gx --window 600",
     "compare": f"compare {SAMPLE} --channels gx,gy",
-    "check": f"check {SAMPLE} --claims 'N 0.2 deg/sqrt(h)' --at-most",
+    "check": f"check {SAMPLE} --claims 'N 0.2 deg/sqrt(h), B 5 deg/h, K 60 deg/h/sqrt(h)' --at-most",
     "watch": f"watch {SAMPLE} --rate 10 --unit deg/h --time time --channels gx --idle 0.1",
     "rate": f"rate {SAMPLE} --channels gx --interval 60",
     "angle": "angle plan --latitude 60 --duration 3600",

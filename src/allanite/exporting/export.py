@@ -165,7 +165,7 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     >>> flicker = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")
     >>> covering = al.export([flicker, accelerometer], "kalibr", rate=200.0, cover=(1, 300))
     >>> print(covering.stated[0].model)
-    N = 0.6289 deg/sqrt(h), K = 35.84 deg/h/sqrt(h)
+    N = 0.6329 deg/sqrt(h), K = 35.55 deg/h/sqrt(h)
     """
     how = How(axis, inflate, rate, filter_rate, unexplained, SPAN.demand("cover", cover), from_curve)
     row, suffix = prepared(target, how, form)

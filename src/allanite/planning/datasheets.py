@@ -12,8 +12,9 @@ from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term, term
 from allanite.core.names import row_alike
 from allanite.core.plain import Value
+from allanite.core.readings import FLICKER
+from allanite.phrases.phrase import say
 from allanite.plugins import Registry
-from allanite.terms import TERMS
 
 SENSORS = ("gyro", "accelerometer")
 
@@ -23,24 +24,20 @@ class Conversion(NamedTuple):
 
     symbol: str
     factor: float
-    formula: str
     meaning: str
     bandwidth: bool = False
 
 
-_FLOOR = math.sqrt(TERMS["B"].level)
-
 QUANTITIES: dict[str, Conversion] = {
-    "random walk": Conversion("N", 1.0, "N", "angle or velocity random walk"),
-    "noise density": Conversion(
-        "N", 1 / ONE_SIDED, "N sqrt(2)", "amplitude spectral density of white noise, one-sided"
-    ),
-    "rms noise": Conversion("N", 1.0, "N sqrt(2 bandwidth)", "white noise within a bandwidth", bandwidth=True),
+    "random walk": Conversion("N", 1.0, say("random walk is N")),
+    "noise density": Conversion("N", 1 / ONE_SIDED, say("noise density is one-sided: sqrt(2) N")),
+    "rms noise": Conversion("N", 1.0, say("rms noise within a bandwidth is N sqrt(2 bandwidth)"), bandwidth=True),
     "bias stability": Conversion(
-        "B", 1 / _FLOOR, "0.664 B", "minimum of the Allan deviation, to which N and K contribute: B is at most this"
+        "B", FLICKER,
+        say("bias stability is the minimum of the Allan deviation: 0.664 B, or more where N and K contribute"),
     ),
-    "bias instability": Conversion("B", 1.0, "B", "minimum of the Allan deviation over 0.664"),
-}
+    "bias instability": Conversion("B", 1.0, say("bias instability is the minimum of the Allan deviation over 0.664")),
+}  # fmt: skip
 """What is printed, and how a coefficient follows from it; of two that give the same coefficient the first is used."""
 
 

@@ -22,7 +22,7 @@ from .jobs import channel_sheet, job_face, source_of
 TITLES = {
     "T": say("correlation time of the bias"),
     "curve": say("Allan deviation"),
-    "kurtosis": say("distribution of the residuals"),
+    "kurtosis": say("excess kurtosis of the residuals"),
     MINIMUM: say("minimum of the Allan deviation"),
 }
 """What the quantities are called that are no terms."""

@@ -16,21 +16,8 @@ from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of
 
 BRAND = say("noise in a data sheet")
-MEANS = {
-    "random walk": say("random walk is N"),
-    "noise density": say("noise density is one-sided: sqrt(2) N"),
-    "rms noise": say("rms noise within a bandwidth is N sqrt(2 bandwidth)"),
-    "bias stability": say(
-        "bias stability is the minimum of the Allan deviation: 0.664 B, or more where N and K contribute"
-    ),
-    "bias instability": say("bias instability is the minimum of the Allan deviation over 0.664"),
-}
-"""How a quantity is related to a coefficient."""
-
 LIMITS = {"typical": say("typical"), "nominal": say("nominal"), "maximum": say("maximum"), "": ""}
 """What kind of value is printed."""
-
-assert MEANS.keys() == QUANTITIES.keys()  # noqa: S101 - each quantity has its sentence
 
 
 def first_of_sheet(value: DataSheet, _: float) -> First:
@@ -59,7 +46,7 @@ def sheet_view(value: DataSheet, _: float) -> Face:
          printed_unit(str(c.term or ""))]
         for c in value.claims
     ]  # fmt: skip
-    means = dict.fromkeys(MEANS[claim.quantity] for claim in value.claims)
+    means = dict.fromkeys(QUANTITIES[claim.quantity].meaning for claim in value.claims)
     parts: list[Part] = [
         *(Note(text, "strong") for text in _models(value)),
         Table(heads, rows, most=99), *(Note(text, "quiet") for text in means),
@@ -138,7 +125,7 @@ def comparison_view(value: SheetComparison, level: float) -> Face:
         for channel in value
     ]
     names = say("{file} beside the data sheet of the {sensor}", file=source_of(value), sensor=value.sheet.name), BRAND
-    means = dict.fromkeys(MEANS[claim.quantity] for claim in value.sheet.claims)
+    means = dict.fromkeys(QUANTITIES[claim.quantity].meaning for claim in value.sheet.claims)
     source = Note(say("source: {source}", source=join(" ", (value.sheet.maker, value.sheet.document))), "quiet")
     return job_face(value, names, sheets, [source], close=[Note(text, "quiet") for text in means])
 
