@@ -7,7 +7,9 @@ White noise N' wider than N needs a slow term of the size
 to cover the Allan variance A on a span; of N and flicker B at most sqrt(3) (0.664 B)^2 / (2 sqrt(N'^2 - N^2)) on any
 span, by the inequality of the means. A larger N' needs a smaller K. Of these models, and of those with a Gauss-Markov
 process in place of the random walk where the target has one, that is taken whose predicted errors after a time without
-aid, from ten times the beginning of the span to its end, exceed those of the best filter least.
+aid, from ten times the beginning of the span to its end, exceed those of the best filter least. Where the span was not
+asked for, a random walk is fitted to the first two decades of it only: it is not tight over more, errs on the safe side
+at longer times, and would cost much at short ones.
 """
 
 from collections.abc import Iterator, Sequence
@@ -43,31 +45,35 @@ LEAST = 1e-6
 SETTLED = 10.0
 """The shortest time without aid whose cost counts, over the shortest averaging time: before, white noise dominates."""
 
+TIGHT = 100.0
+"""The longest time whose cost counts for a random walk, over the shortest averaging time, if no span was asked for."""
+
 TIMES = 4
 """Correlation times that are tried in a decade, and times without aid."""
 
 
-def covered(target: Target, axes: Sequence[Axis], groups: Sequence[Sequence[AxisNoise]]) -> list[Axis]:
-    """The axes, each with the model that covers the noises of its group."""
-    fits = {id(noise.axis): fit for group in groups for fit in (_fit(target, group),) for noise in group}
+def covered(target: Target, axes: Sequence[Axis], groups: Sequence[Sequence[AxisNoise]], *, asked: bool) -> list[Axis]:
+    """The axes, each with the model that covers the noises of its group; `asked`: the span was asked for."""
+    fits = {id(n.axis): fit for group in groups for fit in (_fit(target, group, asked=asked),) for n in group}
     own = ((axis, fits.get(id(axis), axis.fit)) for axis in axes)
     return [replace(axis, fit=replace(fit, name=axis.fit.name, lines=axis.fit.lines)) for axis, fit in own]
 
 
-def _fit(target: Target, noises: Sequence[AxisNoise]) -> Fit:
-    model, (low, high) = covering(target, noises), noises[0].tau[[0, -1]].tolist()
+def _fit(target: Target, noises: Sequence[AxisNoise], *, asked: bool) -> Fit:
+    model, (low, high) = covering(target, noises, asked=asked), noises[0].tau[[0, -1]].tolist()
     note = say("covers {low:.4g} to {high:.4g} s", low=low, high=high)
     estimates = (Estimate(t.symbol, t.signal, t.value, None, "reported", None, COVER, shape=t.shape, reason=note)
                  for t in model)  # fmt: skip
     return Fit(tuple(estimates), COVER, model.signal, model)
 
 
-def covering(target: Target, noises: Sequence[AxisNoise]) -> Model:
+def covering(target: Target, noises: Sequence[AxisNoise], *, asked: bool) -> Model:
     """The model of the target's form that covers the noises at the least cost."""
     tau = noises[0].tau
     allan = np.max([noise.upper for noise in noises], axis=0)
     times = np.geomspace(tau[0], tau[-1], max(2, round(TIMES * np.log10(tau[-1] / tau[0])) + 1))
-    outages, late = Outages(tuple(times.tolist())), times >= 0.999 * min(SETTLED * tau[0], tau[-1])
+    outages, last = Outages(tuple(times.tolist())), tau[-1] if asked or target.markov else TIGHT * tau[0]
+    late = (times >= 0.999 * min(SETTLED * tau[0], tau[-1])) & (times <= 1.001 * max(last, SETTLED * tau[0]))
     truths = [outages.of(noise.steady) for noise in noises]
     best = np.max([cov.errors(outages.weights(cov)) for cov in truths], axis=0)
     signal = noises[0].axis.fit.signal

@@ -191,7 +191,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     axes = _axes(source, how)
     kept = usable(axes, how, target.sensors)
     groups = groups_of(kept, how) if target.drifts else []
-    stand = covered(target, kept, to_cover(target, kept, groups, how))
+    stand = covered(target, kept, to_cover(target, kept, groups, how), asked=how.span is not None)
     entries, missing = fill(target, stand, how)
     stated = tuple(found for group in groups if (found := compared(target, entries, group, how)) is not None)
     if not target.fields:

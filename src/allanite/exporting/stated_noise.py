@@ -101,12 +101,13 @@ class StatedNoise(Value):
                 say("{sensor}: a filter errs up to {wrong:.2g} times what it predicts with this file",
                     sensor=sensor, wrong=float(wrong.max())),
             )  # fmt: skip
-        loss = 100 * float((self.actual / self.best).max() - 1)
+        loss = 100 * (self.actual / self.best - 1)
         return (
             say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} s",
                 channels=self.label, low=low, high=high, ratio=ratio, at=at),
-            say("{sensor}: errors without aid at most {loss:.0f} % above the best filter's, predicted up to {wide:.2g} "
-                "times as large", sensor=sensor, loss=loss, wide=1 / float(wrong.min())),
+            say("{sensor}: errors without aid up to {loss:.0f} % above the best filter's ({time:.4g} s), predicted up to "
+                "{wide:.2g} times as large", sensor=sensor, loss=float(loss.max()),
+                time=float(self.times[loss.argmax()]), wide=1 / float(wrong.min())),
         )  # fmt: skip
 
     @property
