@@ -105,8 +105,8 @@ class StatedNoise(Value):
         return (
             say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} s",
                 channels=self.label, low=low, high=high, ratio=ratio, at=at),
-            say("{sensor}: errors without aid up to {loss:.0f} % above the best filter's ({time:.4g} s), predicted up to "
-                "{wide:.2g} times as large", sensor=sensor, loss=float(loss.max()),
+            say("{sensor}: errors without aid up to {loss:.0f} % above the best filter's ({time:.4g} s), predicted up "
+                "to {wide:.2g} times as large", sensor=sensor, loss=float(loss.max()),
                 time=float(self.times[loss.argmax()]), wide=1 / float(wrong.min())),
         )  # fmt: skip
 
