@@ -34,7 +34,7 @@ TOPICS: dict[str, tuple[str, str]] = {
         "analyze analyze_files run_batch read_lot Recipe Specification Study Batch Lot Meaning plot report",
     ),
     "exporting": ("Files for filters and simulators", "export read_noise Export Imported"),
-    "claims": ("Noise and what is claimed of it", "check claim_of ClaimedNoise ClaimCheck"),
+    "claims": ("Claims and drift", "check claim_of ClaimedNoise ClaimCheck drift Drift DriftSettings"),
     "comparing": ("Comparison", "compare pool truncation Comparison Pool"),
     "sheets": ("Data sheets", "data_sheet_named DataSheet compare_with_sheet SheetComparison"),
     "compensating": (

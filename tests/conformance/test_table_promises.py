@@ -9,9 +9,11 @@ import pytest
 from tests.shares import chance, first, records
 
 import allanite as al
+import consistency
 import gaps
 import slow_noise
 import terms
+from aided import OUTAGES
 from fuzz_readers import SEEDS
 
 SLOW = {
@@ -176,3 +178,51 @@ def test_the_oscillation_is_that_of_the_closed_form():
 
 def test_a_vertical_takes_less_than_three_seconds_for_a_million_samples():
     assert max(float(row["s for 1e6 samples"]) for row in VERTICAL.rows("Speed")) < 3
+
+
+CONSISTENCY = read("consistency.md")
+WALK, MARKOV = "kalibr", "navego"
+"""A target whose bias is a random walk, and one whose bias has a correlation time."""
+
+
+def of_files(part, cover, target):
+    """First numbers by outage, of each sensor: of the files of a target, with an accurate aid."""
+    rows = CONSISTENCY.rows(f"{part}, aid to 0.1 deg")
+    found = {row["sensor"]: row for row in rows if row["cover"] == cover and target in row["targets"].split(", ")}
+    return {sensor: {t: first(row[f"{t} s"]) for t in OUTAGES} for sensor, row in found.items()}
+
+
+def test_every_sensor_is_exported_to_every_target():
+    for name, row in al.EXPORTS.items():
+        for cover, (_, asked_of) in consistency.COVERS.items():
+            found = of_files("Consistency", cover, name)
+            assert not found or set(consistency.SENSORS) < set(found)
+            assert bool(found) == bool(row.fields and asked_of(row)), (name, cover)
+    assert {row["refused"] for row in CONSISTENCY.rows("Consistency, aid to 0.1 deg")} == {"0"}
+
+
+def test_simulated_errors_of_filters_are_those_of_the_covariance():
+    (off,) = re.search(r"is ([\d.]+) of its standard errors off", CONSISTENCY.head).groups()
+    assert float(off) < 4
+
+
+def test_filters_are_over_confident_without_a_cover():
+    assert min(max(ratios.values()) for ratios in of_files("Consistency", "no", WALK).values()) > 1.3
+
+
+@pytest.mark.parametrize(
+    ("cover", "target", "until", "least"),
+    # a random walk is not tight over three decades
+    [("1,100", WALK, 60, 0.7), ("1,100", MARKOV, 60, 0.7), ("1,1000", WALK, 1000, 0.55), ("1,1000", MARKOV, 1000, 0.7)],
+)
+def test_errors_of_filters_are_those_that_are_predicted_on_the_span_of_the_cover(cover, target, until, least):
+    for sensor, ratios in of_files("Consistency", cover, target).items():
+        on = [ratio for t, ratio in ratios.items() if t <= until]
+        assert least <= min(on) <= max(on) <= 1.1, (sensor, on)
+
+
+@pytest.mark.parametrize(("cover", "most"), [("1,100", 1.04), ("1,1000", 1.12)])
+def test_a_cover_costs_little_soon_after_the_last_aid(cover, most):
+    for target in (WALK, MARKOV):
+        for sensor, losses in of_files("Accuracy", cover, target).items():
+            assert max(losses[1], losses[10]) <= most, (sensor, losses)

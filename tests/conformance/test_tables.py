@@ -47,7 +47,7 @@ SIGNED = ("bias", "difference", "over the bound", "apart")
 
 KEYS = {
     "angle.md": 3, "bound.md": 4, "coefficients.md": 2, "comparison.md": 2, "comparison_ratio.md": 2,
-    "compensation.md": 3, "coverage.md": 3, "curves.md": 5, "data_sheets.md": 3,
+    "compensation.md": 3, "consistency.md": 3, "coverage.md": 3, "curves.md": 5, "data_sheets.md": 3,
     "drift.md": (2, 2, 1), "environments.md": 2, "gaps.md": 3, "gaps_curves.md": 4,
     "hybrids.md": 4, "identification.md": 4, "limits.md": 4, "limits_quantization.md": 4,
     "methods.md": 5, "noise_identification.md": 4,

@@ -13,7 +13,7 @@ from allanite.cli import VERBS, main
 SAMPLE = str(ROOT / "examples" / "tactical_gyro.csv")
 TWO = f"{SAMPLE} --channels gx,gy"
 NOISE = '"N 0.1 deg/sqrt(h), K 10 deg/h/sqrt(h)"'
-CLAIM = '"N 0.16 deg/sqrt(h), B 5 deg/h, K 60 deg/h/sqrt(h)"'
+CLAIM = "N 0.16 deg/sqrt(h), B 5 deg/h, K 60 deg/h/sqrt(h)"
 
 SCREENS = {
     f"analyze {SAMPLE}": r"N +angle random walk +°/√h +0\.1192 ± 1 % +0\.1495",
@@ -23,7 +23,7 @@ SCREENS = {
     f"spectrum {TWO}": r"spectral density in °/h/√Hz",
     f"dynamic {TWO}": r"\n +0\.1 +22\.\d+ to 23\.\d+",
     f"compare {TWO}": r"changed: gx / gy\n\n.*\n +noise as a whole +changed, p < 1e-12",
-    f"check {TWO} --at-most --claims {CLAIM}": r"agrees .*\n\n.*\nN .* 0\.1600 +0\.745",
+    f"check {TWO} --claims {CLAIM!r} --at-most": r"agrees with the claim\n\n.*\nN +angle .* 0\.1600 +0\.745",
     f"rate {TWO}": r"rate, mean over 1 h +°/h +4\.20 ± 0\.23 +-7\.90",
     f"plan --model {NOISE} --rate 10": r"N +0\.1 +°/√h .* 20 s\n",
     f"plan {TWO}": r"N +0\.1192 +°/√h .* 20 s\n",

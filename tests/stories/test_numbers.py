@@ -8,7 +8,9 @@ import pytest
 from tests import ROOT
 
 import allanite as al
+from aided import OUTAGES
 from allanite.exporting.exports import EXPORTS
+from consistency import SENSORS as NOISES
 
 
 def text(page):
@@ -98,6 +100,13 @@ def corners():
 
 def compensated(column, noise=("table 2",), regressor=("temp",)):
     return span(figures("compensation.md", "", column, noise=noise, regressor=regressor))
+
+
+def filters(what, cover, until, *targets):
+    """Errors of filters over those predicted, or over those of the best, of the simulated sensors up to an outage."""
+    rows = read("consistency.md").rows(f"{what}, aid to 0.1 deg")
+    kept = [row for row in rows if row["cover"] == cover and set(targets) & set(row["targets"].split(", "))]
+    return [float(row[f"{t} s"].split()[0]) for row in kept for t in OUTAGES if row["sensor"] in NOISES and t <= until]
 
 
 def closed(what, column="here"):
@@ -205,6 +214,16 @@ SENTENCES = [
     ("docs/recordings.md", "at 1 s within {:.1f} %; the", lambda: [n_off(ADIS, ["Gyro. X", "Gyro. Y"])]),
     ("docs/recordings.md", "at 1 s within {:.1f} %; narrow", lambda: [
         n_off(ACCELEROMETER, [f"{kind}Buffer {k}" for kind in ("gyro", "accel") for k in (2, 3, 4)])]),
+    ("docs/log_to_filter.md", "are up to {:.2f} times what it predicts. With", lambda: [
+        max(filters("Consistency", "no", 1000, "kalibr"))]),
+    ("docs/log_to_filter.md", "are {:.2f} to {:.2f} times that after 1 to 60 s", lambda: span(
+        filters("Consistency", "1,100", 60, "kalibr"))),
+    ("docs/log_to_filter.md", "`--cover 1,1000` {:.2f} to {:.2f} times after 1 to 1000 s", lambda: span(
+        filters("Consistency", "1,1000", 1000, "kalibr"))),
+    ("docs/log_to_filter.md", "{:.2f} to {:.2f} times where the bias has a correlation time", lambda: span(
+        filters("Consistency", "1,1000", 1000, "navego"))),
+    ("docs/log_to_filter.md", "{:.0f} % above those of the best filter with the first of these covers, and {:.0f} %",
+        lambda: [100 * max(filters("Accuracy", cover, 10, "kalibr", "navego")) - 100 for cover in ("1,100", "1,1000")]),
     ("docs/rate_paper.md", "regression is {:.2f} times better", lambda: [exact("mean") / exact("regression")]),
     ("docs/rate_paper.md", "loses {:.1f} %, Hamming {:.1f} %", lambda: [
         100 * (figures("rate.md", "When", name)[0] - 1) for name in ("regression", "hamming")]),
