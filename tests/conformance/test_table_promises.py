@@ -213,7 +213,14 @@ def test_filters_are_over_confident_without_a_cover():
 @pytest.mark.parametrize(
     ("cover", "target", "until", "least"),
     # a random walk is not tight over three decades
-    [("1,100", WALK, 60, 0.7), ("1,100", MARKOV, 60, 0.7), ("1,1000", WALK, 1000, 0.55), ("1,1000", MARKOV, 1000, 0.7)],
+    [
+        ("default", WALK, 60, 0.7),
+        ("default", MARKOV, 300, 0.7),
+        ("1,100", WALK, 60, 0.7),
+        ("1,100", MARKOV, 60, 0.7),
+        ("1,1000", WALK, 1000, 0.55),
+        ("1,1000", MARKOV, 1000, 0.7),
+    ],
 )
 def test_errors_of_filters_are_those_that_are_predicted_on_the_span_of_the_cover(cover, target, until, least):
     for sensor, ratios in of_files("Consistency", cover, target).items():
@@ -221,7 +228,7 @@ def test_errors_of_filters_are_those_that_are_predicted_on_the_span_of_the_cover
         assert least <= min(on) <= max(on) <= 1.1, (sensor, on)
 
 
-@pytest.mark.parametrize(("cover", "most"), [("1,100", 1.04), ("1,1000", 1.12)])
+@pytest.mark.parametrize(("cover", "most"), [("default", 1.04), ("1,100", 1.04), ("1,1000", 1.12)])
 def test_a_cover_costs_little_soon_after_the_last_aid(cover, most):
     for target in (WALK, MARKOV):
         for sensor, losses in of_files("Accuracy", cover, target).items():

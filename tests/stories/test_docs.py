@@ -97,7 +97,7 @@ def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
 def test_commands_of_a_page_that_follow_each_other(desk, monkeypatch):
     monkeypatch.chdir(desk)
     every = commands((DOCS / "log_to_filter.md").read_text("utf-8"))
-    assert len(every) == 6
+    assert len(every) == 8
     for command in every:
         done = CliRunner().invoke(main, shlex.split(command)[1:])
         assert done.exit_code == 0, (command, done.output)

@@ -217,13 +217,15 @@ SENTENCES = [
     ("docs/log_to_filter.md", "are up to {:.2f} times what it predicts. With", lambda: [
         max(filters("Consistency", "no", 1000, "kalibr"))]),
     ("docs/log_to_filter.md", "are {:.2f} to {:.2f} times that after 1 to 60 s", lambda: span(
-        filters("Consistency", "1,100", 60, "kalibr"))),
-    ("docs/log_to_filter.md", "`--cover 1,1000` {:.2f} to {:.2f} times after 1 to 1000 s", lambda: span(
-        filters("Consistency", "1,1000", 1000, "kalibr"))),
-    ("docs/log_to_filter.md", "{:.2f} to {:.2f} times where the bias has a correlation time", lambda: span(
-        filters("Consistency", "1,1000", 1000, "navego"))),
-    ("docs/log_to_filter.md", "{:.0f} % above those of the best filter with the first of these covers, and {:.0f} %",
-        lambda: [100 * max(filters("Accuracy", cover, 10, "kalibr", "navego")) - 100 for cover in ("1,100", "1,1000")]),
+        filters("Consistency", "default", 60, "kalibr"))),
+    ("docs/log_to_filter.md", "correlation time, {:.2f} to {:.2f} times after 1 to 1000 s", lambda: span(
+        filters("Consistency", "default", 1000, "navego"))),
+    ("docs/log_to_filter.md", "`--cover 1,1000` they are {:.2f} to {:.2f} and {:.2f} to {:.2f} times.", lambda: [
+        *span(filters("Consistency", "1,1000", 1000, "kalibr")),
+        *span(filters("Consistency", "1,1000", 1000, "navego"))]),
+    ("docs/log_to_filter.md", "{:.0f} % above those of the best filter with the default cover, and {:.0f} %",
+        lambda: [
+            100 * max(filters("Accuracy", cover, 10, "kalibr", "navego")) - 100 for cover in ("default", "1,1000")]),
     ("docs/rate_paper.md", "regression is {:.2f} times better", lambda: [exact("mean") / exact("regression")]),
     ("docs/rate_paper.md", "loses {:.1f} %, Hamming {:.1f} %", lambda: [
         100 * (figures("rate.md", "When", name)[0] - 1) for name in ("regression", "hamming")]),

@@ -9,7 +9,7 @@ from allanite.applications.choices import CompensationChoices, FitChoices
 from allanite.core.errors import UsageError
 
 from .deliver import Extra, Outputs, carry_out, demand_recording, given, outputs, recipe_of, settings_of
-from .options import IDENTIFYING, RECORDING, RESULTS, Option, options
+from .options import IDENTIFYING, RECORDING, RESULTS, options
 
 if TYPE_CHECKING:
     from allanite.exporting.thermal import ThermalTarget
@@ -24,12 +24,9 @@ if TYPE_CHECKING:
     *IDENTIFYING,
     click.option("--save", metavar="PATH", type=click.Path(), help="Write the regressions, to be used with --use."),
     "corrected record",
-    click.option("--to", "autopilot", metavar="NAME",
-        help="Write temperature polynomials as parameters of px4 or ardupilot, to --output; --degree is 3 then.",
-        cls=Option, synonyms=("target", "format")),
+    "autopilot",
     click.option("--instance", type=int, metavar="N", help="Number of the sensor there.  [default: the first]"),
-    click.option("--output", "-o", metavar="PATH", type=click.Path(),
-        help="Write the parameters; - is standard output."),
+    "written parameters",
     *RESULTS, settings=(CompensationChoices, FitChoices),
 )  # fmt: skip
 def compensate(file: str, **choices: Any) -> None:

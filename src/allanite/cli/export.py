@@ -12,11 +12,7 @@ from allanite.study.settings import ExportChoices, NoiseChoices
 from .deliver import Extra, carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, SHOWN, options
 
-FILE = (
-    click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
-        help="Write the file; - is standard output. The suffix chooses the form if there are several."),
-    "plot", "json", *SHOWN,
-)  # fmt: skip
+FILE = ("written file", "plot", "json", *SHOWN)
 
 
 USUAL = "datasheet"
@@ -54,9 +50,8 @@ def export(
 
 @click.command()
 @options(
-    click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target",
-    "origin", "rate",
-    "axis", "inflate", "cover", *FILE, settings=(ExportChoices,),
+    click.argument("values", nargs=-1, required=True, metavar="VALUE..."), "target", "origin", "rate", "axis",
+    "inflate", "cover", *FILE, settings=(ExportChoices,),
 )  # fmt: skip
 def convert(values: tuple[str, ...], target: str | None, origin: str | None, **choices: Any) -> None:
     """Convert values of a data sheet to fields.

@@ -186,6 +186,13 @@ OPTIONS: dict[str, Decorator] = {
     "target": click.option("--to", "target", metavar="TARGET",
         help="Program that reads the file: kalibr, vins-mono, px4, ...; 'allanite explain' lists them.  "
         "[default: datasheet]", cls=Option, synonyms=("target", "format")),
+    "autopilot": click.option("--to", "autopilot", metavar="NAME",
+        help="Write temperature polynomials as parameters of px4 or ardupilot, to --output; --degree is 3 then.",
+        cls=Option, synonyms=("target", "format")),
+    "written file": click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
+        help="Write the file; - is standard output. The suffix chooses the form if there are several."),
+    "written parameters": click.option("--output", "-o", "output", metavar="PATH", type=click.Path(),
+        help="Write the parameters; - is standard output."),
     "lines that come": _path("record", "Keep the lines that come in this file."),
     "corrected angles": _path("corrected", "Write corrected angles as CSV."),
     "corrected record": _path("corrected", "Write the corrected record (of --apply if given)."),
