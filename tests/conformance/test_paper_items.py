@@ -15,6 +15,9 @@ ASKED = {
     "004": "Table 2, Table 3, Fig. 5, Fig. 6",
 }
 
+WIDTHS = (32, 16, 24)
+"""Letters of an item with its claim, of what the paper prints, and of the first clause of the reason; ours have 22."""
+
 
 @pytest.mark.parametrize("name", PAPERS)
 def test_every_table_and_figure_is_there(name):
@@ -29,3 +32,10 @@ def test_items_are_complete(name):
         assert item.verdict in ("", *VERDICTS), item
         assert item.why or item.tolerance or item.verdict in ("", AGREES), item
         assert item.why or item.verdict != DIFFERS, item
+
+
+@pytest.mark.parametrize("name", PAPERS)
+def test_a_line_of_the_first_screen_is_not_too_wide(name):
+    for item in paper(name).items:
+        shown = (f"{item.item}: {item.claim}", item.paper, re.split("[:;] ", item.why)[0])
+        assert [(text, most) for text, most in zip(shown, WIDTHS, strict=True) if len(text) > most] == [], item.item

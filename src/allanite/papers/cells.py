@@ -13,6 +13,7 @@ READ: dict[str, Callable[..., list[float]]] = {
     "ratio": lambda one, other: [one / other],
     "ratios": lambda *numbers: [number / numbers[-1] for number in numbers[:-1]],
     "difference": lambda one, other: [one - other],
+    "reduction": lambda after, before: [100 * (1 - after / before)],
     "sum": lambda *numbers: [math.fsum(numbers)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],

@@ -1,5 +1,6 @@
 """A paper beside what was found here: table, figure and claim, one after the other."""
 
+import re
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -18,8 +19,8 @@ BRAND = say("a paper beside what is found here")
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}
 """Of the verdicts; the others have none."""
 
-LINES, WIDTHS = 13, (31, 17, 24, 22)
-"""Items on the first screen, and the widths of its columns."""
+LINES = 13
+"""Items on the first screen."""
 
 
 def first_of_paper(value: Reproduction, _: float) -> First:
@@ -53,21 +54,13 @@ def paper_view(value: Reproduction, _: float) -> Face:
 
 def _brief(items: Sequence[Compared]) -> Table:
     heads = [Column("", "name"), *(Column(text, "text") for text in (say("paper"), say("here"), say("why")))]
-    rows = [
-        (
-            ": ".join(filter(None, (i.item, i.claim))),
-            i.paper,
-            i.here,
-            VERDICTS[i.verdict] if i.verdict == DRAWN else i.why or VERDICTS[i.verdict],
-        )
-        for i in items
-    ]
-    cut = [[_cut(cell, width) for cell, width in zip(row, WIDTHS, strict=True)] for row in rows]
-    return Table(heads, cut, marks=_marks(items))
+    return Table(heads, [brief(item) for item in items], marks=_marks(items))
 
 
-def _cut(text: str, width: int) -> str:
-    return text if len(text) <= width else f"{text[: width - 3].rstrip()}..."
+def brief(item: Compared) -> list[str]:
+    """An item in a line: of the reason its first clause."""
+    reason = VERDICTS[item.verdict] if item.verdict == DRAWN else item.why or VERDICTS[item.verdict]
+    return [": ".join((item.item, item.claim)), item.paper, item.here, re.split("[:;] ", reason)[0]]
 
 
 def _figure(path: Path) -> Picture:
