@@ -10,10 +10,11 @@ from click.testing import CliRunner
 from allanite.cli import main
 from allanite.papers.paper import PAPERS, VERDICTS, paper
 from allanite.papers.reproduction import Reproduction, compare
+from allanite.reporting.digits import printable
 from allanite.reporting.language import speaking, tr
+from allanite.reporting.views.papers import HEADS
 
 DOCS = Path(__file__).parents[1] / "docs" / "papers"
-HEADS = ("in the paper", "", "paper", "here", "", "why")
 
 
 def renew(name: str) -> None:
@@ -34,8 +35,8 @@ def table(found: Reproduction, lang: str) -> str:
     """The items of a paper as a table of a page."""
     with speaking(lang):
         heads = [tr(head) for head in HEADS]
-        rows = [[i.item, i.claim, i.paper, i.here, tr(VERDICTS[i.verdict]), i.why] for i in found.items]
-    lines = [heads, ["---"] * len(heads), *rows]
+        rows = [[i.item, i.claim, i.paper, i.here, tr(VERDICTS[i.verdict]), tr(i.why)] for i in found.items]
+    lines = [heads, ["---"] * len(heads), *([printable(cell) for cell in row] for row in rows)]
     return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from allanite.core.plain import Value
 from allanite.core.units import unit_of
+from allanite.phrases.phrase import say
 
 from .cells import READ, number
 from .paper import AGREES, DIFFERS, DRAWN, Item, Paper
@@ -100,7 +101,7 @@ def compared(item: Item, folder: Path) -> Compared:
         (folder / name).stat()  # raises if it was not written
     verdict, expected = _verdict(item, found)
     shown = [item.form.format(*found) if item.form else " ".join(f"{each:.4g}" for each in found)] if found else []
-    why = item.why or (f"within {100 * item.tolerance:g} %" if item.tolerance else "")
+    why = item.why or (say("within {share} %", share=f"{100 * item.tolerance:g}") if item.tolerance else "")
     here = "; ".join([*shown, *drawn])
     return Compared(item.item, item.claim, item.paper, here, tuple(found), verdict, why, expected)
 

@@ -19,6 +19,9 @@ BRAND = say("a paper beside what is found here")
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}
 """Of the verdicts; the others have none."""
 
+HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))
+"""Columns of the table of a page."""
+
 LINES = 13
 """Items on the first screen."""
 
@@ -53,7 +56,7 @@ def paper_view(value: Reproduction, _: float) -> Face:
 
 
 def _brief(items: Sequence[Compared]) -> Table:
-    heads = [Column("", "name"), *(Column(text, "text") for text in (say("paper"), say("here"), say("why")))]
+    heads = [Column("", "name"), *(Column(text, "text") for text in (*HEADS[2:4], HEADS[5]))]
     return Table(heads, [brief(item) for item in items], marks=_marks(items))
 
 
@@ -68,10 +71,7 @@ def _figure(path: Path) -> Picture:
 
 
 def _table(items: Sequence[Compared]) -> Table:
-    heads = (
-        Column(say("in the paper"), "name"), Column("", "text"), Column(say("paper"), "text"),
-        Column(say("here"), "text"), Column("", "text"), Column(say("why"), "text"),
-    )  # fmt: skip
+    heads = [Column(head, "text" if at else "name") for at, head in enumerate(HEADS)]
     rows = [[i.item, i.claim, i.paper, i.here, VERDICTS[i.verdict], i.why] for i in items]
     return Table(heads, rows, marks=_marks(items), most=len(rows))
 
