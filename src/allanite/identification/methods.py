@@ -88,6 +88,11 @@ METHODS: dict[str, Method] = {
         efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
+    "curve": Method(
+        say("unweighted non-negative least squares of the whole curve as drawn (for comparison with papers)"), Curve,
+        efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
+        statistic="oadev", taus="log", reads=lambda row: row.allan or bool(row.parts), synonyms=("whole",),
+    ),
     "slopes": Method(
         say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve,
         efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),

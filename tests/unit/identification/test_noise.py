@@ -218,7 +218,7 @@ def test_wrong_methods_and_bands():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 5000, 100.0, rng=np.random.default_rng(1))
     curve = al.deviation(record)
     for source, options, words in [
-        (record, {"method": "magic"}, "known methods: whittle, gls, joint, nnls, piecewise, ls, slopes"),
+        (record, {"method": "magic"}, "known methods: whittle, gls, joint, nnls, piecewise, ls, curve, slopes"),
         (curve, {"method": "whittle"}, "needs the record"),
         (curve, {"method": "ls", "band": (0, 1)}, "band is for method 'whittle'"),
         (record, {"band": (5, 1)}, "low < high"),
