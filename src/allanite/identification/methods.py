@@ -109,6 +109,8 @@ def automatic() -> str:
 def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
     """Symbols from a list of them, or a text like ``QNGMK``: the longest match comes first; with or without commas.
 
+    A second Gauss-Markov noise, ``N,GM,GM``, is the slow one, GML.
+
     Raises
     ------
     UsageError
@@ -121,7 +123,8 @@ def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
         symbol = next(filter(rest.startswith, known), None)
         if symbol is None:
             raise unknown("term", rest.split(",")[0].strip(), TERMS, choice="terms")
-        symbols, rest = (*symbols, symbol), rest[len(symbol) :]
+        again = symbol in symbols and TERMS[symbol].second
+        symbols, rest = (*symbols, again or symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):
         raise UsageError(f"terms must name each symbol once, and at least one noise, unlike {terms!r}", choice="terms")
     return symbols

@@ -205,7 +205,7 @@ def test_terms_asked_for_are_obeyed():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 30_000, 100.0, rng=np.random.default_rng(1))
     assert [e.symbol for e in al.identify(record, terms="QNK")] == ["Q", "N", "K"]
     for terms, words in [
-        ("NX", "known terms: Q, F, N, B, K, R, W, GM, GMA, GM2, Sine"),
+        ("NX", "known terms: Q, F, N, B, K, R, W, GM, GML, GMA, GM2, Sine"),
         ("NN", "once"),
         ("R", "at least one noise"),
         ("", "noise"),
