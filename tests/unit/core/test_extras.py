@@ -36,5 +36,5 @@ def test_the_command_is_that_of_the_program_that_made_the_environment(tmp_path, 
 
 def test_what_is_missing_is_named():
     demand_extra("hdf5", "json")
-    with pytest.raises(UsageError, match="the page needs fastapi and uvicorn, .*pip install fast"):
+    with pytest.raises(UsageError, match=r"the page needs fastapi and uvicorn, .*pip install fast"):
         demand_extra("web", "no_such_module", what="the page")
