@@ -1,6 +1,6 @@
 """Terms that are looked for when they are asked for: how often found, bias and coverage of their limits.
 
-    python benchmarks/terms.py [--records 300] [--write PATH]
+    python benchmarks/terms.py [--cells one] [--records 300] [--write PATH]
 
 Each cell has seeds of its own. Records of 2^16 samples at 20 Hz are simulated and identified with the terms named; the
 limits of every coefficient, time constant, frequency and damping are those of 95 %. A second line of each cell counts
@@ -41,12 +41,22 @@ class Cell:
         return self.rest + self.extra
 
 
-CELLS = (
+PROCESS = al.N(0.05, "deg/sqrt(h)") + al.GM(20.0, "deg/h", time_constant=2.0)
+LOOP = al.N(0.05, "deg/sqrt(h)") + al.GM(20.0, "deg/h", time_constant=60.0)
+SLOW = al.GML(20.0, "deg/h", time_constant=60.0)
+ONE = (
     Cell(QN, al.F(1.0, "arcsec"), "QFN", 10_000),
     Cell(NB, al.W(20.0, "deg/h", time_constant=300.0), "NBKW", 20_000),
     Cell(QN, al.GMA(3.0, "arcsec", time_constant=2.0), "Q,N,GMA", 30_000),
     Cell(NB, al.GM2(20.0, "deg/h", frequency=0.3, damping=0.15), "N,B,GM2", 40_000),
 )
+TWO = (
+    Cell(PROCESS, SLOW, "N,GM,GM", 50_000),
+    Cell(PROCESS, SLOW, "QNBKR,GM,GM", 60_000),
+    Cell(LOOP, al.GM2(20.0, "deg/h", frequency=0.3, damping=0.15), "N,GM,GM2", 70_000),
+)
+CELLS = {"one": ONE, "two": TWO}
+"""Cells by the number of terms with a shape that are asked for."""
 
 
 def percent(hits: np.ndarray) -> str:
@@ -93,15 +103,15 @@ def rows(cell: Cell, records: int) -> list[tuple[str, ...]]:
 
 
 def main() -> None:
-    run = begin(__doc__, records=300)
-    lines = []
-    for cell in CELLS:
+    run = begin(__doc__, cells="one", records=300)
+    lines, cells = [], CELLS[run.asked.cells]
+    for cell in cells:
         lines += rows(cell, run.asked.records)
         print(*("\t".join(line[2:]) for line in lines[-6:]), sep="\n", file=sys.stderr, flush=True)
     run.publish(
         "Terms that are asked for",
         [
-            f"Records of {SIZE} samples at {RATE:g} Hz; seeds from {', '.join(str(c.seed) for c in CELLS)} on.",
+            f"Records of {SIZE} samples at {RATE:g} Hz; seeds from {', '.join(str(c.seed) for c in cells)} on.",
             "found: share of the records in which the term is reported; truth is in SI; bias and spread are of these, "
             "spread over the Cramér-Rao bound of the whole model; coverage is that of the 95 % limits; false: share of "
             "a third as many records without the term in which it is reported.",

@@ -54,6 +54,7 @@ from .core.fit import Fit as Fit
 from .core.model import GM as GM
 from .core.model import GM2 as GM2
 from .core.model import GMA as GMA
+from .core.model import GML as GML
 from .core.model import B as B
 from .core.model import F as F
 from .core.model import K as K

@@ -190,7 +190,7 @@ def test_a_new_term_is_identified(method):
 
 def test_a_filter_refuses_a_term_without_states_and_takes_one_that_has_some():
     with pytest.raises(
-        al.UsageError, match=r"Z \(wander of the angle\) has no states in a filter, Q, N, B, K, R, GM, GMA, GM2"
+        al.UsageError, match=r"Z \(wander of the angle\) has no states in a filter, Q, N, B, K, R, GM, GML, GMA, GM2"
     ):
         al.state_space(al.Model(MODEL), 1.0)
 

@@ -189,8 +189,8 @@ class Fit(Value):
     checked: str = ""
     nodes: Callable[[], Averaged] | None = None
 
-    Q, F, N, B, K, R, W, GM, GMA, GM2, Sine = map(
-        _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GMA", "GM2", "Sine")
+    Q, F, N, B, K, R, W, GM, GML, GMA, GM2, Sine = map(
+        _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GML", "GMA", "GM2", "Sine")
     )
 
     @property

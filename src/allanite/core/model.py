@@ -188,7 +188,7 @@ def constructor(symbol: str) -> Constructor:
 
 Q, N, B, K = (constructor(symbol) for symbol in ("Q", "N", "B", "K"))
 R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
-F, GMA, GM2, W = (constructor(symbol) for symbol in ("F", "GMA", "GM2", "W"))
+F, GMA, GM2, GML, W = (constructor(symbol) for symbol in ("F", "GMA", "GM2", "GML", "W"))
 
 
 @dataclass(frozen=True, repr=False, init=False)

@@ -22,7 +22,7 @@ from allanite.terms import TERMS
 
 from .curves.allan_hadamard import joint
 from .curves.gls import gls
-from .curves.leastsquares import least_squares, slopes
+from .curves.leastsquares import least_squares, slopes, whole
 from .curves.nonnegative import nnls
 from .curves.piecewise import piecewise
 from .likelihood.identify import whittle
@@ -35,6 +35,7 @@ FITS: dict[str, Callable[..., Fit]] = {
     "nnls": nnls,
     "piecewise": piecewise,
     "ls": least_squares,
+    "curve": whole,
     "slopes": slopes,
 }
 """The function of each of the `METHODS`: from a record or a curve, symbols and options to the fit."""
@@ -82,7 +83,7 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     ----------
     source : Record, Curve, Recording, array or table
         A recording, a table and the columns of an array of shape (n, channels) are identified channel by channel.
-    method : {"whittle", "gls", "joint", "nnls", "piecewise", "ls", "slopes"}, optional
+    method : {"whittle", "gls", "joint", "nnls", "piecewise", "ls", "curve", "slopes"}, optional
         "whittle", the default for a record, reaches the Cramer-Rao bound and gives intervals. "gls", the default for a
         curve, is the best method for curves and gives standard errors. The others are methods of papers and programs,
         for comparison, without intervals. `METHODS` lists the efficiency of each.

@@ -88,6 +88,11 @@ METHODS: dict[str, Method] = {
         efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
+    "curve": Method(
+        say("unweighted non-negative least squares of the whole curve as drawn (for comparison with papers)"), Curve,
+        efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
+        statistic="oadev", taus="log", reads=lambda row: row.allan or bool(row.parts), synonyms=("whole",),
+    ),
     "slopes": Method(
         say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve,
         efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),
@@ -104,6 +109,8 @@ def automatic() -> str:
 def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
     """Symbols from a list of them, or a text like ``QNGMK``: the longest match comes first; with or without commas.
 
+    A second Gauss-Markov noise, ``N,GM,GM``, is the slow one, GML.
+
     Raises
     ------
     UsageError
@@ -116,7 +123,8 @@ def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
         symbol = next(filter(rest.startswith, known), None)
         if symbol is None:
             raise unknown("term", rest.split(",")[0].strip(), TERMS, choice="terms")
-        symbols, rest = (*symbols, symbol), rest[len(symbol) :]
+        again = symbol in symbols and TERMS[symbol].second
+        symbols, rest = (*symbols, again or symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):
         raise UsageError(f"terms must name each symbol once, and at least one noise, unlike {terms!r}", choice="terms")
     return symbols

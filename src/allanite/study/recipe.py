@@ -148,7 +148,7 @@ class Recipe:
     terms: str = choice("QNBKR", "Noise terms to look for.", kind=SYMBOLS, default="auto", group="identifying",
         synonyms=("noise",))
     method: str = choice(
-        "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, slopes.", default="whittle",
+        "NAME", "whittle, or for comparison gls, joint, nnls, piecewise, ls, curve, slopes.", default="whittle",
         group="identifying", synonyms=("estimator", "algorithm"), parts=("whittle",))
     ranges: Mapping[str, tuple[float, float]] | None = choice(
         "N=LO:HI,...", "Averaging times through which method piecewise draws the line of each term, s.", kind=RANGES,

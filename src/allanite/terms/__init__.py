@@ -11,7 +11,7 @@ from allanite.plugins import Registry
 from .angle_flicker import ANGLE_FLICKER
 from .angle_markov import ANGLE_MARKOV
 from .flicker import FLICKER
-from .markov import GAUSS_MARKOV
+from .markov import GAUSS_MARKOV, SLOW_GAUSS_MARKOV
 from .oscillation import OSCILLATION
 from .powers import ANGLE_RANDOM_WALK, QUANTIZATION, RAMP, RATE_RANDOM_WALK, ramp_coefficients
 from .row import WHITE, NoiseTerm, Parameter
@@ -29,6 +29,7 @@ _OWN = (
     RAMP,
     WARM_UP,
     GAUSS_MARKOV,
+    SLOW_GAUSS_MARKOV,
     ANGLE_MARKOV,
     OSCILLATION,
     SINE,

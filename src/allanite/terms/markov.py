@@ -1,6 +1,7 @@
 """Gauss-Markov noise: an exponentially correlated rate, averaged over each sample interval."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -50,6 +51,29 @@ def gauss_markov(T: float) -> NoiseTerm:
         dark="#BBFD7A",
         dash=(8, 1.8, 1.4, 1.8, 1.4, 1.8),
         block=lambda size, shape, h: markov_block(size, shape[0], h),
+        second="GML",
+    )
+
+
+def slow_gauss_markov(T: float) -> NoiseTerm:
+    """The row of a second Gauss-Markov rate noise, of a longer time constant than the first."""
+    return replace(
+        gauss_markov(T),
+        symbol="GML",
+        synonyms=("GM GM",),
+        title=say("slow Gauss-Markov noise"),
+        meaning=say("Gauss-Markov noise of the rate beside another, GM, whose time constant is shorter"),
+        quantity_meaning=say("Gauss-Markov noise beside another, GM, whose time constant is shorter"),
+        parameters=(time_constant(600.0, SHORTEST),),
+        shaped=lambda shape, rate: slow_gauss_markov(shape[0] * rate),
+        origin="A second relaxation process beside that of GM: the temperature of a housing beside that of a sensor, a "
+        "second control loop.",
+        advice="A second hump, at a longer averaging time than that of GM. It is looked for when both are among the "
+        "terms that are asked for; a second GM stands for it. One process alone is called GM.",
+        color="#872D96",
+        dark="#C36900",
+        dash=(8, 1.8, 1.4, 1.8),
+        second="",
     )
 
 
@@ -76,4 +100,4 @@ def markov_block(size: float, T: float, h: float) -> Block:
     )
 
 
-GAUSS_MARKOV = gauss_markov(1.0)
+GAUSS_MARKOV, SLOW_GAUSS_MARKOV = gauss_markov(1.0), slow_gauss_markov(1.0)

@@ -173,6 +173,8 @@ class NoiseTerm:
     substitute : str
         Symbol of a term with a time constant which may take its place: itself where a record says so, in a filter as a
         sum of several. For flicker of the rate.
+    second : str
+        Symbol of the same noise with a longer time constant, for which a second one of this symbol stands.
     synonyms : tuple of str
         Other names by which it is asked for; they are suggested, not taken.
     """
@@ -214,6 +216,7 @@ class NoiseTerm:
     automatic: bool = False
     block: Callable[[float, tuple[float, ...], float], Block] | None = None
     substitute: str = ""
+    second: str = ""
     titles: Mapping[str, str] = field(default_factory=dict)
     synonyms: tuple[str, ...] = ()
     quantity_title: str = ""

@@ -223,7 +223,8 @@ WRONG = [
         r"fits oadev, mdev, ohdev.*, not adev \(methods that fit adev: nnls",
     ),
     ({"method": "gls", "statistic": "totdev"}, "not totdev$"),
-    ({"method": "piecewise", "statistic": "theoh"}, "not theoh .methods that fit theoh: gls, nnls"),
+    ({"method": "piecewise", "statistic": "theoh"}, "not theoh .methods that fit theoh: gls, nnls, curve.$"),
+    ({"method": "curve", "statistic": "theo1"}, "fits adev, oadev, theobr, theoh, not theo1"),
     ({"method": "ls", "lines": False}, "lines is for method 'whittle', not for 'ls'"),
     ({"method": "gls", "ranges": {"N": (1, 2)}}, "ranges is for method 'piecewise', not for 'gls'"),
     ({"method": "piecewise", "ranges": {"X": (1, 2)}}, "ranges are given for X"),
@@ -302,6 +303,22 @@ def test_nnls_minimises_the_relative_residuals():
     least = misfit(N, B)
     for a, b in ((1.01, 1), (0.99, 1), (1, 1.02), (1, 0.98)):
         assert misfit(a * N, b * B) > least
+
+
+@pytest.mark.parametrize(("statistic", "share"), [("oadev", 0.5), ("theoh", 0.75)])
+def test_the_whole_curve_is_fitted_as_drawn(statistic, share):
+    """To the end of the statistic, to lines of the Allan variance, with equal absolute weights."""
+    lines = exact("oadev", taus="log")
+    fit = al.identify(lines, "curve", terms="QNBKR")
+    assert [t.value for t in fit.model] == pytest.approx(list(TRUTH.values()), rel=2e-3)
+    record = record_of(model_of(N=1.0, K=0.05))
+    curve = al.deviation(record, statistic, taus="log")
+    fit = al.identify(record, "curve", terms="NK", statistic=statistic)
+    assert fit.notes[0].endswith(f"{curve.tau.size} points of {statistic}, 0.5 to {share * SIZE / RATE:g} s")
+    assert all(e.status == "reported" for e in fit)
+    X = np.column_stack((1 / curve.tau, curve.tau / 3))
+    squares = np.linalg.lstsq(X, curve.variance, rcond=None)[0]
+    assert [e.value**2 for e in fit] == pytest.approx(squares, rel=1e-6)
 
 
 def test_piecewise_is_the_mean_line_over_its_range():

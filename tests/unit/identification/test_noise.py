@@ -205,7 +205,7 @@ def test_terms_asked_for_are_obeyed():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 30_000, 100.0, rng=np.random.default_rng(1))
     assert [e.symbol for e in al.identify(record, terms="QNK")] == ["Q", "N", "K"]
     for terms, words in [
-        ("NX", "known terms: Q, F, N, B, K, R, W, GM, GMA, GM2, Sine"),
+        ("NX", "known terms: Q, F, N, B, K, R, W, GM, GML, GMA, GM2, Sine"),
         ("NN", "once"),
         ("R", "at least one noise"),
         ("", "noise"),
@@ -218,7 +218,7 @@ def test_wrong_methods_and_bands():
     record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 5000, 100.0, rng=np.random.default_rng(1))
     curve = al.deviation(record)
     for source, options, words in [
-        (record, {"method": "magic"}, "known methods: whittle, gls, joint, nnls, piecewise, ls, slopes"),
+        (record, {"method": "magic"}, "known methods: whittle, gls, joint, nnls, piecewise, ls, curve, slopes"),
         (curve, {"method": "whittle"}, "needs the record"),
         (curve, {"method": "ls", "band": (0, 1)}, "band is for method 'whittle'"),
         (record, {"band": (5, 1)}, "low < high"),

@@ -1,17 +1,19 @@
-"""The classical fits of an Allan variance curve, for comparison; neither gives intervals or evidence."""
+"""The classical fits of an Allan variance curve, for comparison; none gives intervals or evidence."""
 
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
-from .reading import result, signal_of
+from .nonnegative import solve
+from .reading import reported, result, signal_of
 
 
 def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
@@ -28,7 +30,7 @@ def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
         Keys of `TERMS`.
     """
     signal = signal_of(curve, len(symbols))
-    columns = np.column_stack([TERMS[s].level * curve.tau ** (2 * TERMS[s].slope) for s in symbols])
+    columns = lines(curve, symbols)
     size = np.abs(columns).max(axis=0)
     squares = np.linalg.lstsq(columns / size, curve.variance, rcond=None)[0] / size
     roots = np.copysign(np.sqrt(np.abs(squares)), squares).tolist()
@@ -46,6 +48,40 @@ def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
         if e.status == "negative"
     ]
     return result(curve, estimates, "ls", notes=notes)
+
+
+def lines(curve: Curve, symbols: Sequence[str]) -> FloatArray:
+    """The textbook's lines of the Allan variance: of each term with a coefficient of 1 in SI, shape (k, t)."""
+    return np.column_stack([TERMS[s].level * curve.tau ** (2 * TERMS[s].slope) for s in symbols])
+
+
+def whole(curve: Curve, symbols: Sequence[str]) -> Fit:
+    """Unweighted least squares of all points of the curve as it is drawn, no square below zero.
+
+    The same lines as `least_squares`, at about a hundred averaging times up to the longest of the statistic, where one
+    or two degrees of freedom are left. Of a hybrid the variance contains its bias ratio, as in the papers that
+    recommend it (Tang, Cheng and Gao, Acta Armamentarii 36, 2015, 1688); the lines are those of the Allan variance.
+
+    Parameters
+    ----------
+    curve : Curve
+        adev, oadev, theobr or theoh, SI.
+    symbols : sequence of str
+        Keys of `TERMS`.
+
+    Raises
+    ------
+    DataError
+        There are fewer points than terms, or one of them is zero.
+    """
+    signal = signal_of(curve, len(symbols))
+    columns = lines(curve, symbols)
+    squares = solve(columns, curve.variance, np.eye(curve.tau.size) * curve.variance.mean() ** 2)
+    note = say(
+        "fitted to all {count} points of {statistic}, {start:g} to {end:g} s",
+        count=curve.tau.size, statistic=curve.statistic, start=curve.tau[0], end=curve.tau[-1],
+    )  # fmt: skip
+    return result(curve, reported(symbols, squares, columns, signal=signal, method="curve"), "curve", notes=[note])
 
 
 def slopes(curve: Curve, symbols: Sequence[str]) -> Fit:

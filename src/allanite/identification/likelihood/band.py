@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,7 +66,7 @@ class Portion(Portable):
     vouched : bool
         Whether the terms were asked for: angle noise among them needs no evidence beside its likelihood.
     shape : tuple of float
-        Of the last term, if it is known, where a filter is tuned.
+        Of the last terms, if it is known, where a filter is tuned.
     """
 
     seen: BinnedSpectrum
@@ -121,12 +122,19 @@ class Portion(Portable):
         return found
 
     def known(self, shape: tuple[float, ...]) -> Likelihood:
-        """The likelihood where the shape of the last term is known; without one, as it is."""
-        return self.likelihood.with_column(-1, self.column(self.noise[-1], shape)) if shape else self.likelihood
+        """The likelihood where the shape of the last terms is known; without one, as it is."""
+        return self.likelihood.with_last(self.columns(shape)) if shape else self.likelihood
 
-    def column(self, symbol: str, shape: tuple[float, ...]) -> FloatArray:
-        """Expected power of a term in the bins that are read."""
-        return np.asarray((table_column(symbol, self.seen, shape) * self.passed)[self.used])
+    @property
+    def shapely(self) -> tuple[str, ...]:
+        """The terms with a shape; they come last."""
+        return tuple(symbol for symbol in self.noise if TERMS[symbol].parameters)
+
+    def columns(self, shape: tuple[float, ...]) -> FloatArray:
+        """Expected power of the terms with a shape in the bins that are read, shape (bins, terms)."""
+        left = iter(shape)
+        each = [(s, tuple(islice(left, len(TERMS[s].parameters)))) for s in self.shapely]
+        return np.column_stack([(table_column(s, self.seen, own) * self.passed)[self.used] for s, own in each])
 
     def but(self, used: BoolArray | None = None, filter: Tuned | None = None) -> "Portion":  # noqa: A002
         """The same spectrum, read elsewhere or behind a filter, with full trust."""
@@ -151,7 +159,7 @@ class Portion(Portable):
         return other
 
     def shaped(self, shape: tuple[float, ...]) -> "Portion":
-        """The same where the shape of the last term is known."""
+        """The same where the shape of the last terms is known."""
         return self._lent(replace(self, shape=shape))
 
     def among(self, noise: tuple[str, ...]) -> "Portion":

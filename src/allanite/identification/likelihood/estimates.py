@@ -121,25 +121,31 @@ def noise_estimate(symbol: str, which: int, found: Found, scale: CoefficientScal
     # with its shape, and the profile interval of that
     search, constants = found.search, found.chosen.constants
     assert search is not None and constants  # noqa: S101, PT018 - the term was chosen
-    shape_limits = Remembered(ConstantLimits(search, constants, scale))
-    return replace(plain, shape=scale.shape(symbol, constants), shape_limits=shape_limits)
+    before = sum(len(TERMS[s].parameters) for s in found.noise[:which])
+    own = slice(before, before + len(TERMS[symbol].parameters))
+    shape_limits = Remembered(ConstantLimits(search, constants, scale, symbol, own))
+    return replace(plain, shape=scale.shape(symbol, constants[own]), shape_limits=shape_limits)
 
 
 @dataclass(frozen=True, eq=False)
 class ConstantLimits:
-    """Limits of a time constant, or of what else a term's shape has, whose best values are known in samples."""
+    """Limits of a time constant, or of what else a term's shape has, whose best values are known in samples.
+
+    `own` is the place of the shape of the term `symbol` among those of all terms.
+    """
 
     search: Search
     constants: tuple[float, ...]
     scale: CoefficientScale
+    symbol: str
+    own: slice
 
     def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
         """Two-sided limits."""
         # with every other term free: one that was not selected could make another time constant possible
         every = self.search.refined(self.constants, np.ones_like(self.search.may))
-        low, high = zip(*self.search.limits(every, quantile((1 + level) / 2) ** 2), strict=True)
-        symbol = self.search.symbol
-        return tuple(zip(self.scale.shape(symbol, low), self.scale.shape(symbol, high), strict=True))
+        low, high = zip(*self.search.limits(every, quantile((1 + level) / 2) ** 2)[self.own], strict=True)
+        return tuple(zip(self.scale.shape(self.symbol, low), self.scale.shape(self.symbol, high), strict=True))
 
 
 def _absent(
@@ -159,6 +165,8 @@ def observable(symbol: str, estimate: Estimate | None, found: Found, scope: Scop
         visible = bool(share[which] > 0.5 * share.sum())
     limited = bool(edge) and (bool(scope.filter) or scope.band[1] < HIDDEN * found.seen.rate / 2)
     reason = "" if limited and visible else _unseen(estimate, scope, limited=limited)
+    if estimate is None and not edge:  # another term with a shape took its place
+        return _absent(symbol, scale, Stored(math.inf), Stored((0.0, math.inf)))
     if reason or estimate is None:
         return Estimate(symbol, scale.signal, None, None, "not observable", None, "whittle", reason=reason)
     if edge and not visible and estimate.claimed and found.part.misfit:

@@ -83,6 +83,10 @@ class Likelihood(Portable):
         columns[:, which] = S
         return self._explained(columns, self.W)
 
+    def with_last(self, S: FloatArray) -> "Likelihood":
+        """The likelihood with other columns of the bins for the last terms, shape (bins, terms)."""
+        return self._explained(np.column_stack((self.S[:, : -S.shape[1]], S)), self.W)
+
     def with_more(self, S: FloatArray) -> "Likelihood":
         """The likelihood with one more column, of a term that does not know the edges of the record."""
         return self._explained(np.column_stack((self.S, S)), np.column_stack((self.W, np.zeros(self.W.shape[0]))))

@@ -26,6 +26,9 @@ from .timeconstant import Search, Shapes
 SLOW = 30.0
 """Samples above which a time constant is that of bias drift; a shorter one belongs to a filter or the sampling."""
 
+MOST = 2
+"""Terms with a shape that are looked for together."""
+
 DISTINGUISHABLE = 2.0
 """Difference of the Akaike criterion below which two models describe a record equally well."""
 
@@ -116,9 +119,8 @@ class Found(Portable):
         everywhere = part.but(used=np.ones_like(self.used))
         columns = everywhere.whole.S
         if constants:
-            assert self.search is not None  # noqa: S101 - there is a time constant
-            columns = columns.copy()
-            columns[:, theta.size - 1] = self.search.column(constants, everywhere)
+            shaped = everywhere.columns(constants)
+            columns = np.column_stack((columns[:, : -shaped.shape[1]], shaped))
         return np.asarray(columns @ theta)
 
     @cached_property
@@ -194,7 +196,7 @@ class Found(Portable):
         """The best of each family: flicker, Gauss-Markov, both, two Gauss-Markov."""
         if self.search is None:
             return []
-        if self.search.symbol not in {TERMS[symbol].substitute for symbol in TERMS}:
+        if not set(self.search.symbols) <= {row.substitute for row in TERMS.values()}:
             return [subset for subset in (self.plain, self.markov) if subset is not None]
         penalty = penalties(self.part)
         both = replace(self.search, may=np.ones(len(self.noise), dtype=bool), shortest=0.0)
@@ -244,19 +246,25 @@ def fitted(part: Portion, *, rival: bool, shortest: float = SLOW) -> Found:
     """
     if part.excess is not None and shortest:
         shortest = max(shortest, 2 * math.pi / part.excess.lowest)
-    asked = [symbol for symbol in part.noise if TERMS[symbol].parameters]
+    asked = [symbol for symbol in TERMS if symbol in part.shapely]
     noise = [symbol for symbol in part.noise if symbol not in asked]
-    if len(asked) > 1:
+    if len(asked) > MOST:
         raise UsageError(
-            f"only one noise with a time constant or a frequency can be looked for at a time, not {', '.join(asked)}"
+            f"at most two noises with a time constant or a frequency can be looked for at a time, not "
+            f"{', '.join(asked)}",
+            choice="terms",
         )
     flicker = flicker_in(noise)
     if not asked and not (rival and flicker is not None):
         every = subsets(part.likelihood)
         best = select(every, penalties(part))
         return Found(part, noise, every, best, None, best, None)
-    markov = asked[0] if asked else TERMS[noise[flicker or 0]].substitute
-    return _with_markov(part.among((*noise, markov)), 0.0 if asked else shortest, asked=bool(asked))
+    if not asked:
+        return _with_markov(part.among((*noise, TERMS[noise[flicker or 0]].substitute)), shortest, asked=False)
+    # two of them, or the one that is there
+    choices = [tuple(asked), *((symbol,) for symbol in asked if len(asked) > 1)]
+    tried = (_with_markov(part.among((*noise, *shapely)), 0.0, asked=True) for shapely in choices)
+    return min(tried, key=lambda found: found.score)
 
 
 def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
@@ -283,9 +291,9 @@ def _with_markov(part: Portion, shortest: float, *, asked: bool) -> Found:
     """Subsets with and without a Gauss-Markov term; where it was not requested, it stands in the place of flicker."""
     noise, penalty = list(part.noise), penalties(part)
     may = np.ones(len(noise), dtype=bool)
-    kind = Shapes if len(TERMS[noise[-1]].parameters) > 1 else Search
-    search = kind(part.likelihood, part, may, shortest, noise[-1], asked)
-    every = subsets(part.likelihood, may=~search.must) if len(noise) > 1 else []
+    kind = Shapes if sum(len(TERMS[symbol].parameters) for symbol in part.shapely) > 1 else Search
+    search = kind(part.likelihood, part, may, shortest, asked)
+    every = subsets(part.likelihood, may=~search.must) if len(noise) > len(part.shapely) else []
     plain = select(every, penalty) if every else None
     markov = search.best(penalty)
     best = min((s for s in (plain, markov) if s is not None), key=lambda s: s.score(penalty), default=None)

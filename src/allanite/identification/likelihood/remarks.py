@@ -129,7 +129,7 @@ def _ambiguous(found: Found) -> list[str]:
     """How well Gauss-Markov noise instead of flicker, or the reverse, would describe the record."""
     if found.search is None or found.markov is None or found.flicker is None:
         return []
-    if found.search.symbol not in {TERMS[symbol].substitute for symbol in found.noise}:
+    if not set(found.search.symbols) <= {TERMS[symbol].substitute for symbol in found.noise}:
         return []
     gain = found.flicker.aic - found.markov.aic
     size, time = f"{-gain:+.1f}", found.markov.constants[0] / found.seen.rate

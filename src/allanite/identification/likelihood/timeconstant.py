@@ -1,4 +1,4 @@
-"""The search for the shape of a term: the time constant of Gauss-Markov noise, here of the rate or of the angle.
+"""The search for the shape of one or two terms: the time constant of Gauss-Markov noise, of the rate or the angle.
 
 Its likelihood is linear in the square of the RMS value but not in the time constant T. L is profiled over T on a grid
 and then refined; the intervals include the values of T consistent with the record.
@@ -13,7 +13,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
-from allanite.terms import TERMS
+from allanite.terms import TERMS, Parameter
 
 from .band import Portion
 from .likelihood import Likelihood
@@ -46,23 +46,23 @@ class Search(Portable):
     """The likelihood as a function of the shape of a term with one parameter, the last column of it, in samples.
 
     `may` says which terms may stand beside it, shape (p,), `shortest` is the least time constant, if it is not what the
-    term says, `symbol` the term; `asked` whether it was requested.
+    term says; `asked` whether it was requested.
     """
 
     likelihood: Likelihood
     part: Portion
     may: BoolArray
     shortest: float = 0.0
-    symbol: str = "GM"
     asked: bool = False
 
-    def column(self, shape: Shape, part: Portion | None = None) -> FloatArray:
-        """Expected power of the term in the bins that are read, or in another portion."""
-        return (part or self.part).column(self.symbol, shape)
+    @property
+    def symbols(self) -> tuple[str, ...]:
+        """The term, or the terms, whose shape is looked for."""
+        return self.part.shapely
 
     def at(self, shape: Shape) -> Likelihood:
         """The likelihood with a shape."""
-        return self.likelihood.with_column(-1, self.column(shape))
+        return self.likelihood.with_last(self.part.columns(shape))
 
     def least(self, shape: Shape, free: BoolArray | None = None, start: FloatArray | None = None) -> Subset:
         """The minimum at a shape, all terms free that may be, sought from `start`."""
@@ -72,8 +72,12 @@ class Search(Portable):
     @property
     def spans(self) -> list[tuple[float, float]]:
         """The least and the greatest value of each parameter."""
-        asked = [p.search for p in TERMS[self.symbol].parameters]
-        return [search(self.part.seen.size) for search in asked if search is not None]
+        return [search(self.part.seen.size) for p in self.parameters if (search := p.search) is not None]
+
+    @property
+    def parameters(self) -> list[Parameter]:
+        """The parameters of all terms with a shape."""
+        return [p for symbol in self.symbols for p in TERMS[symbol].parameters]
 
     @property
     def span(self) -> tuple[float, float]:
@@ -108,12 +112,12 @@ class Search(Portable):
         fine = self.refined(self.coarse.constants)
         first = select(subsets(fine.likelihood, must=self.must, may=self.may, constants=fine.constants), penalty)
         found = self.refined(fine.constants, first.free)
-        return found if found.theta[-1] > 0 else None
+        return found if found.theta[self.must].all() else None
 
     @cached_property
     def must(self) -> BoolArray:
-        """The term alone."""
-        return np.asarray(np.arange(self.may.size) == self.may.size - 1)
+        """The terms with a shape alone."""
+        return np.asarray(np.arange(self.may.size) >= self.may.size - len(self.symbols))
 
     def limits(self, best: Subset, drop: float) -> tuple[tuple[float, float], ...]:
         """For each parameter the values at which 2 L has risen by `drop`, the terms following."""
@@ -157,7 +161,7 @@ class Search(Portable):
 
         def least(x: FloatArray) -> Subset:
             first, second = np.exp(x)
-            both = self.at((float(first),)).with_more(self.column((float(second),)))
+            both = self.at((float(first),)).with_more(self.part.columns((float(second),))[:, 0])
             return Subset(both, free, *both.minimise(free), (float(first), float(second)))
 
         grid = np.log(self.grid)
@@ -172,17 +176,28 @@ class Search(Portable):
 
 @dataclass(frozen=True, eq=False)
 class Shapes(Search):
-    """The likelihood as a function of all parameters of a term's shape."""
+    """The likelihood as a function of all parameters of the shapes of one or two terms.
+
+    Of two terms of the same kind the second has the longer time constant.
+    """
+
+    def least(self, shape: Shape, free: BoolArray | None = None, start: FloatArray | None = None) -> Subset:
+        """The minimum at a shape; see `Search.least`."""
+        return super().least(tuple(sorted(shape)) if self.alike else shape, free, start)
+
+    @property
+    def alike(self) -> bool:
+        """Whether there are two terms that differ in their time constants only."""
+        return len(self.symbols) > 1 and TERMS[self.symbols[0]].second == self.symbols[1]
 
     @cached_property
     def shapes(self) -> list[Shape]:
         """Shapes of the first search."""
-        parameters = TERMS[self.symbol].parameters
         axes = [
             np.geomspace(low, high, max(2, round(p.steps * math.log10(high / low)))).tolist()
-            for p, (low, high) in zip(parameters, self.spans, strict=True)
+            for p, (low, high) in zip(self.parameters, self.spans, strict=True)
         ]
-        return list(product(*axes))
+        return [shape for shape in product(*axes) if not self.alike or shape[0] < shape[1]]
 
     @cached_property
     def coarse(self) -> Subset:
