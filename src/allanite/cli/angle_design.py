@@ -134,6 +134,8 @@ def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
     same = {key: choices[key] for key in ("duration", "interval", "q_law", "turn_period")}
     turned = None if sway is None else (sway[0] * DEGREE, sway[1])
     rate, (low, high) = choices["ring_rate"], choices["ring_range"]
+    if rate is None and choices["ring_step"]:
+        raise UsageError("a ring in steps needs its mean rate: give --ring-rate, e.g. 2")
     angles = (value * DEGREE for value in (low, high, choices["ring_step"], choices["ring_heading"]))
     ring = None if rate is None else Ring(rate * DEGREE / 60, *angles)
     return AngleSettings(choices["latitude"] * DEGREE, **same, sway=turned, ring=ring, **more)

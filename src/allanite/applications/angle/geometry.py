@@ -4,7 +4,7 @@ Local axes are east, north, up. A momentum vector is (cos h sin q, cos h cos q, 
 gimbal above the base, q that of the intermediate one. The equatorial gyro's vector lies in the plane of the equator;
 time is counted from its passage of h = 0 upwards, towards the east. The polar gyro's points along the earth's axis. The
 equatorial gyro's intermediate gimbal hangs in an outer ring, which may be turned by mu about a horizontal axis; its h
-and q are then counted in the ring.
+and q are angles with respect to the ring.
 """
 
 import math

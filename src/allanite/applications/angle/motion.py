@@ -105,8 +105,8 @@ class Ring(Value):
     Examples
     --------
     >>> ring = Ring(rate=np.radians(0.1), low=np.radians(-1), high=np.radians(1), step=np.radians(0.5))
-    >>> np.degrees(ring.angle(np.array([0.0, 4.9, 5.1, 20.0, 30.0]))).round(3).tolist()
-    [-1.0, -1.0, -0.5, 1.0, 0.0]
+    >>> np.degrees(ring.angle(np.array([0.0, 4.9, 5.1, 20.0, 35.1]))).round(3).tolist()
+    [-1.0, -1.0, -0.5, 1.0, -0.5]
     """
 
     rate: float

@@ -90,22 +90,24 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
     return join(" ", [*said, say("Read the warnings before using the numbers.")] if doubt else said)
 
 
-def _compared(result: Result, solution: Solution, level: float) -> Iterator[str]:
+def _compared(result: Result, solution: Solution, level: float) -> Iterator[Part]:
     """How many of the true constants, where they are known, the intervals contain."""
     if truth := _truth(result):
         limits = {name: solution.interval(name, level) for name in truth}
-        yield say_count(
+        inside = say_count(
             len(limits),
             "{inside} of {count} true amplitude lies within its {level} limits.",
             "{inside} of {count} true amplitudes lie within their {level} limits.",
             inside=sum(limits[name][0] <= true <= limits[name][1] for name, true in truth.items()),
             level=words.percent(level),
         )
+        yield Note(inside, "strong")
 
 
 def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
     yield from (Note(warning, "warning") for warning in solution.warnings)
     yield from (Note(str(check), "good") for check in solution.checks if check.passed)
+    yield from _compared(result, solution, level)
     yield _harmonics(result, level)
     share = words.percent(level)
     caption = say(
@@ -246,7 +248,7 @@ def result_view(result: Result, level: float) -> Face:
         ]
         about.append(join("; ", spans))
     doubt = bool(solution.warnings)
-    verdicts = (_verdict(result, level, doubt), *_compared(result, solution, level))
+    verdicts = (_verdict(result, level, doubt),)
     sheet = Sheet(names, about, tuple(_parts(result, solution, level)), verdicts, doubt)
     model = GIMBAL if isinstance(result, Calibration) else AGAINST
     return Face(title, BRAND, (sheet,), how=(Note(model), Note(RECURSIVE if solution.prior is None else INFORMED)))
