@@ -81,7 +81,7 @@ def plan(**choices: Any) -> None:
     "given sigma",
     click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC",
         help="Standard deviation of a step of a random walk."),
-    "seed", "plot", "lang", "force", settings=(LengthChoices, RateChoices),
+    "seed", "plot", "lang", "force", "quiet", settings=(LengthChoices, RateChoices),
 )  # fmt: skip
 def simulate(out: str, **choices: Any) -> None:
     """Simulate a system with known errors.
@@ -117,7 +117,7 @@ def simulate(out: str, **choices: Any) -> None:
         with speaking(where.lang), speaking(drawn_in(where.lang)):
             figure = figures.plot_error_in_time(true, list(known.values())).printed()
             put(path, encode(figure, demand_figure_path(path, force=where.force)), force=where.force)
-    if out != STDOUT:
+    if out != STDOUT and not where.quiet:
         click.echo("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
 
 
