@@ -152,7 +152,7 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
             finding = Finding(
                 "terms",
                 say("more terms describe the whole record: {terms}", terms=terms),
-                say("terms of a control loop, a resonance or a second relaxation are looked for on request only"),
+                say("they are fitted on request only: a control loop, a second relaxation process, or vibration"),
                 say("ask for them ({option})", option=spelled(f"--terms {named}", f"terms={named!r}")),
             )
             left = noise.residuals
