@@ -19,7 +19,7 @@ INCLUDED = (
     "help", "methods", "efficiencies", "accuracies", "devices", "exports", "recordings", "data_sheets", "quantities",
     "compared",
 )  # fmt: skip
-exclude_patterns = [f"generated/{name}.md" for name in INCLUDED]  # included by others
+exclude_patterns = [*(f"generated/{name}.md" for name in INCLUDED), "papers/*/table_*.md"]  # included by others
 default_role = "py:obj"  # names in docstrings lead to their own
 suppress_warnings = ["ref.python"]  # an attribute such as `count` is one of several classes: the first will do
 

@@ -10,7 +10,6 @@ from allanite.statistics import STATISTICS
 from allanite.terms import TERMS
 from generate.api import api_pages
 from generate.benchmarks import benchmark_pages
-from generate.compensation import compensation_page
 from generate.data_sheets import compared_page, data_sheets_page, quantities_table
 from generate.devices import devices_page
 from generate.exports import exports_page
@@ -49,7 +48,6 @@ def write_pages(docs: Path) -> None:
     _write(root / "help.md", help_pages())
     for page, lines in api_pages():
         _write(root / "api" / f"{page}.md", lines)
-    _write(root / "compensation_paper.md", compensation_page(root))
     _write(root / "methods.md", methods_page(root))
     _write(root / "accuracies.md", accuracies())
     _write(root / "efficiencies.md", efficiencies(results / "methods.md"))

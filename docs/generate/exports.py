@@ -10,7 +10,7 @@ def exports_page() -> Iterator[str]:
     """What is included by docs/log_to_filter.md."""
     for row in EXPORTS.values():
         forms = ", ".join(f"`{suffix}`" for suffix in row.forms)
-        yield from (f"### {row.name}", "", f"{row.title[0].upper()}{row.title[1:]}; {forms}.", "")
+        yield from (f"### {row.name}", "", f"{row.title}; {forms}.", "")
         if row.fields:
             rows = [(f"`{f.full}`", f.sensor, f"`{f.unit}`", f"`{f.formula}`", _span(f.span)) for f in row.fields]
             yield from table(("field", "sensor", "unit", "is", "range"), rows)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,6 +36,8 @@ from allanite.core.plain import TYPES, Portable, Value
 from allanite.exporting.conversion import Explanation
 from allanite.exporting.imported import noise_in
 from allanite.interpretation.causes import meaning
+from allanite.papers.paper import read_paper
+from allanite.papers.reproduction import compare
 from allanite.planning.properties import properties
 from allanite.prepare import inspect
 from allanite.simulation.recording import Simulation
@@ -49,6 +52,14 @@ LEVEL = 0.9
 WHITE_AND_WALK = [al.Model("N 0.1 deg/sqrt(h), K 1 deg/h/sqrt(h)"),
                   al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")]  # fmt: skip
 MODEL = al.N(0.01, "deg/sqrt(h)") + al.B(0.5, "deg/h") + al.Sine(3, "deg/h", frequency=0.5)
+
+
+PAPER = """title = "a paper"
+source = "an author"
+data = "none"
+commands = []
+captions = {}
+items = [{item = "eq. 5", claim = "a claim", paper = "3", verdict = "misprint", why = "it is 4"}]"""
 
 
 @cache
@@ -338,6 +349,7 @@ MAKERS = {
     "Explanation": lambda: Explanation("kalibr"),
     "Claim": lambda: al.DATASHEETS["ADIS16470"].claims[0],
     "DataSheet": lambda: al.DATASHEETS["BMI088"],
+    "Reproduction": lambda: compare(read_paper("000", PAPER), Path()),
     "SheetComparison": lambda: al.compare_with_sheet(record(), "adis16470", al.Recipe(level=LEVEL)),
     "Export": exported,
     "Export of matrices": lambda: al.export(WHITE_AND_WALK[0], "statespace", rate=100.0),

@@ -3,6 +3,7 @@
 import re
 import shlex
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 from html.parser import HTMLParser
 from xml.etree import ElementTree
@@ -16,6 +17,7 @@ import allanite as al
 from allanite.applications.attitude import FILTERS
 from allanite.applications.constant_rate import RATE_ESTIMATORS
 from allanite.cli import VERBS, deliver, main
+from allanite.core.errors import UndrawnError
 from allanite.exporting.exports import EXPORTS, TEMPERATURE
 from allanite.identification.methods import METHODS
 from allanite.parallel.sharing import Work, made
@@ -145,7 +147,8 @@ def shown(value, monkeypatch, drawn, lang="xx"):
         found += Shown(made(html.render(replace(face, command="allanite"), Work.one(lambda: b"x")))).texts
         found += [html.tr(drawn.label) for drawn in drawings(face)]
     if drawn and view_of(value).plot is not None:
-        found += words_of(al.plot(value, lang=lang))
+        with suppress(UndrawnError):  # such as a file that holds the whole model
+            found += words_of(al.plot(value, lang=lang))
     return found
 
 

@@ -14,7 +14,6 @@ from tests import ROOT
 
 import allanite as al
 from allanite.cli import VERBS
-from allanite.comparison.change import OUTCOMES
 from allanite.core.spellings import SPELLINGS
 from allanite.core.units import ATOMS
 
@@ -84,22 +83,6 @@ def public_names(package):
     found = names(package)
     assert len(found) >= 3
     return found
-
-
-def test_the_verdict_on_a_papers_before_and_after(site):
-    page = (site.parent / "docs" / "generated" / "compensation_paper.md").read_text("utf-8")
-    rows = [
-        [cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines() if line.startswith("| ")
-    ]
-    found = {row[0]: row for row in rows if row[-1] in OUTCOMES}
-    assert {s: row[-1] for s, row in found.items()} == {
-        "Q": "smaller", "N": "smaller", "B": "not resolvable", "K": "not resolvable", "R": "not resolvable",
-    }  # fmt: skip
-    for symbol, low, high in (("Q", -6.9, -2.4), ("N", -6.6, -6.0)):
-        assert low < float(found[symbol][5].rstrip(" %")) < high
-    assert "67.35 %, and it prints 36.80 %" in page
-    assert "is more than chance" in page
-    assert (site / "_images" / "compensation_paper.svg").stat().st_size > 10_000
 
 
 def test_every_method_has_its_values_and_its_efficiency(site):

@@ -57,6 +57,8 @@ def drawn(drawing: Drawing, lang: str = "") -> Picture:
 
     with speaking(lang or spoken()):
         plot = drawing.draw()
+        if isinstance(plot, Picture):
+            return plot
         try:
             broad, narrow = plot.sketched(), plot.sketched(NARROW)
             return Picture(broad.svg(), broad.width, Picture(narrow.svg(), narrow.width))
@@ -72,13 +74,23 @@ def picture(figure: "Figure") -> Picture:
         # the browser has the letters that are missing here
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         text = encode(figure, "svg", text=True).decode()
+    return trimmed(text, figure.get_figwidth() * 72)
+
+
+def stored(text: str) -> Picture:
+    """A figure that a command has written as SVG."""
+    return trimmed(text, float(re.search(r'width="([\d.]+)pt"', text)[1]))  # type: ignore[index]  # as we write it
+
+
+def trimmed(text: str, wide: float) -> Picture:
+    """A figure without what nobody sees."""
     text = text[text.index("<svg") :].rstrip()
     text = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->|<style.*?</style>", "", text, flags=re.DOTALL)
     text = text.replace("xlink:href", "href")
     text = re.sub(r"'DejaVu Sans'(?:, '[^']*')?", FONT, text)  # of further fonts the reader's browser knows better
     used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', text))
     text = re.sub(r' id="([^"]*)"', lambda found: found[0] if found[1] in used else "", text)
-    return Picture(text, figure.get_figwidth() * 72)
+    return Picture(text, wide)
 
 
 _STYLE = r'style="([^"]*)"'

@@ -5,10 +5,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from allanite.core.errors import UsageError
 from allanite.phrases.phrase import join, say
 
 from .digits import printable
 from .language import tr
+from .matplotlib_svg import Picture
 from .sheet import Card, Drawing, Face, Fold, Part, Table, on_page
 from .text import text_of, wrapped
 from .words import capital
@@ -130,7 +132,12 @@ def _figure(drawing: Drawing) -> "Figure":
     def make(width: float, height: float) -> "Figure":
         return new_figure(width, min(_FLAT * height, _TOP - _BOTTOM - 4 * _LINE))
 
-    figure = drawing.draw().printed(_ROOM, make)
+    plot = drawing.draw()
+    if isinstance(plot, Picture):
+        raise UsageError(
+            "a page with figures that other commands have drawn is written as HTML only: end its name in .html"
+        )
+    figure = plot.printed(_ROOM, make)
     figure.set_dpi(72)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")

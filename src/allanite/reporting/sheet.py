@@ -11,6 +11,7 @@ from allanite.phrases.phrase import join, say
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from .matplotlib_svg import Picture
     from .sketch.chart import Chart
 
 Kind = Literal["name", "symbol", "number", "interval", "unit", "text", "status", "formula"]
@@ -109,7 +110,7 @@ class Plot(Protocol):
 class Drawing:
     """A figure that is drawn only where it is shown."""
 
-    draw: Callable[[], Plot]
+    draw: "Callable[[], Plot | Picture]"
     label: str
     caption: str = ""
     title: str = ""

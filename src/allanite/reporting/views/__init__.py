@@ -115,6 +115,7 @@ _OWN = {
     "VerticalStudy": "vertical.study_view",
     "VerticalDesign": "vertical.design_view",
     "Optimum": "vertical.OPTIMUM",
+    "Reproduction": "papers.paper_view",
     "ScenarioErrors": "vertical.scenarios_view",
 }
 """Type of a result: where its `View` is. They are imported when first asked for."""

@@ -1,0 +1,1 @@
+"""What papers print, and what the program finds instead: one file a paper."""

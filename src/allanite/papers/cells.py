@@ -1,0 +1,57 @@
+"""Numbers in the files that commands write."""
+
+import csv
+import io
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+READ: dict[str, Callable[..., list[float]]] = {
+    "": lambda *numbers: list(numbers),
+    "ratio": lambda one, other: [one / other],
+    "ratios": lambda *numbers: [number / numbers[-1] for number in numbers[:-1]],
+    "difference": lambda one, other: [one - other],
+    "reduction": lambda after, before: [100 * (1 - after / before)],
+    "sum": lambda *numbers: [math.fsum(numbers)],
+    "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
+    "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
+}
+"""What is made of the numbers of cells: slopes of pairs over a decade, percent from degrees of freedom."""
+
+
+def number(path: Path, cell: str) -> float:
+    """The number of a cell in a CSV or JSON file.
+
+    Parameters
+    ----------
+    path : Path
+    cell : str
+        ``value @ term=N & file=run2.csv``: a column and the first row that has these entries; ``tau_s @ last``; or from
+        ``/`` a path into a JSON file.
+
+    Raises
+    ------
+    LookupError
+        There is no such cell.
+    """
+    text = path.read_text("utf-8")
+    if cell.startswith("/"):
+        found: Any = json.loads(text)
+        for key in cell[1:].split("/"):
+            found = found[int(key) if isinstance(found, list) else key]
+        return float(found)
+    rows = list(csv.DictReader(io.StringIO(text)))
+    column, _, where = cell.partition(" @ ")
+    if where == "last":
+        return float(rows[-1][column])
+    wanted = dict(pair.split("=") for pair in where.split(" & ")) if where else {}
+    return float(next(row for row in rows if all(_alike(row[key], value) for key, value in wanted.items()))[column])
+
+
+def _alike(shown: str, wanted: str) -> bool:
+    try:
+        return math.isclose(float(shown), float(wanted), rel_tol=1e-9)
+    except ValueError:
+        return shown == wanted

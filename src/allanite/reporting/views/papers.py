@@ -1,0 +1,85 @@
+"""A paper beside what was found here: table, figure and claim, one after the other."""
+
+import re
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS
+from allanite.papers.reproduction import Compared, Reproduction
+from allanite.phrases.phrase import say, say_count
+from allanite.reporting.first import DETAILS, First
+from allanite.reporting.matplotlib_svg import Picture, stored
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Table, one_sheet
+
+from . import Rows, view
+
+BRAND = say("a paper beside what is found here")
+
+MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}
+"""Of the verdicts; the others have none."""
+
+HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))
+"""Columns of the table of a page."""
+
+LINES = 13
+"""Items on the first screen."""
+
+
+def first_of_paper(value: Reproduction, _: float) -> First:
+    """How many items agree, and those that do not."""
+    agree = sum(item.verdict == AGREES for item in value.items)
+    drawn = sum(item.verdict == DRAWN for item in value.items)
+    verdict = say(
+        "{agree} of {count} numbers and claims agree; {drawn}",
+        agree=agree, count=len(value.items) - drawn,
+        drawn=say_count(drawn, "{count} figure drawn", "{count} figures drawn"),
+    )  # fmt: skip
+    told = sorted(value.items, key=lambda item: (item.expected, item.verdict in (AGREES, DRAWN)))
+    after = ((f"{Path(value.folder, 'page.html')}", say("all of them, with the figures")), DETAILS)
+    return First(value.title, verdict, [_brief(told[:LINES])], after=after)
+
+
+@view(rows=lambda value, _: _rows(value), first=first_of_paper)
+def paper_view(value: Reproduction, _: float) -> Face:
+    """Every item of a paper beside what was found, its figures, and the commands."""
+    figures = [
+        Drawing(partial(_figure, Path(value.folder, name)), caption, caption) for name, caption in value.figures.items()
+    ]
+    parts: list[Part] = [
+        Note(value.data),
+        _table(value.items),
+        *figures,
+        Code("\n".join(value.commands), say("commands")),
+    ]
+    return one_sheet(value.title, BRAND, value.name, parts, about=(say("source: {source}", source=value.source),))
+
+
+def _brief(items: Sequence[Compared]) -> Table:
+    heads = [Column("", "name"), *(Column(text, "text") for text in (*HEADS[2:4], HEADS[5]))]
+    return Table(heads, [brief(item) for item in items], marks=_marks(items))
+
+
+def brief(item: Compared) -> list[str]:
+    """An item in a line: of the reason its first clause."""
+    reason = VERDICTS[item.verdict] if item.verdict == DRAWN else item.why or VERDICTS[item.verdict]
+    return [": ".join((item.item, item.claim)), item.paper, item.here, re.split("[:;] ", reason)[0]]
+
+
+def _figure(path: Path) -> Picture:
+    return stored(path.read_text("utf-8"))
+
+
+def _table(items: Sequence[Compared]) -> Table:
+    heads = [Column(head, "text" if at else "name") for at, head in enumerate(HEADS)]
+    rows = [[i.item, i.claim, i.paper, i.here, VERDICTS[i.verdict], i.why] for i in items]
+    return Table(heads, rows, marks=_marks(items), most=len(rows))
+
+
+def _marks(items: Sequence[Compared]) -> list[Mark]:
+    return [MARKS.get(item.verdict, "") if item.expected else "alarm" for item in items]
+
+
+def _rows(value: Reproduction) -> Rows:
+    heads = ["item", "claim", "paper", "here", "verdict", "why"]
+    return heads, [[i.item, i.claim, i.paper, i.here, i.verdict, i.why] for i in value.items]
