@@ -187,7 +187,7 @@ SENTENCES = [
     ("docs/compensation_method.md", "truth in {:.0f} to {:.0f} % of records", lambda: compensated(
         "within 95 % limits", ("white",), ("temp", "d temp/dt"))),
     (FIT, "effect in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
-    ("docs/stabilizer_paper.md", "was found in {:.0f} % of 150 records, and its limits held the truth in {:.0f} and {:.0f} %",
+    ("docs/stabilizer_paper.md", "in {:.0f} % of 150 records, and its limits held the truth in {:.0f} and {:.0f} %",
         lambda: [two(name, column) for name, column in (
             ("GML", "found, %"), ("GML", "coverage, %"), ("GML time constant", "coverage, %"))]),
     ("docs/theoh_paper.md", "K and R are {:.0f} and {:.0f} % better", lambda: [gained(s, "theoh") for s in "KR"]),
