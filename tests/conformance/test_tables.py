@@ -28,7 +28,7 @@ SAID = {
 }
 BY_ROW = {"commit", "date", "Python", "numpy", "seconds"}
 UNSAID = {
-    "bound.md": {"seconds"}, "simulation.md": {"seconds"}, "hybrids.md": {"numpy", "seconds"},  # not printed then
+    "bound.md": {"seconds"}, "hybrids.md": {"numpy", "seconds"},  # not printed then
     "environments.md": {"seeds"}, "recordings.md": {"seeds"}, "data_sheets.md": {"seeds"},  # nothing is drawn
     "fuzz.md": BY_ROW, "fuzz_analysis.md": BY_ROW,  # rows are made one by one, and name their commit and date
 }  # fmt: skip
