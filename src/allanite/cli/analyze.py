@@ -15,9 +15,12 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@options("file", *RECORDING, "report", "json", *SHOWN)
+@options("file", *RECORDING, "report", "plot", "json", *SHOWN)
 def info(file: str, **choices: Any) -> None:
-    """Summarize FILE and check its quality."""
+    """Summarize FILE and check its quality.
+
+    --plot draws the samples over time.
+    """
     study = perform(INFO, [file], choices)
     if INFO.code(study):
         raise click.exceptions.Exit(DATA)

@@ -265,8 +265,8 @@ def test_a_bare_curve_can_be_drawn(study):
 def test_what_cannot_be_drawn_is_said():
     with pytest.raises(UsageError, match="a int cannot be shown: compute a result first"):
         plot(3)
-    with pytest.raises(UsageError, match="no curve to draw"):
-        plot(study_of(refused()))
+    with pytest.raises(UsageError, match="no samples are in memory"):
+        plot(type(study_of(refused())).from_dict(study_of(refused()).to_dict()))
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])

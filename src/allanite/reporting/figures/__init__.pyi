@@ -19,7 +19,7 @@ from .panels import facts_of as facts_of
 from .panels import panels_of as panels_of
 from .planning import plot_plans as plot_plans
 from .rate import plot_rates as plot_rates
-from .record import plot_record as plot_record
+from .record import plot_records as plot_records
 from .record import plot_strip as plot_strip
 from .residuals import plot_goodness as plot_goodness
 from .residuals import plot_residuals as plot_residuals

@@ -1,19 +1,26 @@
-"""The figures of a record over time, and of its curve over the model."""
+"""The figures of records over time, and of a curve over the model."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.arrays import FloatArray
 from allanite.core.record import Record
-from allanite.core.units import convert
-from allanite.phrases.phrase import say
-from allanite.reporting import style
+from allanite.phrases.phrase import Phrase, join, say
+from allanite.reporting import style, words
 from allanite.reporting.digits import printed_unit
 
-from .drawing import TIME
+from .drawing import TIME, draw_legend
 from .panels import CurvePanel, points
 
-STRETCHES = 240
+STRETCHES = 720
 """Stretches of a record whose least and largest sample are drawn: more are not seen."""
+
+MEANS = 8
+"""Stretches of one mean."""
 
 HOURS, MINUTES = 7200.0, 300.0
 """Lengths in seconds from which time is shown in hours, and in minutes."""
@@ -24,37 +31,82 @@ def time_scale(length: float) -> tuple[str, float]:
     return ("h", 3600.0) if length > HOURS else ("min", 60.0) if length > MINUTES else ("s", 1.0)
 
 
+class Envelope(NamedTuple):
+    """Stretches of a record: the sample in their middle, least, mean and largest value, whether samples are missing.
+
+    Where a stretch has no value, its three values are NaN.
+    """
+
+    at: FloatArray
+    low: FloatArray
+    mean: FloatArray
+    high: FloatArray
+    broken: FloatArray
+
+
+def envelope(record: Record, count: int) -> Envelope:
+    """Least, mean and largest sample of so many stretches of a record, or of each sample if it has fewer."""
+    values, size = record.values, len(record.values)
+    edges = np.linspace(0, size, min(count, size) + 1).astype(np.int64)
+    starts, lengths = edges[:-1], np.diff(edges)
+    low, high = (f.reduceat(values, starts).astype(np.float64) for f in (np.fmin, np.fmax))
+    sums, known = np.add.reduceat(values, starts, dtype=np.float64), lengths
+    broken = np.isnan(sums)
+    if broken.any():
+        there = ~np.isnan(values)
+        known = np.add.reduceat(there, starts, dtype=np.int64)
+        sums = np.add.reduceat(np.where(there, values, 0.0), starts)
+    with np.errstate(invalid="ignore"):
+        mean = sums / known
+    scale = 1.0 if record.kind == "count" or record.scale is None else record.scale
+    return Envelope((edges[:-1] + edges[1:] - 1) / 2, low * scale, mean * scale, high * scale, broken)
+
+
+def quantity_of(record: Record) -> Phrase:
+    """What the samples of a record are, for an ordinate."""
+    if record.kind == "count":
+        return say("pulses of {size}", size=f"{record.scale:g} {printed_unit(record.unit)}")
+    return join("", [printed_unit(record.unit)])
+
+
 @style.plotted
-def plot_record(new_figure: style.NewFigure, record: Record) -> Figure:
-    """A record over time: the range of short stretches, their means, and the missing samples."""
-    unit = record.signal.sheet[0]
-    values = record.rate_values * convert(1.0, record.signal.si[0], unit)
-    count = min(STRETCHES, values.size)
-    edges = np.linspace(0, values.size, count + 1).astype(np.int64)
-    # least, mean and largest value of each stretch; NaN where it has none
-    there = np.isfinite(values)
-    sizes = np.add.reduceat(there, edges[:-1], dtype=np.float64)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        means = np.add.reduceat(np.where(there, values, 0.0), edges[:-1]) / sizes
-    lows = np.minimum.reduceat(np.where(there, values, np.inf), edges[:-1])
-    highs = np.maximum.reduceat(np.where(there, values, -np.inf), edges[:-1])
-    low, mean, high = (np.where(sizes > 0, part, np.nan) for part in (lows, means, highs))
-    name, size = time_scale(record.duration)
-    middle = (edges[:-1] + edges[1:]) / 2 / record.rate / size
-    figure = new_figure(7.2, 2.0)
-    ax = figure.subplots()
+def plot_records(new_figure: style.NewFigure, records: Sequence[Record]) -> Figure:
+    """Records over time, a panel each, as if every sample were drawn: the range of short stretches, and their means.
+
+    Times are those of the whole recording; samples are in the unit of the record, counts in pulses.
+    """
+    figure = new_figure(7.2, 0.7 + 1.5 * len(records))
+    panels = figure.subplots(len(records), 1, squeeze=False, sharex="col")[:, 0]
+    name, size = time_scale(max(record.duration for record in records))
+    for ax, record in zip(panels, records, strict=True):
+        _draw_record(ax, record, size)
+        ax.tick_params(labelbottom=ax is panels[-1])
+    first, last = min(r.cut for r in records), max(r.cut + r.duration for r in records)
+    panels[-1].set(xlabel=say("time ({unit})", unit=name), xlim=(first / size, last / size))
+    draw_legend(figure)
+    return figure
+
+
+def _draw_record(ax: Axes, record: Record, size: float) -> None:
+    """A record over time in units of so many seconds."""
     style.grid(ax, fine=False)
-    ax.fill_between(middle, low, high, color=style.DATA, alpha=0.3, lw=0, label=say("range"))
-    ax.plot(middle, mean, color=style.DATA, lw=0.9, label=say("mean"))
-    missing = np.isnan(values)
-    gaps = middle[np.add.reduceat(missing, edges[:-1]) > 0]
-    if gaps.size:
+    seen, length = envelope(record, STRETCHES), len(record.values)
+    time = (record.cut + seen.at / record.rate) / size
+    if length <= STRETCHES:
+        ax.plot(time, seen.mean, ".-", color=style.SERIES[0], lw=0.7, ms=2.5, label=say("samples"))
+    else:
+        both = np.column_stack([seen.low, seen.high]).ravel()
+        ax.plot(np.repeat(time, 2), both, color=style.SERIES[0], lw=0.6, label=say("samples"))
+    if length > MEANS * STRETCHES:
+        course = envelope(record, STRETCHES // MEANS)
+        ax.plot((record.cut + course.at / record.rate) / size, course.mean, color=style.SERIES[1], lw=1.1,
+                label=say("means over {time}", time=words.duration(record.duration * MEANS / STRETCHES)))  # fmt: skip
+    if seen.broken.any():
+        gaps = time[seen.broken]
         ax.plot(gaps, np.full(gaps.size, 0.03), "|", color=style.ALARM, ms=6, label=say("missing samples"),
                 transform=ax.get_xaxis_transform())  # fmt: skip
-    ax.set(xlabel=say("time ({unit})", unit=name), ylabel=printed_unit(unit), xlim=(0, record.duration / size))
+    ax.set_ylabel(quantity_of(record))
     style.title(ax, record.name)
-    ax.legend(loc="upper right", ncols=3)
-    return figure
 
 
 @style.plotted

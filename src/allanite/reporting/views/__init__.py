@@ -69,6 +69,8 @@ _OWN = {
     "Lot": "lot.lot_view",
     "Meaning": "meaning.meaning_view",
     "Survey": "survey.survey_view",
+    "Record": "record.record_view",
+    "Recording": "record.record_view",
     "Curve": "values.value_view",
     "Spectrum": "values.value_view",
     "Surface": "values.value_view",

@@ -6,22 +6,25 @@ from dataclasses import replace
 from typing import Any
 
 from allanite.core.display_units import readable_unit
+from allanite.core.errors import UndrawnError
 from allanite.core.estimate import STATUSES
+from allanite.core.fit import Fit
 from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
 from allanite.identification.methods import METHODS
 from allanite.interpretation.causes import Meaning
 from allanite.phrases.phrase import Phrase, join, say, say_count
+from allanite.phrases.wording import spelled
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Sheet, Table, header_of
+from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Plot, Sheet, Table, header_of
 from allanite.study.results import Channel, Study
 
 from . import Rows, view
 from .axes import first_of
 from .datasheet import DATA_SHEET, alternative, card_of, data_sheet_table
 from .details import details, fitness, over_time, overlay
-from .fit import coefficients, definitions, plot_curves
+from .fit import coefficients, definitions
 from .jobs import channel_sheet, job_face, source_of
 from .meaning import causes, meaning_notes, meaning_of, meanings
 from .values import readings_table, rows_of
@@ -172,8 +175,23 @@ def _coefficients(study: Study, level: float) -> Rows:
     return heads, rows
 
 
+def _plot(values: "Sequence[Study | Channel]", fit: Fit | None, level: float) -> Plot:
+    """The curves of the channels; of channels that were only looked at, their samples over time."""
+    panels = figures.panels_of(list(values), fit, demand=False)
+    if panels:
+        return figures.plot_panels(panels, level=level)
+    channels = [channel for value in values for channel in (value.channels if isinstance(value, Study) else (value,))]
+    records = [channel.record for channel in channels if isinstance(channel.record, Record)]
+    if not records:
+        raise UndrawnError(
+            "there is no curve to draw, and no samples are in memory; draw a part of the recording: "
+            + spelled("info --from TIME --until TIME --plot PATH", "al.plot(al.read(path, start=..., until=...))")
+        )
+    return figures.plot_records(records)
+
+
 @view(
-    plot_curves,
+    _plot,
     lambda study, level: rows_of(
         [c.curve.to(readable_unit(c.curve.unit)) for c in study.channels if c.curve is not None], level
     ),
@@ -214,7 +232,7 @@ def study_view(study: Study, level: float) -> Face:
     )
 
 
-@view(plot_curves)
+@view(_plot)
 def channel_view(channel: Channel, level: float) -> Face:
     """One channel of a study."""
     return Face(channel.record.name or say("channel"), BRAND, (_sheet(channel, level),))

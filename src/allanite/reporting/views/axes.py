@@ -269,7 +269,11 @@ def _seen(study: Study) -> First:
         if good == count
         else say("{good} of {count} channels are fit for analysis", good=good, count=count)
     )
-    after = [("allanite analyze FILE", say("the noise")), ("--details", say("all that was found"))]
+    after = [
+        ("allanite analyze FILE", say("the noise")),
+        ("--plot raw.png", say("figure")),
+        ("--details", say("all that was found")),
+    ]
     return First(
         title_of(study), verdict, tables, [*doubts(study.channels), *alerts(study)], (), how_read(study), after
     )

@@ -27,7 +27,7 @@ CORRELATION = say(
     "Correlation of the estimated coefficients under the best model. Estimates that are correlated by nearly -1 can "
     "hardly be told apart: only a longer record, or a higher sampling rate, separates them."
 )
-RECORD = say("Range and mean of short segments of the record.")
+RECORD = say("Every sample, as the range of short stretches, and means.")
 SPECTRUM = say(
     "One-sided amplitude spectral density with its confidence band (Welch's method, ten values per decade). The level "
     "of white noise is sqrt(2) N."
@@ -102,7 +102,7 @@ def over_time(record: Record) -> Drawing:
         deviation=deviation,
         unit=record.signal.sheet[0],
     )
-    return Drawing(lambda: figures.plot_record(record), label, RECORD)
+    return Drawing(lambda: figures.plot_records([record]), label, RECORD)
 
 
 def _raw(record: Record, channel: Channel, level: float) -> Iterator[Part]:
