@@ -109,9 +109,10 @@ def _analyze(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -
 
 
 def _survey(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
-    from allanite.study.survey import survey
+    from allanite.study.survey import side_by_side, survey
 
-    return survey(reports.source(files[0], recipe), settings, recipe, progress=reports.tell)
+    found = [survey(reports.source(file, recipe), settings, recipe, progress=reports.tell) for file in files]
+    return side_by_side(found, files)
 
 
 def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
@@ -167,8 +168,8 @@ ANALYZE = VerbTask(
     code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
     most=None,
 )
-DEVIATION = VerbTask(_survey, "study.survey.Deviations")
-SPECTRUM = VerbTask(_survey, "study.survey.Densities")
+DEVIATION = VerbTask(_survey, "study.survey.Deviations", most=None)
+SPECTRUM = VerbTask(_survey, "study.survey.Densities", most=None)
 DYNAMIC = VerbTask(_survey, "study.survey.Windows")
 COMPARE = VerbTask(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None)
 WATCH = VerbTask(_watch, "study.watching.WatchSettings")
