@@ -126,6 +126,8 @@ def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Rep
     if against is not None and count != 2:
         words = f"--against names channels of the second of two files, but {count} files were given"
         raise UsageError(words, choice="against")
+    if settings.pool and count == 1:
+        raise UsageError("--pool needs two files or more, but one was given", choice="pool")
     if settings.datasheet is not None and (count > 1 or part is not None):
         words = "--datasheet compares a single file with a data sheet; give one file, without --part"
         raise UsageError(words, choice="datasheet")
@@ -136,7 +138,7 @@ def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Rep
         return comparing.truncation(sources[0], part, recipe, progress=reports.tell)
     if count == 1:
         return comparing.compare_channels(sources[0], recipe, progress=reports.tell)
-    if count == 2:
+    if count == 2 and not settings.pool:
         return comparing.compare(sources[0], sources[1], recipe, against=against, progress=reports.tell)
     return comparing.pool(sources, recipe, progress=reports.tell)
 
