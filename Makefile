@@ -9,6 +9,7 @@ PYTHON  ?= python3
 FILE    ?= examples/tactical_gyro.csv
 ARGS    ?=
 SINCE   ?= HEAD
+PYTHONS ?= $(foreach v,3.11 3.12 3.13 3.14,$(if $(shell command -v python$(v)),python$(v)))
 OUT     := build/demo
 BIN     := .venv/bin
 PIP     := $(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt
@@ -19,7 +20,7 @@ export FILE
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo quick test test-all lint docs catalogues setup clean
+.PHONY: help demo quick test test-all lint docs catalogues matrix release setup clean
 
 help:
 	@echo "make demo              find the noise of an embedded sample"
@@ -29,6 +30,8 @@ help:
 	@echo "make test-all          the same, and then long ensembles, the page in a browser, the site and long processes"
 	@echo "make lint              lint, types and layers only"
 	@echo "make docs              build the documentation site into build/site"
+	@echo "make matrix            try the wheel with other Pythons and dependencies: build/environments.md"
+	@echo "make release           sdist, wheel, bill of materials and checksums into dist"
 	@echo "make catalogues        bring the translations of the reports up to date with the source"
 	@echo "make setup             only set up .venv, with everything the tests need"
 	@echo "make clean             remove .venv, build and caches"
@@ -65,6 +68,14 @@ docs: .venv/test
 catalogues: .venv/test
 	@$(BIN)/python tools/catalogues.py
 
+matrix: .venv/test
+	@mkdir -p build
+	$(BIN)/python benchmarks/environments.py --pythons $(PYTHONS) --write build/environments.md
+
+release: .venv/release
+	@$(BIN)/python tools/release.py dist
+	@echo "the release is in dist"
+
 setup: .venv/test
 
 # A .venv that works is kept; the Python is asked what it can do before anything is written.
@@ -92,6 +103,10 @@ setup: .venv/test
 	@echo "installing allanite and what its tests need into .venv (once)" >&2
 	@$(PIP) -e '.[test,docs]'
 	@touch .venv/run $@
+
+.venv/release: .venv/test
+	@$(PIP) -e '.[release]'
+	@touch $@
 
 clean:
 	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

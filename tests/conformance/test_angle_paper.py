@@ -23,17 +23,27 @@ STARTS = range(6)
 SIMULATED = [row for row in TABLE.rows() if row["simulated"] != "-" and row["base"] == "still"]
 
 
-def total(hour, law="linear", minutes=60, sway=0.0):
+def planning(hour, *, law="linear", minutes=60, sway=0.0, ring=None, interval=10.0, angles=("h", "q")):
     start = 3600.0 * hour + 30.0 * (60 - minutes)
     swaying = (math.radians(sway), 60.0) if sway else None
-    settings = al.angle.AngleSettings(math.radians(60), 60.0 * minutes, interval=10.0, q_law=law, sway=swaying)
-    return al.angle.plan(settings, start).total
+    rate, low, high, *more = np.radians(ring) if ring else (0.0, 0.0, 0.0)
+    chosen = {
+        "interval": interval, "q_law": law, "sway": swaying, "orders": dict.fromkeys(angles, (128, 256)),
+        "ring": al.angle.Ring(rate / 60, low, high, *more) if ring else None,
+    }  # fmt: skip
+    return al.angle.plan(al.angle.AngleSettings(math.radians(60), 60.0 * minutes, **chosen), start)
+
+
+def total(hour, **options):
+    return planning(hour, **options).total
 
 
 def page_row(title):
     line = next(line for line in PAGE.splitlines() if line.startswith(f"| {title}"))
     return [float(re.sub(r"[*]", "", cell)) for cell in line.split("|")[2:-1]]
 
+
+TURNED = {"law": "exact", "minutes": 30}
 
 NEAR = {("simulated", "planned"): 0.10, ("over best", "reference"): 0.05, ("over best ", "reference "): 0.15}
 
@@ -87,12 +97,49 @@ def test_a_part_made_again_agrees(law, hour):
         ("0.25° of roll and pitch, 60 s; 60 min", {"sway": 0.25}, False),
         ("1° of the same; 60 min", {"sway": 1.0}, False),
         ("1° of the same; middle 30 min", {"sway": 1.0, "minutes": 30}, False),
+        ("ring at rest", TURNED, False),
+        ("ring at 0.5°/min", TURNED | {"ring": (0.5, -10, 10)}, False),
+        ("ring at 1°/min", TURNED | {"ring": (1, -10, 10)}, False),
+        ("ring at 2°/min |", TURNED | {"ring": (2, -10, 10)}, False),
+        ("ring at 2°/min, ±5°", TURNED | {"ring": (2, -5, 5)}, False),
+        ("ring at 2°/min, ±20°", TURNED | {"ring": (2, -20, 20)}, False),
+        ("ring at 2°/min, axis east", TURNED | {"ring": (2, -10, 10, 0, 90)}, False),
+        ("ring at 2°/min in steps of 0.25°", TURNED | {"ring": (2, -10, 10, 0.25)}, False),
+        ("ring at 2°/min, errors of μ too", TURNED | {"ring": (2, -10, 10), "angles": ("h", "q", "mu")}, False),
     ],
 )
 def test_the_page_quotes_what_planning_gives(title, options, over_best):
     found = np.array([total(hour, **options) for hour in STARTS])
     found = found / found.min() if over_best else found
     np.testing.assert_allclose(page_row(title), found, atol=0.0051)
+
+
+@pytest.mark.parametrize(
+    ("title", "law", "name"),
+    [("128th of h | 22.6", "exact", "128 h"), ("256th of h | 11.3", "exact", "256 h"),
+     ("128th of q, linear |", "linear", "128 q"), ("128th of q, exact |", "exact", "128 q")],
+)  # fmt: skip
+def test_the_page_quotes_the_mean_periods(title, law, name):
+    line = next(line for line in PAGE.splitlines() if line.startswith(f"| {title}"))
+    shown = [float(cell) for cell in line.split("|")[2:-1]]
+    np.testing.assert_allclose(shown, [planning(i, law=law).mean_periods[name] / 60 for i in STARTS], atol=0.051)
+
+
+def test_the_page_quotes_the_mean_period_under_sway():
+    """6 min everywhere for 0.117 deg, with which half the time is not enough."""
+    minutes = [planning(i, sway=0.117, interval=2.0).mean_periods["128 h"] / 60 for i in STARTS]
+    assert [f"{v:.1f}" for v in (min(minutes), max(minutes))] == ["5.9", "6.0"]
+    ratios = [total(i, sway=0.117, minutes=30) / total(i) for i in STARTS][1:5]
+    assert [f"{v:.1f}" for v in (min(ratios), max(ratios))] == ["1.7", "2.0"]
+
+
+def test_a_turned_ring_replaces_a_still_hour():
+    half, still, ring = (
+        np.array([total(i, **options) for i in STARTS])
+        for options in (TURNED, {"law": "exact"}, TURNED | {"ring": (2, -10, 10)})
+    )
+    assert [f"{v:.1f}" for v in ((half / ring).min(), (half / ring).max())] == ["1.5", "3.7"]
+    assert f"{100 * ((ring / still).max() - 1):.0f}" == "42"
 
 
 def test_the_page_quotes_the_paper_and_the_table():

@@ -200,7 +200,8 @@ def read():
 
 @cache
 def plan_of_angles():
-    return al.angle.AngleSettings(np.radians(60), duration=1800.0, interval=30.0, sway=(0.01, 10.0))
+    ring = al.angle.Ring(1e-4, -0.1, 0.1)
+    return al.angle.AngleSettings(np.radians(60), duration=1800.0, interval=30.0, sway=(0.01, 10.0), ring=ring)
 
 
 @cache
@@ -247,6 +248,7 @@ MAKERS = {
     "Alternative": lambda: Alternative(MODEL, -3.5),
     "AnglePlan": lambda: al.angle.plan(plan_of_angles(), 7200.0),
     "AngleSettings": plan_of_angles,
+    "Ring": lambda: plan_of_angles().ring,
     "Averaged": lambda: averaged([MODEL, al.Model(MODEL.terms[:1])], [3, 1]),
     "Across": lambda: batch().across[1],
     "Batch": batch,

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from importlib import import_module
 
 from allanite.core.errors import UsageError
+from allanite.core.extras import demand_extra
 
 from .executor import Done, Plain, Task, described
 
@@ -34,10 +35,8 @@ class Dask:
         UsageError
             dask is not installed, or the scheduler does not answer.
         """
-        try:
-            distributed = import_module("distributed")
-        except ImportError:
-            raise UsageError("a scheduler needs dask, which is not installed: pip install 'allanite[dask]'") from None
+        demand_extra("dask", "distributed", what="a scheduler")
+        distributed = import_module("distributed")
         try:
             client = distributed.Client(self.address, timeout=PATIENCE)
         except (OSError, ValueError) as error:

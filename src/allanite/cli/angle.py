@@ -1,6 +1,7 @@
 """``allanite angle``: harmonic errors of a gimbal's angle sensors in service, or of an encoder with a reference."""
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -9,7 +10,7 @@ from allanite.applications.choices import RateChoices
 from allanite.core.errors import UsageError
 
 from .angle_design import plan, simulate
-from .angle_shared import ANGLES, ARCSEC, DEGREE, deliver_study, prior_option, turn_option
+from .angle_shared import ANGLES, ARCSEC, DEGREE, HEADING, deliver_study, prior_option, true_of, turn_option
 from .deliver import outputs
 from .options import RESULTS, options
 from .types import NAMES
@@ -66,6 +67,9 @@ def calibrate(file: str, **choices: Any) -> None:
     click.option("--h-polar", metavar="COLUMN", help="Inner angle of the polar gyro.  [default: the latitude]"),
     click.option("--q-polar", metavar="COLUMN", help="Intermediate angle of the polar gyro.  [default: 0]"),
     "latitude",
+    click.option("--mu", metavar="COLUMN",
+        help="Angle of the equatorial gyro's outer ring.  [default: mu, if there is such a column]"),
+    HEADING,
     click.option("--rho", metavar="COLUMN", help="Angle of the auto-compensating rotation."),
     turn_option("Or the period of that rotation, which starts at time 0."),
     "orders", ANGLES,
@@ -92,7 +96,7 @@ def estimate(file: str, **choices: Any) -> None:
         prior=None if prior is None else (prior[0] * ARCSEC, prior[1] * ARCSEC),
     )
     angles = {f"{h.name} [rad]": getattr(gimbals, h.name) - h.at(getattr(gimbals, h.name)) for h in found}
-    deliver_study(found, out, choices, data, {"time [s]": gimbals.time, **angles})
+    deliver_study(replace(found, true=true_of(data.source)), out, choices, data, {"time [s]": gimbals.time, **angles})
 
 
 def _gimbals(data: "FileSheet", choices: dict[str, Any]) -> "Gimbals":
@@ -117,7 +121,10 @@ def _gimbals(data: "FileSheet", choices: dict[str, Any]) -> "Gimbals":
     turn = None if choices["rho"] is None else read("rho")
     rho = turn if period is None else 2 * math.pi / period * time
     polar = read("h_polar", (latitude or 0.0) * DEGREE), read("q_polar")
-    return Gimbals(time, read("h"), read("q"), *polar, rho=rho)
+    heading = choices["ring_heading"] * DEGREE
+    if choices["mu"] is None and any(column.name == "mu" for column in data.columns):
+        choices["mu"] = "mu"
+    return Gimbals(time, read("h"), read("q"), *polar, rho=rho, mu=read("mu"), ring_heading=heading)
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

@@ -9,7 +9,18 @@ from allanite.core.choice_kinds import separated
 from allanite.core.errors import UsageError
 from allanite.study.settings import LengthChoices
 
-from .angle_shared import ANGLES, ARCSEC, DEGREE, columns_of, deliver_study, prior_option, turn_option
+from .angle_shared import (
+    ANGLES,
+    ARCSEC,
+    DEGREE,
+    HEADING,
+    TRUE,
+    columns_of,
+    deliver_study,
+    harmonics_of,
+    prior_option,
+    turn_option,
+)
 from .deliver import STDOUT, outputs, put
 from .options import RESULTS, options
 from .types import NUMBERS, Converted
@@ -18,6 +29,7 @@ if TYPE_CHECKING:
     from allanite.applications.angle import AngleSettings
 
 SWAY = Converted(separated(float, "amplitude in deg and period in s", 2, "1,60"))
+RANGE = Converted(separated(float, "two angles in deg", 2, "-10,10"))
 
 EXPERIMENT = (
     "latitude", "duration", "reading interval",
@@ -26,6 +38,13 @@ EXPERIMENT = (
     turn_option("Auto-compensation.", 300.0),
     click.option("--sway", type=SWAY, metavar="DEG,S",
         help="Sway of the base in roll and pitch: amplitude and period."),
+    click.option("--ring-rate", type=float, metavar="DEG/MIN",
+        help="Turn the outer ring of the equatorial gyro to and fro, at this mean rate."),
+    click.option("--ring-range", type=RANGE, default="-10,10", show_default=True, metavar="DEG,DEG",
+        help="Angles between which it turns, from the first."),
+    click.option("--ring-step", type=float, default=0.0, metavar="DEG",
+        help="Turn it in steps of this size.  [default: continuously]"),
+    HEADING,
 )  # fmt: skip
 
 
@@ -62,7 +81,7 @@ def plan(**choices: Any) -> None:
     "given sigma",
     click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC",
         help="Standard deviation of a step of a random walk."),
-    "seed", "plot", "lang", "force", settings=(LengthChoices, RateChoices),
+    "seed", "plot", "lang", "force", "quiet", settings=(LengthChoices, RateChoices),
 )  # fmt: skip
 def simulate(out: str, **choices: Any) -> None:
     """Simulate a system with known errors.
@@ -72,31 +91,22 @@ def simulate(out: str, **choices: Any) -> None:
     where = outputs(choices | {"csv": out}, [])
     import numpy as np
 
-    from allanite.applications.angle import Harmonics, readings
+    from allanite.applications.angle import readings
     from allanite.applications.angle import simulate as run
+    from allanite.applications.angle.geometry import ANGLES as NAMES
 
-    found: dict[str, dict[int, tuple[float, float]]] = {}
-    for text in choices["errors"]:
-        try:
-            name, _, rest = text.partition(":")
-            order, _, pair = rest.partition("=")
-            s, c = (float(part) * ARCSEC for part in pair.split(","))
-            found.setdefault(name.strip(), {})[int(order)] = (s, c)
-        except ValueError:
-            raise UsageError(
-                f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
-            ) from None
-    if not found:
+    known = harmonics_of(choices["errors"])
+    if not known:
         raise UsageError("give at least one --error, e.g. h:128=3,-1.5 (arcsec)")
-    known = {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
-    true = _experiment(choices).gimbals(choices["start"])
+    settings = _experiment(choices)
+    true = settings.gimbals(choices["start"])
     rng = np.random.default_rng(choices["seed"])
     z = run(true, known, sigma=choices["sigma"] * ARCSEC, walk=choices["walk"] * ARCSEC, rng=rng)
     seen = readings(true, known)
     table = {"time [s]": true.time, "difference": z}
-    table |= {f"{name} [rad]": getattr(seen, name) for name in ("h", "q", "h_polar", "q_polar")}
+    table |= {f"{name} [rad]": getattr(seen, name) for name in NAMES[: 4 if settings.ring is None else 5]}
     table |= {} if true.rho is None else {"rho [rad]": true.rho}
-    put(out, columns_of(table), force=where.force)
+    put(out, f"{TRUE}{' '.join(choices['errors'])}\n{columns_of(table)}", force=where.force)
     if "plot" in where.paths:
         from allanite.reporting import figures
         from allanite.reporting.fonts import drawn_in
@@ -107,12 +117,12 @@ def simulate(out: str, **choices: Any) -> None:
         with speaking(where.lang), speaking(drawn_in(where.lang)):
             figure = figures.plot_error_in_time(true, list(known.values())).printed()
             put(path, encode(figure, demand_figure_path(path, force=where.force)), force=where.force)
-    if out != STDOUT:
+    if out != STDOUT and not where.quiet:
         click.echo("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
 
 
 def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
-    from allanite.applications.angle import AngleSettings
+    from allanite.applications.angle import AngleSettings, Ring
 
     for name in ("latitude", "duration"):
         if choices[name] is None:
@@ -123,4 +133,9 @@ def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
     sway = choices["sway"]
     same = {key: choices[key] for key in ("duration", "interval", "q_law", "turn_period")}
     turned = None if sway is None else (sway[0] * DEGREE, sway[1])
-    return AngleSettings(choices["latitude"] * DEGREE, **same, sway=turned, **more)
+    rate, (low, high) = choices["ring_rate"], choices["ring_range"]
+    if rate is None and choices["ring_step"]:
+        raise UsageError("a ring in steps needs its mean rate: give --ring-rate, e.g. 2")
+    angles = (value * DEGREE for value in (low, high, choices["ring_step"], choices["ring_heading"]))
+    ring = None if rate is None else Ring(rate * DEGREE / 60, *angles)
+    return AngleSettings(choices["latitude"] * DEGREE, **same, sway=turned, ring=ring, **more)

@@ -1,18 +1,21 @@
 """What the commands of ``allanite angle`` share: units, options, how results are delivered."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from allanite.core.choice_kinds import separated
+from allanite.core.errors import UsageError
 
 from .deliver import Extra, Outputs, deliver
 from .options import Decorator
 from .types import NAMES, Converted
 
 if TYPE_CHECKING:
+    from allanite.applications.angle import Harmonics
     from allanite.readers.columns.sheet import FileSheet
 
 DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
@@ -32,8 +35,38 @@ def turn_option(words: str, default: float | None = None) -> Decorator:
 
 
 ANGLES = click.option(
-    "--angles", type=NAMES, default="h,q", show_default=True, help="Angle sensors: h, q, h_polar, q_polar."
+    "--angles", type=NAMES, default="h,q", show_default=True, help="Angle sensors: h, q, h_polar, q_polar, mu."
 )
+HEADING = click.option("--ring-heading", type=float, default=0.0, show_default=True, metavar="DEG",
+    help="Direction of the outer ring's axis, from north to east.")  # fmt: skip
+
+TRUE = "# simulated errors, arcsec: "
+"""What begins a simulated file."""
+
+
+def harmonics_of(texts: Sequence[str]) -> dict[str, "Harmonics"]:
+    """Known errors of sensors, written as ``ANGLE:ORDER=S,C`` in arcsec."""
+    from allanite.applications.angle import Harmonics
+
+    found: dict[str, dict[int, tuple[float, float]]] = {}
+    for text in texts:
+        try:
+            name, _, rest = text.partition(":")
+            order, _, pair = rest.partition("=")
+            s, c = (float(part) * ARCSEC for part in pair.split(","))
+            found.setdefault(name.strip(), {})[int(order)] = (s, c)
+        except ValueError:
+            raise UsageError(
+                f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
+            ) from None
+    return {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
+
+
+def true_of(path: str) -> tuple["Harmonics", ...]:
+    """The errors that a file was simulated with; none if its first line does not say so."""
+    with Path(path).open("rb") as file:
+        first = file.readline(1 << 16).decode("utf-8", "replace")
+    return tuple(harmonics_of(first.removeprefix(TRUE).split()).values()) if first.startswith(TRUE) else ()
 
 
 def deliver_study(

@@ -1,6 +1,5 @@
 """``allanite serve``: the page in the browser."""
 
-from importlib.util import find_spec
 from typing import Any
 
 import click
@@ -26,11 +25,10 @@ def serve(files: tuple[str, ...], **choices: Any) -> None:
     the other commands, whose command line the page shows. Uploads and results are kept in the cache folder of this
     user, and are there again after a reload or a restart.
     """
-    from allanite.core.errors import UsageError
+    from allanite.core.extras import demand_extra
     from allanite.readers.memory import bytes_of
 
-    if find_spec("fastapi") is None or find_spec("uvicorn") is None:
-        raise UsageError("the page needs FastAPI and uvicorn: pip install 'allanite[web]'")
+    demand_extra("web", "fastapi", "uvicorn", what="the page")
     from allanite.web.server import serve as run
 
     run(

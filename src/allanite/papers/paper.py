@@ -101,7 +101,8 @@ class Paper:
             return known.get(text, text)
 
         items = tuple(
-            replace(i, item=tr(i.item), claim=tr(i.claim), paper=tr(i.paper), why=tr(i.why)) for i in self.items
+            replace(i, item=tr(i.item), claim=tr(i.claim), paper=tr(i.paper), form=tr(i.form), why=tr(i.why))
+            for i in self.items
         )
         captions = {name: tr(text) for name, text in self.captions.items()}
         return replace(self, title=tr(self.title), data=tr(self.data), captions=captions, items=items)

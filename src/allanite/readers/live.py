@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from urllib.parse import urlsplit
 
 from allanite.core.errors import DataError, UsageError
+from allanite.core.extras import demand_extra
 from allanite.phrases.phrase import say
 
 PIECE = 1 << 16
@@ -141,10 +142,9 @@ def _datagrams(target: str) -> Tap:
 
 
 def _line(target: str, baud: int) -> Tap:
-    try:
-        import serial
-    except ImportError:
-        raise UsageError(f"a serial line such as {target!r} needs pyserial: pip install 'allanite[live]'") from None
+    demand_extra("live", "serial", what=f"a serial line such as {target!r}")
+    import serial
+
     try:
         port = serial.Serial(target, baud, timeout=0)
     except (OSError, ValueError) as error:

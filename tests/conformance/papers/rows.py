@@ -107,6 +107,5 @@ def of_degree_per_hour(rad_per_s):
     return arcsec(rad_per_s)
 
 
-def minutes_of_a_period(low, high):
-    """Mean period of harmonic 128 of an angle that goes from `low` to `high` in an hour."""
-    return 60 * (2 * math.pi / 128) / (high - low)
+def minutes(seconds):
+    return seconds / 60

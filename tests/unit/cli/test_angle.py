@@ -52,7 +52,7 @@ def test_estimate_prints_what_was_simulated(gimbal):
     assert done.exit_code == 0, done.stderr
     row = next(line.split() for line in done.stdout.splitlines() if line.split()[:2] == ["h", "128"])
     assert float(row[2]) == pytest.approx(3.0, abs=4 * float(row[3]))
-    assert float(row[4]) == pytest.approx(-1.5, abs=4 * float(row[5]))
+    assert float(row[5]) == pytest.approx(-1.5, abs=4 * float(row[6]))
     assert "misalignment" in done.stdout
     assert all(len(line) <= 120 for line in done.stdout.splitlines() if not line.startswith("file"))
 
@@ -74,7 +74,7 @@ def test_everything_is_written(gimbal, tmp_path):
     assert data["recipe"]["latitude"] == 60.0
     constants = {row["constant"]: row for row in csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text()))}
     assert float(constants["S128 h"]["value"]) == data["solution"]["constants"][0]["value"]
-    before = np.genfromtxt(gimbal, delimiter=",", names=True)["q_rad"]
+    before = np.genfromtxt(gimbal, delimiter=",", names=True, skip_header=1)["q_rad"]
     after = np.genfromtxt(tmp_path / "b.csv", delimiter=",", names=True)["q_rad"]
     found = al.angle.Harmonics.from_dict(data["harmonics"][1])
     np.testing.assert_allclose(after, before - found.at(before), atol=1e-14)
@@ -114,7 +114,42 @@ def test_plan_finds_the_window_of_the_paper(tmp_path):
     assert (one["type"], round(one["total"], 2)) == ("AnglePlan", 0.95)
 
 
+def test_a_turned_ring_is_simulated_and_the_truth_stands_beside_the_estimate(tmp_path):
+    path, ring = tmp_path / "ring.csv", ["--ring-rate", 2, "--ring-range", "-10,10", "--ring-step", 0.25]
+    made = run("simulate", path, *EXPERIMENT, "--start", 10800, *ring, "--error", "h:128=3,-1.5")
+    assert made.exit_code == 0, made.stderr
+    first, names, *_ = path.read_text().splitlines()
+    assert first == "# simulated errors, arcsec: h:128=3,-1.5"
+    assert "mu [rad]" in names
+    done = estimate(path, "--details", "--json", tmp_path / "a.json", "--csv", tmp_path / "a.csv")
+    assert done.exit_code == 0, done.stderr
+    assert " of 8 true amplitudes lie within their 95 % limits" in " ".join(done.stdout.split())
+    assert json.loads((tmp_path / "a.json").read_text())["truth"]["C128 h"] == pytest.approx(-1.5 * ARCSEC)
+    rows = {row["constant"]: row for row in csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text()))}
+    assert float(rows["S128 h"]["true"]) == pytest.approx(3 * ARCSEC)
+    assert (float(rows["S256 q"]["true"]), rows["ax"]["true"]) == (0.0, "")
+    assert abs(float(rows["S128 h"]["value"]) - 3 * ARCSEC) < 4 * float(rows["S128 h"]["standard_error"])
+    planned = run("plan", *EXPERIMENT, "--start", 10800, *ring, "--details").stdout
+    assert "outer ring turned at 2 °/min between -10 and 10° about an axis at 0° from north" in " ".join(
+        planned.split()
+    )
+
+
+def test_periods_stand_beside_the_accuracy_of_each_start():
+    starts = ["--q-law", "linear", "--start", "0,3600,7200,10800,14400,18000"]
+    lines = run("plan", *EXPERIMENT, *starts).stdout.splitlines()
+    rows = {line.strip().split("  ")[0]: line.split()[-6:] for line in lines if line.strip()}
+    assert rows["128 h"] == ["22.6", "23.9", "27.0", "34.1", "52.6", "154.2"]
+    assert rows["sum / best"] == ["4.62", "1.25", "1", "1.24", "1.83", "7.69"]
+    table = list(csv.DictReader(io.StringIO(run("plan", *EXPERIMENT, *starts, "--csv", "-").stdout)))
+    assert float(table[0]["period 128 h [s]"]) / 60 == pytest.approx(22.4, abs=0.05)
+    assert float(table[2]["total over best"]) == 1.0
+
+
 REFUSED = [
+    (["plan", *EXPERIMENT, "--ring-rate", 1, "--ring-range", "5,-5"], 2, "an angle in rad below another"),
+    (["plan", *EXPERIMENT, "--ring-rate", 1, "--ring-range", "5"], 2, "two angles in deg"),
+    (["plan", *EXPERIMENT, "--ring-step", 1], 2, "--ring-rate"),
     (["plan", "--latitude", 91, "--duration", 3600], 2, "is it in degrees"),
     (["plan", *EXPERIMENT, "--angles", "h_polar"], 3, "under sway only"),
     (["plan", *EXPERIMENT, "--orders", "128,x"], 2, "expected integers"),
@@ -165,7 +200,7 @@ def test_estimate_refuses_or_warns(gimbal, options, code, words):
 
 
 def test_broken_files(tmp_path, gimbal):
-    lines = gimbal.read_text().splitlines()
+    lines = gimbal.read_text().splitlines()[1:]
     broken = tmp_path / "broken.csv"
     broken.write_text("\n".join([*lines[:50], lines[40], *lines[50:]]))
     assert "time decreases at sample 49" in estimate(broken).stderr

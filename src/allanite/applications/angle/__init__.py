@@ -5,9 +5,10 @@ from .calibration import estimate as estimate
 from .design import NUISANCES as NUISANCES
 from .encoder import calibrate as calibrate
 from .geometry import Gimbals as Gimbals
-from .geometry import Sway as Sway
 from .geometry import gimbals as gimbals
 from .harmonics import Harmonics as Harmonics
+from .motion import Ring as Ring
+from .motion import Sway as Sway
 from .plans import AnglePlan as AnglePlan
 from .plans import AngleSettings as AngleSettings
 from .plans import Scan as Scan

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,11 +36,25 @@ class Calibration(Value):
         All constants, their covariance and history, the tests of the residuals.
     gimbals : Gimbals
         The angles they were estimated at.
+    true : tuple of Harmonics
+        The true errors of the sensors, where the record was simulated; harmonics that it lacks are zero.
     """
+
+    _also: ClassVar[tuple[str, ...]] = ("truth",)
 
     harmonics: tuple[Harmonics, ...]
     solution: Solution
     gimbals: Gimbals
+    true: tuple[Harmonics, ...] = ()
+
+    @property
+    def truth(self) -> dict[str, float]:
+        """True amplitudes by name of the constant, rad; empty if they are not known."""
+        known = {h.name: dict(zip(h.orders, zip(h.sine, h.cosine, strict=True), strict=True)) for h in self.true}
+        if not known:
+            return {}
+        pairs = [pair for h in self for k in h.orders for pair in known.get(h.name, {}).get(k, (0.0, 0.0))]
+        return dict(zip(self.solution.names, map(float, pairs), strict=False))
 
     @property
     def angles(self) -> tuple[str, ...]:

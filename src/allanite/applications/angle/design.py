@@ -56,12 +56,13 @@ The rows of ax and az, ``f1 cos(rho) + g sin(rho)`` and ``-f1 sin(rho) + g cos(r
 fixed in the turning frame, seen along the measured direction. The literature names the two constants only.
 """
 
-REMEDIES = (
-    "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base",
+POLAR = (
     "The polar gyro's gimbals do not move on a fixed base (they stay at the latitude and 0): its sensors can be "
-    "estimated under sway only",
+    "estimated under sway only"
 )
-"""What makes an angle move, of the equatorial gyro and of the polar one."""
+EARTHLY = "Choose a longer interval, another part of the day, a latitude off the pole, or sway the base"
+REMEDIES = {"h_polar": POLAR, "q_polar": POLAR, "mu": "Turn the outer ring"}
+"""What makes an angle move: of the equatorial gyro, and of those that do not move with the earth."""
 
 USUAL = ("ax", "az", "A1", "A2", "A3")
 
@@ -106,7 +107,7 @@ def design(
     if len(set(nuisance)) < len(nuisance):
         raise UsageError(f"a nuisance is given twice: {', '.join(nuisance)}")
     for angle, orders in harmonics.items():
-        demand_motion(f"the angle {angle}", gimbals.span(angle), orders, REMEDIES["polar" in angle])
+        demand_motion(f"the angle {angle}", gimbals.span(angle), orders, REMEDIES.get(angle, EARTHLY))
     f = gimbals.partials
     blocks = [f[a][:, None] * waves(getattr(gimbals, a), orders) for a, orders in harmonics.items()]
     columns = [NUISANCES[name].column(gimbals) for name in nuisance]

@@ -2,12 +2,15 @@
 
 Local axes are east, north, up. A momentum vector is (cos h sin q, cos h cos q, sin h): h is the angle of the inner
 gimbal above the base, q that of the intermediate one. The equatorial gyro's vector lies in the plane of the equator;
-time is counted from its passage of h = 0 upwards, towards the east. The polar gyro's points along the earth's axis.
+time is counted from its passage of h = 0 upwards, towards the east. The polar gyro's points along the earth's axis. The
+equatorial gyro's intermediate gimbal hangs in an outer ring, which may be turned by mu about a horizontal axis; its h
+and q are angles with respect to the ring.
 """
 
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +18,7 @@ from numpy.typing import ArrayLike
 from allanite.extending import DataError, FloatArray, UnitError, UsageError, Value, demand_name
 
 from .checks import column, demand_increasing
+from .motion import Ring, Sway, angles_of, horizontal, sway_of, turned, vector
 
 EARTH_RATE = 7.292115e-5
 """Rate of the earth against the stars, rad/s."""
@@ -28,63 +32,24 @@ Q_LAWS: dict[str, Callable[[FloatArray, float], FloatArray]] = {
 }
 """q of the equatorial gyro by H, the angle that the earth has turned: as geometry gives it, and as the paper states."""
 
-ANGLES = ("h", "q", "h_polar", "q_polar")
-"""The four angle sensors: of the equatorial and of the polar gyro."""
-
-
-@dataclass(frozen=True, repr=False)
-class Sway(Value):
-    """A ship's sway: roll and pitch of one period, a quarter of it apart.
-
-    Attributes
-    ----------
-    roll, pitch : float
-        Amplitudes, rad.
-    period : float
-        s.
-    heading : float
-        Heading of the ship, from north to east, rad.
-    """
-
-    roll: float
-    pitch: float
-    period: float
-    heading: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not np.isfinite([self.roll, self.pitch, self.period, self.heading]).all() or self.period <= 0:
-            raise UsageError(f"sway must be two finite amplitudes in rad and a period in s above 0, not {self}")
-        if max(abs(self.roll), abs(self.pitch)) > math.pi / 4:
-            raise UnitError(
-                f"sway of {max(abs(self.roll), abs(self.pitch)):g} rad: is that in degrees? rad is expected"
-            )
-
-    def turn(self, vectors: FloatArray, time: FloatArray) -> FloatArray:
-        """Vectors of the local axes, shape (3, n), as the swaying base sees them at `time`, s."""
-        phase = 2 * math.pi / self.period * time
-        forward = np.array([math.sin(self.heading), math.cos(self.heading), 0.0])
-        starboard = np.array([math.cos(self.heading), -math.sin(self.heading), 0.0])
-        rotation = np.outer(forward, self.roll * np.sin(phase)) + np.outer(starboard, self.pitch * np.cos(phase))
-        size = np.linalg.norm(rotation, axis=0)
-        axis = rotation / np.where(size > 0, size, 1.0)
-        # Rodrigues' formula; the base turns by +size, so that what stands still turns by -size in its axes
-        along = axis * (axis * vectors).sum(axis=0) * (1 - np.cos(size))
-        return np.asarray(vectors * np.cos(size) - np.cross(axis, vectors, axis=0) * np.sin(size) + along)
-
-
-def sway_of(sway: "Sway | tuple[float, float] | None") -> Sway | None:
-    """Sway given as (amplitude, period) is roll and pitch of that amplitude."""
-    if sway is None or isinstance(sway, Sway):
-        return sway
-    if not isinstance(sway, (tuple, list)) or len(sway) != 2:
-        raise UsageError(f"sway must be (amplitude in rad, period in s) or a Sway, not {sway!r}")
-    return Sway(float(sway[0]), float(sway[0]), float(sway[1]))
+ANGLES = ("h", "q", "h_polar", "q_polar", "mu")
+"""The angle sensors: of the equatorial and of the polar gyro, and of the equatorial gyro's outer ring."""
 
 
 def demand_angles(names: Iterable[str]) -> None:
     """Refuse names that are none of `ANGLES`."""
     for name in names:
         demand_name("angle", name, ANGLES)
+
+
+Pair = tuple[FloatArray, FloatArray]
+
+
+def _slopes(one: Pair, other: Pair) -> Pair:
+    """Partial derivatives of the cosine between two vectors by h and q of the first."""
+    (h, q), (p, r) = one, other
+    by_h = np.cos(h) * np.sin(p) - np.sin(h) * np.cos(p) * np.cos(q - r)
+    return np.asarray(by_h), np.asarray(-np.cos(h) * np.cos(p) * np.sin(q - r))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -101,6 +66,10 @@ class Gimbals(Value):
         Gimbal angles of the polar gyro, rad; on a still base the latitude and 0.
     rho : array, shape (n,), optional
         Angle of the auto-compensating rotation, rad; without it its errors cannot be estimated.
+    mu : array, shape (n,), or float
+        Angle of the equatorial gyro's outer ring, rad.
+    ring_heading : float
+        Direction of the ring's axis, from north to east, rad.
 
     Raises
     ------
@@ -116,6 +85,8 @@ class Gimbals(Value):
     h_polar: FloatArray
     q_polar: FloatArray
     rho: FloatArray | None = None
+    mu: FloatArray | float = 0.0
+    ring_heading: float = 0.0
 
     def __post_init__(self) -> None:
         time = column("time", self.time)
@@ -125,34 +96,46 @@ class Gimbals(Value):
         object.__setattr__(self, "time", time)
         for name in (*ANGLES, *(["rho"] if self.rho is not None else [])):
             values = np.asarray(getattr(self, name))
-            whole = np.full(time.size, values.item()) if values.ndim == 0 and "polar" in name else values
+            whole = np.full(time.size, values.item()) if values.ndim == 0 and name in ANGLES[2:] else values
             object.__setattr__(self, name, column(name, whole, time.size))
         for name in ("h", "h_polar"):
             if (worst := np.abs(getattr(self, name)).max()) > math.pi / 2 + 1e-9:
                 raise UnitError(f"{name} reaches {worst:.6g} rad, beyond a right angle: is it in degrees?")
 
     @property
+    def _polar(self) -> Pair:
+        """The polar vector's h and q as seen from the equatorial gyro's ring."""
+        return self._seen(self.h_polar, self.q_polar, self.mu)
+
+    def _seen(self, h: FloatArray, q: FloatArray, mu: FloatArray | float) -> Pair:
+        if not np.any(mu):
+            return h, q
+        return angles_of(turned(vector(h, q), np.outer(horizontal(self.ring_heading), mu)))
+
+    @property
     def cosine(self) -> FloatArray:
         """Cosine of the angle between the two momentum vectors, shape (n,); 0 except for errors."""
-        flat = np.cos(self.h) * np.cos(self.h_polar) * np.cos(self.q - self.q_polar)
-        return np.asarray(flat + np.sin(self.h) * np.sin(self.h_polar))
+        h, q = self._polar
+        return np.asarray(np.cos(self.h) * np.cos(h) * np.cos(self.q - q) + np.sin(self.h) * np.sin(h))
 
     @property
     def g(self) -> FloatArray:
-        """Change of the cosine with a turn of the equatorial vector about the vertical, over cos h."""
-        return np.asarray(-np.cos(self.h_polar) * np.sin(self.q - self.q_polar))
+        """Change of the cosine with a turn of the equatorial vector about the axis of q, over cos h."""
+        h, q = self._polar
+        return np.asarray(-np.cos(h) * np.sin(self.q - q))
 
     @property
     def partials(self) -> dict[str, FloatArray]:
         """Partial derivative of the cosine by each of `ANGLES`, shape (n,) each."""
-        h, p = (np.sin(self.h), np.cos(self.h)), (np.sin(self.h_polar), np.cos(self.h_polar))
-        c, s = np.cos(self.q - self.q_polar), np.sin(self.q - self.q_polar)
-        return {
-            "h": h[1] * p[0] - h[0] * p[1] * c,
-            "q": -h[1] * p[1] * s,
-            "h_polar": h[0] * p[1] - h[1] * p[0] * c,
-            "q_polar": h[1] * p[1] * s,
-        }
+        base = self._seen(self.h, self.q, -np.asarray(self.mu))
+        polar = self.h_polar, self.q_polar
+        across = np.cross(horizontal(self.ring_heading), vector(*base), axisb=0)
+        slopes = (
+            *_slopes((self.h, self.q), self._polar),
+            *_slopes(polar, base),
+            (across * vector(*polar).T).sum(axis=1),
+        )
+        return dict(zip(ANGLES, slopes, strict=True))
 
     def _summary(self) -> str:
         return f"{self.time.size} readings from {self.time[0]:g} to {self.time[-1]:g} s"
@@ -166,7 +149,12 @@ class Gimbals(Value):
         rate = np.abs(np.gradient(np.unwrap(getattr(self, angle)), self.time))
         return np.where(rate > 0, 2 * math.pi / (order * np.where(rate > 0, rate, 1.0)), math.inf)
 
-    def moved(self, **angles: FloatArray) -> "Gimbals":
+    def mean_period(self, angle: str, order: int) -> float:
+        """Mean period of a harmonic, s: time over the number of periods that the angle passes, to and fro."""
+        passed = order * float(np.abs(np.diff(np.unwrap(getattr(self, angle)))).sum()) / (2 * math.pi)
+        return float(self.time[-1] - self.time[0]) / passed if passed else math.inf
+
+    def moved(self, **angles: Any) -> "Gimbals":
         """The same with some angles replaced."""
         return replace(self, **angles)
 
@@ -178,6 +166,7 @@ def gimbals(
     q_law: str = "exact",
     sway: Sway | tuple[float, float] | None = None,
     turn_period: float | None = 300.0,
+    ring: Ring | None = None,
 ) -> Gimbals:
     """The gimbal angles of an ideal pair of gyros.
 
@@ -197,6 +186,8 @@ def gimbals(
         rad and s. It moves the polar gyro's gimbals too.
     turn_period : float or None
         Period of the auto-compensating rotation, s; None for no rotation.
+    ring : Ring, optional
+        Motion of the equatorial gyro's outer ring, from the first sample.
 
     Raises
     ------
@@ -233,11 +224,12 @@ def gimbals(
         rho=None if turn_period is None else 2 * math.pi / turn_period * clock,
     )  # fmt: skip
     swaying = sway_of(sway)
-    if swaying is None:
+    if swaying is not None:
+        seen = [swaying.turn(vector(*pair), clock) for pair in ((h, q), (still.h_polar, still.q_polar))]
+        (h, q), (h_polar, q_polar) = map(angles_of, seen)
+        still = still.moved(h=h, q=q, h_polar=h_polar, q_polar=q_polar)
+    if ring is None:
         return still
-    angles = {}
-    for h_name, q_name in (("h", "q"), ("h_polar", "q_polar")):
-        h, q = getattr(still, h_name), getattr(still, q_name)
-        east, north, up = swaying.turn(np.array([np.cos(h) * np.sin(q), np.cos(h) * np.cos(q), np.sin(h)]), clock)
-        angles[h_name], angles[q_name] = np.arcsin(np.clip(up, -1.0, 1.0)), np.unwrap(np.arctan2(east, north))
-    return still.moved(**angles)
+    mu = ring.angle(clock - clock[0])
+    h, q = angles_of(turned(vector(h, q), np.outer(horizontal(ring.heading), mu)))
+    return replace(still, h=h, q=q, mu=mu, ring_heading=ring.heading)

@@ -12,7 +12,8 @@ from allanite.extending import Finding, FloatArray, UsageError, Value
 from .calibration import Prior, prior_of
 from .caveats import caveats
 from .design import USUAL, amplitude_names, design, harmonic_set
-from .geometry import QUARTER, Gimbals, Sway, gimbals, sway_of
+from .geometry import QUARTER, Gimbals, gimbals
+from .motion import Ring, Sway, sway_of
 from .solution import correlation_of
 from .squareroot import batch
 
@@ -35,7 +36,7 @@ class AngleSettings(Value):
         Length of the experiment, and time between samples, s.
     sigma : float
         Standard deviation of a sample's white noise, in any unit; results are in the same.
-    q_law, turn_period, sway
+    q_law, turn_period, sway, ring
         See `gimbals`.
     prior : (amplitudes, rest) or None
         Standard deviations before the samples, in the unit of sigma; None: nothing is known.
@@ -50,6 +51,7 @@ class AngleSettings(Value):
     q_law: str = "exact"
     turn_period: float | None = 300.0
     sway: Sway | tuple[float, float] | None = None
+    ring: Ring | None = None
     prior: Prior | None = (3.0, 10.0)
     orders: tuple[int, ...] | dict[str, tuple[int, ...]] = (128, 256)
     nuisance: tuple[str, ...] = USUAL
@@ -76,7 +78,8 @@ class AngleSettings(Value):
     def gimbals(self, start: float) -> Gimbals:
         """Where the gimbals stand at the samples."""
         time = start + self.interval * np.arange(self.count)
-        return gimbals(time, latitude=self.latitude, q_law=self.q_law, sway=self.sway, turn_period=self.turn_period)
+        same = {name: getattr(self, name) for name in ("latitude", "q_law", "sway", "turn_period", "ring")}
+        return gimbals(time, **same)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,6 +100,9 @@ class AnglePlan(Value):
     h : (low, high)
         Range of h of the equatorial gyro, rad.
     settings : AngleSettings
+    periods, mean_periods : mapping of harmonic to period
+        Of "128 h" and so on, s: at the start, infinite where the angle stands, and over the interval: its length over
+        the number of periods that the angle passes, to and fro.
     findings : tuple of Finding
         What is wrong with it.
     """
@@ -111,6 +117,8 @@ class AnglePlan(Value):
     start: float
     h: tuple[float, float]
     settings: AngleSettings
+    periods: dict[str, float]
+    mean_periods: dict[str, float]
     findings: tuple[Finding, ...] = ()
 
     @property
@@ -171,6 +179,7 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
         known = batch(alone.factor[:, :-1], alone.factor[:, -1], before)
     elif not alone.condition < 1e12:
         raise UsageError("the samples alone do not separate these constants; give prior standard deviations")
+    ordered = [(angle, k) for angle, orders in harmonics.items() for k in orders]
     return AnglePlan(
         names=names,
         amplitudes=len(amplitude_names(harmonics)),
@@ -180,6 +189,8 @@ def plan(settings: AngleSettings, start: float) -> AnglePlan:
         start=float(start),
         h=(float(angles.h.min()), float(angles.h.max())),
         settings=settings,
+        periods={f"{k} {angle}": float(angles.period(angle, k)[0]) for angle, k in ordered},
+        mean_periods={f"{k} {angle}": angles.mean_period(angle, k) for angle, k in ordered},
         findings=caveats(angles, harmonics, names, known, before),
     )
 
@@ -197,6 +208,8 @@ class Scan(Value):
         The a amplitudes.
     errors : array, shape (k, a)
         Their standard deviations.
+    periods, mean_periods : mapping of harmonic to array, shape (k,)
+        See `AnglePlan`.
     best : AnglePlan
         The plan of the window with the smallest total.
     """
@@ -209,12 +222,17 @@ class Scan(Value):
     h: FloatArray
     names: tuple[str, ...]
     errors: FloatArray
+    periods: dict[str, FloatArray]
+    mean_periods: dict[str, FloatArray]
     best: AnglePlan
 
     def rows(self) -> tuple[list[str], list[list[float]]]:
         """Headings and rows."""
-        columns = (self.starts, *self.h.T, self.totals, self.conditions, *self.errors.T)
-        headings = ["start [s]", "h low [rad]", "h high [rad]", "total", "condition", *self.names]
+        relative = self.totals / self.totals.min()
+        columns = (self.starts, *self.h.T, self.totals, self.conditions, relative, *self.errors.T)
+        headings = ["start [s]", "h low [rad]", "h high [rad]", "total", "condition", "total over best", *self.names]
+        columns += (*self.periods.values(), *self.mean_periods.values())
+        headings += [f"{what} {name} [s]" for what in ("period", "mean period") for name in self.periods]
         return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
 
@@ -257,5 +275,7 @@ def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan
         h=np.array([p.h for p in plans]),
         names=plans[0].names[: plans[0].amplitudes],
         errors=np.array([p.errors[: p.amplitudes] for p in plans]),
+        periods={name: np.array([p.periods[name] for p in plans]) for name in plans[0].periods},
+        mean_periods={name: np.array([p.mean_periods[name] for p in plans]) for name in plans[0].periods},
         best=plan(settings, float(grid[int(totals.argmin())])),
     )

@@ -27,7 +27,7 @@ from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
 from allanite.readers.sandbox.source import head_of
 
-TITLE = "ROS bags .bag, .db3 and .mcap (pip install 'allanite[ros]')"
+TITLE = "ROS bags .bag, .db3 and .mcap (needs rosbags)"
 
 _MAGIC = (b"#ROSBAG V", b"\x89MCAP0\r\n", b"SQLite format 3\0")
 _PACKED = b"\x28\xb5\x2f\xfd"

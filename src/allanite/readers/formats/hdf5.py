@@ -4,15 +4,15 @@ import os
 import re
 
 from allanite.core.errors import DataError
+from allanite.core.extras import demand_extra
 from allanite.core.record import Recording
 from allanite.readers.columns.parts import Parts
 from allanite.readers.columns.table import KEY, described, keys, with_units
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_library
 
 from .contained import contained, contained_parts
 
-TITLE = "HDF5 .h5 and MATLAB 7.3 .mat (pip install 'allanite[hdf5]')"
+TITLE = "HDF5 .h5 and MATLAB 7.3 .mat (needs h5py)"
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 MATLAB = b"MATLAB 7.3"
@@ -51,7 +51,7 @@ def _head(path: str) -> bytes:
 
 def write(recording: Recording, path: str) -> None:
     """A dataset for each channel with its unit as an attribute, and the rate as an attribute of the file."""
-    demand_library("h5py", "hdf5")
+    demand_extra("hdf5", "h5py")
     import h5py
 
     try:

@@ -17,7 +17,7 @@ from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
 from allanite.readers.sandbox.source import head_of
 
-TITLE = "ASAM MDF 3 and 4 .mf4 (pip install 'allanite[mdf]')"
+TITLE = "ASAM MDF 3 and 4 .mf4 (needs asammdf)"
 
 _MAGIC = (b"MDF     ", b"UnFinMF ")
 

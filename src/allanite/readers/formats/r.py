@@ -9,7 +9,7 @@ from allanite.readers.options import Options
 
 from .contained import contained
 
-TITLE = "R .rda, .RData and .rds (pip install 'allanite[r]')"
+TITLE = "R .rda, .RData and .rds (needs rdata)"
 
 _MAGIC = (b"RDX2\nX\n", b"RDX3\nX\n", b"X\n\0\0\0\2", b"X\n\0\0\0\3")
 _OTHER = (b"RDA2\n", b"RDA3\n", b"RDB2\n", b"RDB3\n")

@@ -15,7 +15,7 @@ from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
 from allanite.readers.sandbox.source import head_of
 
-TITLE = "LabVIEW TDMS (pip install 'allanite[tdms]')"
+TITLE = "LabVIEW TDMS (needs npTDMS)"
 
 _MAGIC = b"TDSm"
 

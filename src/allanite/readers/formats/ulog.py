@@ -21,7 +21,7 @@ from allanite.readers.sandbox.guard import demand_size, demand_start, worded
 from allanite.readers.sandbox.process import Process
 from allanite.readers.sandbox.source import head_of
 
-TITLE = "PX4 flight log .ulg (pip install 'allanite[ulog]')"
+TITLE = "PX4 flight log .ulg (needs pyulog)"
 
 _MAGIC = b"ULog\x01\x12\x35"
 _XYZ, _THREE = ("x", "y", "z"), ("[0]", "[1]", "[2]")

@@ -17,7 +17,7 @@ from allanite.readers.sandbox.process import Process
 
 from . import text
 
-TITLE = "Excel workbook .xlsx (pip install 'allanite[xlsx]')"
+TITLE = "Excel workbook .xlsx (needs openpyxl)"
 
 _ZIP, _PART = b"PK\x03\x04", b"xl/workbook.xml"
 

@@ -1,13 +1,12 @@
 """What a file may not do: claim impossible sizes, break the library that reads it, or need a missing library."""
 
 import errno
-import importlib.util
 import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.errors import AllaniteError, DataError
 from allanite.phrases.phrase import say
 
 from .source import size_of
@@ -80,9 +79,3 @@ def demand_start(head: bytes, starts: tuple[bytes, ...], what: str) -> None:
                 head=head[:8],
             )
         )
-
-
-def demand_library(name: str, extra: str) -> None:
-    """Refuse a format whose library is not installed, and say how to install it."""
-    if importlib.util.find_spec(name) is None:
-        raise UsageError(f"this format needs {name}, which is not installed: pip install 'allanite[{extra}]'")

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
+from allanite.core.extras import demand_extra
 
-from .guard import demand_library, most
+from .guard import most
 from .source import size_of
 
 Progress = Callable[[float], None]
@@ -74,7 +75,7 @@ class Process:
     ) -> None:
         self.path, self._library = path, LIBRARIES[form]
         self._tell = progress or (lambda share: None)
-        demand_library(self._library.package, self._library.extra)
+        demand_extra(self._library.extra, self._library.package)
         self._wait = WAIT + size_of(path) / self._library.speed
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
         # -P: modules in the folder of the worker have names of standard modules

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from allanite.applications.angle import Gimbals, Harmonics, Scan, Solution
 from allanite.applications.angle.calibration import Result, parts_of
@@ -23,6 +24,9 @@ PALETTE = ("#0072B2", "#C1272D", "#008F6B", "#AA4499", "#B97700", "#555B63", "#5
 
 MOST = 3000
 """Innovations that are drawn."""
+
+SEEN = 60
+"""Periods of an error that can be told apart in one panel."""
 
 LAGS = 40
 
@@ -63,29 +67,46 @@ def plot_errors(new_figure: style.NewFigure, result: Result, level: float = 0.95
 def plot_error_in_time(
     new_figure: style.NewFigure, gimbals: Gimbals, harmonics: Sequence[Harmonics], level: float = 0.95
 ) -> Figure:
-    """The error of each sensor while its angle moves, a panel each, with its confidence band."""
-    figure = new_figure(7.2, 1.1 + 2.0 * len(harmonics))
-    axes = figure.subplots(len(harmonics), 1, sharex=True, squeeze=False)[:, 0]
-    for ax, found in zip(axes, harmonics, strict=True):
-        way = np.asarray(getattr(gimbals, found.name), dtype=np.float64)
-        keep = np.linspace(0, way.size - 1, min(way.size, MOST)).astype(np.int64)
-        time, angle = gimbals.time[keep] / 60, way[keep]
+    """The error of each sensor while its angle moves, a panel each, with its confidence band.
+
+    Of an error with too many periods to be seen, the first and the last of them are drawn, too.
+    """
+    panels = [(found, part) for found in harmonics for part in _parts(gimbals, found)]
+    figure = new_figure(7.2, 1.1 + 2.0 * len(panels))
+    axes = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
+    for ax, (found, part) in zip(axes, panels, strict=True):
+        keep = part[np.linspace(0, part.size - 1, min(part.size, MOST)).astype(np.int64)]
+        time, angle = gimbals.time[keep] / 60, np.asarray(getattr(gimbals, found.name))[keep]
         rows = waves(angle, found.orders)
         error = found.at(angle) / ARCSEC
         half = quantile(level, found.freedom) * np.sqrt(np.einsum("ij,jk,ik->i", rows, found.covariance, rows)) / ARCSEC
         style.grid(ax)
+        crowded = part.size == gimbals.time.size and len(panels) > len(harmonics)
+        ax.plot(time, error, color=style.DATA, lw=0.5 if crowded else 1.1)
         if half.any():
             band = say("{share} band", share=percent(level))
             ax.fill_between(time, error - half, error + half, color=style.DATA, alpha=0.2, lw=0, label=band)
-        ax.plot(time, error, color=style.DATA, lw=1.1, label=say("error"))
+            ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
         ax.axhline(0, color=style.INK, lw=0.8)
         ax.set(ylabel=say("error (arcsec)"), xlim=(time[0], time[-1]))
         low, high = (f"{v:.2f}".replace("-", "−") for v in np.degrees((angle.min(), angle.max())))
-        ax.set_title(say("{low} to {high} deg", low=low, high=high), loc="right", fontsize=8.5, color=style.SOFT)
-        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        orders = ", ".join(map(str, found.orders))
+        about = say("harmonic {orders}; {low} to {high} deg", orders=orders, low=low, high=high)
+        ax.set_title(about, loc="right", fontsize=8.5, color=style.SOFT)
         style.title(ax, found.name)
     axes[-1].set_xlabel(say("time (min)"))
     return figure
+
+
+def _parts(gimbals: Gimbals, found: Harmonics) -> list[NDArray[np.int64]]:
+    """Samples of the panels of an error: all, and where it has more than `SEEN` periods the first and the last."""
+    whole, order = np.arange(gimbals.time.size), max(found.orders)
+    period, length = gimbals.mean_period(found.name, order), gimbals.time[-1] - gimbals.time[0]
+    if length < SEEN * period:
+        return [whole]
+    near = SEEN / 5 * period
+    first, last = gimbals.time <= gimbals.time[0] + near, gimbals.time >= gimbals.time[-1] - near
+    return [whole, whole[first], whole[last]]
 
 
 @style.plotted

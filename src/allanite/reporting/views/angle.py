@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -89,9 +90,24 @@ def _verdict(result: Result, level: float, doubt: bool) -> str:
     return join(" ", [*said, say("Read the warnings before using the numbers.")] if doubt else said)
 
 
+def _compared(result: Result, solution: Solution, level: float) -> Iterator[Part]:
+    """How many of the true constants, where they are known, the intervals contain."""
+    if truth := _truth(result):
+        limits = {name: solution.interval(name, level) for name in truth}
+        inside = say_count(
+            len(limits),
+            "{inside} of {count} true amplitude lies within its {level} limits.",
+            "{inside} of {count} true amplitudes lie within their {level} limits.",
+            inside=sum(limits[name][0] <= true <= limits[name][1] for name, true in truth.items()),
+            level=words.percent(level),
+        )
+        yield Note(inside, "strong")
+
+
 def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
     yield from (Note(warning, "warning") for warning in solution.warnings)
     yield from (Note(str(check), "good") for check in solution.checks if check.passed)
+    yield from _compared(result, solution, level)
     yield _harmonics(result, level)
     share = words.percent(level)
     caption = say(
@@ -130,16 +146,25 @@ def _parts(result: Result, solution: Solution, level: float) -> Iterator[Part]:
 
 def _harmonics(result: Result, level: float) -> Table:
     """S, C and amplitude of every harmonic."""
+    truth = _truth(result)
+    true = Column(say("true"))
     heads = (
         Column(say("harmonic"), "symbol"), Column("S [arcsec]", aside=True), Column(say("error"), aside=True),
-        Column("C [arcsec]", aside=True), Column(say("error"), aside=True), Column(say("amplitude")),
-        Column(words.interval(level), "interval"), Column(say("phase [deg]")), Column("", "name"),
+        *([replace(true, aside=True)] if truth else []), Column("C [arcsec]", aside=True),
+        Column(say("error"), aside=True), *([replace(true, aside=True)] if truth else []), Column(say("amplitude")),
+        Column(words.interval(level), "interval"), *([true] if truth else []), Column(say("phase [deg]")),
+        Column("", "name"),
     )  # fmt: skip
     rows, marks = [], []
     for h in parts_of(result):
         for name, order, *constants, _, _, _, phase, status in h.rows(level)[1]:
             sine, sine_error, cosine, cosine_error = (v / ARCSEC for v in constants)
-            shown = [*_constant(sine, sine_error), *_constant(cosine, cosine_error), *_amplitude(h, order, level)]
+            pair = [truth[f"{wave}{order} {name}"] / ARCSEC for wave in "SC"] if truth else []
+            known = [[f"{v:.4g}"] for v in (*pair, math.hypot(*pair))] if truth else [[], [], []]
+            shown = [
+                *_constant(sine, sine_error), *known[0], *_constant(cosine, cosine_error), *known[1],
+                *_amplitude(h, order, level), *known[2],
+            ]  # fmt: skip
             angle = "" if status == "absent" else f"{math.degrees(phase):.0f}"
             rows.append([join(" ", (name or say("angle"), str(order))), *shown, angle, STATUSES[status]])
             marks.append(MARKS[status])
@@ -158,6 +183,20 @@ def _constant(value: float, error: float) -> tuple[str, str]:
     """Value and standard error with two digits of the error."""
     shown = digits(value, value - error, value + error, signed=True)
     return shown.plain()[0], digits(error, figures=2).plain()[0]
+
+
+def _constants(result: Result, solution: Solution, level: float) -> tuple[list[str], list[list[Any]]]:
+    """All constants with limits, SI; the true ones of a simulated record."""
+    truth = _truth(result)
+    rows: list[list[Any]] = [
+        [name, value, error, *solution.interval(name, level), *([truth.get(name, "")] if truth else [])]
+        for name, value, error in zip(solution.names, solution.values.tolist(), solution.errors.tolist(), strict=True)
+    ]
+    return ["constant", "value", "standard_error", "low", "high", *(["true"] if truth else [])], rows
+
+
+def _truth(result: Result) -> dict[str, float]:
+    return result.truth if isinstance(result, Calibration) else {}
 
 
 def _study_plot(values: Sequence[AngleStudy], fit: Fit | None, level: float) -> Plot:
@@ -184,20 +223,7 @@ def study_view(study: AngleStudy, level: float) -> Face:
 
 @view(
     lambda values, fit, level: figures.plot_errors(values[0], level),
-    # all constants with limits, SI; of known harmonics the harmonics alone
-    lambda result, level: (
-        result.rows(level)
-        if result.solution is None
-        else (
-            ["constant", "value", "standard_error", "low", "high"],
-            [
-                [name, value, error, *result.solution.interval(name, level)]
-                for name, value, error in zip(
-                    result.solution.names, result.solution.values.tolist(), result.solution.errors.tolist(), strict=True
-                )
-            ],
-        )
-    ),
+    lambda result, level: result.rows(level) if result.solution is None else _constants(result, result.solution, level),
 )
 def result_view(result: Result, level: float) -> Face:
     """The harmonics of one angle, or of several that were calibrated together."""

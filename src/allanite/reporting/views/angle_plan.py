@@ -1,6 +1,7 @@
 """How plans of the estimation of angle sensors are shown."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 from allanite.applications.angle import AnglePlan, Scan
@@ -24,7 +25,29 @@ SCANNED = say(
 )
 
 
-def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
+def _periods(plan: AnglePlan) -> Table:
+    """Of each harmonic, at the start and over the interval."""
+    heads = (Column(say("harmonic"), "symbol"), Column(say("at the start [min]")), Column(say("mean [min]")))
+    rows = [[name, _minutes(first), _minutes(plan.mean_periods[name])] for name, first in plan.periods.items()]
+    return Table(heads, rows, say("periods of the harmonics"))
+
+
+def _mean_periods(scan: Scan) -> Table:
+    """Of each harmonic by start."""
+    rows = [[name, *map(_minutes, periods)] for name, periods in scan.mean_periods.items()]
+    title = say("mean periods of the harmonics by range of h, min")
+    return Table((Column(say("mean period [min]"), "symbol"), *_ranges(scan)), rows, title)
+
+
+def _ranges(scan: Scan) -> Iterator[Column]:
+    return (Column(f"{math.degrees(low):.1f}..{math.degrees(high):.1f}") for low, high in scan.h)
+
+
+def _minutes(period: float) -> str:
+    return f"{period / 60:.1f}" if math.isfinite(period) else say("infinite")
+
+
+def _plan_sheet(plan: AnglePlan, title: str, compared: Scan | None = None) -> Sheet:
     low, high = (math.degrees(v) for v in plan.h)
     chosen = plan.settings
     known = chosen.prior
@@ -64,7 +87,20 @@ def _plan_sheet(plan: AnglePlan, title: str) -> Sheet:
             period=chosen.sway.period,
         )
         where = join("; ", (where, sway))
-    return Sheet(title, (when, where), (*alerts, Table(CONSTANTS, plan.rows()[1]), Note(total)))
+    if (ring := chosen.ring) is not None:
+        turned = say(
+            "outer ring turned at {rate:.4g} deg/min between {low:.4g} and {high:.4g} deg about an axis at "
+            "{heading:.4g} deg from north",
+            rate=math.degrees(ring.rate) * 60,
+            low=math.degrees(ring.low),
+            high=math.degrees(ring.high),
+            heading=math.degrees(ring.heading),
+        )
+        steps = [say("in steps of {step:.4g} deg", step=math.degrees(ring.step))] if ring.step else []
+        where = join("; ", (where, join(", ", (turned, *steps))))
+    accuracy = Table(CONSTANTS, plan.rows()[1], details=compared is not None)
+    tables = (accuracy, _periods(plan)) if compared is None else (_mean_periods(compared), accuracy)
+    return Sheet(title, (when, where), (*alerts, *tables, Note(total)))
 
 
 def _degrees(angle: float) -> str:
@@ -112,12 +148,14 @@ def scan_view(scan: Scan, level: float) -> Face:
         Drawing(lambda: figures.plot_scan(scan), say("expected accuracy by the start of the interval"), SCANNED),
         Table(WINDOWS, [row[: len(WINDOWS)] for row in scan.rows()[1]], say("all windows"), marks=marks, details=True),
     ]
-    if len(scan.starts) <= FEW:  # the amplitudes by range of h
-        rows = [[name, *(f"{e:.3g}" for e in row)] for name, row in zip(scan.names, scan.errors.T, strict=True)]
-        rows.append([say("sum"), *(f"{t:.4g}" for t in scan.totals)])
-        rows.append([say("sum over that of the best"), *(f"{t / scan.totals.min():.3g}" for t in scan.totals)])
-        ranges = (Column(f"{math.degrees(low):.1f} .. {math.degrees(high):.1f}") for low, high in scan.h)
+    few = scan if len(scan.starts) <= FEW else None
+    if few is not None:  # the amplitudes by range of h
+        rows = [
+            [say("sum"), *(f"{t:.4g}" for t in scan.totals)],
+            [say("sum / best"), *(f"{t / scan.totals.min():.3g}" for t in scan.totals)],
+            *([name, *(f"{e:.3g}" for e in row)] for name, row in zip(scan.names, scan.errors.T, strict=True)),
+        ]
         title = say("expected standard deviations of the amplitudes by range of h, deg")
-        parts.append(Table((Column(say("constant"), "symbol"), *ranges), rows, title))
-    sheet = replace(_plan_sheet(best, say("best window")), verdicts=(verdict,))
+        parts.append(Table((Column(say("h [deg]"), "symbol"), *_ranges(scan)), rows, title))
+    sheet = replace(_plan_sheet(best, say("best window"), few), verdicts=(verdict,))
     return Face(say("Where to estimate the angle sensors"), BRAND, (sheet,), parts=parts, how=(Note(PLANNED),))

@@ -1,5 +1,6 @@
 """Angle sensors: geometry, harmonics, estimator, planning, refusals."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -46,14 +47,16 @@ def sensors(unit=1e-6):
 
 @pytest.mark.parametrize("latitude", [-1.2, 0.0, 0.3, LATITUDE, 1.5])
 @pytest.mark.parametrize("sway", [None, (0.02, 60.0), al.angle.Sway(0.1, 0.03, 47.0, heading=0.7)])
-def test_momentum_vectors_stay_at_right_angles(latitude, sway):
-    gimbals = al.angle.gimbals(np.arange(0, 21000, 7.0), latitude=latitude, sway=sway)
-    assert np.abs(gimbals.cosine).max() < 1e-14
+@pytest.mark.parametrize("ring", [None, al.angle.Ring(1e-3, -0.2, 0.4), al.angle.Ring(1e-3, 0.1, 0.3, 0.01, 2.0)])
+def test_momentum_vectors_stay_at_right_angles(latitude, sway, ring):
+    gimbals = al.angle.gimbals(np.arange(0, 21000, 7.0), latitude=latitude, sway=sway, ring=ring)
+    assert np.abs(gimbals.cosine).max() < 1e-13
 
 
 @still
-def test_partials_are_the_slopes_of_the_cosine(law):
-    gimbals = hour(law=law, sway=(0.05, 60.0))
+@pytest.mark.parametrize("ring", [None, al.angle.Ring(1e-4, -0.1, 0.2, heading=0.3)])
+def test_partials_are_the_slopes_of_the_cosine(law, ring):
+    gimbals = hour(law=law, sway=(0.05, 60.0), ring=ring)
     for name in ANGLES:
         moved = [gimbals.moved(**{name: getattr(gimbals, name) + step}).cosine for step in (-1e-5, 1e-5)]
         np.testing.assert_allclose(gimbals.partials[name], (moved[1] - moved[0]) / 2e-5, atol=1e-9)
@@ -79,6 +82,24 @@ def test_a_turn_of_the_base_is_a_rotation():
     np.testing.assert_allclose(east_in_base[:, 0], [math.cos(0.3), 0.0, math.sin(0.3)], atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("step", "expected"),
+    [(0.0, [-1, 0, 1, 2, 1, -1, 0]), (2.0, [-1, -1, 1, 1, 1, -1, -1]), (3.0, [-1, -1, -1, 2, 2, -1, -1])],
+)
+def test_a_ring_turns_to_and_fro(step, expected):
+    ring = al.angle.Ring(0.1, -0.1, 0.2, step / 10)
+    np.testing.assert_allclose(10 * ring.angle(np.array([0.0, 1, 2, 3, 4, 6, 7])), expected, atol=1e-12)
+
+
+def test_a_ring_across_the_vector_turns_h_alone():
+    """At h = 0 the vector points east: an axis to the north is across it, one to the east along it."""
+    for heading, moved in ((0.0, 1.0), (math.pi / 2, 0.0)):
+        ring = al.angle.Ring(1e-3, -0.1, 0.1, heading=heading)
+        seen = al.angle.gimbals([0.0, 1e-3], latitude=LATITUDE, ring=ring)
+        assert abs(seen.h[0]) == pytest.approx(0.1 * moved, abs=1e-12)
+        assert seen.q[0] == pytest.approx(math.pi / 2, abs=1e-12)
+
+
 def test_the_whole_hours_are_the_ranges_of_the_paper():
     gimbals = al.angle.gimbals(3600.0 * np.arange(7), latitude=LATITUDE)
     assert np.degrees(gimbals.h).astype(int).tolist() == [0, 7, 14, 20, 25, 28, 29]
@@ -101,6 +122,11 @@ def test_periods_of_the_errors():
     assert [round(v) for v in last] == [96, 67]
     same = [row["256 h"] - row["128 q"] for row in map(periods, np.radians([13.0, 14.0]))]
     assert same[0] < 0 < same[1]
+    plan = planned(0.0, law="linear")
+    assert plan.periods["128 h"] / 60 == pytest.approx(22.4, abs=0.05)
+    assert plan.mean_periods["256 q"] / 60 == pytest.approx(5.61, abs=0.01)
+    scan = al.angle.scan(plan.settings, [0.0, 18000.0])
+    assert scan.mean_periods["128 h"].tolist() == [planned(s, law="linear").mean_periods["128 h"] for s in scan.starts]
     linear = hour(law="linear")
     np.testing.assert_allclose(linear.period("q", 128) / 60, 11.22, atol=0.01)
 
@@ -191,6 +217,44 @@ def test_polar_sensors_are_estimated_under_sway():
     error = np.array([found["h_polar"].sine[0] - 2e-6, found["h_polar"].cosine[0] - 1e-6])
     assert np.all(np.abs(error) < 4 * np.sqrt(np.diag(found["h_polar"].covariance)))
     assert found["h_polar"].found(128)
+
+
+@pytest.mark.parametrize("degrees", [0.117, 1.0])
+def test_sway_makes_the_mean_period_the_same_everywhere(degrees):
+    """Four amplitudes a period of the sway: 6 min at 0.117 deg, as the paper says, where the still one has 154 min."""
+    sway = (math.radians(degrees), 60.0)
+    minutes = [planned(s, "linear", interval=2.0, sway=sway).mean_periods["128 h"] / 60 for s in (0.0, 7200.0, 18000.0)]
+    np.testing.assert_allclose(minutes, 360 / 128 / (4 * degrees), rtol=0.03)
+
+
+@pytest.mark.parametrize("law", list(Q_LAWS))
+@pytest.mark.parametrize("start", [0.0, 10800.0, 18000.0])
+def test_a_turned_ring_tells_harmonics_apart_in_half_the_time(law, start):
+    ring = al.angle.Ring(math.radians(2) / 60, math.radians(-10), math.radians(10))
+    turned = planned(start, law, duration=1800.0, ring=ring)
+    assert turned.total < 0.8 * planned(start, law, duration=1800.0).total
+    assert all(mean < 0.8 * still for mean, still in zip(
+        list(turned.mean_periods.values())[:2], list(planned(start, law).mean_periods.values())[:2], strict=True
+    ))  # fmt: skip
+
+
+def test_estimates_with_a_turned_ring_hold_the_truth():
+    """Errors of the ring's own sensor are estimated, too: 17 constants."""
+    ring = al.angle.Ring(math.radians(2) / 60, math.radians(-10), math.radians(10), step=math.radians(0.25))
+    gimbals = hour(10800.0, ring=ring)
+    true = sensors(1e-5) | {"mu": al.angle.Harmonics.of({128: (2e-5, 1e-5)}, "mu")}
+    orders = {"h": [128, 256], "q": [128, 256], "mu": [128, 256]}
+    inside = []
+    for seed in range(5):
+        z = al.angle.simulate(gimbals, true, sigma=1e-6, rng=np.random.default_rng(seed))
+        found = al.angle.estimate(z, gimbals, orders=orders)
+        found = dataclasses.replace(found, true=tuple(true.values()))
+        assert found.truth["S128 mu"] == 2e-5
+        assert found.truth["C256 mu"] == 0.0
+        inside += [
+            abs(found.solution[name] - value) < 4 * found.solution.error(name) for name, value in found.truth.items()
+        ]
+    assert all(inside)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -495,6 +559,10 @@ REFUSED = {
     "latitude": (lambda: al.angle.gimbals(HOUR, latitude=60.0), "is it in degrees"),
     "sway": (lambda: al.angle.gimbals(HOUR, latitude=1.0, sway=(2.0, 60.0)), "is that in degrees"),
     "sway shape": (lambda: al.angle.gimbals(HOUR, latitude=1.0, sway=2.0), r"amplitude in rad, period in s"),
+    "ring rate": (lambda: al.angle.Ring(0.0, -0.1, 0.1), "a rate in rad/s above 0"),
+    "ring in degrees": (lambda: al.angle.Ring(0.1, -10.0, 10.0), "is it in degrees"),
+    "ring step": (lambda: al.angle.Ring(0.1, -0.1, 0.1, step=0.3), "exceeds the range"),
+    "ring still": (lambda: planned(0.0, orders={"mu": [128]}), "Turn the outer ring"),
     "lengths": (lambda: al.angle.estimate(z360[:-1], hour()), "359 samples instead of 360"),
     "few": (lambda: al.angle.estimate(z360[:13], al.angle.gimbals(HOUR[:13], latitude=1.0)), "too few for 13"),
     "polar": (lambda: planned(0.0, orders={"h_polar": [128]}), "under sway only"),
