@@ -41,7 +41,7 @@ from allanite.papers.reproduction import compare
 from allanite.planning.properties import properties
 from allanite.prepare import inspect
 from allanite.simulation.recording import Simulation
-from allanite.statistics import expectation
+from allanite.statistics import Expectations, expectation
 from allanite.study.modelled import run_model_job
 from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
 from allanite.study.survey import Densities, Deviations, Windows, survey
@@ -374,6 +374,7 @@ MAKERS = {
     "Properties": lambda: properties("theo1", 200),
     "Closeup": lambda: closeup(al.simulate_ring_laser(al.GL1, 12.0, 2000, 400.0, rng=np.random.default_rng(1))),
     "Expectation": lambda: expectation(al.Model(WHITE), rate=10.0, size=200),
+    "Expectations": lambda: Expectations((expectation(al.Model(WHITE), rate=10.0, size=200),) * 2),
     "Scan": lambda: al.angle.scan(plan_of_angles(), [7200.0, 9000.0]),
     "Scope": lambda: filtered().scope,
     "SelfCheck": selfcheck,

@@ -20,6 +20,8 @@ SCREENS = {
     f"info {SAMPLE}": r"fit for analysis\n.*\n.*\n *mean +°/h +4\.2",
     f"deviation {TWO}": r"\n +0\.1 +22\.70 \(22\.50 \.\. 22\.90\) +28\.36",
     f"deviation --model {NOISE} --rate 10 --duration 1h": r"tau \[s\]",
+    f"deviation {SAMPLE} {SAMPLE} --channels gx": r"\n +0\.1 +22\.70 \(22\.50 \.\. 22\.90\) +22\.70",
+    f"deviation --model {NOISE} --model 'N 1 deg/sqrt(h)' --rate 10": r"\n2  N = 1 °/√h",
     f"spectrum {TWO}": r"spectral density in °/h/√Hz",
     f"dynamic {TWO}": r"\n +0\.1 +22\.\d+ to 23\.\d+",
     f"compare {TWO}": r"changed: gx / gy\n\n.*\n +noise as a whole +changed, p < 1e-12",

@@ -17,6 +17,7 @@ from .tasks import COMPARE, perform
     "against",
     "part",
     "datasheet",
+    "pool",
     "statistic",
     "taus",
     *IDENTIFYING,
@@ -28,6 +29,6 @@ def compare(files: tuple[str, ...], **choices: Any) -> None:
 
     Two files: before and after. One file: its channels with each other, with --part its beginning with the rest, or
     with --datasheet what was measured with what a data sheet says. Three or more files (or channels of one file): their
-    common noise, and which of them differs.
+    common noise, and which of them differs; with --pool that of two files, too.
     """
     perform(COMPARE, files, choices)

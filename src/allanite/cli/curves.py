@@ -13,38 +13,41 @@ from .tasks import DEVIATION, DYNAMIC, SPECTRUM, perform
 
 @click.command()
 @options(
-    "optional file", "model", "sensor", "datasheet", "duration", "samples", *RECORDING, "statistic", "taus", "m", "to",
+    "some files", "models", "sensor", "datasheet", "duration", "samples", *RECORDING, "statistic", "taus", "m", "to",
     "intervals", "bias", "join", "divisor", "edf", "power_law", *IDENTIFYING, *RESULTS,
     settings=(NoiseChoices, LengthChoices, DeviationChoices),
 )  # fmt: skip
-def deviation(file: str | None, **choices: Any) -> None:
+def deviation(files: tuple[str, ...], models: tuple[str, ...], **choices: Any) -> None:
     """Compute Allan and related deviations.
 
-    Tabulates statistics of FILE over averaging time; or without data, what is expected of them and of each term under
-    the noise of --model, --sensor or --datasheet, for a record of --duration or --samples at --rate.
+    Tabulates statistics of FILES over averaging time; or without data, what is expected of them and of each term under
+    the noise of --model, --sensor or --datasheet, for a record of --duration or --samples at --rate. Channels of
+    several files, and several models, are in one figure.
     """
     from allanite.study.survey import Deviations
-    from allanite.study.theory import TheorySettings, expected_curves
+    from allanite.study.theory import TheorySettings, expected_of_models
 
     theory = settings_of(TheorySettings, choices)
-    if file is not None and not theory.asked:
-        perform(DEVIATION, [file], choices)
+    if files and not (models or theory.asked):
+        perform(DEVIATION, files, choices)
         return
-    out = outputs(choices, [file, choices["recipe"]])
-    deliver(expected_curves(file, theory, settings_of(Deviations, choices), recipe_of(choices)), out)
+    out = outputs(choices, [*files, choices["recipe"]])
+    wanted, recipe = settings_of(Deviations, choices), recipe_of(choices)
+    deliver(expected_of_models(next(iter(files), None), models, theory, wanted, recipe), out)
 
 
 @click.command()
 @options(
-    "file", *RECORDING, "estimator", "sides", "bins", "segment", "window", "bandwidth", "tapers", "weights", "fit",
+    "files", *RECORDING, "estimator", "sides", "bins", "segment", "window", "bandwidth", "tapers", "weights", "fit",
     "deviation", "to", *IDENTIFYING, *RESULTS, settings=(DensityChoices,),
 )  # fmt: skip
-def spectrum(file: str, **choices: Any) -> None:
+def spectrum(files: tuple[str, ...], **choices: Any) -> None:
     """Compute the power spectral density.
 
-    N of IEEE 952 is the square root of the two-sided power spectral density of white noise.
+    N of IEEE 952 is the square root of the two-sided power spectral density of white noise. Channels of several FILES
+    are in one figure.
     """
-    perform(SPECTRUM, [file], choices)
+    perform(SPECTRUM, files, choices)
 
 
 @click.command()

@@ -109,9 +109,10 @@ def _analyze(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -
 
 
 def _survey(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
-    from allanite.study.survey import survey
+    from allanite.study.survey import side_by_side, survey
 
-    return survey(reports.source(files[0], recipe), settings, recipe, progress=reports.tell)
+    found = [survey(reports.source(file, recipe), settings, recipe, progress=reports.tell) for file in files]
+    return side_by_side(found, files)
 
 
 def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
@@ -125,6 +126,8 @@ def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Rep
     if against is not None and count != 2:
         words = f"--against names channels of the second of two files, but {count} files were given"
         raise UsageError(words, choice="against")
+    if settings.pool and count == 1:
+        raise UsageError("--pool needs two files or more, but one was given", choice="pool")
     if settings.datasheet is not None and (count > 1 or part is not None):
         words = "--datasheet compares a single file with a data sheet; give one file, without --part"
         raise UsageError(words, choice="datasheet")
@@ -135,7 +138,7 @@ def _compare(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Rep
         return comparing.truncation(sources[0], part, recipe, progress=reports.tell)
     if count == 1:
         return comparing.compare_channels(sources[0], recipe, progress=reports.tell)
-    if count == 2:
+    if count == 2 and not settings.pool:
         return comparing.compare(sources[0], sources[1], recipe, against=against, progress=reports.tell)
     return comparing.pool(sources, recipe, progress=reports.tell)
 
@@ -167,8 +170,8 @@ ANALYZE = VerbTask(
     code=lambda result: next((code for code, _ in ends_of_units(result)), 0) if hasattr(result, "exceeding") else 0,
     most=None,
 )
-DEVIATION = VerbTask(_survey, "study.survey.Deviations")
-SPECTRUM = VerbTask(_survey, "study.survey.Densities")
+DEVIATION = VerbTask(_survey, "study.survey.Deviations", most=None)
+SPECTRUM = VerbTask(_survey, "study.survey.Densities", most=None)
 DYNAMIC = VerbTask(_survey, "study.survey.Windows")
 COMPARE = VerbTask(_compare, "comparison.comparison.ComparisonSettings", {"taus": "octave"}, most=None)
 WATCH = VerbTask(_watch, "study.watching.WatchSettings")

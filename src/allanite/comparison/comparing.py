@@ -136,7 +136,8 @@ def pool(
     Parameters
     ----------
     runs : sequence of Recording, Record, Study, path, table or array
-        Three or more of one kind of sensor; the channels that all of them have are pooled.
+        Two or more of one kind of sensor; the channels that all of them have are pooled. Of two, the scatter between
+        runs has a single degree of freedom.
     recipe : Recipe, optional
         How to read, which terms and averaging times (those of the octaves by default), the level.
     rng : numpy.random.Generator, optional
@@ -156,7 +157,7 @@ def pool(
     DataError
         A file cannot be read, or no channel can be pooled.
     UsageError
-        There are fewer than three runs, no channel that all have, or an option is wrong.
+        There are fewer than two runs, no channel that all have, or an option is wrong.
 
     Examples
     --------
@@ -171,8 +172,8 @@ def pool(
     ['run 3']
     """
     recipe = _ready(recipe, choices)
-    if len(runs) < 3:
-        raise UsageError(f"pooling needs at least three runs, not {len(runs)}; use compare(before, after) for two")
+    if len(runs) < 2:
+        raise UsageError(f"pooling needs at least two runs, not {len(runs)}")
     return _pool(open_sources(runs, recipe, progress=progress), recipe, rng=rng, progress=progress)
 
 

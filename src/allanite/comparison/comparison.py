@@ -220,6 +220,8 @@ class ComparisonSettings(ComparisonChoices, Value):
         Channels of the second recording that are compared with those of the first.
     part : float, optional
         Length of the beginning of one recording that is held against the rest, s.
+    pool : bool
+        Whether two recordings are pooled, not compared.
     """
 
 

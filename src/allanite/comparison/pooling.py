@@ -61,9 +61,21 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
         grades=joined.grades,
         records=seen.records,
         band=joined.joint.band,
-        alerts=(*joined.alerts, *seen.alerts),
+        alerts=(*joined.alerts, *seen.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])),
         alpha=alpha,
     )
+
+
+def _of_two(level: float) -> str:
+    """What two runs cannot show: their standard deviation is distributed as chi with one degree of freedom."""
+    from scipy.special import chdtri
+
+    low, high = (1 / math.sqrt(chdtri(1, p)) for p in ((1 - level) / 2, (1 + level) / 2))
+    return say(
+        "limits of a common coefficient hold if both runs have the same noise: two runs give the scatter between runs "
+        "with one degree of freedom, and the true one is {low:.2f} to {high:.2g} times as large ({share:g} %)",
+        low=low, high=high, share=100 * level,
+    )  # fmt: skip
 
 
 def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:

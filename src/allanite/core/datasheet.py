@@ -10,12 +10,15 @@ from allanite.terms import TERMS, WHITE
 
 from .estimate import Estimate
 from .fit import Fit
-from .readings import Readings, stability_over
+from .readings import Means, Readings, stability_over
 from .titles import title_of
 from .units import convert
 
 ONE_SIDED = math.sqrt(2)
 """One-sided over two-sided amplitude spectral density."""
+
+MOSTLY = 0.8
+"""Part of an N-second stability that a ramp alone makes, from which it is named."""
 
 BANDWIDTH = say("bandwidth (-3 dB)")
 
@@ -89,8 +92,18 @@ def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: f
         for means in readings.means:
             value = convert(means.value, readings.unit, unit)
             remark = say("{count} means", count=means.count)
+            if any(_spread_of(e, means) > MOSTLY * means.value for e in estimates):
+                remark = say("{means}; mostly the ramp: R x {length:.6g} s / sqrt(12)", means=remark,
+                             length=means.count * means.seconds)  # fmt: skip
             found.append(DataSheetRow(stability_over(means.seconds), value, None, None, unit, means.seconds, remark))
     return found if fit is None else [*found, _bandwidth(fit, rate)]
+
+
+def _spread_of(e: Estimate, means: Means) -> float:
+    """Standard deviation of means that a ramp alone makes, SI: R n s / sqrt(12); 0 of any other term."""
+    if TERMS[e.symbol].waveform is None or TERMS[e.symbol].slope != 1 or e.value is None:
+        return 0.0
+    return abs(e.value) * means.count * means.seconds / math.sqrt(12)
 
 
 def _name(e: Estimate) -> Phrase:

@@ -16,9 +16,10 @@ READ: dict[str, Callable[..., list[float]]] = {
     "reduction": lambda after, before: [100 * (1 - after / before)],
     "sum": lambda *numbers: [math.fsum(numbers)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
+    "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }
-"""What is made of the numbers of cells: slopes of pairs over a decade, percent from degrees of freedom."""
+"""What is made of the numbers of cells: slopes of pairs over a decade, a ramp from two deviations, percent from degrees of freedom."""
 
 
 def number(path: Path, cell: str) -> float:

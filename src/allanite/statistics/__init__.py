@@ -23,6 +23,7 @@ from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, Publis
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Assumption, LaterLaw, SupposedNoise, Supposing
 from allanite.statistics.model_curves import Expectation as Expectation
+from allanite.statistics.model_curves import Expectations as Expectations
 from allanite.statistics.model_curves import expectation as expectation
 from allanite.statistics.moments.expect import expected as expected
 from allanite.statistics.moments.hybrid import covariance as covariance

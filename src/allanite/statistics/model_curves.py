@@ -51,6 +51,18 @@ class Expectation(Value):
         return [np.sqrt(_variance(term, curve.statistic, (curve.tau, curve.rate, curve.size))) for term in self.model]
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Expectations(Value):
+    """Expected curves of several models, to be shown together."""
+
+    each: tuple[Expectation, ...]
+
+    @property
+    def apart(self) -> list[tuple[str, Expectation]]:
+        """Each with its name, or the text of its model."""
+        return [(one.name or str(one.model), one) for one in self.each]
+
+
 def expectation(
     model: ModelLike,
     statistics: Sequence[str] = ("oadev",),

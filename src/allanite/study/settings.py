@@ -156,6 +156,7 @@ class ComparisonChoices:
     part: float | None = choice("TIME", "Compare the first part of a file, of this length, with the rest.",
         kind=INSTANT)
     datasheet: str | None = choice("NAME", "Compare a file with a data sheet, e.g. adis16470.")
+    pool: bool = choice("", "Coefficients that two files have in common, as for three or more.", default=False)
 
 
 @dataclass(frozen=True, repr=False)

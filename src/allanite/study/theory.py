@@ -1,11 +1,12 @@
 """Expected curves of a given model: what the deviations of a file would be, without the file."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 from allanite.core.errors import UsageError
 from allanite.phrases.wording import spelled
 from allanite.simulation.recording import readings
-from allanite.statistics import Expectation, expectation
+from allanite.statistics import Expectation, Expectations, expectation
 
 from .channels import Source
 from .modelled import demand_no_recording
@@ -67,3 +68,12 @@ def expected_curves(
         size = readings(recipe.rate, settings.duration, settings.samples)
     tau = "log" if wanted.taus == Deviations.taus else wanted.taus
     return expectation(model, wanted.statistic, tau=tau, rate=recipe.rate, size=size, name=settings.name)
+
+
+def expected_of_models(
+    source: Source | None, models: Sequence[str], settings: TheorySettings, wanted: Deviations, recipe: Recipe
+) -> Expectation | Expectations:
+    """The expected curves of each model, or of what the settings give; the rest is that of `expected_curves`."""
+    each = [replace(settings, model=model) for model in models] or [settings]
+    found = tuple(expected_curves(source, one, wanted, recipe) for one in each)
+    return found[0] if len(found) == 1 else Expectations(found)

@@ -36,6 +36,25 @@ def test_equal_runs_have_one_noise(equal):
     assert 0.2 < channel["N"].between / channel["N"].within < 2.5
 
 
+@pytest.mark.parametrize(("factor", "alike"), [(1.0, True), (1.2, False)])
+def test_two_runs_have_common_coefficients_and_a_test_but_hardly_a_scatter(factor, alike):
+    pair = [run(1), run(2, n=8192, factor=factor)]
+    channel = al.pool(pair)["z"]
+    assert channel.alike is alike
+    assert not channel.apart
+    n = channel["N"]
+    assert n.dof == 1
+    assert (n.adjusted > 0.05) is alike
+    low, high = n.interval()
+    first, second = (al.identify(one)["N"] for one in pair)
+    assert first.value < n.value < second.value or second.value < n.value < first.value
+    assert high - low < np.subtract(*second.interval()[::-1])
+    assert (
+        f"{1 / stats.chi2.isf(0.025, 1) ** 0.5:.2f} to {1 / stats.chi2.isf(0.975, 1) ** 0.5:.2g} times"
+        in channel.alerts[-1]
+    )
+
+
 def test_degrees_of_freedom_add_up(equal):
     channel = equal["z"]
     np.testing.assert_allclose(channel.curve.edf, np.sum([curve.edf for curve in channel.curves], axis=0))
@@ -112,8 +131,8 @@ def test_the_beginning_of_a_record_agrees_with_the_whole():
 
 
 def test_what_cannot_be_pooled():
-    with pytest.raises(al.UsageError, match="at least three runs, not 2"):
-        al.pool([run(1), run(2)])
+    with pytest.raises(al.UsageError, match="at least two runs, not 1"):
+        al.pool([run(1)])
     with pytest.raises(al.DataError, match="identical samples"):
         al.pool([run(1), run(2), run(1)])
     other = al.Record(np.random.default_rng(1).standard_normal(4096), 100.0, "m/s^2", name="z")

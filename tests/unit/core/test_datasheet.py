@@ -109,3 +109,13 @@ def test_a_model_that_explains_nothing_gives_no_numbers():
     for entry in data_sheet(fit_of(walk), None, 100.0):
         assert (entry.value, entry.low, entry.high) == (None, None, None)
     assert data_sheet(fit_of(walk), None, 100.0)[0].remark == "not valid"
+
+
+@pytest.mark.parametrize(("ramp", "told"), [(60.0, False), (190.0, True), (-190.0, True)])
+def test_a_stability_that_a_ramp_makes_says_so(ramp, told):
+    """Means over 36 x 10 s of a ramp scatter by R x 360 s / sqrt(12): 5.5 deg/h of 190 deg/h^2."""
+    signal = signal_named("gyro")
+    fit = fit_of(estimate(term("N", 0.12, "deg/sqrt(h)"), 0.98, 1.03), estimate(term("R", ramp, "deg/h^2"), 0.9, 1.1))
+    found = lines(data_sheet(fit, readings_of(signal, math.radians(3.0) / 3600), 100.0))
+    remark = found["10 s stability", "deg/h"].remark
+    assert remark == "36 means" + "; mostly the ramp: R x 360 s / sqrt(12)" * told

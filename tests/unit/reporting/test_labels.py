@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import allanite as al
 from allanite.reporting.figures.labels import ENOUGH, LabelBox, freedom, place
 
 NOTHING = np.empty((0, 2))
@@ -32,3 +33,28 @@ def test_a_label_stands_on_the_side_of_its_line_where_nothing_is(side):
     label = place(np.array([(0.5, 0.5)]), (0.2, 0.06), points, ())
     assert side * (label.y - 0.5) < -0.04
     assert label.x == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        "Q 0.3 arcsec*s, N 3 arcsec*sqrt(s), B 1 arcsec, K 0.1 arcsec/sqrt(s), R 0.002 arcsec/s",
+        "N 0.1 deg/sqrt(h), B 1 deg/h, K 5 deg/h/sqrt(h)",
+        "Q 1 arcsec, N 0.01 deg/sqrt(h), B 0.1 deg/h, R 1 deg/h^2, GM 1 deg/h 20 s",
+    ],
+)
+def test_lines_to_labels_are_short_and_do_not_run_across_the_curve(model):
+    figure = al.plot(al.statistics.expectation(al.Model(model), rate=40.0, size=1_440_000))
+    figure.draw_without_rendering()
+    (ax,) = figure.axes
+    tau, whole = np.log(next(line for line in ax.lines if line.get_label() == "model").get_xydata()).T
+    low, high = np.log(np.array([ax.get_xlim(), ax.get_ylim()]).T)
+    leaders = [text for text in ax.texts if getattr(text, "arrowprops", None)]
+    assert len(leaders) == len(tuple(al.Model(model)))
+    for text in leaders:
+        ends = np.array([text.xy, text.xyann])
+        assert np.hypot(*(ends[1] - ends[0])) < 0.35, text
+        # the label is where its anchor is: above or below the curve
+        x, y = (low + ends * (high - low)).T
+        side = y - np.interp(x, tau, whole)
+        assert side[0] * side[1] > 0 or abs(side[0]) < 0.2, text

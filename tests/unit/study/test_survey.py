@@ -3,6 +3,8 @@
 import csv
 import io
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -61,6 +63,34 @@ def test_limits_can_be_left_out_and_the_unit_chosen(file):
     assert found[0]["low"] == found[0]["edf"] == ""
     assert float(found[0]["deviation"]) == pytest.approx(np.radians(1 / 3600), rel=0.1)
     assert "edf" not in run("deviation", file, "--channels", "x", "--no-intervals").stdout
+
+
+@pytest.mark.parametrize("verb", ["deviation", "spectrum"])
+def test_channels_of_several_files_are_side_by_side(verb, file, tmp_path):
+    other = tmp_path / "run2.csv"
+    shutil.copy(file, other)
+    form = ("--channels", "x", *(("--no-intervals",) if verb == "deviation" else ()))
+    one = rows(run(verb, file, *form, "--csv", "-").stdout)
+    both = rows(run(verb, file, other, *form, "--csv", "-", "--plot", tmp_path / "a.png").stdout)
+    assert [row | {"channel": "x"} for row in both] == one * 2
+    assert [*dict.fromkeys(row["channel"] for row in both)] == [Path(file).stem, "run2"]
+    several = run(verb, file, other, "--channels", "x,y", *form[2:], "--json", "-").stdout
+    names = [channel["name"] for channel in json.loads(several)["channels"]]
+    assert names == [f"{stem} {name}" for stem in (Path(file).stem, "run2") for name in "xy"]
+
+
+def test_several_models_are_side_by_side(tmp_path):
+    models = ["Sine 1 arcsec 0.5 Hz", "GM 1 arcsec 5 s"]
+    form = ("--rate", "40", "--duration", "60", "--csv", "-")
+    each = [rows(run("deviation", "--model", model, *form).stdout) for model in models]
+    given = (part for model in models for part in ("--model", model))
+    both = rows(run("deviation", *given, *form, "--plot", tmp_path / "{channel}.svg").stdout)
+    assert len(list(tmp_path.iterdir())) == 2
+    assert [row["deviation"] for row in both] == [row["deviation"] for found in each for row in found]
+    assert [*dict.fromkeys(row["model"] for row in both)] == [str(al.Model(model)) for model in models]
+    result = run("deviation", "--model", models[0], "--sensor", "fog")
+    assert result.exit_code == 2
+    assert "given twice" in result.stderr
 
 
 def test_spectrum_is_that_of_the_library(file):

@@ -50,7 +50,8 @@ def plot_panels(
     columns = columns_of(panels)
     rows = max(map(len, columns))
     wide = min(6.4 if len(panels) == 1 else 5.8, new_figure.room / len(columns) - 0.8)
-    sizes = [_scaled([span(panel) for panel in column], wide) for column in columns]
+    spans = [(panel.unit, span(panel)) for panel in panels]
+    sizes = [_scaled([one for unit, one in spans if unit == column[0].unit], wide) for column in columns]
     width = sum(size[1] for size in sizes) + 0.8 * len(columns)
     above = 1.1 if wide > LEAST_LABELLED else 1.6  # the legend has more lines in a narrow figure
     height = rows * (max(size[2] for size in sizes) + (0.3 if titled else 0.0)) + above

@@ -15,6 +15,12 @@ MARGIN = 0.015
 ENOUGH = 1.25
 """Distance to the nearest thing, in label sizes, beyond which farther away is no better; below 1 it is touched."""
 
+CELLS = 50
+"""Cells of the panel along each axis, by which it is known where the curves are."""
+
+LINE = np.linspace(0.0, 1.0, 20)
+"""Steps along that line."""
+
 NEAR = np.array([(dx, dy) for dx in (0.0, 0.58, -0.58) for dy in (0.9, -0.9, 1.7, -1.7)])
 """Where a label may stand: shift from its anchor in widths and heights; beside these, on a grid over the panel."""
 
@@ -52,14 +58,25 @@ def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray,
     at = anchors[away.argmin(axis=1)]
     far = np.hypot(*(at - centres).T)
     # whether the line from a label to its anchor runs across another label, shape (n,)
-    share = np.linspace(0.0, 1.0, 12)[:, None, None]
-    line = at + share * (centres - at)
+    line = at + LINE[:, None, None] * (centres - at)
     crossed = np.zeros(len(centres), np.bool_)
     for b in taken:
         crossed |= (np.abs(line - (b.x, b.y)) < (b.width / 2, b.height / 2)).all(axis=2).any(axis=0)
-    worth = _freedom(centres, size, obstacles, taken) - 0.5 * far - 0.4 * crossed
+    across = _across(line, shape, obstacles)
+    worth = _freedom(centres, size, obstacles, taken) - far - 0.4 * crossed - 0.4 * across
     x, y = centres[int(worth.argmax())].tolist()
     return LabelBox(x, y, *size)
+
+
+def _across(line: FloatArray, shape: FloatArray, obstacles: FloatArray) -> BoolArray:
+    """Whether lines from anchors to labels, shape (steps, n, 2), run across obstacles away from both ends."""
+    on = np.zeros((CELLS, CELLS), np.bool_)
+    x, y = np.clip(obstacles.T * CELLS, 0, CELLS - 1).astype(np.int64)
+    on[x, y] = True
+    x, y = (line.T * CELLS).astype(np.int64)
+    from_anchor = np.hypot(*(line - line[0]).T)
+    from_label = np.abs((line - line[-1]) / shape).max(axis=2).T - 0.5
+    return np.asarray((on[x, y] & (from_anchor > 2 / CELLS) & (from_label > 2 / CELLS)).any(axis=1))
 
 
 def nearest(anchors: FloatArray, box: LabelBox) -> FloatArray:

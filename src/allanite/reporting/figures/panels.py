@@ -22,6 +22,9 @@ from .labels import FloatArray, IntArray
 MOST_POINTS = 400
 """Points of a curve that are drawn: more are not seen, but weigh."""
 
+ZEROS = 1000.0
+"""Range in which the expected curve of a sinusoid is drawn, which is zero at multiples of its period."""
+
 
 class CurvePanel(NamedTuple):
     """A curve and what explains it.
@@ -118,11 +121,11 @@ def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
     if not visible.size:
         raise UsageError(f"the curve of {panel.name!r} is zero everywhere: logarithmic axes cannot show it")
     below = 8.0 if panel.drawn is not None else 2.5
+    low, high = float(visible.min()) / below, float(visible.max())
+    if panel.model is not None and any(t.row.periodic for t in panel.model):
+        low = max(low, high / ZEROS)
     # the upper limits of the last points are far off, and not worth the room
-    return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (
-        float(visible.min()) / below,
-        float(visible.max()) * 2.5,
-    )
+    return (float(curve.tau[0]) / 1.8, float(curve.tau[-1]) * 1.8), (low, high * 2.5)
 
 
 def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> list[CurvePanel]:

@@ -84,6 +84,7 @@ _OWN = {
     "Model": "expectation.MODEL",
     "Term": "expectation.MODEL",
     "Expectation": "expectation.expectation_view",
+    "Expectations": "expectation.expectations_view",
     "BudgetStudy": "budget.study_view",
     "Budget": "budget.budget_view",
     "CompensationStudy": "compensation.study_view",

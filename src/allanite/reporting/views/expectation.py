@@ -14,12 +14,12 @@ from allanite.reporting.first import DETAILS, Answer, First
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Plot, Sheet, Table, one_sheet, toml
 from allanite.reporting.text import spread
 from allanite.simulation.recording import Simulation
-from allanite.statistics import STATISTICS, Expectation, expectation
+from allanite.statistics import STATISTICS, Expectation, Expectations, expectation
 from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
 from . import view
 from .fit import model_table
-from .numbers import ROWS
+from .numbers import ROWS, tables_of
 
 if TYPE_CHECKING:
     from allanite.core.curve import Curve
@@ -80,6 +80,43 @@ def expectation_view(found: Expectation, _: float) -> Face:
     parts: list[Part] = [model_table(found.model), drawing]
     parts += _curves(found)
     return one_sheet(join("", [str(found.model)]), BRAND, found.name or say("model"), parts)
+
+
+def _plot_all(values: Sequence[Expectations], _: Fit | None, level: float) -> Plot:
+    named = [replace(one, name=name) for found in values for name, one in found.apart]
+    return _plot(named, None, level)
+
+
+def first_of_expectations(found: Expectations, level: float) -> First:
+    """The expected deviations of the models side by side, by their numbers."""
+    curves = [
+        replace(curve.to(readable_unit(curve.unit)), name=str(i))
+        for i, one in enumerate(found.each, 1)
+        for curve in one.curves
+    ]
+    named = [join("  ", (str(i), name)) for i, (name, _) in enumerate(found.apart, 1)]
+    answer = [*named, *tables_of(curves, level, max(4, ROWS - len(named)))]
+    return First(say("Expected of several models"), "", answer, after=[("--plot curve.png", say("figure")), DETAILS])
+
+
+@view(
+    _plot_all,
+    lambda found, _: (
+        ["model", "statistic", "tau_s", "deviation", "unit"],
+        [
+            [name, curve.statistic, *point, curve.unit]
+            for name, one in found.apart
+            for curve in one.curves
+            for point in zip(curve.tau.tolist(), curve.deviation.tolist(), strict=True)
+        ],
+    ),
+    first=first_of_expectations,
+)
+def expectations_view(found: Expectations, level: float) -> Face:
+    """The models, and what is expected of each."""
+    drawing = Drawing(lambda: _plot_all([found], None, level), say("expected deviation of each model"), CAPTION)
+    sheets = [Sheet(name, (), (model_table(one.model), *_curves(one))) for name, one in found.apart]
+    return Face(say("Expected of several models"), BRAND, sheets, parts=[drawing])
 
 
 MODEL = expectation_view.through(lambda model: expectation(model_of(model)))

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.spectrum import Spectrum
 from allanite.core.surface import Surface
@@ -28,24 +29,31 @@ BESIDE, BARE = 3, 6
 def first_of_survey(survey: Survey, level: float) -> First:
     """The values of every channel, at averaging times or frequencies that are spread evenly."""
     after = [("--plot curve.png", say("figure")), ("--csv FILE", say("all values")), ("--details", say("edf"))]
-    answer = list(_tables(survey.values, level))
+    answer = list(tables_of(survey.values, level))
     return First(title_of(survey), "", answer, [*doubts(survey.channels), *alerts(survey)], (), how_read(survey), after)
 
 
-def _tables(values: Sequence[Any], level: float) -> Iterator[Table | str]:
-    """A table for each statistic: a column for each channel."""
-    alike: dict[str, list[Any]] = {}
+def tables_of(values: Sequence[Any], level: float, rows: int = ROWS) -> Iterator[Table | str]:
+    """A table for each statistic, of so many rows together: a column for each channel with the averaging times."""
+    alike: dict[tuple[str, tuple[float, ...]], list[Any]] = {}
     for value in values:
-        alike.setdefault(_title(value), []).append(value)
+        at, title = tuple(_at(value).tolist()), _title(value)
+        known = (key for key in alike if key[0] == title and {*at} <= {*key[1]})
+        alike.setdefault(next(known, (title, at)), []).append(value)
     groups = [
         (title, found[i : i + wide])
-        for title, found in alike.items()
+        for (title, _), found in alike.items()
         for wide in (BARE if len(found) > BESIDE else BESIDE,)
         for i in range(0, len(found), wide)
     ]
     for title, group in groups:
         yield title
-        yield _table(group, level, ROWS // len(groups), bare=len(group) > BESIDE)
+        yield _table(group, level, rows // len(groups), bare=len(group) > BESIDE)
+
+
+def _at(value: Curve | Spectrum | Surface) -> FloatArray:
+    """The averaging times or frequencies of the rows."""
+    return value.frequency if isinstance(value, Spectrum) else value.tau
 
 
 def _title(value: Curve | Spectrum | Surface) -> str:
@@ -63,7 +71,10 @@ def _table(values: Sequence[Any], level: float, rows: int, *, bare: bool) -> Tab
     found = [_numbers(value, level, bare=bare) for value in values]
     at = list(found[0])
     heads = [
-        Column("f [Hz]" if isinstance(values[0], Spectrum) else "tau [s]", form=".4g"),
+        Column(
+            "f [Hz]" if isinstance(values[0], Spectrum) else "tau [s]",
+            form=lambda at: f"{at:.4g}" if at < 1e4 else f"{at:.0f}",
+        ),
         *(Column(value.name or say("channel"), "name") for value in values),
     ]
     return Table(heads, [[at[i], *(cells.get(at[i], "") for cells in found)] for i in spread(len(at), rows)])
@@ -76,10 +87,10 @@ def _numbers(value: Curve | Spectrum | Surface, level: float, *, bare: bool) -> 
         ranges: list[str] = [say("{low} to {high}", low=rounded(float(a)), high=rounded(float(b))) for a, b in ends]
         return dict(zip(value.tau.tolist(), ranges, strict=True))
     if isinstance(value, Spectrum):
-        at, size, limits = value.frequency, value.amplitude, np.sqrt(value.interval(level))
+        size, limits = value.amplitude, np.sqrt(value.interval(level))
     else:
-        at, size = value.tau, value.deviation
+        size = value.deviation
         limits = np.array(value.interval(level)) if value.law is not None else np.full((2, size.size), np.nan)
     numbers = [digits(*v).plain() for v in zip(size.tolist(), *limits.tolist(), strict=True)]
     said = [number if bare or not interval else f"{number} ({interval})" for number, interval in numbers]
-    return dict(zip(at.tolist(), said, strict=True))
+    return dict(zip(_at(value).tolist(), said, strict=True))
