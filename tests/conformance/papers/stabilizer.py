@@ -3,7 +3,7 @@
 import numpy as np
 from tests.conformance.papers.direct import allan, hadamard, overlapping, values
 from tests.conformance.papers.inputs import FIVE
-from tests.conformance.papers.rows import Drawn, Row, Told, arcsec, of_degree_per_hour, ratio, slope
+from tests.conformance.papers.rows import Row, Told, arcsec, of_degree_per_hour, ratio, slope
 
 COEFFICIENTS = "analyze run1.csv --coefficients -"
 MEANING = "analyze run2.csv --device stabilizer"
@@ -74,9 +74,3 @@ TOLD = (
          "--kind value: the quantity itself, whose own noise is wanted", 2),
     Told("sine without cosine", "analyze resolver.csv --sincos az_sin", "pairs of columns, the sine first", 2),
 )  # fmt: skip
-
-DRAWN = (
-    Drawn("Fig. 1", f"deviation --model '{FIVE}' --rate 1 --duration '10 h' --plot fig.svg"),
-    Drawn("Fig. 2", "deviation --model 'Sine 1 deg/h 3 Hz' --rate 100 --duration '1 min' --plot fig.svg"),
-    Drawn("Fig. 3", "deviation run2.csv --statistic adev,oadev,mdev,ohdev --taus log --no-intervals --plot fig.svg"),
-)
