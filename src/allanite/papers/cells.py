@@ -19,7 +19,7 @@ READ: dict[str, Callable[..., list[float]]] = {
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
 }
-"""What is made of the numbers of cells: slopes of pairs over a decade, a ramp from two deviations, percent from degrees of freedom."""
+"""What is made of the numbers of cells: slopes of pairs over a decade, a ramp from two deviations, percent from edf."""
 
 
 def number(path: Path, cell: str) -> float:
