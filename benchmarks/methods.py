@@ -3,7 +3,8 @@
     python benchmarks/methods.py [--sensors MEMS FOG RLG] [--sizes 65536 262144] [--records 100] [--ways methods]
                                  [--write PATH]
 
-The records of benchmarks/identification.py, seeds 1, 2, 3, ...; each method is asked for the true terms and no others.
+The records of benchmarks/identification.py, seeds 1, 2, 3, ...; each method is asked for the true terms and no others,
+and the likelihood reads all frequencies: a record in a hundred fails the test by chance, and would be read in a band.
 A term that a method does not find counts as 0, or as what its model has of it. With --ways curves it is generalized
 least squares of the curve of each statistic, and every cell has seeds of its own.
 """
@@ -43,7 +44,8 @@ def identified(job: Job, ways: Ways = WAYS) -> Found:
     record = al.simulate(SENSORS[job.sensor], job.n, RATE, rng=np.random.default_rng([*own, job.seed]))
     found = {}
     for way, (method, statistic) in ways.items():
-        fit = al.identify(record, method, terms=asked("known", job.sensor), statistic=statistic)
+        band = "all" if "band" in al.METHODS[method].options else None
+        fit = al.identify(record, method, terms=asked("known", job.sensor), statistic=statistic, band=band)
         model = {t.symbol: t.value for t in fit.model}
         found[way] = [(model.get(e.symbol, 0.0) if e.value is None else e.value, *e.interval(0.95)) for e in fit]
     return found

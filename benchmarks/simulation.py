@@ -31,6 +31,7 @@ MODELS = {
     "GMA, T = 0.3 samples": "GMA 0.4 arcsec 0.003 s",
     "GMA, T = 20 samples": "GMA 0.4 arcsec 0.2 s",
     "GM2": "GM2 1 deg/h 3 Hz 0.15",
+    "N, GM and GML": "N 0.003 deg/sqrt(h), GM 1 deg/h 0.2 s, GML 1 deg/h 5 s",
     "N and W": "N 0.003 deg/sqrt(h), W 5 deg/h 10 s",
     "N and R": "N 0.003 deg/sqrt(h), R 900 deg/h^2",
     "N and Sine": "N 0.003 deg/sqrt(h), Sine 1 deg/h 3.1 Hz",

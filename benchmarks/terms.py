@@ -52,7 +52,7 @@ ONE = (
 )
 TWO = (
     Cell(PROCESS, SLOW, "N,GM,GM", 50_000),
-    Cell(PROCESS, SLOW, "QNBKR,GM,GM", 60_000),
+    Cell(PROCESS, al.GML(30.0, "deg/h", time_constant=60.0), "QNBKR,GM,GM", 60_000),
     Cell(LOOP, al.GM2(20.0, "deg/h", frequency=0.3, damping=0.15), "N,GM,GM2", 70_000),
 )
 CELLS = {"one": ONE, "two": TWO}

@@ -274,6 +274,7 @@ MAKERS = {
     "Change of a signed term": lambda: comparison()["R"],
     "Check": lambda: residuals().checks[0],
     "Codes": lambda: codes(np.repeat([0.0, 1.0, 3.0, 4.0], 50)),
+    "Compared": lambda: compare(read_paper("000", PAPER), Path()).items[0],
     "Comparison": comparison,
     "Comparison of fits": lambda: al.compare(fit(), fit(i=3)),
     "Compensated": lambda: compensation()[0],

@@ -28,7 +28,7 @@ SAID = {
 }
 BY_ROW = {"commit", "date", "Python", "numpy", "seconds"}
 UNSAID = {
-    "bound.md": {"seconds"}, "simulation.md": {"seconds"}, "hybrids.md": {"numpy", "seconds"},  # not printed then
+    "bound.md": {"seconds"}, "hybrids.md": {"numpy", "seconds"},  # not printed then
     "environments.md": {"seeds"}, "recordings.md": {"seeds"}, "data_sheets.md": {"seeds"},  # nothing is drawn
     "fuzz.md": BY_ROW, "fuzz_analysis.md": BY_ROW,  # rows are made one by one, and name their commit and date
 }  # fmt: skip
@@ -53,6 +53,7 @@ KEYS = {
     "methods.md": 5, "noise_identification.md": 4,
     "rate.md": (1, 1, 1, 1, 1, 2, 1), "real_sensors.md": 2, "recordings.md": 2, "robustness.md": (2, 4, 2),
     "selection.md": 3, "signals.md": 2, "simulation.md": 2, "slow_noise.md": 3, "stream.md": (1, 3), "terms.md": 3,
+    "two_shapes.md": 3,
     "theoh_paper.md": (1, 1, 2, 2, 1, 2), "vertical.md": (1, 1, 3, 2, 1, 1, 1, 1), "web.md": 2, "window_moments.md": 2,
 }  # fmt: skip
 """Number of the first columns that tell rows apart, where it is not one; of each table, where tables differ."""

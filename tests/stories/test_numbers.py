@@ -60,6 +60,12 @@ def held(term, statistic):
     return one("theoh_paper.md", "95 % limits", term, statistic=[statistic])
 
 
+def two(parameter, column):
+    """Of the first cell of two Gauss-Markov processes."""
+    shown = next(row[column] for row in read("two_shapes.md").rows() if row["parameter"] == parameter)
+    return float(shown.split()[0])
+
+
 def gained(term, statistic):
     return 100 * (1 - theoh(term, statistic) / theoh(term, "oadev"))
 
@@ -181,8 +187,9 @@ SENTENCES = [
     ("docs/compensation_method.md", "truth in {:.0f} to {:.0f} % of records", lambda: compensated(
         "within 95 % limits", ("white",), ("temp", "d temp/dt"))),
     (FIT, "effect in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
-    ("docs/theoh_paper.md", "no: {:.1f} %; with overlapping windows {:.1f} %", lambda: [
-        one("theoh_paper.md", "Error of", "exact", **{"": [name]}) for name in ("adev", "oadev")]),
+    ("docs/stabilizer_paper.md", "in {:.0f} % of 150 records, and its limits held the truth in {:.0f} and {:.0f} %",
+        lambda: [two(name, column) for name, column in (
+            ("GML", "found, %"), ("GML", "coverage, %"), ("GML time constant", "coverage, %"))]),
     ("docs/theoh_paper.md", "K and R are {:.0f} and {:.0f} % better", lambda: [gained(s, "theoh") for s in "KR"]),
     ("docs/theoh_paper.md", "alone gains {:.0f} % of R", lambda: [gained("R", "theo1")]),
     ("docs/theoh_paper.md", "zero, K {:g} beside {:g} and R {:g} beside {:g},", lambda: [
@@ -271,6 +278,7 @@ CELLS = [
     ("docs/rate_paper.md", "Comparison", "rate.md", "The paper's experiment"),
     ("docs/rate_paper.md", "Why the staircase", "rate.md", "Noise that fits"),
     ("docs/theoh_paper.md", "The joint", "theoh_paper.md", "TheoH at its joint"),
+    ("docs/theoh_paper.md", "The paper's own fit", "theoh_paper.md", "Unweighted fit"),
     ("docs/angle_paper.md", "Table of accuracy", "angle.md", ""),
     ("docs/angle_paper.md", "Under sway", "angle.md", ""),
     ("docs/gyro_vertical.md", "No filter is the best", "vertical.md", "Scenarios"),

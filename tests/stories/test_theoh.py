@@ -107,7 +107,7 @@ def test_the_power_law_is_a_column(file):
     assert laws[-1] == -2
     assert {r["alpha"] for r in rows("deviation", file)} == {""}
     text = run("deviation", file, "--power-law").stdout
-    assert "power law" in text
+    assert "power law, less a ramp" in text
     assert "f^-2" in text
     data = json.loads(run("deviation", file, "--power-law", "--json", "-").stdout)
     assert data["channels"][0]["values"][0]["alpha"] == laws

@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from .deliver import deliver, outputs
+from .front import DATA
 from .options import SHOWN, options
 
 WRITTEN = {"report": "page.html", "json": "paper.json"}
@@ -60,7 +61,11 @@ def _run(line: list[str], shared: dict[str, Any]) -> None:
 
     defaults = shared | dict.fromkeys(ANGLE, shared)
     with main.make_context("allanite", line, default_map=dict.fromkeys(VERBS, defaults)) as context:
-        main.invoke(context)
+        try:
+            main.invoke(context)
+        except click.exceptions.Exit as done:
+            if done.exit_code != DATA:  # a part of a record need not be fit for analysis
+                raise
 
 
 ANGLE = ("calibrate", "estimate", "plan", "simulate")

@@ -10,7 +10,7 @@ from .errors import UsageError
 
 INSTALLERS = {
     "pipx": "pipx inject allanite {names}",
-    "uv tool": "uv tool install allanite --with {with_names}",
+    "uv tool": "uv tool install allanite -w {with_names}",
     "uv": "uv pip install {names}",
     "pip": "pip install {names}",
 }

@@ -90,7 +90,7 @@ METHODS: dict[str, Method] = {
     ),
     "curve": Method(
         say("unweighted non-negative least squares of the whole curve as drawn (for comparison with papers)"), Curve,
-        efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
+        efficiency=say("1.06 to 56.2 times the Cramer-Rao bound"),
         statistic="oadev", taus="log", reads=lambda row: row.allan or bool(row.parts), synonyms=("whole",),
     ),
     "slopes": Method(

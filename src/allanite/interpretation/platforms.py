@@ -4,6 +4,17 @@ from allanite.phrases.phrase import say
 
 from .device import Cause, Device
 
+CORRELATED = Cause(
+    say("exponentially correlated error"),
+    (say("a loop with definite dynamics; in the paper probably that of force unloading"),),
+    (
+        say("compare the time constant with those of the loops"),
+        say("look for its hump in the Hadamard deviation"),
+    ),
+    say("Gazaryan, conclusion 4"),
+)
+"""Of one loop, or of each of two."""
+
 STABILIZER = Device(
     "stabilizer",
     say("gyro stabilizer"),
@@ -44,18 +55,20 @@ STABILIZER = Device(
             (say("systematic part of the platform's drift"), say("temperature and vibration may change it")),
             (
                 say("estimate it at long averaging times (in the paper above 10 s) and compensate it"),
-                say("take the random part off, which the Hadamard deviation gives"),
+                say("estimate it together with the random part: it is not the Allan less the Hadamard deviation"),
             ),
-            say("Gazaryan, table on p. 148, conclusions 1, 2 and 5"),
+            say("Gazaryan, table on p. 148, conclusions 1, 2 and 5; allanite"),
         ),
-        "GM": Cause(
-            say("exponentially correlated error"),
-            (say("a loop with definite dynamics; in the paper probably that of force unloading"),),
+        "GM": CORRELATED,
+        "GML": CORRELATED,
+        "GM2": Cause(
+            say("oscillation of the stabilization error"),
+            (say("a loop that is weakly damped, or a resonance of the suspension or the structure"),),
             (
-                say("compare the time constant with those of the loops"),
-                say("look for its hump in the Hadamard deviation"),
+                say("compare its frequency with those of the loops and of the structure"),
+                say("raise the damping of the loop: a lower gain, or more phase margin"),
             ),
-            say("Gazaryan, conclusion 4"),
+            say("Gazaryan, conclusion 4 (loops); allanite"),
         ),
     },
     say("The names hold where the signal is the angle of the platform itself, not a rate."),

@@ -15,6 +15,9 @@ from allanite.terms import TERMS, WHITE
 from .asymptotes import Span, crossing, least, spans
 from .grades import BY_MINIMUM
 
+HUMP = 0.37
+"""Averaging time of the first hump of a damped oscillation, in its periods."""
+
 
 def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:
     """What the coefficients of a fit say, in sentences; none where its model does not explain the record.
@@ -167,14 +170,20 @@ def _absent(fit: Fit, symbol: str) -> Iterator[str]:
 
 
 def _time_constants(fit: Fit, found: dict[str, Estimate]) -> Iterator[str]:
-    """The time constant of a Gauss-Markov process or of a filter."""
-    process = found.get("GM")
-    if process is not None and process.shape:
+    """The time constants of Gauss-Markov processes, of an oscillation and of a filter."""
+    for process in (found[symbol] for symbol in ("GM", "GML") if symbol in found):
         yield say(
             "A Gauss-Markov process with a time constant of {time} was identified: look for a control loop, a "
             "temperature or a filter with this time constant.",
             time=averaging(process.shape[0]),
         )
+    if "GM2" in found:
+        frequency, damping = found["GM2"].shape
+        yield say(
+            "A damped oscillation of {frequency:.3g} Hz with a damping ratio of {damping:.2g} was identified: look for "
+            "a control loop, a resonance or sway with this frequency; it makes a hump near {time}.",
+            frequency=frequency, damping=damping, time=averaging(HUMP / frequency),
+        )  # fmt: skip
     if fit.scope is not None and fit.scope.filter is not None:
         cutoff = fit.scope.filter.cutoff
         yield say(

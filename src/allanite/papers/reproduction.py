@@ -107,7 +107,7 @@ def compared(item: Item, folder: Path) -> Compared:
 
 
 def _verdict(item: Item, found: Sequence[float]) -> tuple[str, bool]:
-    """What is said of an item, and whether that is what is expected."""
+    """The verdict on an item, and whether it is the expected one."""
     if not item.numbers:
         return item.verdict or DRAWN, True
     agrees, wanted = _near(found, item.numbers, item.tolerance), item.verdict or AGREES

@@ -82,7 +82,8 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
         published ones of Theo1 fall below 1 under random walk, where 1 is taken; those of theobr and theoh are Theo1's.
     power_law : bool
         Whether to determine the power law of the noise at each tau, `Curve.alpha`: 2 and 1 for white and flicker angle
-        noise, 0, -1, -2 for white, flicker and random walk rate noise.
+        noise, 0, -1, -2 for white, flicker and random walk rate noise. A ramp is taken out first, so that the curve may
+        rise with slope +1 where the noise is white, but at the longest tau, where fewer than 30 points decide.
     threads : int
         Maximum number of threads; the results are the same except for the last digit.
     **sampling

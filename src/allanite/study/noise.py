@@ -4,21 +4,26 @@ import math
 from dataclasses import replace
 from functools import partial
 
+from allanite.core.finding import Finding
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.limits import Stored, Widened
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
-from allanite.core.validity import APPROXIMATE, UNEXPLAINED, Band
+from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Band
 from allanite.identification.checks.contradiction import MeasuredCurve, contradictions, held, measured, not_rounding
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import identify
-from allanite.identification.methods import METHODS
-from allanite.phrases.phrase import say
+from allanite.identification.methods import METHODS, symbols_of
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import spelled
 from allanite.terms import TERMS, WHITE
 
 from .keeper import Inspected
 from .recipe import Recipe
 from .results import Noise
+
+REQUESTED = (("GM2",), ("GM", "GM"))
+"""Terms that only a request adds, tried where the automatic ones do not describe a record, to be named to the user."""
 
 
 def graded(noise: Noise, record: Record) -> Noise:
@@ -122,7 +127,42 @@ def noise_of(
         fit = replace(fit, notes=(*fit.notes, note))
     if fit.goodness is None:
         return Noise(fit)
-    return graded(Noise(fit, partial(residuals, record, fit, outliers=outliers)), record)
+    noise = graded(Noise(fit, partial(residuals, record, fit, outliers=outliers)), record)
+    described = noise.validity != UNEXPLAINED and (noise.fit.scope is None or noise.fit.scope.until is None)
+    return noise if described or (terms or recipe.terms) != "auto" else _with_remedy(noise, record, recipe)
+
+
+def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
+    """The noise that the automatic terms do not describe, with the finding which terms do, if more of them do.
+
+    Those that explain a record beside all automatic terms must do so without the absent ones, as they are then named.
+    """
+    kept = [e.symbol for e in noise.fit if e.claimed and not e.shape] if noise.fit.valid else []
+    for more in REQUESTED:
+        fit = identify(
+            record, terms=[*(kept or symbols_of("auto")), *more], band="all", outliers=recipe.outliers or "mark"
+        )
+        shaped = [e for e in fit if e.claimed and e.shape]
+        if fit.goodness is None or not fit.goodness.explained or len(shaped) < len(more):
+            continue
+        named = ",".join([*(e.symbol for e in fit if e.claimed and not e.shape), *more])
+        better = noise_of(record, recipe, terms=named)
+        if better.validity == EXPLAINED and better.fit.scope and better.fit.scope.whole:
+            terms = join(", ", (str(term) for term in better.fit.model if term.shape and term.row.scatters))
+            finding = Finding(
+                "terms",
+                say("more terms describe the whole record: {terms}", terms=terms),
+                say("they are fitted on request only: a control loop, a second relaxation process, or vibration"),
+                say("ask for them ({option})", option=spelled(f"--terms {named}", f"terms={named!r}")),
+            )
+            left = noise.residuals
+            noise = replace(noise, fit=replace(noise.fit, findings=(finding, *noise.fit.findings)))
+            return (
+                noise
+                if left is None
+                else replace(noise, leftover=Stored(replace(left, findings=(finding, *left.findings))))
+            )
+    return noise
 
 
 def noise_in(seen: Inspected, recipe: Recipe) -> Noise:

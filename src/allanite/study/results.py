@@ -23,6 +23,7 @@ from allanite.identification.checks.shared import shared
 from allanite.parallel.processors import how_many
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
+from allanite.terms import TERMS
 
 from .job import Job
 
@@ -197,7 +198,11 @@ class Channel(ChannelResult):
         settled = {finding.name for finding in self.residuals.findings} if self.residuals else set()
         scope = self.fit.scope if self.fit else None
         met = self.fit is not None and (self.fit.lines or (scope is not None and (scope.masks or scope.limited)))
-        settled |= {"lines"} if met and self.explained else set()
+        shaped = [TERMS[e.symbol] for e in self.fit or () if e.claimed and e.shape]
+        if self.explained and (met or any(row.period for row in shaped)):
+            settled.add("lines")
+        if self.explained and shaped:  # of such terms the curve may have any slope
+            settled.add("slope")
         return tuple(finding for finding in self.quality.warnings if finding.name not in settled)
 
     @property

@@ -55,8 +55,8 @@ class DeviationChoices:
         "WORD", "Degrees of freedom of the intervals: exact, or published, for the power law found at each time.",
         default="exact", parts=("exact",))
     power_law: bool = choice(
-        "", "Show the exponent of the power law that the noise follows at each averaging time.", default=False,
-        parts=(False,))
+        "", "Show the exponent of the power law of the noise at each averaging time; a ramp is taken out first.",
+        default=False, parts=(False,))
     threads: int = 1
     to: str | None = _unit()
 

@@ -69,7 +69,7 @@ def slow_gauss_markov(T: float) -> NoiseTerm:
         origin="A second relaxation process beside that of GM: the temperature of a housing beside that of a sensor, a "
         "second control loop.",
         advice="A second hump, at a longer averaging time than that of GM. It is looked for when both are among the "
-        "terms that are asked for; a second GM stands for it. One process alone is called GM.",
+        "terms that are asked for: N,GM,GM is N,GM,GML. One process alone is called GM.",
         color="#872D96",
         dark="#C36900",
         dash=(8, 1.8, 1.4, 1.8),

@@ -23,7 +23,7 @@ def test_requirements_are_those_of_the_project(extra):
     [
         (".venv", "home = /usr/bin\n", "pip install fastapi uvicorn"),
         (".venv", "home = /usr/bin\nuv = 0.5.1\n", "uv pip install fastapi uvicorn"),
-        ("uv/tools/allanite", "uv = 0.5.1\n", "uv tool install allanite --with fastapi,uvicorn"),
+        ("uv/tools/allanite", "uv = 0.5.1\n", "uv tool install allanite -w fastapi,uvicorn"),
         ("pipx/venvs/allanite", "home = /usr/bin\n", "pipx inject allanite fastapi uvicorn"),
     ],
 )

@@ -42,6 +42,7 @@ from allanite.extending import (
 )
 
 from .noise import noise_of_rates
+from .run import fits
 
 DURATIONS = (1.0, 3.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 """Measuring times that are compared, s."""
@@ -220,7 +221,9 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
     noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)
 
     measured = experiment(record, model, chosen)
-    durations = tuple(d for d in settings.durations if d * FEWEST <= record.duration)
+    asked = settings.durations != DURATIONS
+    durations = tuple(d for d in settings.durations if asked or d * FEWEST <= record.duration)
+    short = [d for d in durations if asked and not fits(record, d)]
     methods = measured.methods if measured.start.size == 1 else ()
     estimates = tuple(_whole(record, method, model, chosen) for method in methods)
     heading = bias = None
@@ -240,9 +243,14 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
         for f in quality.warnings
         if f.name not in settled
     )
+    left = (
+        say("{time:g} s is not measured: it needs three samples, and has to fit twice into {length:g} s",
+            time=d, length=record.duration)
+        for d in short
+    )  # fmt: skip
     return RateChannel(
         record, seen.quality, noise, experiment=measured, by_duration=by_duration(record, durations, model, chosen),
-        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *warned),
+        estimates=estimates, bias=bias, north=heading, alerts=(*alerts, *map(str, measured.findings), *left, *warned),
     )  # fmt: skip
 
 

@@ -180,9 +180,15 @@ def by_duration(
 ) -> tuple[Experiment, ...]:
     """The experiment for several measuring times, s: the accuracy against the time it takes.
 
-    Times that do not fit twice into the record are omitted. At most a hundred intervals of each, spread over the
-    record, are measured.
+    Times that do not fit twice into the record are omitted. At most `settings.most` intervals of each, spread over
+    the record, are measured, by default a hundred.
     """
     settings = settings or ExperimentSettings()
-    fitting = [d for d in durations if 3 <= d * record.rate <= record.size / 2]
-    return tuple(experiment(record, model, replace(settings, interval=d, most=MOST)) for d in fitting)
+    most = settings.most or MOST
+    fitting = [d for d in durations if fits(record, d)]
+    return tuple(experiment(record, model, replace(settings, interval=d, most=most)) for d in fitting)
+
+
+def fits(record: Record, duration: float) -> bool:
+    """Whether a measuring time, s, has three samples, and fits twice into a record."""
+    return 3 <= duration * record.rate <= record.size / 2

@@ -32,7 +32,7 @@ STEP = 0.03
 """Step in the logarithms of several parameters for the curvature of the likelihood, at first."""
 
 NEAR = 3
-"""Time constants on either side of the best that take part."""
+"""Time constants on either side of the best that take part; of three parameters one less."""
 
 BEYOND = 3.0
 """How far below the least time constant that is looked for its limits may lie."""
@@ -232,8 +232,9 @@ class Shapes(Search):
         size, directions = np.linalg.eigh(self._covariance(best))
         (low, high), x = np.log(np.array(self.spans)).T, np.log(np.array(best.constants))
         reach = directions * np.sqrt(OPEN * np.maximum(size, 0))
-        far = [x + s * k / NEAR * d for d in reach.T for k in range(1, NEAR + 1) for s in (-1, 1)]
-        inside = [tuple(np.exp(np.clip(one, low, high)).tolist()) for one in far]
+        most = NEAR if x.size < NEAR else NEAR - 1
+        steps = [k for k in product(range(-most, most + 1), repeat=x.size) if 0 < np.dot(k, k) <= most**2]
+        inside = [tuple(np.exp(np.clip(x + reach @ k / most, low, high)).tolist()) for k in map(np.array, steps)]
         area = np.prod(np.minimum(2 * np.abs(reach).max(axis=1) / (high - low), 1.0))
         return self.beside([*inside, best.constants], float(area))
 

@@ -17,7 +17,7 @@ from . import Rows, view
 BRAND = say("a paper beside what is found here")
 
 MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}
-"""Of the verdicts; the others have none."""
+"""Marks of verdicts; the others have none."""
 
 HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))
 """Columns of the table of a page."""

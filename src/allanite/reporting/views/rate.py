@@ -21,11 +21,13 @@ from .rate_experiment import (
     CAPTION,
     HEADINGS,
     by_time,
+    certain_limits,
     closeup_parts,
     every_interval,
     experiment_rows,
     finite,
     sentences,
+    series_of,
     table_of,
     told,
 )
@@ -52,8 +54,8 @@ def _parts(channel: RateChannel, settings: RateSettings, level: float) -> Iterat
     if found.start.size > 1:
         yield table_of(found)
     if any(e.start.size > 1 for e in channel.by_duration):
-        yield from by_time(_series(channel))
-    yield from _estimates(channel.estimates, level)
+        yield from by_time(series_of(channel))
+    yield from _estimates(channel.estimates, level, modeled=found.ranking is not None)
     yield Drawing(lambda: _draw([channel]), say("errors of all methods"), CAPTION)
     if found.start.size > 1:
         yield every_interval(found)
@@ -90,7 +92,7 @@ def interval_rows(study: RateStudy) -> Rows:
     return heads, rows
 
 
-def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part]:
+def _estimates(estimates: Sequence[RateEstimate], level: float, *, modeled: bool = False) -> Iterator[Part]:
     if not estimates:
         return
     rows = []
@@ -100,14 +102,15 @@ def _estimates(estimates: Sequence[RateEstimate], level: float) -> Iterator[Part
         rows.append([e.method, *digits(e.to(unit), *(v / factor for v in e.interval(level)), figures=8).plain(), unit])
     heads = (Column(say("method"), "symbol"), Column(say("rate")), Column(words.interval(level), "interval"))
     yield Table((*heads, Column(say("unit"), "unit")), rows)
-    if any(math.isnan(e.standard_error) and e.limits is None for e in estimates):
-        yield Note(NO_ERROR)
-    certain = [e.method for e in estimates if e.limits is not None]
-    if certain:
-        methods = ", ".join(certain)
-        yield Note(
-            say("the limits of {methods} are certain: no other rate gives these counts without noise", methods=methods)
+    unknown = [e.method for e in estimates if math.isnan(e.standard_error) and e.limits is None]
+    if unknown:
+        between = say(
+            "no limits for {methods}: no staircase fits all counts, so that none are certain, and with so little noise "
+            "beside a pulse the error follows no model",
+            methods=", ".join(unknown),
         )
+        yield Note(between if modeled else NO_ERROR)
+    yield from map(Note, certain_limits(estimates))
 
 
 def _draw(channels: Iterable[RateChannel]) -> Plot:
@@ -120,7 +123,7 @@ def _draw(channels: Iterable[RateChannel]) -> Plot:
 def _rows(study: RateStudy, level: float) -> Rows:
     rows: list[list[Any]] = []
     for channel in study.channels:
-        for experiment in _series(channel):
+        for experiment in series_of(channel):
             rows += experiment_rows(experiment) if experiment.start.size > 1 else ()
         for e in channel.estimates:
             unit = e.signal.sheet[0]
@@ -128,12 +131,6 @@ def _rows(study: RateStudy, level: float) -> Rows:
             rows.append([channel.record.name, e.method, e.duration, 1, *map(finite, numbers[:3]), *[""] * 7,
                          finite(numbers[3]), unit])  # fmt: skip
     return HEADINGS, rows
-
-
-def _series(channel: RateChannel) -> list[Experiment]:
-    """The experiment of a channel and those of the other measuring times."""
-    found = channel.experiment
-    return [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
 
 
 @view(

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from allanite.applications.constant_rate import Closeup, Experiment, Ranking
+from allanite.applications.constant_rate import Closeup, Experiment, Ranking, RateEstimate
+from allanite.applications.constant_rate.campaign import RateChannel
 from allanite.applications.constant_rate.estimates import rate_factor
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say, say_count
@@ -101,6 +102,21 @@ def every_interval(found: Experiment) -> Table:
     return Table(heads, rows, say("rate of every interval [{unit}]", unit=unit), details=True, where="page")
 
 
+def series_of(channel: RateChannel) -> list[Experiment]:
+    """The experiment of a channel and those of the other measuring times."""
+    found = channel.experiment
+    return [] if found is None else [found, *(e for e in channel.by_duration if e.duration != found.duration)]
+
+
+def certain_limits(estimates: Sequence[RateEstimate]) -> Iterator[str]:
+    """Which limits are certain: those of counts that a staircase explains."""
+    methods = ", ".join(e.method for e in estimates if e.limits is not None)
+    if methods:
+        yield say(
+            "the limits of {methods} are certain: no other rate gives these counts without noise", methods=methods
+        )
+
+
 def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
     """The scatter of every method against the measuring time, and what the noise predicts of it."""
     ordered = sorted((e for e in series if e.start.size > 1), key=lambda e: e.duration)
@@ -125,8 +141,10 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
         heads = [Column(say("measuring time"), "name"), *(Column(m, form=known(".3g")) for m in numbers)]
         rows = [[words.duration(e.duration), *row] for e, *row in zip(ordered, *numbers.values(), strict=True)]
         if name == "deviation":
-            heads.append(Column(say("intervals"), aside=True))
-            rows = [[*row, e.start.size] for row, e in zip(rows, ordered, strict=True)]
+            heads += [Column(say("mean by {method}", method=ordered[0].methods[0]), form=".8g"),
+                      Column(say("intervals"))]  # fmt: skip
+            means = [float(e.rates[0].mean()) / rate_factor(unit, e.signal) for e in ordered]
+            rows = [[*row, mean, e.start.size] for row, mean, e in zip(rows, means, ordered, strict=True)]
         if numbers:
             yield Table(heads, rows, title)
 

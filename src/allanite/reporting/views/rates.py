@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from allanite.applications.constant_rate import RateEstimate, estimate, subtract_bias
-from allanite.applications.constant_rate.campaign import RateChannel, RateStudy
+from allanite.applications.constant_rate.campaign import DURATIONS, RateChannel, RateStudy
 from allanite.applications.constant_rate.estimates import rate_factor
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
@@ -12,8 +12,8 @@ from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
 from allanite.reporting.first import DETAILS, FIGURES, Answer, Axes, First, Quantity, Remark
 
-from .axes import alerts, by_sensor, doubts, fit_words, how_read, names_of, title_of
-from .rate_experiment import told
+from .axes import alerts, by_sensor, doubts, fit_words, how_read, names_of, title_of, warned
+from .rate_experiment import by_time, certain_limits, series_of, told
 
 
 def first_of_rates(study: RateStudy, level: float) -> First:
@@ -22,10 +22,15 @@ def first_of_rates(study: RateStudy, level: float) -> First:
     remarks = list(doubts([c for c in study.channels if c.refusal or identified]))
     for channel in study.channels:
         name, found = channel.record.name or say("channel"), channel.experiment
-        remarks += [Remark.of(name, text) for text in (found.drift if found else "", *channel.alerts) if text]
+        known = tuple(str(finding.what) for finding in warned(channel))
+        told_here = (text for text in channel.alerts if not str(text).startswith(known))
+        remarks += [Remark.of(name, text) for text in (found.drift if found else "", *told_here) if text]
     answer: list[Answer] = [_axes(alike, study, level) for alike in by_sensor(study.channels)]
     ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]
     answer += dict.fromkeys(told(ranking) for ranking in ranked if ranking is not None)
+    answer += dict.fromkeys(text for channel in study.channels for text in certain_limits(channel.estimates))
+    if study.settings.durations not in (DURATIONS, ()):
+        answer += [next(by_time(series_of(c))) for c in study.channels if any(e.start.size > 1 for e in c.by_duration)]
     legend = [say("±: {share} half width.", share=words.percent(level))]
     return First(title_of(study), "", answer, [*remarks, *alerts(study)], legend, how_read(study), [FIGURES, DETAILS])
 

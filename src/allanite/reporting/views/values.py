@@ -72,7 +72,7 @@ def _curve_table(curve: Curve, level: float) -> tuple[Sequence[Column], list[lis
     heads.append(Column(say("terms averaged")))
     rows = [[*row, count] for row, count in zip(rows, curve.count, strict=True)]
     if curve.alpha is not None:
-        heads.append(Column(say("power law"), form=lambda alpha: f"f^{alpha:+d}" if alpha else "f^0"))
+        heads.append(Column(say("power law, less a ramp"), form=lambda alpha: f"f^{alpha:+d}" if alpha else "f^0"))
         rows = [[*row, alpha] for row, alpha in zip(rows, curve.alpha.tolist(), strict=True)]
     return heads, rows
 

@@ -1,0 +1,66 @@
+"""A record that the automatic terms do not describe names the terms that do, and asking for them helps."""
+
+import re
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import allanite as al
+from allanite.cli import main
+from allanite.interpretation.causes import meaning
+
+RATE, SIZE = 40.0, 72_000
+HUMPS = {
+    "weakly damped": ("N 0.3 arcsec*sqrt(s), GM2 1.2 arcsec 0.3 Hz 0.05, R 0.5 arcsec/s", "N,R,GM2", 62),
+    "loud": ("N 0.3 arcsec*sqrt(s), GM2 4 arcsec 0.3 Hz 0.02, R 0.5 arcsec/s", "N,R,GM2", 60),
+    "two processes": ("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s, GM 1 arcsec 20 s", "N,GM,GM", 20),
+}
+
+
+def simulated(name):
+    text, _, seed = HUMPS[name]
+    return al.simulate(al.Model(text), SIZE, RATE, rng=np.random.default_rng(seed))
+
+
+def channel_of(record, **choices):
+    return al.analyze(record, al.Recipe(**choices)).channels[0]
+
+
+@pytest.mark.parametrize("name", HUMPS)
+def test_what_is_named_describes_the_record(name):
+    text, terms, _ = HUMPS[name]
+    record = simulated(name)
+    found = channel_of(record).fit.findings[0]
+    assert (found.name, found.remedy) == ("terms", f"ask for them (terms={terms!r})")
+    channel = channel_of(record, terms=terms)
+    assert channel.noise.validity == "explained"
+    assert channel.warnings == ()
+    meant = meaning(channel.fit, rate=RATE, length=SIZE / RATE, device="stabilizer")
+    shaped = [t for t in al.Model(text) if t.shape]
+    for term, estimate in zip(shaped, (e for e in channel.fit if e.shape), strict=True):
+        assert np.allclose((estimate.value, *estimate.shape), (term.value, *term.shape), rtol=0.5)
+        assert estimate.symbol in meant.causes
+    assert sum("was identified: look for a" in said for said in meant.sentences) == len(shaped)
+
+
+def test_the_option_that_the_command_names_helps(tmp_path):
+    al.write(simulated("weakly damped"), file := tmp_path / "record.npz")
+    run = CliRunner().invoke(main, ["analyze", str(file)])
+    option = re.search(r"ask\s+for\s+them\s+\((--terms\s+\S+)\)", run.output)[1]
+    run = CliRunner().invoke(main, ["analyze", str(file), *option.split()])
+    assert "  explained (goodness of fit" in run.output
+
+
+def test_nothing_is_named_where_nothing_is_missing():
+    record = al.simulate(al.Model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s"), SIZE, RATE, rng=np.random.default_rng(1))
+    assert channel_of(record).fit.findings == ()
+
+
+def test_an_oscillation_that_is_modeled_is_no_motion():
+    """The curve falls more steeply beyond the hump than before it, which five terms never do."""
+    model = al.Model("N 0.3 arcsec*sqrt(s), GM2 1.2 arcsec 0.3 Hz 0.15")
+    channel = channel_of(al.simulate(model, SIZE, RATE, rng=np.random.default_rng(4)))
+    assert "slope" in channel.quality.names
+    assert channel.fit["GM2"].claimed
+    assert channel.warnings == ()
