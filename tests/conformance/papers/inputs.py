@@ -8,7 +8,6 @@ ANGLE = "N 0.004743 arcmin*sqrt(s), R 0.008333 arcmin/s, GM 0.02 arcmin 2 s"
 FOG = "Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2"
 BEFORE = "Q 0.963036 arcsec, N 2.525648 deg/sqrt(h), B 12.023988 deg/h, K 32.72457 deg/h/sqrt(h), R 38.789995 deg/h^2"
 AFTER = "Q 0.916159 arcsec, N 2.365199 deg/sqrt(h), B 3.235266 deg/h, K 10.682979 deg/h/sqrt(h), R 23.970946 deg/h^2"
-FIVE = "Q 1 arcsec, N 1 deg/sqrt(h), B 1 deg/h, K 1 deg/h/sqrt(h), R 1 deg/h^2"
 ERRORS = "--error h:128=3,-1.5 --error h:256=1,2 --error q:128=-2,1 --error q:256=1.5,1"
 
 COMMANDS = (

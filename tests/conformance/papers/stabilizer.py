@@ -2,8 +2,7 @@
 
 import numpy as np
 from tests.conformance.papers.direct import allan, hadamard, overlapping, values
-from tests.conformance.papers.inputs import FIVE
-from tests.conformance.papers.rows import Row, Told, arcsec, of_degree_per_hour, ratio, slope
+from tests.conformance.papers.rows import Row, Told, arcsec, of_degree_per_hour, ratio
 
 COEFFICIENTS = "analyze run1.csv --coefficients -"
 MEANING = "analyze run2.csv --device stabilizer"
@@ -26,14 +25,6 @@ ROWS = (
     *(Row(f"eq. 10, {run} run: {symbol}", command, f"value @ term={symbol}", value, tolerance)
       for run, command in (("first", COEFFICIENTS), ("second", f"{MEANING} --coefficients -"))
       for symbol, value, tolerance in TRUTH),
-    Row("slopes: N", "analyze run1.csv --method piecewise --ranges N=0.1:0.2,R=20:120 --coefficients -",
-        "value @ term=N", 0.28458, 0.1),
-    Row("slopes: R", "analyze run1.csv --method piecewise --ranges N=0.1:0.2,R=20:120 --coefficients -",
-        "value @ term=R", 0.49998, 0.01),
-    *(Row(f"Fig. 1: slope of {symbol}",
-          f"deviation --model '{FIVE}' --rate 1 --duration '10 h' --taus 10,1000 --csv -",
-          (f"{symbol} @ tau_s=10", f"{symbol} @ tau_s=1000"), expected, 0.01, read=slope)
-      for symbol, expected in (("Q", -1.0), ("N", -0.5), ("B", 0.0), ("K", 0.5), ("R", 1.0))),
     Row("Fig. 2: top of a sinusoid, at 0.371 of the period",
         "deviation --model 'Sine 1 deg/h 3 Hz' --rate 1000 --duration 100 --taus 0.124 --csv -",
         "deviation", 0.725, 0.002, read=of_degree_per_hour),
@@ -47,13 +38,10 @@ ROWS = (
     Row("Hadamard: blind to a ramp",
         "deviation --model 'N 1 deg/sqrt(h), R 5 deg/h^2' --rate 1 --duration 2h --statistic ohdev --taus 100 --csv -",
         ("R", "deviation"), 0.0, 1e-9, read=ratio),
-    Row("truncated run: change of R, %", "compare run1.csv --part 1800 --csv -",
-        "change_percent @ quantity=R", 0.0, 1.0),
     Row("second run: change of N, %", "compare run1.csv run2.csv --csv -",
         "change_percent @ quantity=N", 0.0, 3.0),
     Row("two runs in one table", "analyze run1.csv run2.csv --coefficients -",
         "value @ file=run2.csv & term=N", 0.28458, 0.05),
-    Row("conclusion 3: the minimum", COEFFICIENTS, "value @ term=minimum", 0.618, 0.05),
     Row("conclusion 5: R has a sign", COEFFICIENTS, "low @ term=R", 0.49998, 0.01),
     *(Row(f"sine and cosine of a resolver: {symbol}", "analyze resolver.csv --sincos az_sin,az_cos --coefficients -",
           f"value @ term={symbol}", value, tolerance) for symbol, value, tolerance in TRUTH),

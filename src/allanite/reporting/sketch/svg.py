@@ -1,5 +1,6 @@
 """Pieces of SVG: numbers, paths, styles, and words with their widths, those of the font of matplotlib."""
 
+import os
 import re
 from collections.abc import Iterable, Sequence
 from functools import cache
@@ -53,6 +54,10 @@ def _font(bold: bool) -> Any:
     font = FT2Font(str(Path(get_data_path(), "fonts", "ttf", f"DejaVuSans{'-Bold' if bold else ''}.ttf")))
     font.set_size(_SIZE, 72)
     return font
+
+
+if hasattr(os, "register_at_fork"):  # processes that share an open file move each other's place in it
+    os.register_at_fork(after_in_child=_font.cache_clear)
 
 
 FONT = "'DejaVu Sans',Verdana,sans-serif"
