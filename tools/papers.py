@@ -1,5 +1,6 @@
 """Figures and tables of the pages on papers: ``python tools/papers.py [NAME ...]`` runs the examples."""
 
+import re
 import shutil
 import sys
 import tempfile
@@ -35,9 +36,19 @@ def table(found: Reproduction, lang: str) -> str:
     """The items of a paper as a table of a page."""
     with speaking(lang):
         heads = [tr(head) for head in HEADS]
-        rows = [[i.item, i.claim, i.paper, i.here, tr(VERDICTS[i.verdict]), tr(i.why)] for i in found.items]
-    lines = [heads, ["---"] * len(heads), *([printable(cell) for cell in row] for row in rows)]
-    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+        rows = [[i.item, i.claim, i.paper, i.here, whole(tr(VERDICTS[i.verdict])), tr(i.why)] for i in found.items]
+    lines = [heads, ["---"] * len(heads), *([written(cell) for cell in row] for row in rows)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def whole(text: str) -> str:
+    """A text that a narrow column does not break between Chinese letters."""
+    return re.sub(r"(?<=[\u4e00-\u9fff])(?=[\u4e00-\u9fff])", "\u2060", text)
+
+
+def written(cell: str) -> str:
+    """A cell in Markdown: signs as on a page, options as code."""
+    return re.sub(r"(--[a-z][\w-]*)", r"`\1`", printable(cell)).replace("|", r"\|")
 
 
 if __name__ == "__main__":
