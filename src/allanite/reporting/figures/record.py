@@ -16,10 +16,10 @@ from allanite.reporting.digits import printed_unit
 from .drawing import TIME, draw_legend
 from .panels import CurvePanel, points
 
-STRETCHES = 720
+STRETCHES = 480
 """Stretches of a record whose least and largest sample are drawn: more are not seen."""
 
-MEANS = 8
+MEANS = 6
 """Stretches of one mean."""
 
 HOURS, MINUTES = 7200.0, 300.0
