@@ -13,6 +13,7 @@ ASKED = {
     "002": "Table 1; Fig. 2; Fig. 3",
     "003": "Table 1; Table 2; Table 3; Fig. 1; Fig. 2; Figs. 3, 4, 5, 7; Fig. 6; Fig. 8; Fig. 9; Fig. 10",
     "004": "Table 2; Table 3; Fig. 5; Fig. 6",
+    "005": "abstract",
 }
 
 WIDTHS = (32, 16, 24)

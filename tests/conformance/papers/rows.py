@@ -43,17 +43,6 @@ class Told:
         return self.item
 
 
-@dataclass(frozen=True)
-class Drawn:
-    """A figure or a table that a command writes."""
-
-    item: str
-    command: str
-
-    def __str__(self):
-        return self.item
-
-
 def number(path, cell):
     """The number of a cell in a CSV or JSON file; those of all rows if the cell begins with ``all``."""
     text = path.read_text(encoding="utf-8")

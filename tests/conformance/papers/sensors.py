@@ -29,5 +29,3 @@ TOLD = (
     Told("eqs. 2, 3: the polar gyro", "angle estimate hour.csv --difference difference --latitude 60 --rho rho "
          "--angles h,q,h_polar", "its sensors can be estimated under sway only", 3),
 )  # fmt: skip
-
-DRAWN = ()

@@ -62,5 +62,3 @@ TOLD = (
          "--kind value: the quantity itself, whose own noise is wanted", 2),
     Told("sine without cosine", "analyze resolver.csv --sincos az_sin", "pairs of columns, the sine first", 2),
 )  # fmt: skip
-
-DRAWN = ()

@@ -54,5 +54,3 @@ TOLD = (
     Told("the jump of TheoH", "deviation fog.npz --statistic theoh --taus octave --bias plain", "theoh jumps there"),
     Told("Fig. 6", "analyze step.npz", "the noise level changes by a factor of 3"),
 )
-
-DRAWN = ()

@@ -30,5 +30,3 @@ TOLD = (
          "not resolvable in these records, but in longer ones: B (at"),
     Told("a line that has gone", "compare line.npz clean.npz", "Sine at 0.02005 Hz -100 % (-100 to"),
 )  # fmt: skip
-
-DRAWN = ()

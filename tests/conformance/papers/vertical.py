@@ -1,6 +1,6 @@
 """000, its end: Matveev's gyro-vertical, of which the abstract survives."""
 
-from tests.conformance.papers.rows import Drawn, Row, Told, arcsec, ratio
+from tests.conformance.papers.rows import Row, Told, arcsec, ratio
 
 VERTICAL = "vertical --gyro 'N 0.3 deg/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz)'"
 COLOURED = (
@@ -10,22 +10,13 @@ HOUR = f"{COLOURED} --duration '1 h'"
 SCENARIOS = f"{VERTICAL} --scenarios --rate 50 --csv -"
 
 ROWS = (
-    Row("best time constant, s", f"{VERTICAL} --json -", "/optimum/time_constant", 1.1459, 0.002),
-    Row("its error", f"{VERTICAL} --json -", "/optimum/first/rms", 19.27, 0.002, read=arcsec),
     *(Row(f"detuned {factor} times", f"{VERTICAL} --json -", f"/optimum/detuning/{i}/1", error, 0.005,
           read=arcsec)
       for i, factor, error in ((0, 0.25, 28.1), (1, 0.5, 21.5), (3, 2, 21.5), (4, 4, 28.1))),
-    Row("bias: time constant, s", f"{VERTICAL} --gyro-bias '10 deg/h' --json -", "/optimum/time_constant",
-        0.810, 0.002),
     Row("bias: error", f"{VERTICAL} --gyro-bias '10 deg/h' --json -", "/optimum/first/rms", 21.43, 0.002,
         read=arcsec),
-    *(Row(f"Kalman: {gain}", VERTICAL.replace("0.3 deg/sqrt(h)",
-          "0.3 deg/sqrt(h), K 20 deg/h/sqrt(h)") + " --json -",
-          f"/optimum/second/loop/{gain}", value, 0.04) for gain, value in (("k1", 0.89099), ("k2", 0.016160))),
     Row("flicker, 10 min: time constant, s", f"{COLOURED} --duration '10 min' --json -",
         "/optimum/time_constant", 0.762, 0.02),
-    Row("flicker, 10 min: error", f"{COLOURED} --duration '10 min' --json -", "/optimum/first/rms", 26.3,
-        0.01, read=arcsec),
     Row("flicker, 1 h: time constant, s", f"{HOUR} --json -",
         "/optimum/time_constant", 0.691, 0.03),
     Row("flicker, 1 h: error", f"{HOUR} --json -", "/optimum/first/rms", 28.3, 0.01,
@@ -49,5 +40,3 @@ TOLD = (
     Told("random walk of the rate wants a second order", HOUR, "use the filter of second order"),
     Told("structure: the error by source", HOUR, "accelerometer B = 50 µg"),
 )
-
-DRAWN = (Drawn("transfer functions", f"{VERTICAL} --plot fig.svg"),)

@@ -123,6 +123,14 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
                 "{gated:.4g} deg with the gate, {plain:.4g} deg without", gated=math.degrees(gated[1]),
                 plain=math.degrees(plain[1]))
         )  # fmt: skip
+    plain, gated = named.get("first order, 10 s"), named.get("10 s, angle gate 1 deg")
+    if plain is not None and gated is not None:
+        before, after = ([f"{math.degrees(rms[at]):.3g}" for at in (1, 2)] for rms in (plain, gated))
+        yield Note(
+            say("a gate on the angle gains under acceleration ({before} to {after} deg) and loses in oscillation "
+                "({calm} to {lost} deg): there it shuts the accelerometers out most of the time",
+                before=before[0], after=after[0], calm=before[1], lost=after[1])
+        )  # fmt: skip
     heads = [Column(say("filter"), "name"), *(Column(join(" ", (s, "[deg]"))) for s in found.scenarios)]
     cells = [
         [name, *(f"{r:.3g} ({w:.2g})" for r, w in zip(np.degrees(rms), np.degrees(worst), strict=True))]
@@ -164,6 +172,9 @@ def _angle_parts(angle: Angle) -> Iterator[Part]:
         yield from _optimum_parts(angle.optimum, angle.name)
 
 
+HELD = 0.1
+"""Share of the samples without accelerometers from which a gate may do more harm than good."""
+
 BEYOND = 1.5
 """Ratio of measured and predicted scatter from which it is mentioned."""
 
@@ -200,8 +211,12 @@ def study_view(study: VerticalStudy, _: float) -> Face:
         falling = say("{count} samples in free fall, during which the gyros alone were used", count=study.falling)
         parts.append(Note(falling, "warning"))
     if study.held > study.falling and row.name != "bortz":
-        held = say("the accelerometers were ignored in {count} samples", count=study.held - study.falling)
-        parts.append(Note(held))
+        share = (study.held - study.falling) / study.roll.size
+        held = say("the accelerometers were ignored in {share} of the samples", share=words.percent(share, 2))
+        if share > HELD:
+            held = say("{held}: the angle then follows the gyros alone; in an oscillation it errs more than without "
+                       "a gate", held=held)  # fmt: skip
+        parts.append(Note(held, "warning" if share > HELD else "note"))
     parts.append(Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES))
     names = say("Roll and pitch of {source}", source=source_of(study)), BRAND
     return job_face(study, names, sheets, parts, close=[_matrices(study.loop, study.rate)], how=[METHODS])
