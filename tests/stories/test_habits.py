@@ -71,6 +71,7 @@ WORKS = (
     ("print(fit.summary())", lambda nothing: nothing is None),
     ("fit._repr_html_()", lambda html: "<table" in html and "<svg" in html),
     ("fit.plot()", lambda figure: len(figure.axes) > 0),
+    ("record.plot()", lambda figure: len(figure.axes) == 1),
     ("record._repr_html_()", lambda html: "gx" in html),
     # jobs
     ("al.analyze(df, rate=100)", lambda study: len(study.channels) == 2),
@@ -107,7 +108,6 @@ REFUSED = (
     ("al.simulate(model, size=100, rng=1)", "give rate"),
     ("al.simulate('N 0.1 deg/sqrt(h)', 100, 1, rng=1)", "Model(text)"),
     ("al.oadev(x, rate=100)", "al.deviation(x, 'oadev', rate=100)"),
-    ("record.plot()", "al.plot(al.deviation(record))"),
 )
 """What cannot be done as it is typed, and the call that the refusal names."""
 

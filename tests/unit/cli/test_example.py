@@ -33,7 +33,8 @@ def test_the_commands_are_verbs(name):
 
 
 @pytest.mark.parametrize("name", thinned(PAPERS, 1, "every example whole"))
-def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path):
+def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, monkeypatch):
+    monkeypatch.delenv("ALLANITE_DETAILS")
     folder = tmp_path / "made"
     done = run("example", name, folder)
     assert done.exit_code == 0, done.stderr

@@ -16,10 +16,10 @@ from allanite.reporting.digits import printed_unit
 from .drawing import TIME, draw_legend
 from .panels import CurvePanel, points
 
-STRETCHES = 720
+STRETCHES = 480
 """Stretches of a record whose least and largest sample are drawn: more are not seen."""
 
-MEANS = 8
+MEANS = 6
 """Stretches of one mean."""
 
 HOURS, MINUTES = 7200.0, 300.0
@@ -96,7 +96,7 @@ def _draw_record(ax: Axes, record: Record, size: float) -> None:
         ax.plot(time, seen.mean, ".-", color=style.SERIES[0], lw=0.7, ms=2.5, label=say("samples"))
     else:
         both = np.column_stack([seen.low, seen.high]).ravel()
-        ax.plot(np.repeat(time, 2), both, color=style.SERIES[0], lw=0.6, label=say("samples"))
+        ax.plot(np.repeat(time, 2), both, color=style.SERIES[0], lw=1.0, label=say("samples"))
     if length > MEANS * STRETCHES:
         course = envelope(record, STRETCHES // MEANS)
         ax.plot((record.cut + course.at / record.rate) / size, course.mean, color=style.SERIES[1], lw=1.1,
