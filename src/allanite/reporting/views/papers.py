@@ -7,7 +7,7 @@ from pathlib import Path
 
 from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS
 from allanite.papers.reproduction import Compared, Reproduction
-from allanite.phrases.phrase import say, say_count
+from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.reporting.first import DETAILS, First
 from allanite.reporting.matplotlib_svg import Picture, stored
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Table, one_sheet
@@ -63,7 +63,8 @@ def _brief(items: Sequence[Compared]) -> Table:
 def brief(item: Compared) -> list[str]:
     """An item in a line: of the reason its first clause."""
     reason = VERDICTS[item.verdict] if item.verdict == DRAWN else item.why or VERDICTS[item.verdict]
-    return [": ".join((item.item, item.claim)), item.paper, item.here, re.split("[:;] ", reason)[0]]
+    clause = reason if isinstance(reason, Phrase) else re.split("[:;] ", reason)[0]
+    return [": ".join((item.item, item.claim)), item.paper, item.here, clause]
 
 
 def _figure(path: Path) -> Picture:
