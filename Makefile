@@ -20,7 +20,7 @@ export FILE
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo quick test test-all lint docs catalogues matrix release setup clean
+.PHONY: help demo quick test test-all lint docs catalogues matrix release article setup clean
 
 help:
 	@echo "make demo              find the noise of an embedded sample"
@@ -32,6 +32,7 @@ help:
 	@echo "make docs              build the documentation site into build/site"
 	@echo "make matrix            try the wheel with other Pythons and dependencies: build/environments.md"
 	@echo "make release           sdist, wheel, bill of materials and checksums into dist"
+	@echo "make article           the figure of paper/paper.md"
 	@echo "make catalogues        bring the translations of the reports up to date with the source"
 	@echo "make setup             only set up .venv, with everything the tests need"
 	@echo "make clean             remove .venv, build and caches"
@@ -75,6 +76,10 @@ matrix: .venv/test
 release: .venv/release
 	@$(BIN)/python tools/release.py dist
 	@echo "the release is in dist"
+
+# the figure of the article in paper/
+article: .venv/run
+	@$(BIN)/allanite analyze examples/tactical_gyro.csv --channels gz --plot paper/figure.png --force --quiet
 
 setup: .venv/test
 

@@ -26,3 +26,9 @@ def test_the_container_copies_what_exists():
         *sources, _ = line.split()
         assert all((ROOT / source).exists() for source in sources), line
     assert "[all]" in text
+
+
+def test_the_article_cites_what_its_bibliography_has():
+    folder = ROOT / "paper"
+    cited = set(re.findall(r"@(\w+)", (folder / "paper.md").read_text("utf-8").split("---", 2)[2]))
+    assert cited == set(re.findall(r"^@\w+\{(\w+),", (folder / "paper.bib").read_text("utf-8"), re.MULTILINE))
