@@ -5,6 +5,7 @@ from table import Page, read
 import re
 
 import pytest
+from scipy.special import chdtri
 from tests import ROOT
 
 import allanite as al
@@ -175,6 +176,8 @@ SENTENCES = [
     ("docs/speed.md", "takes {:.1f} to {:.1f} times as", lambda: span(figures(FIRST, "For this", "ratio"))),
     ("docs/stream.md", "of about {:.0f} kB", lambda: [stated("stream.md", r"holds (\d+) bytes")[0] / 1000]),
     ("docs/stream.md", "are {:.2f} to {:.2f} times", lambda: span(figures("stream.md", "Coeff", "stream / bound"))),
+    ("docs/compare.md", "between {:.2f} and {:.0f} times the one seen (95 %)", lambda: [
+        chdtri(1, tail) ** -0.5 for tail in (0.025, 0.975)]),
     ("docs/compare.md", "calls {:.2f} to {:.2f} % of 2000 pairs", lambda: span(
         figures("comparison.md", "Equal", "called different %", test=["verdict"]))),
     ("docs/compensation_method.md", "temperature in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),

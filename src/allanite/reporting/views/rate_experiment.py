@@ -141,10 +141,12 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
         heads = [Column(say("measuring time"), "name"), *(Column(m, form=known(".3g")) for m in numbers)]
         rows = [[words.duration(e.duration), *row] for e, *row in zip(ordered, *numbers.values(), strict=True)]
         if name == "deviation":
-            heads += [Column(say("mean by {method}", method=ordered[0].methods[0]), form=".8g"),
-                      Column(say("intervals"))]  # fmt: skip
-            means = [float(e.rates[0].mean()) / rate_factor(unit, e.signal) for e in ordered]
-            rows = [[*row, mean, e.start.size] for row, mean, e in zip(rows, means, ordered, strict=True)]
+            heads.append(Column(say("intervals"), aside=len(methods) > 1))
+            rows = [[*row, e.start.size] for row, e in zip(rows, ordered, strict=True)]
+            if len(methods) == 1:
+                heads.append(Column(say("mean rate"), form=".8g"))
+                means = (float(e.rates.mean()) / rate_factor(unit, e.signal) for e in ordered)
+                rows = [[*row, mean] for row, mean in zip(rows, means, strict=True)]
         if numbers:
             yield Table(heads, rows, title)
 
