@@ -47,6 +47,27 @@ def run(*arguments):
     return CliRunner().invoke(main, ["rate", *map(str, arguments)])
 
 
+def test_counts_are_analyzed_over_a_second(vertical):
+    said = [CliRunner().invoke(main, ["analyze", vertical, *HOW, *more]).stdout for more in ((), ("--average", "1"))]
+    assert "quantization errors are not white" in said[0]
+    assert "…. Try --average 1" in said[0]
+    assert "model fits" in said[1]
+    assert "Try" not in said[1]
+
+
+def test_an_ideal_staircase_is_certain(folder):
+    # the example of the paper: 6 deg/h in pulses of 1 arcsec, 720 in two minutes
+    angle = np.floor(6.0 * np.arange(48_001) / 400 + 0.3013)
+    np.savetxt(folder / "ideal.csv", np.diff(angle), fmt="%d", header="z", comments="")
+    said = run(
+        folder / "ideal.csv", "--rate", "400", "--unit", "arcsec", "--kind", "count", "--scale", "1", "--no-times"
+    )
+    assert "6.000000 ± 0.000042" in said.stdout
+    assert "an ideal staircase: 720 ± 1 pulses alone leave ±0.0083 °/h, its steps ±4.2e-05 °/h" in said.stdout
+    assert "FIT" not in said.stdout
+    assert not said.stderr
+
+
 @pytest.mark.slow("ensemble")
 @pytest.mark.usefixtures("details")
 def test_which_method(vertical):
@@ -62,7 +83,7 @@ def test_which_method(vertical):
 @pytest.mark.usefixtures("details")
 def test_the_noise_is_identified_where_none_is_given(vertical):
     result = run(vertical, *HOW, "--interval", "60", "--methods", "mean,regression")
-    assert "the noise was identified from blocks of 400 samples (1 s)" in result.stdout
+    assert "the noise was identified from counts over 1 s" in result.stdout
     assert "Q = 0.2" in result.stdout
 
 

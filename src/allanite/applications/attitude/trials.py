@@ -25,12 +25,15 @@ def compared() -> dict[str, tuple[str, Setting]]:
         "bortz": ("bortz", slow),
         say("first order, {time:g} s", time=1): ("complementary", Setting(Loop.of(1.0))),
         say("first order, {time:g} s", time=10): ("complementary", Setting(Loop.of(10.0))),
+        **{
+            say("{time:g} s, angle gate {gate:g} deg", time=10, gate=gate): (
+                "complementary",
+                Setting(Loop.of(10.0), gate=math.radians(gate)),
+            )
+            for gate in (1, 2)
+        },
         say("first order, {time:g} s", time=100): ("complementary", slow),
         say("{time:g} s, norm gate {gate:g} g", time=100, gate=0.02): ("complementary", replace(slow, norm_gate=0.02)),
-        say("{time:g} s, angle gate {gate:g} deg", time=10, gate=1): (
-            "complementary",
-            Setting(Loop.of(10.0), gate=math.radians(1.0)),
-        ),
         say("second order, {time:g} s, {slow:g} s", time=100, slow=500): (
             "second-order",
             Setting(Loop(0.01, 1 / 500**2)),

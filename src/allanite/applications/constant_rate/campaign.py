@@ -21,6 +21,7 @@ from allanite.applications.constant_rate import (
 from allanite.extending import (
     ChannelResult,
     DataError,
+    Finding,
     Inspected,
     Job,
     Model,
@@ -145,6 +146,16 @@ class RateChannel(ChannelResult):
     north: North | None = None
     alerts: tuple[str, ...] = ()
 
+    @property
+    def certain(self) -> tuple[RateEstimate, ...]:
+        """The estimates whose limits hold with certainty: those of counts without noise."""
+        return tuple(e for e in self.estimates if e.limits is not None)
+
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        """Findings about the data that matter to the rate."""
+        return tuple(finding for finding in self.quality.warnings if str(finding) in self.alerts)
+
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data, of the noise with its curve."""
         return super().to_dict(level) | {"fit": None if self.fit is None else self.fit.to_dict(level)}
@@ -218,14 +229,17 @@ def measure_rates(
 
 def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateChannel:
     record, chosen = seen.record, settings.experiment_on(seen.record)
-    noise, model, alerts, settled = noise_of_rates(record, recipe, chosen.interval, settings.noise)
+    noise, model, alerts, settled, source = noise_of_rates(record, recipe, chosen.interval, settings.noise)
 
     measured = experiment(record, model, chosen)
+    measured = replace(measured, notes=(*source, *measured.notes))
     asked = settings.durations != DURATIONS
     durations = tuple(d for d in settings.durations if asked or d * FEWEST <= record.duration)
     short = [d for d in durations if asked and not fits(record, d)]
     methods = measured.methods if measured.start.size == 1 else ()
     estimates = tuple(_whole(record, method, model, chosen) for method in methods)
+    if any(e.limits is not None for e in estimates):  # an ideal staircase has no noise that could be identified
+        noise, alerts, settled = None, (), (*settled, "short")
     heading = bias = None
     if len(seen.records) > 1 or settings.horizontal:
         method = settings.position_method if model is not None else "mean"
@@ -244,7 +258,7 @@ def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateCh
         if f.name not in settled
     )
     left = (
-        say("{time:g} s is not measured: it needs three samples, and has to fit twice into {length:g} s",
+        say("{time:g} s is not measured: it needs three samples, and has to fit into {length:g} s",
             time=d, length=record.duration)
         for d in short
     )  # fmt: skip

@@ -118,7 +118,7 @@ class Experiment(Value):
         return Scatter(method, float(errors.mean()), deviation, low, high, neighbours, 3 * deviation, worst, predicted)
 
     def ratios(self, level: float = 0.95) -> tuple[Ratio, ...]:
-        """Ratios of the standard deviations of all pairs of methods.
+        """Ratios of the standard deviations of all pairs of methods that scatter.
 
         Limits after Pitman and Morgan: sums and differences of the two standardized errors are uncorrelated where the
         ratio is right, so that the correlation of the two series, which is high, narrows them.
@@ -133,7 +133,8 @@ class Experiment(Value):
         if k < 3:
             return ()
         found, t = [], float(stdtrit(k - 2, (1 + level) / 2))
-        for (first, a), (second, b) in combinations(zip(self.methods, self.rates, strict=True), 2):
+        scattered = [(m, rates) for m, rates in zip(self.methods, self.rates, strict=True) if rates.std() > 0]
+        for (first, a), (second, b) in combinations(scattered, 2):
             value, correlation = float(a.std(ddof=1) / b.std(ddof=1)), float(np.corrcoef(a, b)[0, 1])
             c = 1 + 2 * (1 - correlation**2) * t**2 / (k - 2)
             narrow = math.sqrt(max(c - math.sqrt(max(c**2 - 1, 0.0)), 0.0))

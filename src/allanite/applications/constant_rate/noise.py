@@ -38,7 +38,7 @@ FAST = ("quantized", "resampled", "lines", "slope")
 
 
 class RateNoise(NamedTuple):
-    """The noise of a channel: identified, the model that is used, alerts, and findings that need no other words.
+    """The noise of a channel: identified, the model that is used, alerts, findings that need no other words, notes.
 
     There is no model where the noise is not explained.
     """
@@ -47,6 +47,7 @@ class RateNoise(NamedTuple):
     model: Model | None = None
     alerts: tuple[str, ...] = ()
     settled: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model | None = None) -> RateNoise:
@@ -57,7 +58,7 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
     rate.
     """
     if given is not None:
-        return RateNoise(model=given)
+        return RateNoise(model=given, settled=("short",))
     # what a rate is estimated under are these five; dither is no line to be removed, but part of the estimator
     terms = automatic() if recipe.terms == "auto" else recipe.terms
     size = min(round(interval * record.rate), record.size)
@@ -70,6 +71,14 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
                 continue
             coarse = noise_of(block_means(record, m), replace(recipe, band="auto"), terms=terms, lines=False)
             if coarse.verdict and coarse.explained:
+                model, alerts = _supposed(coarse.fit, size, record.rate)
+                if record.kind == "count":
+                    counted = say(
+                        "the noise was identified from counts over {length:.3g} s, which the model explains: dither "
+                        "and single pulses, which are faster, are part of Q",
+                        length=m / record.rate,
+                    )
+                    return RateNoise(coarse, model, alerts, FAST, (counted,))
                 note = say_count(
                     m,
                     "the noise was identified from blocks of {count} sample ({length:.3g} s), which the model "
@@ -78,7 +87,6 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
                     "explains; at the full rate: {statement}",
                     length=m / record.rate, statement=join("; ", (noise.statement.head, *noise.statement.points[:1])),
                 )  # fmt: skip
-                model, alerts = _supposed(coarse.fit, size, record.rate)
                 return RateNoise(coarse, model, (note, *alerts), FAST)
     except DataError as error:
         return RateNoise(alerts=(say("no noise model: {reason}", reason=str(error)),))

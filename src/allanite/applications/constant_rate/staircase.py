@@ -22,6 +22,9 @@ NEIGHBOURHOOD = 0.1
 DITHERED = 0.3
 """Angle noise, quanta, from which the staircase's error can be predicted."""
 
+TOUCHING, STEPS = 1e-12, 100
+"""Gap, pulses, within which a line only touches the corners of steps: rounding; and most steps to find it."""
+
 CUBE_ROOT = 2.2
 """Standard deviation of (staircase - regression) at the end of n samples, over (angle noise)^(2/3) n^(-1/3) in quanta:
 1.98 to 2.37 for noise of 0.4 to 4 quanta and n of 1000 to 48000."""
@@ -29,49 +32,73 @@ CUBE_ROOT = 2.2
 
 def _staircase(interval: Interval, _: FloatArray, task: Task) -> RateMeasurement:
     y, line = _steps_and_line(interval)
-    p, q, least, bound = _search(y, line, math.inf if task.options.certified else WORK)
+    p, q, least, bound, slopes = _search(y, line, math.inf if task.options.certified else WORK)
     slope = (line[-1] - line[0] + q - p) / (y.size - 1)
     details = {
         "misfit": least,
         "least possible misfit": max(bound, 0.0),
         "phase": float(line[0] + p) % 1.0,
         "RMS residual": math.sqrt(least / y.size),
+        "pulses": float(y[-1]),
+        "rate of a pulse": interval.pulse * interval.size / (y.size - 1),
     }
-    t = np.arange(y.size) - (y.size - 1) / 2
+    limits = None
+    if slopes is not None:
+        low, high = (a * interval.pulse - interval.offset for a in slopes)
+        limits = low, high
+    return RateMeasurement(slope * interval.pulse - interval.offset, details, limits)
+
+
+def _ideal(rest: FloatArray) -> tuple[float, float] | None:
+    """Least and greatest a with rest <= a t + b < rest + 1 for some b, t about the middle; None if there is none.
+
+    The gap max(rest - a t) - min(rest + 1 - a t) is convex in a, made of straight pieces, and must be negative. The
+    steps of Newton from both sides end at its zeros exactly, or, where it has none, pass each other.
+    """
+    t = np.arange(rest.size) - (rest.size - 1) / 2
 
     def gap(a: float) -> tuple[float, float]:
-        free = y - a * t
+        free = rest - a * t
         high, low = int(free.argmax()), int(free.argmin())
         return float(free[high] - free[low] - 1), float(t[low] - t[high])
 
-    if least > 0 or gap(slope)[0] > 0:
-        return RateMeasurement(slope * interval.pulse - interval.offset, details)
-    # all slopes a with y <= a t + b < y + 1 for some b: the gap max(y - a t) - min(y + 1 - a t) is convex in a, made of
-    # straight pieces, and must not be positive: Newton's steps from outside end at its zeros exactly
-    limits = []
+    ends = []
     for side in (-1.0, 1.0):
-        a = slope + side * 4 / (y.size - 1)
+        a = side * 4 / (rest.size - 1)
         value, steep = gap(a)
-        while not (value <= 1e-12 or steep * side <= 0):
+        for _ in range(STEPS):
+            if value <= TOUCHING or steep * side <= 0:
+                break
             a -= value / steep
             value, steep = gap(a)
-        limits.append(a * interval.pulse - interval.offset)
-    low, high = limits
-    return RateMeasurement((low + high) / 2, details, (low, high))
+        if value > TOUCHING:
+            return None
+        ends.append(a)
+    return (ends[0], ends[1]) if gap(sum(ends) / 2)[0] < -TOUCHING else None
 
 
 def recognized(interval: Interval, *, certified: bool = False) -> tuple[FloatArray, FloatArray]:
     """The angle in quanta, and the line whose floor is the staircase nearest to it."""
     y, line = _steps_and_line(interval)
-    p, q, _, _ = _search(y, line, math.inf if certified else WORK)
+    p, q, *_ = _search(y, line, math.inf if certified else WORK)
     return y, line + p + (q - p) * np.linspace(0.0, 1.0, y.size)
 
 
-def _search(y: FloatArray, line: FloatArray, work: float) -> tuple[float, float, float, float]:
-    """Heights p, q over the ends of `line` at which the staircase is nearest, its misfit, and the least possible one.
+def _search(
+    y: FloatArray, line: FloatArray, work: float
+) -> tuple[float, float, float, float, tuple[float, float] | None]:
+    """Heights p, q over the ends of `line` at which the staircase is nearest, its misfit, the least possible one.
 
-    A descent on a grid, the whole neighbourhood of where it ends, then whatever could be better.
+    Of an ideal staircase also the limits of its slope, and no search; else a descent on a grid, the whole neighbourhood
+    of where it ends, then whatever could be better.
     """
+    slopes = _ideal(y - line)
+    if slopes is not None:
+        steep, reach = sum(slopes) / 2, (y.size - 1) / 2
+        free = y - line - steep * np.linspace(-reach, reach, y.size)
+        middle = float(free.max() + free.min() + 1) / 2
+        slope = float(line[-1] - line[0]) / (y.size - 1)
+        return middle - steep * reach, middle + steep * reach, 0.0, 0.0, (slope + slopes[0], slope + slopes[1])
     from allanite.kernels.staircase import compass, misfit, nearest_staircase
 
     right = np.linspace(0.0, 1.0, y.size)
@@ -86,7 +113,7 @@ def _search(y: FloatArray, line: FloatArray, work: float) -> tuple[float, float,
     square = (whole + 0.5 * math.sqrt(y.size)) ** 2 - float(np.square(y + 0.5 - line).sum())
     half = 2 * math.sqrt(max(square, 0.0) / y.size) * (1 + 1e-6) + 1e-6
     p, q, least, bound, _ = nearest_staircase(samples, known, half, work - looked)
-    return p, q, least, bound
+    return p, q, least, bound, None
 
 
 def _about(y: FloatArray, line: FloatArray, right: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

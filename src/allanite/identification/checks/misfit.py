@@ -44,6 +44,8 @@ def reasons(
         )
         harm = say("the rounding error follows the signal, and N and Q are not meaningful")
         remedy = say("use a finer output of the sensor, or add dither before rounding")
+        if record.kind == "count" and record.rate >= 10:  # of a gyro that counts pulses they are expected
+            remedy = say("analyze the counts of each second ({choice})", choice=spelled("--average 1", "average=1"))
         return [Finding("no dither", what, harm, remedy, fatal=True)]
     near, tails, halves, eighths = checks
     ratio = max(halves.value, 1 / halves.value, eighths.value)

@@ -23,6 +23,11 @@ MOST_MARKED = 40
 @style.plotted
 def plot_rates(new_figure: style.NewFigure, channels: Sequence[tuple[Experiment, tuple[Experiment, ...]]]) -> Figure:
     """A column a channel: its experiment, and below it the experiments of several measuring times, if any."""
+    # a scatter of nothing has no place on a logarithmic axis
+    channels = [
+        (found, tuple(e for e in series if any(e.scatter(m).deviation > 0 for m in e.methods)))
+        for found, series in channels
+    ]
     rows = 1 + any(series for _, series in channels)
     figure = new_figure(7.2 if len(channels) == 1 else 5.2 * len(channels), 3.2 if rows == 1 else 5.6)
     grid = figure.subplots(rows, len(channels), squeeze=False)

@@ -228,7 +228,7 @@ def alerts(study: Job[Any]) -> Iterator[Remark]:
 
 def warned(channel: Any) -> Sequence[Finding]:
     """The findings about the data of a channel that its model does not settle."""
-    found: Sequence[Finding] = channel.warnings if isinstance(channel, Channel) else channel.quality.warnings
+    found: Sequence[Finding] = getattr(channel, "warnings", channel.quality.warnings)
     return found
 
 

@@ -124,7 +124,8 @@ def _rows(study: RateStudy, level: float) -> Rows:
     rows: list[list[Any]] = []
     for channel in study.channels:
         for experiment in series_of(channel):
-            rows += experiment_rows(experiment) if experiment.start.size > 1 else ()
+            whole = experiment is channel.experiment and experiment.start.size == 1  # an estimate, below
+            rows += () if whole else experiment_rows(experiment)
         for e in channel.estimates:
             unit = e.signal.sheet[0]
             numbers = [v / rate_factor(unit, e.signal) for v in (e.value, *e.interval(level), e.standard_error)]
@@ -149,7 +150,8 @@ def study_view(study: RateStudy, level: float) -> Face:
         if found is not None and found.ranking is not None:
             said = told(found.ranking)
         verdicts = (join(", ", (name or say("the channel"), said)),) if said else ()
-        doubt = bool(channel.refusal) or (given is None and (channel.noise is None or not channel.noise.explained))
+        known = given is not None or channel.certain or (channel.noise is not None and channel.noise.explained)
+        doubt = bool(channel.refusal) or not known
         sheets.append(channel_sheet(channel, _parts(channel, study.settings, level), verdicts, doubt=doubt))
     title = say("Rate of {source}", source=source_of(study))
     return job_face(study, (title, BRAND), sheets, how=[METHODS])

@@ -109,17 +109,23 @@ def series_of(channel: RateChannel) -> list[Experiment]:
 
 
 def certain_limits(estimates: Sequence[RateEstimate]) -> Iterator[str]:
-    """Which limits are certain: those of counts that a staircase explains."""
-    methods = ", ".join(e.method for e in estimates if e.limits is not None)
-    if methods:
-        yield say(
-            "the limits of {methods} are certain: no other rate gives these counts without noise", methods=methods
+    """What counts without noise prove about the rate."""
+    for found in (e for e in estimates if e.limits is not None):
+        unit = found.signal.sheet[0]
+        low, high = found.limits or (math.nan, math.nan)
+        alone, half = (
+            v / rate_factor(unit, found.signal) for v in (found.details["rate of a pulse"], (high - low) / 2)
         )
+        yield say(
+            "an ideal staircase: {pulses:.10g} ± 1 pulses alone leave ±{alone:.2g} {unit}, its steps ±{half:.2g} "
+            "{unit}, and no other rate gives these counts without noise",
+            pulses=found.details["pulses"], alone=abs(alone), half=half, unit=unit,
+        )  # fmt: skip
 
 
 def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
     """The scatter of every method against the measuring time, and what the noise predicts of it."""
-    ordered = sorted((e for e in series if e.start.size > 1), key=lambda e: e.duration)
+    ordered = sorted(series, key=lambda e: e.duration)
     unit = ordered[0].signal.sheet[0]
     methods = list(dict.fromkeys(method for e in ordered for method in e.methods))
     measured = say("std against the measuring time [{unit}]", unit=unit)
@@ -138,7 +144,8 @@ def by_time(series: Sequence[Experiment]) -> Iterator[Table]:
         }
         if name == "predicted":
             numbers = {m: each for m, each in numbers.items() if any(map(math.isfinite, each))}
-        heads = [Column(say("measuring time"), "name"), *(Column(m, form=known(".3g")) for m in numbers)]
+        one = join(" ", (say("std"), f"[{unit}]")) if len(methods) == 1 and name == "deviation" else ""
+        heads = [Column(say("measuring time"), "name"), *(Column(one or m, form=known(".3g")) for m in numbers)]
         rows = [[words.duration(e.duration), *row] for e, *row in zip(ordered, *numbers.values(), strict=True)]
         if name == "deviation":
             heads.append(Column(say("intervals"), aside=len(methods) > 1))

@@ -22,8 +22,7 @@ def first_of_rates(study: RateStudy, level: float) -> First:
     remarks = list(doubts([c for c in study.channels if c.refusal or identified]))
     for channel in study.channels:
         name, found = channel.record.name or say("channel"), channel.experiment
-        known = tuple(str(finding.what) for finding in warned(channel))
-        told_here = (text for text in channel.alerts if not str(text).startswith(known))
+        told_here = (text for text in channel.alerts if text not in map(str, warned(channel)))
         remarks += [Remark.of(name, text) for text in (found.drift if found else "", *told_here) if text]
     answer: list[Answer] = [_axes(alike, study, level) for alike in by_sensor(study.channels)]
     ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]
@@ -62,7 +61,7 @@ def _axes(channels: Sequence[RateChannel], study: RateStudy, level: float) -> Ax
 def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
     """The rate over the record: as measured, or of several intervals by the first method."""
     if channel.estimates or channel.experiment is None or not isinstance(channel.record, Record):
-        return next(iter(channel.estimates), None)
+        return next(iter((*channel.certain, *channel.estimates)), None)
     chosen, model = study.settings.experiment_on(channel.record), study.settings.noise
     if model is None and channel.noise is not None and channel.noise.explained:
         model = channel.noise.fit.model

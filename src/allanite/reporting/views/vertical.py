@@ -123,13 +123,14 @@ def _scenario_parts(found: ScenarioErrors) -> Iterator[Part]:
                 "{gated:.4g} deg with the gate, {plain:.4g} deg without", gated=math.degrees(gated[1]),
                 plain=math.degrees(plain[1]))
         )  # fmt: skip
-    plain, gated = named.get("first order, 10 s"), named.get("10 s, angle gate 1 deg")
-    if plain is not None and gated is not None:
-        before, after = ([f"{math.degrees(rms[at]):.3g}" for at in (1, 2)] for rms in (plain, gated))
+    labels = ("first order, 10 s", "10 s, angle gate 1 deg", "10 s, angle gate 2 deg")
+    if all(label in named for label in labels):
+        free, narrow, wide = (np.degrees(named[label]).tolist() for label in labels)
         yield Note(
-            say("a gate on the angle gains under acceleration ({before} to {after} deg) and loses in oscillation "
-                "({calm} to {lost} deg): there it shuts the accelerometers out most of the time",
-                before=before[0], after=after[0], calm=before[1], lost=after[1])
+            say("with a gate of 1 deg on the angle the error is {narrow[1]:.2g} deg under acceleration ({free[1]:.3g} "
+                "without), but {narrow[2]:.2g} in oscillation ({free[2]:.2g} without), whose acceleration tilts the "
+                "accelerometers by 1.6 deg; with a gate of 2 deg it is {wide[1]:.2g} and {wide[2]:.2g} deg",
+                free=free, narrow=narrow, wide=wide)
         )  # fmt: skip
     heads = [Column(say("filter"), "name"), *(Column(join(" ", (s, "[deg]"))) for s in found.scenarios)]
     cells = [
@@ -214,8 +215,8 @@ def study_view(study: VerticalStudy, _: float) -> Face:
         share = (study.held - study.falling) / study.roll.size
         held = say("the accelerometers were ignored in {share} of the samples", share=words.percent(share, 2))
         if share > HELD:
-            held = say("{held}: the angle then follows the gyros alone; in an oscillation it errs more than without "
-                       "a gate", held=held)  # fmt: skip
+            held = say("{held}: the angle then follows the gyros alone; a gate below the tilt that an oscillation "
+                       "feigns costs more than it saves", held=held)  # fmt: skip
         parts.append(Note(held, "warning" if share > HELD else "note"))
     parts.append(Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES))
     names = say("Roll and pitch of {source}", source=source_of(study)), BRAND
