@@ -13,7 +13,7 @@ AGREES, DIFFERS, DRAWN = "agrees", "differs", "drawn"
 
 VERDICTS = {
     AGREES: say("agrees"), DIFFERS: say("differs"), DRAWN: say("drawn"), "misprint": say("misprint"),
-    "not resolved": say("not resolved"), "not built": say("not built"),
+    "not resolved": say("not resolved"), "not built": say("not built"), "computed": say("computed"),
 }  # fmt: skip
 """All of them, as they are shown; the others stand in the file of the paper, each with its reason."""
 

@@ -213,11 +213,10 @@ def study_view(study: VerticalStudy, _: float) -> Face:
         parts.append(Note(falling, "warning"))
     if study.held > study.falling and row.name != "bortz":
         share = (study.held - study.falling) / study.roll.size
-        held = say("the accelerometers were ignored in {share} of the samples", share=words.percent(share, 2))
+        held = say("the accelerometers were ignored in {share} of the samples", share=words.percent(share, 3))
         if share > HELD:
-            held = say("{held}: the angle then follows the gyros alone; a gate below the tilt that an oscillation "
-                       "feigns costs more than it saves", held=held)  # fmt: skip
-        parts.append(Note(held, "warning" if share > HELD else "note"))
+            held = say("{held}: the gate is below the tilt of this motion", held=held)
+        parts.append(Note(held, "alert" if share > HELD else "note"))
     parts.append(Drawing(lambda: figures.plot_angles(study.angles), say("roll and pitch"), ANGLES))
     names = say("Roll and pitch of {source}", source=source_of(study)), BRAND
     return job_face(study, names, sheets, parts, close=[_matrices(study.loop, study.rate)], how=[METHODS])
