@@ -4,7 +4,8 @@ import re
 
 import pytest
 
-from allanite.papers.paper import AGREES, DIFFERS, PAPERS, VERDICTS, paper
+from allanite.papers.paper import AGREES, DIFFERS, PAPERS, VERDICTS, Item, paper
+from allanite.papers.reproduction import compared
 
 ASKED = {
     "000": "Fig. 1; Fig. 2; Fig. 3; eq. 9; eq. 10; conclusion 1; conclusion 2; conclusion 3; conclusion 4; "
@@ -33,6 +34,22 @@ def test_items_are_complete(name):
         assert item.verdict in ("", *VERDICTS), item
         assert item.why or item.tolerance or item.verdict in ("", AGREES), item
         assert item.why or item.verdict != DIFFERS, item
+        read = any(": " in place for place in item.here)
+        assert not read or item.numbers or item.ours, f"a verdict that cannot fail: {item}"
+        assert item.verdict != AGREES or item.numbers, f"nothing is compared: {item}"
+
+
+def test_a_verdict_fails_where_the_files_hold_other_numbers(tmp_path):
+    (tmp_path / "a.csv").write_text("value\n7\n", "utf-8")
+    for more, verdict in (
+        ({"numbers": (7.0,)}, True), ({"numbers": (8.0,)}, False), ({"ours": (7.0,), "verdict": "computed"}, True),
+        ({"ours": (8.0,), "verdict": "computed"}, False), ({"numbers": (7.0,), "verdict": "misprint"}, False),
+        ({"numbers": (8.0,), "verdict": "misprint", "ours": (9.0,)}, False),
+    ):  # fmt: skip
+        found = compared(Item("eq. 1", "a claim", "7", here=("a.csv: value",), tolerance=0.01, **more), tmp_path)
+        assert found.expected is verdict, more
+    with pytest.raises(LookupError, match=r"a\.csv has no row value=9"):
+        compared(Item("eq. 1", "a claim", "7", here=("a.csv: value @ value=9",)), tmp_path)
 
 
 @pytest.mark.parametrize("name", PAPERS)

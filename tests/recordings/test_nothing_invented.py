@@ -99,3 +99,9 @@ def test_no_claim_is_contradicted(recordings, name, choices):
         assert beyond_rounding(channel) <= ROUNDED, who
         assert not without_corner(channel), who
         assert outside_its_band(channel) <= OUTSIDE, who
+
+
+def test_vibration_of_an_engine_is_no_noise_of_the_sensor(recordings):
+    """A sinusoid at 10 Hz that was removed is not proposed again as a damped oscillation."""
+    study = al.analyze(recordings / "vn100_car_idle.bag")
+    assert [c.record.name for c in study for finding in c.fit.findings if finding.name == "terms"] == []

@@ -126,5 +126,8 @@ def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
         again = symbol in symbols and TERMS[symbol].second
         symbols, rest = (*symbols, again or symbol), rest[len(symbol) :]
     if len(set(symbols)) < len(symbols) or all(TERMS[s].waveform is not None for s in symbols):
-        raise UsageError(f"terms must name each symbol once, and at least one noise, unlike {terms!r}", choice="terms")
+        raise UsageError(
+            f"terms must name each symbol once, GM twice at most, and at least one noise, unlike {terms!r}",
+            choice="terms",
+        )
     return symbols

@@ -14,7 +14,6 @@ READ: dict[str, Callable[..., list[float]]] = {
     "ratios": lambda *numbers: [number / numbers[-1] for number in numbers[:-1]],
     "difference": lambda one, other: [one - other],
     "reduction": lambda after, before: [100 * (1 - after / before)],
-    "sum": lambda *numbers: [math.fsum(numbers)],
     "slope": lambda *numbers: [math.log10(b / a) for a, b in zip(numbers[::2], numbers[1::2], strict=True)],
     "ramp": lambda allan, hadamard, tau: [math.sqrt(2 * (allan**2 - hadamard**2)) / tau],
     "percent": lambda *edf: [100 / math.sqrt(2 * each) for each in edf],
@@ -48,7 +47,10 @@ def number(path: Path, cell: str) -> float:
     if where == "last":
         return float(rows[-1][column])
     wanted = dict(pair.split("=") for pair in where.split(" & ")) if where else {}
-    return float(next(row for row in rows if all(_alike(row[key], value) for key, value in wanted.items()))[column])
+    for row in rows:
+        if all(_alike(row[key], value) for key, value in wanted.items()):
+            return float(row[column])
+    raise LookupError(f"{path.name} has no row {where}")
 
 
 def _alike(shown: str, wanted: str) -> bool:

@@ -14,6 +14,7 @@ AGREES, DIFFERS, DRAWN = "agrees", "differs", "drawn"
 VERDICTS = {
     AGREES: say("agrees"), DIFFERS: say("differs"), DRAWN: say("drawn"), "misprint": say("misprint"),
     "not resolved": say("not resolved"), "not built": say("not built"), "computed": say("computed"),
+    "present": say("present"),
 }  # fmt: skip
 """All of them, as they are shown; the others stand in the file of the paper, each with its reason."""
 
@@ -38,7 +39,7 @@ class Item:
     tolerance : float
         Relative; of a number that is zero, absolute.
     ours : tuple of float
-        Numbers that replace those of the paper, within 1 %.
+        Numbers that replace those of the paper, within 1 %, or that are computed where it has none.
     unit : str
         That of ours where the file has SI units.
     read : str

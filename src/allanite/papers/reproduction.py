@@ -70,11 +70,6 @@ class Reproduction(Value):
     def __str__(self) -> str:
         return self.title
 
-    @property
-    def unexpected(self) -> tuple[Compared, ...]:
-        """Items with another verdict than the file of the paper expects."""
-        return tuple(item for item in self.items if not item.expected)
-
 
 def compare(paper: Paper, folder: Path) -> Reproduction:
     """The items of a paper beside the files in a folder, where its commands have run.
@@ -108,10 +103,10 @@ def compared(item: Item, folder: Path) -> Compared:
 
 def _verdict(item: Item, found: Sequence[float]) -> tuple[str, bool]:
     """The verdict on an item, and whether it is the expected one."""
-    if not item.numbers:
-        return item.verdict or DRAWN, True
-    agrees, wanted = _near(found, item.numbers, item.tolerance), item.verdict or AGREES
     replaced = not item.ours or _near(found, item.ours, 0.01)
+    if not item.numbers:
+        return item.verdict or DRAWN, replaced
+    agrees, wanted = _near(found, item.numbers, item.tolerance), item.verdict or AGREES
     return AGREES if agrees else wanted if wanted != AGREES else DIFFERS, (agrees == (wanted == AGREES)) and replaced
 
 

@@ -1,6 +1,7 @@
 """The noise of a channel, identified in the same way for every job, and whether the model explains the record."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -145,6 +146,8 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
         shaped = [e for e in fit if e.claimed and e.shape]
         if fit.goodness is None or not fit.goodness.explained or len(shaped) < len(more):
             continue
+        if any(_broadens(e.shape, line.frequency) for e in shaped for line in noise.fit.lines):
+            continue
         named = ",".join([*(e.symbol for e in fit if e.claimed and not e.shape), *more])
         better = noise_of(record, recipe, terms=named)
         if better.validity == EXPLAINED and better.fit.scope and better.fit.scope.whole:
@@ -163,6 +166,11 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
                 else replace(noise, leftover=Stored(replace(left, findings=(finding, *left.findings))))
             )
     return noise
+
+
+def _broadens(shape: Sequence[float], line: float) -> bool:
+    """Whether an oscillation is a sinusoid that was removed already, broadened: vibration, no noise of the sensor."""
+    return len(shape) == 2 and abs(shape[0] - line) < 3 * shape[1] * shape[0]  # natural frequency, damping ratio
 
 
 def noise_in(seen: Inspected, recipe: Recipe) -> Noise:

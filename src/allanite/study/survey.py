@@ -1,9 +1,8 @@
 """Curves, spectra or surfaces of every channel of a recording."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from pathlib import PurePath
 from typing import Any, ClassVar
 
 from allanite.core.curve import Curve
@@ -15,7 +14,7 @@ from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.surface import Surface
 from allanite.parallel.processors import how_many
-from allanite.phrases.phrase import join, say
+from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 from allanite.statistics import deviation, statistic_named
 from allanite.statistics.confidence.bias import demand_bias
@@ -278,37 +277,3 @@ def survey(
 
     return run(partial(Survey, settings=settings), source, recipe, work, Measured.refused, keeping=settings.keeping,
                in_parts_too=settings.notes, doing="measuring", progress=progress)  # fmt: skip
-
-
-def side_by_side(surveys: Sequence[Survey], files: Sequence[str]) -> Survey:
-    """Surveys of several files as one: each channel has the name of its file before its own.
-
-    Parameters
-    ----------
-    surveys : sequence of Survey
-        With the same settings.
-    files : sequence of path
-        Their files; of two with the same name, the folder tells them apart.
-    """
-    if len(surveys) == 1:
-        return surveys[0]
-    stems = [PurePath(file).stem for file in files]
-    names = stems if len({*stems}) == len(stems) else list(files)
-    pairs = list(zip(names, surveys, strict=True))
-    return replace(
-        surveys[0],
-        channels=tuple(_of_file(name, channel, len(one.channels)) for name, one in pairs for channel in one),
-        findings=tuple(replace(f, what=join(": ", (name, f.what))) for name, one in pairs for f in one.findings),
-        notes=tuple(dict.fromkeys(note for one in surveys for note in one.notes)),
-        provenance={
-            key: ", ".join(dict.fromkeys(one.provenance.get(key, "") for one in surveys))
-            for key in surveys[0].provenance
-        },
-    )
-
-
-def _of_file(file: str, channel: Measured, count: int) -> Measured:
-    """A channel with the name of its file before its own, which the only one of a file does not need."""
-    name = f"{file} {channel.record.name}" if count > 1 else file
-    values = tuple(replace(value, name=name) for value in channel.values)
-    return replace(channel, record=replace(channel.record, name=name), values=values)

@@ -57,7 +57,7 @@ def test_a_second_process_is_the_slow_one(terms):
 
 
 def test_a_third_process_is_refused():
-    with pytest.raises(al.UsageError, match="must name each symbol once"):
+    with pytest.raises(al.UsageError, match="must name each symbol once, GM twice at most"):
         symbols_of("N,GM,GM,GM")
 
 

@@ -22,6 +22,9 @@ MARKS: dict[str, Mark] = {AGREES: "good", DIFFERS: "weak"}
 HEADS = (say("in the paper"), "", say("paper"), say("here"), "", say("why"))
 """Columns of the table of a page."""
 
+APART = ("not built", "computed", "present")
+"""Verdicts on what the paper has no number for."""
+
 LINES = 13
 """Items on the first screen."""
 
@@ -32,7 +35,7 @@ def first_of_paper(value: Reproduction, _: float) -> First:
     drawn = sum(item.verdict == DRAWN for item in value.items)
     verdict = say(
         "{agree} of {count} numbers and claims agree; {drawn}",
-        agree=agree, count=len(value.items) - drawn,
+        agree=agree, count=sum(item.verdict not in (DRAWN, *APART) for item in value.items),
         drawn=say_count(drawn, "{count} figure drawn", "{count} figures drawn"),
     )  # fmt: skip
     told = sorted(value.items, key=lambda item: (item.expected, item.verdict in (AGREES, DRAWN)))
