@@ -27,7 +27,8 @@ def demand_extra(extra: str, *modules: str, what: str = "this format") -> None:
     """
     if any(importlib.util.find_spec(name) is None for name in modules):
         names = requirements(extra)
-        raise UsageError(f"{what} needs {' and '.join(names)}, which is not installed: {cure(names)}")
+        verb = "is" if len(names) == 1 else "are"
+        raise UsageError(f"{what} needs {' and '.join(names)}, which {verb} not installed: {cure(names)}")
 
 
 def requirements(extra: str) -> list[str]:
