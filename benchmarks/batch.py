@@ -11,7 +11,6 @@ from table import begin, markdown
 
 import multiprocessing
 import os
-import resource
 import shutil
 import subprocess
 import sys
@@ -22,6 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import psutil
 from distributed import Client, LocalCluster
 
 import allanite as al
@@ -67,8 +67,8 @@ def timed(job: Callable[[], object], workers: Callable[[], float]) -> Taken:
 
 
 def children() -> float:
-    """Processor time of processes that have ended."""
-    return sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
+    """Processor time of the processes that this one has started, and of those that they had started and that ended."""
+    return sum(sum(child.cpu_times()[:4]) for child in psutil.Process().children())
 
 
 def same(one: Path, other: Path) -> str:

@@ -4,7 +4,8 @@
 
 The bill of materials (CycloneDX, JSON) lists the wheel and all that it needs, with the versions of constraints.txt,
 as they are installed into an environment of its own. benchmarks/environments.py tries the wheel with other versions,
-tools/advisories.py looks the versions up in a folder of advisories. Every sentence of the reports has to be translated.
+tools/advisories.py looks the versions up in a folder of advisories. Every sentence of the reports has to be translated,
+and every fragment of the changelog joined (tools/changes.py).
 """
 
 import hashlib
@@ -25,12 +26,18 @@ def run(*words: object, folder: Path = ROOT) -> None:
     subprocess.run([str(word) for word in words], cwd=folder, check=True)  # noqa: S603  our own words
 
 
-def untranslated() -> list[str]:
-    """A line for each language in which something of the source would be shown in English."""
+def unfinished() -> list[str]:
+    """What has to be done before a release, a line each."""
+    import allanite
     import catalogues
+    import changes
 
     found = catalogues.templates()
-    return [line for lang in catalogues.languages() if (line := catalogues.english(catalogues.renewed(lang, found)))]
+    english = (catalogues.english(catalogues.renewed(lang, found)) for lang in catalogues.languages())
+    lines = [f"{line}: run make catalogues, and translate them" for line in english if line]
+    if changes.fragments() or f"\n## {allanite.__version__} (" not in changes.LOG.read_text("utf-8"):
+        lines.append(f"CHANGELOG.md lacks changes of {allanite.__version__}: run python tools/changes.py")
+    return lines
 
 
 def built(folder: Path) -> tuple[Path, Path]:
@@ -84,8 +91,8 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     if any(folder.iterdir()):
         sys.exit(f"{folder} is not empty; give another folder, or remove what is in it")
-    if left := untranslated():
-        sys.exit("; ".join(left) + ": run make catalogues, and translate them")
+    if left := unfinished():
+        sys.exit("\n".join(left))
     archive, wheel = built(folder)
     name = archive.name.removesuffix(".tar.gz")
     bill = materials(wheel, folder / f"{name}.cdx.json")

@@ -440,9 +440,23 @@ def alike(one, other):
     return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(intervals(one), intervals(other), strict=True))
 
 
+@cache
+def made(name):
+    return MAKERS[name]()
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_whatever_is_changed_it_is_read_or_refused_in_words(name):
+    """The first mutants of which `benchmarks/fuzz_results.py` tries many more; what is read is exported, too."""
+    import fuzz_results as fuzz
+
+    for k, changed in fuzz.mutants(name, json.loads(text_of(made(name))), 25):
+        assert fuzz.outcome(changed, k) in {"read", "exported", "refused"}, k
+
+
 @pytest.mark.parametrize("name", MAKERS)
 def test_a_value_travels(name):
-    value = MAKERS[name]()
+    value = made(name)
     text = text_of(value)
     pickled, stored = pickle.loads(pickle.dumps(value)), al.from_dict(json.loads(text))
     for again in (pickled, stored):
@@ -465,7 +479,11 @@ def classes(base):
 def test_every_class_that_is_written_can_be_read():
     for module in pkgutil.walk_packages(al.__path__, "allanite."):
         if not module.name.endswith("__main__"):
-            importlib.import_module(module.name)
+            try:
+                importlib.import_module(module.name)
+            except ModuleNotFoundError as error:  # the library of an extra
+                if error.name.partition(".")[0] in ("allanite", "numpy", "scipy"):
+                    raise
     own = {cls.__name__: cls for cls in classes(Value) if cls.__module__.startswith("allanite.")}
     tried = {name.split()[0] for name in MAKERS} | {"Harmonics"}  # a correction, tried beside what estimates it
     others = {cls.__name__ for cls in own.values() if "to_dict" in vars(cls)} - tried  # they write another type

@@ -29,7 +29,8 @@ SAID = {
 BY_ROW = {"commit", "date", "Python", "numpy", "seconds"}
 UNSAID = {
     "bound.md": {"seconds"}, "hybrids.md": {"numpy", "seconds"},  # not printed then
-    "environments.md": {"seeds"}, "recordings.md": {"seeds"}, "data_sheets.md": {"seeds"},  # nothing is drawn
+    "environments.md": {"seeds"}, "environments_newer.md": {"seeds"}, "recordings.md": {"seeds"},  # nothing is drawn
+    "data_sheets.md": {"seeds"},
     "fuzz.md": BY_ROW, "fuzz_analysis.md": BY_ROW,  # rows are made one by one, and name their commit and date
 }  # fmt: skip
 
@@ -48,7 +49,7 @@ SIGNED = ("bias", "difference", "over the bound", "apart")
 KEYS = {
     "angle.md": 3, "bound.md": 4, "coefficients.md": 2, "comparison.md": 2, "comparison_ratio.md": 2,
     "compensation.md": 3, "consistency.md": 3, "coverage.md": 3, "curves.md": 5, "data_sheets.md": 3,
-    "drift.md": (2, 2, 1), "environments.md": 2, "gaps.md": 3, "gaps_curves.md": 4,
+    "drift.md": (2, 2, 1), "environments.md": 2, "environments_newer.md": 2, "gaps.md": 3, "gaps_curves.md": 4,
     "hybrids.md": 4, "identification.md": 4, "limits.md": 4, "limits_quantization.md": 4,
     "methods.md": 5, "noise_identification.md": 4,
     "rate.md": (1, 1, 1, 1, 1, 2, 1), "real_sensors.md": 2, "recordings.md": 2, "robustness.md": (2, 4, 2),

@@ -10,7 +10,7 @@ from allanite.cli import main
 
 SCREENS = {
     "analyze adis_16405_imu1.rda --unit gyro=deg/s,accel=g": (
-        r"N +angle random walk +°/√h +2\.4\d+ ±", r"\+2090 µg at 2222 s\. Try --from", r"not valid", r"in part"
+        r"N +angle random walk +°/√h +2\.4\d+ ±", r"\+2090 µg at 2229 s\. Try --from", r"not valid", r"in part"
     ),
     "analyze phone_gyro4.txt --unit rad/s": (
         r"N +angle random walk +°/√h +1\.6\d+ ±", r"the bias steps", r"Try --from 930", r"up to 25\.6 s", "not valid"

@@ -148,7 +148,7 @@ ROWS = [
     ),
     sentence("export cut.json --to datasheet", "cut.json is damaged", "write the result again", code=3),
     sentence("export part.json --to datasheet", "part.json is no complete result", "write it again", code=3),
-    sentence("export list.json --to datasheet", "list.json", "without a type"),
+    sentence("export list.json --to datasheet", "list.json", "without a type", code=3),
     # outputs
     sentence("info gyro.csv --json taken.json", "already exists", cure="info gyro.csv --json taken.json --force"),
     sentence("info gyro.csv --json gyro.csv", "would overwrite the input"),

@@ -93,7 +93,7 @@ REFUSED = (
     ("al.identify(x, rate=100)", "type al.identify(x, rate=100, unit='deg/s')"),
     ("al.identify(x)", "type al.identify(x, rate=100, unit='deg/s')"),
     ("al.analyze(x, rate=100, unit='deg/s', channels=['gx'])", "channels describes a file or a table, not an array"),
-    ("al.deviation(0.1, rate=100)", "deviation takes a record or samples, not a float"),
+    ("al.deviation(0.1, rate=100)", "deviation takes a record or samples, not 0.1 (float)"),
     ("al.deviation(x)", "type al.deviation(x, rate=100"),
     ("al.analyze(x, fs=100)", "type al.analyze(x, rate=100, unit='deg/s')"),
     ("al.deviation(x, rate=100, fs=100)", "rate and fs are the same: give one of them"),

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
+from allanite.core.syntax import toml
 from allanite.reporting import table
-from allanite.reporting.sheet import toml
 from allanite.simulation.ring_laser import GL1
 
 HOW = ("--rate", "400", "--unit", "arcsec", "--kind", "count", "--scale", "0.32795")

@@ -240,12 +240,12 @@ def test_a_stream_is_watched_until_it_is_ended(client, tmp_path):
     assert next(term["status"] for term in terms if term["symbol"] == "N") == "identified"
 
 
-def long_job(client, tmp_path):
+def long_job(client, tmp_path, workspace=None):
     """A job of many seconds."""
     path = tmp_path / "long.csv"
     rng = np.random.default_rng(3)
     np.savetxt(path, rng.normal(0.0, 2.0, 100_000), fmt="%.4g", header="gx [deg/h]", comments="")
-    workspace = client.workspace()
+    workspace = workspace or client.workspace()
     recipe = {"rate": RATE, "statistic": ["theo1"], "taus": "all", "bias": "exact"}
     job = client.begin(workspace, "deviation", [client.upload(workspace, path)], recipe)
     for kind, data in client.events(job):

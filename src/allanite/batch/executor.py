@@ -1,6 +1,5 @@
 """Executors: one function applied to many items, in this process or in several, each result as soon as it is known."""
 
-import multiprocessing
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
@@ -11,7 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 from allanite.core.errors import UsageError
 from allanite.parallel.futures import later
-from allanite.parallel.processes import ANSWER, EndedError, Process
+from allanite.parallel.processes import ANSWER, EndedError, Process, ready_context
 
 Plain = dict[str, Any]
 """Plain data: what JSON can hold."""
@@ -81,7 +80,7 @@ class Processes:
 
     def run(self, task: Task, items: Sequence[Plain]) -> Iterator[Done]:
         """Apply `task` to every item in the order in which they are finished; see `Executor`."""
-        context = multiprocessing.get_context("spawn")  # a fork would inherit the locks of threads
+        context = ready_context("allanite.batch.warm")
         waiting = deque((item, True) for item in items)
         idle: list[Process] = []
         busy: dict[Future[Done], tuple[Process, Plain, bool]] = {}

@@ -4,10 +4,11 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+from allanite.core.aliases import public
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.threads import one_thread
 from allanite.core.version import __version__
-from allanite.phrases.phrase import Phrase
+from allanite.phrases.phrase import Phrase, say
 from allanite.phrases.wording import command_line
 from allanite.study.analysis import analyzed, demand_shown
 from allanite.study.channels import Progress, Source
@@ -21,6 +22,7 @@ from .status import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tabl
 from .store import Store, identity
 
 
+@public
 def analyze_files(
     files: PathLike | Sequence[PathLike],
     recipe: Recipe | None = None,
@@ -113,6 +115,7 @@ def _reasons(units: Sequence[BatchUnit]) -> str:
     return f"none of the {len(units)} files could be analyzed:" + "".join(reasons)
 
 
+@public
 def run_batch(
     source: PathLike,
     results: PathLike,
@@ -170,13 +173,15 @@ def run_batch(
     store = Store.opened(results, new=True)
     tell = progress or (lambda what, fraction: None)
     with store.alone():
-        files: dict[str, FileStatus] = {}
+        files, notes = dict[str, FileStatus](), list(sources.notes)
         for file in sources.files:
             tell(f"looking at {file}", 0.0)
             status = FileStatus(file, sources.facts.get(file, {}))
             try:
                 digest, key = identity(file, choices)
                 status = replace(status, key=key, sha256=digest, status=DONE if store.has(key) else OPEN)
+                if status.status == OPEN and store.part(key).exists():
+                    notes.append(say("the stored result of {file} is damaged, and is made again", file=file))
             except AllaniteError as error:
                 status = replace(status, status=FAILED, error=reason_of(error, file))
             files[file] = status
@@ -185,7 +190,7 @@ def run_batch(
         analyzed_now = _complete(files, choices, store, executor or Serial(), tell)
         ended = tuple(put_tables(store, files.values()))
         put_files(store, ended, choices)
-    return Resumed(ended, analyzed_now, before, sources.notes)
+    return Resumed(ended, analyzed_now, before, tuple(notes))
 
 
 def _complete(files: dict[str, FileStatus], choices: Plain, store: Store, executor: Executor, tell: Progress) -> int:

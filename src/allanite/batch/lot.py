@@ -1,6 +1,5 @@
 """A lot: the stored results of a batch, with distributions, trends and units that differ from the others."""
 
-import json
 import math
 import pickle
 import tempfile
@@ -13,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.errors import DataError
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say
@@ -114,6 +114,7 @@ class SpooledUnit(BatchUnit):
         return BatchUnit(*self.__reduce__()[1]).to_dict(level)
 
 
+@public
 def read_lot(results: PathLike, limits: Specification | PathLike | None = None) -> Lot:
     """The results that `run_batch` has stored.
 
@@ -145,14 +146,13 @@ def read_lot(results: PathLike, limits: Specification | PathLike | None = None) 
     """
     specification = limits_of(limits)
     store = Store.opened(results)
-    table, about = store.files()
+    table, choices, version = store.files()
     spool, rows = Spool(), {row["file"]: row for row in table}
     units = tuple(_unit(row, store, specification, spool) for row in table)
     if all(unit.error for unit in units):
         raise DataError(f"no file has a result in {str(store.folder)!r}; the first one: {units[0].file}: "
                         f"{units[0].error}")  # fmt: skip
-    choices = json.loads(about[b"recipe"])
-    batch = Batch(units, choices, choices["level"], specification, (), {"allanite": about[b"allanite"].decode()})
+    batch = Batch(units, choices, choices["level"], specification, (), {"allanite": version})
     distributions, trends, outlying = list[Distribution](), list[Trend](), list[Outlying]()
     for of, known in gathered(batch.results(), batch.level, valued=True):
         values = np.array([unit.value for unit in known], dtype=np.float64)

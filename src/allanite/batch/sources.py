@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError, UsageError, given
 from allanite.core.files import reason
 from allanite.phrases.phrase import say
 from allanite.readers.sandbox.packing import PROSE
@@ -155,9 +155,20 @@ def manifest_of(source: PathLike, besides: Iterable[str | None] = ()) -> Sources
     return Sources(tuple(sorted(facts)), (), facts)
 
 
+def _cells(lines: list[str], path: Path) -> Iterator[tuple[int, list[str]]]:
+    """The rows of a table, each with the line in which it begins."""
+    reader, begin = csv.reader(lines, strict=True), 1
+    try:
+        for cells in reader:
+            yield begin, cells
+            begin = reader.line_num + 1
+    except csv.Error as error:
+        raise UsageError(f"{path}, line {begin}: {error}; is a quotation mark missing?") from None
+
+
 def _csv(lines: list[str], path: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    reader = csv.reader(lines)
-    heads = [head.strip() for head in next(reader, [])]
+    rows = _cells(lines, path)
+    heads = [head.strip() for head in next(rows, (1, []))[1]]
     if "file" not in heads:
         raise UsageError(f"the manifest {str(path)!r} has no column 'file' but {heads[:8]}; {FORM}")
     wrong = sorted({head for head in heads if head in OWN or not head or heads.count(head) > 1})
@@ -165,12 +176,12 @@ def _csv(lines: list[str], path: Path) -> Iterator[tuple[int, dict[str, str]]]:
         raise UsageError(
             f"the manifest {str(path)!r} has columns named {wrong}: empty, twice, or reserved; rename them"
         )
-    for cells in reader:
+    for begin, cells in rows:
         if not any(cells):
             continue
         if len(cells) != len(heads):
-            raise UsageError(f"{path}, line {reader.line_num}: {len(cells)} cells, expected {len(heads)} as in line 1")
-        yield reader.line_num, {head: cell.strip() for head, cell in zip(heads, cells, strict=True)}
+            raise UsageError(f"{path}, line {begin}: {len(cells)} cells, expected {len(heads)} as in line 1")
+        yield begin, {head: cell.strip() for head, cell in zip(heads, cells, strict=True)}
 
 
 def _fact(name: str, cell: str, where: str) -> str | float | datetime | None:
@@ -183,12 +194,15 @@ def _fact(name: str, cell: str, where: str) -> str | float | datetime | None:
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            raise UsageError(f"{where}: the temperature is a number, not {cell!r}")
+            raise UsageError(f"{where}: the temperature is a number, not {given(cell)}")
         return number
     if name == DATE:
         try:
             time = datetime.fromisoformat(cell)
+            return time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
         except ValueError:
-            raise UsageError(f"{where}: the date is written as 2024-05-31 or 2024-05-31T12:00, not {cell!r}") from None
-        return time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
+            form = "2024-05-31 or 2024-05-31T12:00"
+            raise UsageError(f"{where}: the date is written as {form}, not {given(cell)}") from None
+        except OverflowError:
+            raise UsageError(f"{where}: the date {cell!r} is outside the years 1 to 9999 of UTC") from None
     return cell

@@ -1,16 +1,13 @@
 """What became of the files of a batch, and the tables that say so."""
 
-import json
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import Any
 
-from allanite.core.version import __version__
-
 from .executor import Plain
-from .sources import DATE, OWN, TEMPERATURE
-from .store import FILES, Store
+from .sources import OWN
+from .store import Store
 from .tables import TABLES, as_table, schema_of
 
 DONE, FAILED, OPEN = "done", "failed", "open"
@@ -81,17 +78,9 @@ class Resumed:
 
 def put_files(store: Store, files: Iterable[FileStatus], choices: Plain) -> None:
     """The table of files, with the recipe in its metadata."""
-    import pyarrow as pa
-
-    rows = [
-        {"file": f.file, **{name: getattr(f, name) for name in OWN}, **f.facts}
-        for f in sorted(files, key=lambda f: f.file)
-    ]
-    special = {TEMPERATURE: pa.float64(), DATE: pa.timestamp("us")}
-    fields = [(name, special.get(name, pa.string())) for name in dict.fromkeys(name for row in rows for name in row)]
-    about = {"allanite": __version__, "recipe": json.dumps(choices, sort_keys=True)}
-    table = pa.Table.from_pylist(rows, schema=pa.schema(fields, about))
-    store.write(FILES, table)
+    ordered = sorted(files, key=lambda f: f.file)
+    rows = [{"file": f.file, **{name: getattr(f, name) for name in OWN}, **f.facts} for f in ordered]
+    store.put_files(rows, choices)
 
 
 def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus]:

@@ -3,27 +3,31 @@
 import hashlib
 import json
 import os
-import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import DRAFTS, draft, reason
+from allanite.core.files import DRAFTS, draft, locked, reason
 from allanite.core.version import __version__
 from allanite.phrases.phrase import Phrase
 from allanite.phrases.wording import spelled
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
+from allanite.study.recipe import Recipe
 
 from .executor import Plain
+from .sources import DATE, OWN, TEMPERATURE
 
 PARTS = "parts"
 """Folder of the parts."""
 
 FILES = "files.parquet"
 """The table of files, which makes a folder one of results."""
+
+DIGEST = b"sha256"
+"""Metadata of a part: the digest of its columns."""
 
 TEMPLATES, FIELDS = "say", "with"
 """Keys of a phrase."""
@@ -93,11 +97,9 @@ class Store:
 
     def has(self, key: str) -> bool:
         """Whether there is a result with this key; a part that is damaged is none."""
-        from pyarrow import ArrowInvalid, parquet
-
         try:
-            return bool(parquet.read_metadata(self.part(key)).num_rows == 1)
-        except (OSError, ArrowInvalid):
+            return bool(self._texts(key))
+        except DataError:
             return False
 
     def put(self, key: str, result: Plain) -> None:
@@ -110,8 +112,9 @@ class Store:
         """
         import pyarrow as pa
 
-        row = {name: dumps(value) for name, value in result.items()}
-        self.write(f"{PARTS}/{key}.parquet", pa.table({name: [text] for name, text in sorted(row.items())}))
+        row = {name: dumps(value) for name, value in sorted(result.items())}
+        table = pa.table({name: [text] for name, text in row.items()})
+        self.write(f"{PARTS}/{key}.parquet", table.replace_schema_metadata({DIGEST: _digest(row)}))
 
     def get(self, key: str) -> Plain:
         """A stored result.
@@ -121,15 +124,23 @@ class Store:
         DataError
             The part is missing or damaged.
         """
+        return {name: loads(text) for name, text in self._texts(key).items()}
+
+    def _texts(self, key: str) -> dict[str, str]:
+        """The columns of a part, which have to be those that `put` has written."""
         from pyarrow import ArrowInvalid, parquet
 
         try:
-            (row,) = parquet.read_table(self.part(key), memory_map=False).to_pylist()
+            table = parquet.read_table(self.part(key), memory_map=False)
+            row: dict[str, str]
+            (row,) = table.to_pylist()
+            if (table.schema.metadata or {}).get(DIGEST) != _digest(row):
+                raise ValueError("its content is not what was stored")
         except (OSError, ArrowInvalid, ValueError) as error:
             raise DataError(
                 f"the part {str(self.part(key))!r} cannot be read ({reason(error)}); run the batch again"
             ) from None
-        return {name: loads(text) for name, text in row.items()}
+        return row
 
     @contextmanager
     def writer(self, name: str, schema: Any) -> Iterator[Any]:
@@ -164,44 +175,62 @@ class Store:
         """
         name = repr(str(self.folder))
         try:
-            file = open(self.folder / LOCK, "ab")  # noqa: SIM115 - closed below, as long as it is locked
+            file = locked(self.folder / LOCK)
         except OSError as error:
             raise UsageError(f"{name} cannot be written to ({error.strerror}); give another folder") from None
+        if file is None:
+            raise UsageError(
+                f"another run writes its results to {name}; wait until it has ended, or give another folder"
+            )
         with file:
-            try:  # the system frees it however the run ends
-                if sys.platform == "win32":
-                    import msvcrt
-
-                    msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-                else:
-                    import fcntl
-
-                    fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except (BlockingIOError, PermissionError):  # what Windows says of a file that is locked
-                raise UsageError(
-                    f"another run writes its results to {name}; wait until it has ended, or give another folder"
-                ) from None
             for left in (*self.folder.glob(DRAFTS), *(self.folder / PARTS).glob(DRAFTS)):
                 left.unlink()
             yield
 
-    def files(self) -> tuple[list[Plain], Mapping[bytes, bytes]]:
-        """The rows of the table of files, and its metadata.
+    def put_files(self, rows: list[Plain], choices: Plain) -> None:
+        """Write the table of files, with the recipe and the version in its metadata."""
+        import pyarrow as pa
+
+        names = dict.fromkeys(name for row in rows for name in row)
+        about = {"allanite": __version__, "recipe": json.dumps(choices, sort_keys=True)}
+        self.write(FILES, pa.Table.from_pylist(rows, schema=_schema(names).with_metadata(about)))
+
+    def files(self) -> tuple[list[Plain], Plain, str]:
+        """The rows of the table of files, the recipe, and the version.
 
         Raises
         ------
         DataError
-            It cannot be read.
+            It cannot be read, or is another table.
         """
         from pyarrow import ArrowInvalid, parquet
 
         try:
             table = parquet.read_table(self.folder / FILES)
+            if not len(table) or not {"file", *OWN} <= set(table.column_names):
+                raise KeyError("file")
+            if not table.schema.equals(_schema(table.column_names)):
+                raise TypeError(table.schema)
+            about = table.schema.metadata
+            choices = Recipe.from_dict(json.loads(about[b"recipe"])).to_dict()
+            return table.to_pylist(), choices, about[b"allanite"].decode()
         except (OSError, ArrowInvalid) as error:
-            raise DataError(
-                f"{str(self.folder / FILES)!r} cannot be read ({reason(error)}); run the batch again"
-            ) from None
-        return table.to_pylist(), table.schema.metadata or {}
+            why = reason(error)
+        except (KeyError, TypeError, ValueError, RecursionError, UsageError):
+            why = "it is not the table of a batch"
+        raise DataError(f"{str(self.folder / FILES)!r} cannot be read ({why}); run the batch again")
+
+
+def _schema(names: Iterable[str]) -> Any:
+    """Names and types of the table of files."""
+    import pyarrow as pa
+
+    special = {TEMPERATURE: pa.float64(), DATE: pa.timestamp("us")}
+    return pa.schema([(name, special.get(name, pa.string())) for name in names])
+
+
+def _digest(row: Mapping[str, Any]) -> bytes:
+    return hashlib.sha256(repr(sorted(row.items())).encode()).hexdigest().encode()
 
 
 def dumps(data: Any) -> str:

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 
 from allanite.batch.judgement import seen_of
 from allanite.batch.specification import Limit
-from allanite.core.aliases import aliased
+from allanite.core.aliases import public
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model
 from allanite.core.record import Record
@@ -30,7 +30,7 @@ SHARES = 5
 """Kinds of comparisons that share the chance of a false alarm: terms, times, other noise, curves, distributions."""
 
 
-@aliased
+@public
 def check(
     source: Source,
     claims: "str | os.PathLike[str] | Model | ClaimedNoise",

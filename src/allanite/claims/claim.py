@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from allanite.batch.specification import Limit, Specification
+from allanite.core.aliases import public
 from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.errors import given as shown
 from allanite.core.files import reason
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
@@ -83,6 +85,7 @@ class ClaimedNoise(Value):
         return f"of {self.title}: {join('; ', said)}"
 
 
+@public
 def claim_of(
     given: "str | os.PathLike[str] | Model | ClaimedNoise", origin: str | None = None, rate: float | None = None
 ) -> ClaimedNoise:
@@ -127,7 +130,7 @@ def claim_of(
     except UsageError as error:
         _, meant = error.cure
         raise UsageError(
-            f"{text!r} is no file, no data sheet, and no model such as 'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'; "
+            f"{shown(text)} is no file, no data sheet, and no model such as 'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'; "
             + (f"did you mean the data sheet {meant}?" if meant else "'allanite explain' lists the data sheets"),
             cure=error.cure,
         ) from None

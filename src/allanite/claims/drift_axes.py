@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.errors import UsageError
 from allanite.core.model import Term
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say
@@ -73,6 +74,11 @@ class DriftAxis(Value):
     rate: float | None = None
     longest: float | None = None
     correlation: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        terms = sum(cause.term is not None and not cause.limit for cause in self.causes)
+        if self.correlation is not None and self.correlation.shape != (terms, terms):
+            raise UsageError(f"{terms} terms have a correlation of {terms} rows and columns: the data were changed")
 
 
 @dataclass(frozen=True, eq=False)

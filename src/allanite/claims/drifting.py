@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.model import Term
@@ -31,6 +32,7 @@ from .drift_axes import SCALE, TURN_ON, DriftAxis, DriftCause
 from .drift_settings import DriftSettings
 
 
+@public
 def drift(
     source: Source | Record | Recording | str | PurePath | None = None,
     settings: DriftSettings | None = None,

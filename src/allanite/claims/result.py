@@ -101,6 +101,8 @@ class Cause(Value):
         What each of them means.
     """
 
+    _alike = ("names sentences",)
+
     channels: tuple[str, ...]
     quantity: str
     factor: float

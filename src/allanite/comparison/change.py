@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from allanite.core.encoding import finite, plain
-from allanite.core.estimate import Estimate
+from allanite.core.estimate import TERM, Estimate
 from allanite.core.fit import Fit, chance
 from allanite.core.limits import Remembered, demand_level
 from allanite.core.plain import Value
@@ -83,6 +83,8 @@ class Change(Value):
 
     _keys: ClassVar = {"adjusted": "p_holm"}
     _also = ("outcome",)
+
+    _checks = TERM
 
     symbol: str
     signal: Signal

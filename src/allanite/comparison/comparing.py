@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.aliases import aliased
+from allanite.core.aliases import public
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.phrases.phrase import say
@@ -29,7 +29,7 @@ from .two_records import compare_records
 Source = channels.Source | Study
 
 
-@aliased
+@public
 def compare(
     before: Source | Fit,
     after: Source | Fit,
@@ -122,7 +122,7 @@ def compare_channels(
     return _pool(sources, recipe, rng=rng, progress=progress)
 
 
-@aliased
+@public
 def pool(
     runs: Sequence[Source],
     recipe: Recipe | None = None,
@@ -177,6 +177,7 @@ def pool(
     return _pool(open_sources(runs, recipe, progress=progress), recipe, rng=rng, progress=progress)
 
 
+@public
 def truncation(
     source: Source,
     until: float,

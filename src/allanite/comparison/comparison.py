@@ -42,6 +42,7 @@ class Ratios(Value):
     """
 
     _also = ("ratio",)
+    _alike = ("before.variance after.variance p",)
 
     before: Curve
     after: Curve

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite
-from allanite.core.estimate import Estimate
+from allanite.core.estimate import TERM, Estimate
 from allanite.core.fit import chance
 from allanite.core.limits import demand_level
 from allanite.core.model import coefficient_factor
@@ -41,6 +41,8 @@ class PooledTerm(Value):
     """
 
     _keys: ClassVar = {"statistic": "chi_square", "adjusted": "p_holm"}
+
+    _checks = TERM
 
     symbol: str
     signal: Signal

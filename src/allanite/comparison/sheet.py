@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from allanite.core.aliases import public
 from allanite.core.encoding import plain
 from allanite.core.readings import FLICKER
 from allanite.phrases.phrase import say
@@ -95,6 +96,7 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
     return Measured(claim, found.value * scale, low * scale, high * scale)
 
 
+@public
 def compare_with_sheet(
     source: Source,
     sheet: str | DataSheet,

@@ -1,10 +1,16 @@
 """Arguments that have another name in other libraries, or are given in another form."""
 
+import math
 from collections.abc import Callable
-from functools import wraps
-from typing import Any, TypeVar
+from functools import cache, wraps
+from inspect import signature
+from itertools import chain
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from .errors import UsageError
+from .errors import UsageError, WrongTypeError, given
+
+if TYPE_CHECKING:
+    import numpy as np
 
 ALIASES = {"fs": "rate"}
 """Names of arguments in other libraries: the name here."""
@@ -12,14 +18,28 @@ ALIASES = {"fs": "rate"}
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-def aliased(function: F) -> F:
-    """The function, which takes arguments by their `ALIASES`, too.
+def public(function: F) -> F:
+    """The function as users call it: arguments by their `ALIASES`, too, and each of the type that is declared.
+
+    Raises
+    ------
+    WrongTypeError
+        An argument is of another type.
+    UsageError
+        What comes of the arguments is beyond the range of numbers.
 
     Examples
     --------
-    >>> aliased(lambda rate: 1 / rate)(fs=100.0)
+    >>> public(lambda rate: 1 / rate)(fs=100.0)
     0.01
     """
+
+    @cache
+    def declared() -> tuple[list[str], dict[str, Any], Callable[[Any, Any], str]]:
+        """Names and types, which may not be defined before the first call."""
+        from .declared import misfit, parameters  # with numpy, which help does without
+
+        return list(signature(function).parameters), parameters(function), misfit
 
     @wraps(function)
     def entered(*args: Any, **options: Any) -> Any:
@@ -28,9 +48,36 @@ def aliased(function: F) -> F:
             if name in options:
                 raise UsageError(f"{name} and {alias} are the same: give one of them")
             options[name] = options.pop(alias)
-        return function(*args, **options)
+        names, types, misfit = declared()
+        for name, value in chain(zip(names, args, strict=False), options.items()):
+            if expected := misfit(value, types.get(name, Any)):
+                called = function.__qualname__.removesuffix(".__init__")
+                raise WrongTypeError(
+                    f"{called}: {name} must be {expected}, not {given(value)} ({type(value).__name__})"
+                )
+        try:
+            return function(*args, **options)
+        except OverflowError as error:
+            raise UsageError(
+                f"{function.__qualname__}: the numbers given are too large or too small: {error}"
+            ) from error
 
     return entered  # type: ignore[return-value]
+
+
+def generator(rng: "np.random.Generator | int") -> "np.random.Generator":
+    """The source of randomness, which may be given by its seed.
+
+    Examples
+    --------
+    >>> generator(1).integers(10)
+    np.int64(4)
+    """
+    import numpy as np
+
+    if not isinstance(rng, np.random.Generator) and rng < 0:
+        raise UsageError(f"a seed must not be negative, as {rng} is")
+    return np.random.default_rng(rng)
 
 
 def size_and_rate(size: int | None, rate: float | None, duration: float | None) -> tuple[int, float]:
@@ -43,6 +90,10 @@ def size_and_rate(size: int | None, rate: float | None, duration: float | None) 
     """
     if rate is None:
         raise UsageError("the sampling rate is missing: give rate, in Hz, e.g. rate=100")
+    if not (math.isfinite(rate) and rate > 0):
+        raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
+    if duration is not None and not (math.isfinite(duration) and duration > 0):
+        raise UsageError(f"the duration must be a positive number of s, not {given(duration)}")
     if (size is None) == (duration is None):
         raise UsageError("give either size, a number of samples, or duration, in s, e.g. duration=3600")
     return (size if size is not None else round((duration or 0.0) * rate)), rate

@@ -9,6 +9,12 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+RATES = (1e-9, 1e15)
+"""Sampling rates, Hz: beyond them powers of averaging times are not numbers any more."""
+
+LARGEST = 1e30
+"""Size of rates, accelerations and coefficients, SI, to which, and down to whose inverse, eighth powers are numbers."""
+
 
 def complete(values: NDArray[Any]) -> bool:
     """Whether all values are finite, by their sum, without an array of flags.

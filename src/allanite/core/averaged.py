@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from .arrays import FloatArray
-from .errors import UsageError
+from .errors import UsageError, given
 from .model import Model, ModelLike, Term, model_of
 from .plain import Value
 
@@ -97,12 +97,12 @@ def noise_choice(value: ModelLike | Literal["auto"] | None) -> Averaged | Litera
 
     A model or a term is used as given; a fit represents all models that are consistent with its record.
     """
-    if value is None or value == "auto":
+    if value is None or (isinstance(value, str) and value == "auto"):
         return value
     if isinstance(value, str):
         raise UsageError(
             "noise must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), a Fit, 'identified', 'auto' or None, not "
-            f"{value!r}; allanite.Model(text) makes one of a text"
+            f"{given(value)}; allanite.Model(text) makes one of a text"
         )
     found = value if isinstance(value, Averaged) else getattr(value, "averaged", None)
     return found if isinstance(found, Averaged) else averaged([value], [1.0])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
-from .errors import UsageError
+from .errors import UsageError, given
 from .ranges import demand_pieces, demand_ranges
 
 ONE = (str, int, float)
@@ -44,7 +44,7 @@ class ChoiceKind:
             The data are of another type or form.
         """
         if not isinstance(data, self.takes) or (isinstance(data, bool) and bool not in self.takes):
-            raise UsageError(f"expected {self.form or f'a {self.name}'}, not {data!r}")
+            raise UsageError(f"expected {self.form or f'a {self.name}'}, not {given(data)}")
         return self.read(data)
 
 
@@ -76,20 +76,20 @@ def _parsed(number: type[float] | type[int]) -> Callable[[Any], Any]:
         try:
             return number(value)
         except (TypeError, ValueError):
-            raise UsageError(f"expected {A_NUMBER if number is float else AN_INTEGER}, not {value!r}") from None
+            raise UsageError(f"expected {A_NUMBER if number is float else AN_INTEGER}, not {given(value)}") from None
 
     return read
 
 
 def _demand_number(name: str, value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise UsageError(f"{name} must be a number, not {value!r}")
+        raise UsageError(f"{name} must be a number, not {given(value)}")
     return value
 
 
 def _demand_word(name: str, value: Any) -> Any:
     if not isinstance(value, str):
-        raise UsageError(f"{name} must be a word, not {value!r}")
+        raise UsageError(f"{name} must be a word, not {given(value)}")
     return value
 
 
@@ -106,7 +106,7 @@ def separated(kind: type, name: str, count: int | None = None, example: str = ""
         except (TypeError, ValueError):
             values = ()
         if not values or (count is not None and len(values) != count):
-            raise UsageError(f"expected {name}, e.g. {example}, not {value!r}")
+            raise UsageError(f"expected {name}, e.g. {example}, not {given(value)}")
         return values
 
     return ChoiceKind(name, read, control="list", takes=LISTS, form=f"{name}, e.g. {example}")
@@ -139,7 +139,7 @@ def _table(value: Any) -> Any:
         try:
             low, high = (float(number) for number in numbers.split(":"))
         except ValueError:
-            raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {part!r}") from None
+            raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {given(part)}") from None
         found[symbol.strip()] = (low, high)
     return found
 
@@ -183,7 +183,7 @@ def seconds_of(text: Any) -> float:
     except ValueError:
         seconds = 0.0
     if not seconds > 0:
-        raise UsageError(f"expected {A_DURATION}, not {text!r}")
+        raise UsageError(f"expected {A_DURATION}, not {given(text)}")
     return seconds
 
 
@@ -249,7 +249,7 @@ def _span(value: Any) -> Any:
     except (UsageError, TypeError, ValueError):
         low, high = 0.0, 0.0
     if not 0 < low < high < math.inf:
-        raise UsageError(f"expected {_SPAN}, not {value!r}")
+        raise UsageError(f"expected {_SPAN}, not {given(value)}")
     return low, high
 
 

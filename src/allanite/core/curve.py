@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from .arrays import FloatArray, IntArray
 from .encoding import plain
-from .errors import UsageError
-from .limits import demand_level
+from .errors import StoredError, UsageError
+from .limits import Stored, demand_level, demand_stored_rate
 from .model import Model
 from .plain import Value
 from .units import convert
@@ -47,6 +47,8 @@ class Curve(Value):
     """
 
     _keys: ClassVar = {"supposes": "supposed"}
+    _alike = ("m tau variance count factor alpha",)
+    _checks: ClassVar = {"rate": demand_stored_rate}
 
     statistic: str
     m: IntArray
@@ -63,6 +65,13 @@ class Curve(Value):
     law: Law | None = None
     supposes: Callable[[], str] | None = None
     alpha: IntArray | None = None
+
+    @classmethod
+    def _stored(cls, data: dict[str, Any]) -> Self:
+        found = super()._stored(data)
+        if isinstance(found.law, Stored) and any(len(part) != len(found.tau) for part in found.law.values):
+            raise StoredError("the limits are as many as the averaging times, or the data were changed")
+        return found
 
     @property
     def supposed(self) -> str:

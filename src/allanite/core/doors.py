@@ -7,7 +7,7 @@ from typing import Any, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .errors import UsageError
+from .errors import UsageError, WrongTypeError, given
 from .plain import Value
 from .record import Record, Recording
 
@@ -57,13 +57,13 @@ def as_source(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> 
         return source
     if isinstance(source, str | os.PathLike):
         path = os.fspath(source)
-        raise UsageError(f"{call} takes samples, not a file; read it first: al.{call}(al.read({path!r})[0])")
+        raise UsageError(f"{call} takes samples, not a file; read it first: al.{call}(al.read({given(path)})[0])")
     if hasattr(source, "to_frame") and _describes_itself(source, sampling):
         return import_module(READERS).read(source.to_frame(), **sampling)[0]
     if hasattr(source, "columns"):
         return import_module(READERS).read(source, **sampling)
     if not np.ndim(source):
-        raise UsageError(f"{call} takes a record or samples, not a {type(source).__name__}")
+        raise WrongTypeError(f"{call} takes a record or samples, not {given(source)} ({type(source).__name__})")
     known: dict[str, Any] = {**({"unit": unit} if unit else {}), **sampling}
     for key in known.keys() - Sampling.__annotations__:
         raise UsageError(f"{key} describes a file or a table, not an array")
@@ -94,5 +94,5 @@ def as_record(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> 
             raise UsageError(f"{call} takes one channel, not {names}: choose one, e.g. [{found.channels[0]!r}]")
         return found[0]
     if not isinstance(found, Record):
-        raise UsageError(f"{call} takes a record or samples, not a {type(found).__name__}")
+        raise WrongTypeError(f"{call} takes a record or samples, not a {type(found).__name__}")
     return found

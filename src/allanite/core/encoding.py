@@ -1,10 +1,13 @@
 """Conversion of a field to plain data for JSON and back, by the type of the field, without loss.
 
-JSON has no non-finite numbers: NaN becomes null, infinities become "inf"
-and "-inf"; NaN becomes "nan" where the field may also be None.
+What is read may come from anywhere: data that are not of the type of their field are refused, with the path of it.
+
+JSON has no non-finite numbers: NaN becomes null, infinities become "inf" and "-inf"; NaN becomes "nan" where the field
+may also be None.
 """
 
 import math
+import sys
 import types
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -12,7 +15,8 @@ from typing import Any, Literal, NamedTuple, Union, get_args, get_origin
 
 import numpy as np
 
-from .limits import Stored
+from .errors import AllaniteError, StoredError, given, unfit
+from .limits import Stored, demand_level
 from .units import Signal, signal_named
 
 NOT_FINITE = ("nan", "inf", "-inf")
@@ -23,13 +27,14 @@ class Codec(NamedTuple):
 
     `write` takes the value, the arguments of the type and a confidence level, `read` the plain data and the arguments;
     `holds` says whether a value, `written` whether plain data can be of this type, which distinguishes the members of a
-    union.
+    union; `expected` are the words for such data, if they can be refused by what they are alone.
     """
 
     write: Callable[[Any, tuple[Any, ...], float], Any]
     read: Callable[[Any, tuple[Any, ...]], Any]
     holds: Callable[[Any], bool]
     written: Callable[[Any], bool]
+    expected: str = ""
 
 
 def write_plain(value: Any, hint: Any, level: float) -> Any:
@@ -39,9 +44,29 @@ def write_plain(value: Any, hint: Any, level: float) -> Any:
 
 
 def read_plain(data: Any, hint: Any) -> Any:
-    """The value of type `hint` that `write` has written."""
+    """The value of type `hint` that `write_plain` has written.
+
+    Raises
+    ------
+    StoredError
+        It is none.
+    """
     origin, args = _derived(hint)
-    return _form(origin).read(data, args)
+    form = _form(origin)
+    if form.expected and not form.written(data):
+        raise unfit(data, form.expected)
+    return form.read(data, args)
+
+
+def read_key(data: Mapping[str, Any], key: str, hint: Any) -> Any:
+    """The value of type `hint` under a key; errors are those of `read_plain`, or that there is no such key."""
+    if key not in data:
+        kind = given(data.get("type", "value")).strip("'")
+        raise StoredError(f"the stored {kind} has no {key!r}: the data are incomplete; store the result again")
+    try:
+        return read_plain(data[key], hint)
+    except AllaniteError as error:
+        raise StoredError.at(f".{key}", error) from None
 
 
 def _derived(hint: Any) -> tuple[Any, tuple[Any, ...]]:
@@ -104,12 +129,23 @@ def _numbers(array: Any) -> Any:
 def _array(data: Any, args: tuple[Any, ...]) -> Any:
     """The array from nested lists, with the number type given by the annotation."""
     if isinstance(data, dict):
-        return _array(data["real"], ()) + 1j * _array(data["imag"], ())
+        real, imag = (read_key(data, part, np.ndarray) for part in ("real", "imag"))
+        if real.shape != imag.shape:
+            raise unfit(data, "as many imaginary as real parts")
+        return real + 1j * imag
     named = get_args(args[1])[0] if len(args) > 1 and get_args(args[1]) else Any
-    if isinstance(named, type):
-        return np.array(data, dtype=named)
-    array = np.array(data)
-    return array if array.dtype.kind in "biufU" else np.array(data, dtype=np.float64)
+    kinds, words = {np.bool_: ("b", "true and false"), np.int64: ("iu", "whole numbers")}.get(
+        named, ("biufUO", "numbers")
+    )
+    try:
+        found = np.array(data)
+        if found.dtype.kind in kinds or not found.size:
+            wanted = named if isinstance(named, type) else None if found.dtype.kind in "biufU" else np.float64
+            return np.array(data, dtype=wanted)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    words = {"b": "true and false", "iu": "whole numbers"}.get(kinds, "numbers")
+    raise StoredError(f"a list of {words} is expected, in rows of the same length")
 
 
 def _hints(args: tuple[Any, ...], size: int) -> tuple[Any, ...]:
@@ -120,7 +156,15 @@ def _hints(args: tuple[Any, ...], size: int) -> tuple[Any, ...]:
 
 
 def _read_tuple(data: Any, args: tuple[Any, ...]) -> tuple[Any, ...]:
-    return tuple(read_plain(item, hint) for item, hint in zip(data, _hints(args, len(data)), strict=True))
+    hints, found = _hints(args, len(data)), list[Any]()
+    if len(hints) != len(data):
+        raise StoredError(f"a list of {len(hints)} is expected, not of {len(data)}")
+    for i, (item, hint) in enumerate(zip(data, hints, strict=True)):
+        try:
+            found.append(read_plain(item, hint))
+        except AllaniteError as error:
+            raise StoredError.at(f"[{i}]", error) from None
+    return tuple(found)
 
 
 def _write_dict(value: Any, args: tuple[Any, ...], level: float) -> dict[str, Any]:
@@ -129,8 +173,8 @@ def _write_dict(value: Any, args: tuple[Any, ...], level: float) -> dict[str, An
 
 
 def _read_dict(data: Any, args: tuple[Any, ...]) -> dict[Any, Any]:
-    key_of, hint = args or (str, Any)
-    return {key if key_of is Any else key_of(key): read_plain(item, hint) for key, item in data.items()}
+    hint = args[1] if args else Any
+    return {key: read_key(data, key, hint) for key in data}
 
 
 def _write_union(value: Any, args: tuple[Any, ...], level: float) -> Any:
@@ -148,7 +192,9 @@ def _read_union(data: Any, args: tuple[Any, ...]) -> Any:
         return None
     members = [hint for hint in args if hint is not types.NoneType]
     fitting = [hint for hint in members if _form(hint).written(data)]
-    return read_plain(data, fitting[0] if fitting else members[0])
+    if not fitting and len(members) > 1 and not isinstance(data, dict):
+        raise unfit(data, " or ".join(_form(hint).expected or "a table" for hint in members))
+    return read_plain(data, (fitting or members)[0])
 
 
 def _write_call(value: Any, args: tuple[Any, ...], level: float) -> Any:
@@ -159,47 +205,75 @@ def _write_call(value: Any, args: tuple[Any, ...], level: float) -> Any:
 
 
 def _read_call(data: Any, args: tuple[Any, ...]) -> Any:
-    if isinstance(data, str):
-        return Stored(data)
-    also = _read_call(data["also"], args) if "also" in data else None
-    return Stored(read_plain(data["values"], args[1]), data.get("level"), also)
+    if args[1] is str or isinstance(data, str):
+        return Stored(read_plain(data, args[1]))
+    level = read_plain(data.get("level"), float | None)
+    if level is not None:
+        demand_level(level)
+    values, other = read_key(data, "values", args[1]), data.get("also")
+    also = None if other is None else {key: item for key, item in read_plain(other, dict).items() if key != "also"}
+    return Stored(values, level, None if also is None else _read_call(also, args))
 
 
 def _no_type(_: Any) -> bool:
     return True
 
 
+def _whole(data: Any) -> bool:
+    return isinstance(data, int) and not isinstance(data, bool)
+
+
 def _is(*kinds: type) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, kinds)
+
+
+def _read_float(data: Any, _: tuple[Any, ...]) -> Any:
+    if _whole(data) and abs(data) > sys.float_info.max:
+        raise unfit(data, "a number that is not above 1.8e308")
+    wide = _whole(data) and abs(data) >= 1 << 63  # more than an array of whole numbers can hold
+    return math.nan if data is None else float(data) if isinstance(data, str) or wide else data
+
+
+def _read_literal(data: Any, args: tuple[Any, ...]) -> Any:
+    if not any(type(data) is type(word) and data == word for word in args):
+        raise unfit(data, " or ".join(map(repr, args)))
+    return data
 
 
 _itself = Codec(lambda value, _, level: plain(value, level), lambda data, _: data, _no_type, _no_type)
 _float_form = Codec(
     lambda value, _, level: _scalar(value),
-    lambda data, _: math.nan if data is None else float(data) if isinstance(data, str) else data,
+    _read_float,
     _is(int, float, np.floating, np.integer),
-    lambda data: data is None or (isinstance(data, (int, float)) and not isinstance(data, bool)) or data in NOT_FINITE,
+    lambda data: data is None or isinstance(data, float) or _whole(data) or data in NOT_FINITE,
+    "a number",
 )
 _union = Codec(_write_union, _read_union, _no_type, _no_type)
-_dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict))
+_dict = Codec(_write_dict, _read_dict, _is(dict), _is(dict), "a table")
 _tuple = Codec(
     lambda value, args, level: [
         write_plain(item, hint, level) for item, hint in zip(value, _hints(args, len(value)), strict=True)
     ],
-    _read_tuple, _is(tuple, list), _is(list, tuple),
+    _read_tuple, _is(tuple, list), _is(list, tuple), "a list",
 )  # fmt: skip
 
 FORMS: dict[Any, Codec] = {
     Any: _itself,
     object: _itself,
-    Literal: _itself,
-    bool: _itself._replace(holds=_is(bool, np.bool_), written=_is(bool)),
-    str: _itself._replace(holds=_is(str), written=_is(str)),
-    int: _itself._replace(holds=_is(int, np.integer), written=_is(int)),
+    Literal: _itself._replace(read=_read_literal),
+    bool: _itself._replace(holds=_is(bool, np.bool_), written=_is(bool), expected="true or false"),
+    str: _itself._replace(holds=_is(str), written=_is(str), expected="a text"),
+    int: _itself._replace(holds=_is(int, np.integer), written=_whole, expected="a whole number"),
     float: _float_form,
-    Path: Codec(lambda value, _, level: str(value), lambda data, _: Path(data), _is(Path), _is(str)),
-    Signal: Codec(lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str)),
-    np.ndarray: Codec(lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict)),
+    Path: Codec(lambda value, _, level: str(value), lambda data, _: Path(data), _is(Path), _is(str), "a path"),
+    Signal: Codec(
+        lambda value, _, level: value.name, lambda data, _: signal_named(data), _is(Signal), _is(str),
+        "the name of a quantity",
+    ),
+    np.ndarray: Codec(
+        lambda value, _, level: _numbers(np.asarray(value)), _array, _is(np.ndarray), _is(list, dict),
+        "a list of numbers",
+    ),
     tuple: _tuple,
     list: _tuple._replace(read=lambda data, args: list(_read_tuple(data, args))),
     Sequence: _tuple,
@@ -207,6 +281,6 @@ FORMS: dict[Any, Codec] = {
     Mapping: _dict,
     Union: _union,
     types.UnionType: _union,
-    Callable: Codec(_write_call, _read_call, callable, _is(dict)),
-}
+    Callable: Codec(_write_call, _read_call, callable, _is(dict, str), "a table"),
+}  # fmt: skip
 """The codec of a type, or of the type that it is derived from."""

@@ -1,6 +1,7 @@
 """The errors of allanite. Each message says what was given, what was expected, and what to do."""
 
-from typing import Self
+from reprlib import Repr
+from typing import Any, Self
 
 from allanite.phrases.phrase import join
 
@@ -36,6 +37,10 @@ class UnitError(UsageError):
     """A unit is unknown, or has the wrong dimension."""
 
 
+class WrongTypeError(UsageError, TypeError):
+    """An argument is of another type than its function takes."""
+
+
 class UndrawnError(UsageError):
     """There is nothing in a value that could be drawn."""
 
@@ -49,7 +54,11 @@ class DataError(AllaniteError):
 
 
 SHOWN = 200
-"""Characters of a given text that a message shows."""
+"""Characters of a given text, and digits of a number, that a message shows."""
+
+_BEGINNING = Repr()
+_BEGINNING.maxlevel, _BEGINNING.maxlist, _BEGINNING.maxtuple, _BEGINNING.maxdict = 2, 12, 12, 4
+_BEGINNING.maxstring = _BEGINNING.maxlong = _BEGINNING.maxother = SHOWN
 
 
 def given(value: object) -> str:
@@ -57,4 +66,26 @@ def given(value: object) -> str:
     number = value.item() if hasattr(value, "item") and not getattr(value, "shape", ()) else value
     if isinstance(number, str) and len(number) > SHOWN:
         return f"{number[:SHOWN]!r}… ({len(number)} characters)"
-    return f"{number:g}" if isinstance(number, float) else repr(number)
+    if isinstance(number, int) and abs(number) > 10**SHOWN:
+        return f"a number of more than {SHOWN} digits"
+    return f"{number:g}" if isinstance(number, float) else _BEGINNING.repr(number)
+
+
+class StoredError(UsageError):
+    """Stored data are not of the type of their field; the message begins with its path, ``channels[0].fit.method``."""
+
+    def __init__(self, what: str, where: str = "", **more: Any) -> None:
+        super().__init__(f"{where.removeprefix('.')}: {what}" if where else what, **more)
+        self.what, self.where = what, where
+
+    @classmethod
+    def at(cls, step: str, error: AllaniteError) -> Self:
+        """An error in what is a step further down."""
+        what, where = (error.what, error.where) if isinstance(error, cls) else (str(error), "")
+        return cls(what, step + where)
+
+
+def unfit(data: Any, expected: str) -> StoredError:
+    """The error of data that are not what is expected."""
+    words = {dict: "a table", list: "a list", tuple: "a list", type(None): "null"}
+    return StoredError(f"{expected} is expected, not {words.get(type(data)) or given(data)}")

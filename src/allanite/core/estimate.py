@@ -3,15 +3,17 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from functools import partial
+from typing import Any, ClassVar, Literal, NamedTuple
 
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .display_units import shown_unit
 from .encoding import finite
-from .limits import demand_level
+from .limits import demand_level, demand_stored_size
 from .model import coefficient_factor
+from .names import demand_name
 from .plain import Value
 from .units import Signal
 
@@ -75,6 +77,9 @@ STATUSES: dict[str, Status] = {
 }  # fmt: skip
 """Every status of a coefficient, by its name."""
 
+TERM: dict[str, Callable[[Any], None]] = {"symbol": partial(demand_name, "term", known=TERMS)}
+"""The check of a stored symbol."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Estimate(Value):
@@ -109,6 +114,11 @@ class Estimate(Value):
     wanted : tuple of str
         Units in which it is shown, if not in those of data sheets; see `units.shown_unit`.
     """
+
+    _checks: ClassVar = TERM | {
+        "status": partial(demand_name, "status", known=STATUSES),
+        **dict.fromkeys(("value", "upper", "limits", "profile"), demand_stored_size),
+    }  # fmt: skip
 
     symbol: str
     signal: Signal

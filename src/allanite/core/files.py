@@ -3,9 +3,11 @@
 import os
 import secrets
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 from allanite.phrases.wording import spelled
 
@@ -106,6 +108,30 @@ def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
 
 def _unwritable(path: PathLike, error: OSError) -> UsageError:
     return UsageError(f"{given(os.fspath(path))} cannot be written ({reason(error)}); give another path")
+
+
+def locked(path: PathLike) -> IO[bytes] | None:
+    """A file that one program at a time has open, until it closes it or ends, however it ends; None if another has it.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    """
+    file = open(path, "ab")  # noqa: SIM115 - the caller keeps it open
+    try:
+        if sys.platform == "win32":
+            import msvcrt
+
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
+
+            fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except (BlockingIOError, PermissionError):  # what Windows says of a file that is locked
+        file.close()
+        return None
+    return file
 
 
 def reason(error: OSError | ValueError) -> str:

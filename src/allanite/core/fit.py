@@ -275,15 +275,14 @@ class Fit(Value):
         return super().to_dict(level) | others | extra
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Fit":
-        """The fit written by `to_dict`; its limits are known for the stored level only."""
+    def _stored(cls, data: dict[str, Any]) -> "Fit":
         others = data.get("alternatives")
         nodes = data.get("averaged")
         kept = {
             "alternatives": {"values": others} if others else None,
             "averaged": {"values": nodes} if nodes else None,
         }
-        return super().from_dict(data | kept)
+        return super()._stored(data | kept)
 
     def _summary(self) -> str:
         return f"of {self.name!r} by {self.method}: {self.model}"

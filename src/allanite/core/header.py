@@ -1,8 +1,9 @@
 """What a stored result holds about its record."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
+from .limits import demand_stored_rate
 from .plain import Value
 from .units import Signal
 
@@ -13,6 +14,8 @@ class Header(Value):
 
     Results that were stored and read again hold it instead of the record.
     """
+
+    _checks: ClassVar = {"rate": demand_stored_rate}
 
     name: str
     rate: float

@@ -5,7 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
-from .errors import UsageError, given
+from .arrays import LARGEST, RATES
+from .errors import UsageError, given, unfit
 from .threads import one_thread
 
 T = TypeVar("T")
@@ -117,3 +118,19 @@ class Remembered(Generic[T]):
             with one_thread():
                 self.known[at] = self.function(*at)
         return self.known[at]
+
+
+def demand_stored_rate(value: float) -> None:
+    """Refuse what is no sampling rate."""
+    if not RATES[0] <= value <= RATES[1]:
+        raise unfit(value, f"a rate between {RATES[0]:g} and {RATES[1]:g} Hz")
+
+
+def demand_stored_size(value: float | Stored | None) -> None:
+    """Refuse a number, or a limit, that is far beyond those of any record."""
+    if isinstance(value, Stored):
+        for limit in value.values:
+            demand_stored_size(limit)
+        return
+    if value is not None and math.isfinite(value) and abs(value) >= LARGEST**2:
+        raise unfit(value, f"a number below {LARGEST**2:g}")

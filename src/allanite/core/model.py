@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from inspect import Parameter, Signature
 from typing import Any, Protocol
 
 import numpy as np
@@ -11,12 +10,14 @@ import numpy as np
 from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS, NoiseTerm
 
-from .arrays import FloatArray
-from .errors import UnitError, UsageError, given
-from .names import demand_name
-from .plain import Value, demand_type
+from .arrays import LARGEST, FloatArray
+from .encoding import read_key
+from .errors import StoredError, UnitError, UsageError, WrongTypeError, given
+from .limits import demand_stored_size
+from .names import demand_name, row_of
+from .plain import Value
 from .titles import title_of
-from .units import SIGNALS, Signal, signal_named, signal_with, unit_of
+from .units import SIGNALS, Signal, signal_with, unit_of
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,6 +38,7 @@ class Term(Value):
 
     Examples
     --------
+    >>> from allanite import B, N
     >>> model = N(0.01, "deg/sqrt(h)") + B(0.5, "deg/h")
     >>> model["B"].to("deg/h")
     0.5
@@ -83,11 +85,14 @@ class Term(Value):
         return {"allanite": 1, "type": "Term", "signal": self.signal.name, **self.plain}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Term":
-        """The term written by `to_dict`."""
-        demand_type(data, "Term")
-        shape = tuple(float(data[p.name]) for p in TERMS[data["symbol"]].parameters)
-        return cls(data["symbol"], float(data["value"]), signal_named(data["signal"]), shape)
+    def _stored(cls, data: dict[str, Any]) -> "Term":
+        symbol = read_key(data, "symbol", str)
+        value, *shape = (
+            float(read_key(data, name, float))
+            for name in ("value", *(p.name for p in row_of("term", symbol, TERMS).parameters))
+        )
+        demand_stored_size(value)
+        return cls(symbol, value, read_key(data, "signal", Signal), tuple(shape))
 
     def __str__(self) -> str:
         sheet = self.signal.sheet[self.row.power]
@@ -130,6 +135,9 @@ def term(symbol: str, value: float, unit: str, shape: tuple[float, ...] = ()) ->
     assert signal is not None  # noqa: S101 - coefficient_factor has found it
     if not math.isfinite(value) or (value < 0 and TERMS[symbol].waveform is None):
         raise UsageError(f"the coefficient of {symbol} must be finite and not negative, not {given(value)}")
+    if value and not 1 / LARGEST < abs(value * factor) < LARGEST:
+        allowed = f"from {1 / LARGEST:g} to {LARGEST:g} {signal.si[TERMS[symbol].power]}, or 0"
+        raise UsageError(f"{symbol} = {given(value)} {unit} cannot be computed with: it must be {allowed}")
     return Term(symbol, value * factor, signal, _shape(symbol, shape))
 
 
@@ -145,50 +153,6 @@ def _shape(symbol: str, given: tuple[float, ...]) -> tuple[float, ...]:
             above = "" if p.least is None else f" above {p.least:g}"
             raise UsageError(f"the {p.name} of {symbol} must be a finite number{above}, not {value:g}")
     return tuple(float(value) for value in shape)
-
-
-class Constructor(Protocol):
-    """A function that makes the term of one symbol from a coefficient, its unit, and the parameters by name."""
-
-    def __call__(self, value: float, unit: str, **shape: float) -> Term: ...  # noqa: D102
-
-
-def constructor(symbol: str) -> Constructor:
-    """The function that makes a term of this symbol, from the term's row of `TERMS`.
-
-    Examples
-    --------
-    >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0))
-    GM = 0.1 deg/h with time constant 20 s
-    """
-    row, usual = TERMS[symbol], (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
-    named = [Parameter(name, usual[0], annotation=kind) for name, kind in (("value", float), ("unit", str))]
-    named += [
-        Parameter(p.name, usual[1], annotation=float, default=Parameter.empty if p.default is None else p.default)
-        for p in row.parameters
-    ]
-    signature = Signature(named, return_annotation=Term)
-
-    def build(value: float, unit: str, **shape: float) -> Term:
-        given = signature.bind(value, unit, **shape)
-        given.apply_defaults()
-        return term(symbol, value, unit, tuple(given.arguments[p.name] for p in row.parameters))
-
-    sheet = SIGNALS[0].sheet[row.power]
-    example = "".join(f", {p.name}={p.typical:g}" for p in row.parameters if p.default is None)
-    units = "".join(f"; {p.name} in {p.unit}" for p in row.parameters if p.unit)
-    build.__name__ = build.__qualname__ = symbol
-    build.__doc__ = (
-        f"{row.title.capitalize()}: {row.meaning}.\n\n"
-        f"For example ``{symbol}({row.typical:g}, {sheet!r}{example})``{units}."
-    )
-    build.__signature__ = signature  # type: ignore[attr-defined]
-    return build
-
-
-Q, N, B, K = (constructor(symbol) for symbol in ("Q", "N", "B", "K"))
-R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
-F, GMA, GM2, GML, W = (constructor(symbol) for symbol in ("F", "GMA", "GM2", "GML", "W"))
 
 
 @dataclass(frozen=True, repr=False, init=False)
@@ -217,6 +181,7 @@ class Model(Value):
     --------
     >>> print(Model("N 0.003 deg/sqrt(h), Q 0.2 arcsec, GM 0.1 deg/h 2 min"))
     N = 0.003 deg/sqrt(h), Q = 0.2 arcsec, GM = 0.1 deg/h with time constant 120 s
+    >>> from allanite import K, N
     >>> model = N(1.0, "rad/sqrt(s)") + K(0.1, "rad/s^1.5")
     >>> [str(t.symbol) for t in model], model.structure(np.array([6.0])).round(12).tolist()
     (['N', 'K'], [5.64])
@@ -286,10 +251,12 @@ class Model(Value):
         return {"allanite": 1, "type": "Model", "signal": self.signal.name, "terms": terms}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Model":
-        """The model written by `to_dict`."""
-        demand_type(data, "Model")
-        return cls(tuple(Term.from_dict({"signal": data["signal"], **t}) for t in data["terms"]))
+    def _stored(cls, data: dict[str, Any]) -> "Model":
+        common = {"signal": read_key(data, "signal", str)}
+        terms = [common | term for term in read_key(data, "terms", tuple[dict[str, Any], ...])]
+        if not terms:
+            raise StoredError("a model has at least one term")
+        return cls(read_key({"terms": terms}, "terms", tuple[Term, ...]))
 
 
 class HasModel(Protocol):
@@ -308,6 +275,7 @@ def model_of(value: ModelLike) -> Model:
 
     Examples
     --------
+    >>> from allanite import N
     >>> print(model_of(N(0.01, "deg/sqrt(h)")))
     N = 0.01 deg/sqrt(h)
     """
@@ -316,8 +284,8 @@ def model_of(value: ModelLike) -> Model:
     inner = getattr(value, "model", None)
     if isinstance(inner, Model):
         return inner
-    shown = f"the text {value!r}" if isinstance(value, str) else f"an object of type {type(value).__name__}"
-    raise UsageError(
+    shown = f"the text {given(value)}" if isinstance(value, str) else f"an object of type {type(value).__name__}"
+    raise WrongTypeError(
         f"a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; Model(text) "
         "makes one of a text"
     )

@@ -1,12 +1,15 @@
 """Storable values: every result can be pickled, written as plain data and read again, and has a one-line `repr`."""
 
 import importlib
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from functools import cache
+from operator import attrgetter
 from typing import Any, ClassVar, Self, cast, get_type_hints
 
-from .encoding import plain, read_plain, write_plain
-from .errors import UsageError
+from .aliases import public
+from .encoding import plain, read_key, write_plain
+from .errors import StoredError, UsageError, given, unfit
 from .names import unknown
 
 VERSION = 1
@@ -35,8 +38,9 @@ class Portable:
 class Value(Portable):
     """A frozen dataclass that can be stored and read again; declared with ``repr=False`` to keep the short `repr`.
 
-    The form of the plain data follows from the types of the fields. `_keys` names
-    fields stored under another key, `_also` properties that are written for readers but not read again.
+    The form of the plain data follows from the types of the fields. `_keys` names fields stored under another key,
+    `_also` properties that are written for readers but not read again. Of data that are read, the fields of each text
+    of `_alike` must have as many items, and `_checks` refuse what else a field cannot be.
 
     Examples
     --------
@@ -51,6 +55,8 @@ class Value(Portable):
 
     _keys: ClassVar[dict[str, str]] = {}
     _also: ClassVar[tuple[str, ...]] = ()
+    _alike: ClassVar[tuple[str, ...]] = ()
+    _checks: ClassVar[Mapping[str, Callable[[Any], None]]] = {}
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -71,22 +77,25 @@ class Value(Portable):
         Raises
         ------
         UsageError
-            The data are of another type or version, or lack a field.
+            The data are of another type or version, or lack a field, or it is not of its type; the message begins with
+            the path of the field.
         """
+        if not isinstance(data, dict):
+            raise unfit(data, f"a table of a {cls.__name__}")
         if data.get("type", cls.__name__) != cls.__name__ and issubclass(class_of(data), cls):
             return cast(Self, class_of(data).from_dict(data))
         demand_type(data, cls.__name__)
-        missing = {f.name for f in fields(cls) if f.default is MISSING and f.default_factory is MISSING}  # type: ignore[arg-type]
-        found = {}
-        for name, hint in stored_fields(cls):
-            key = cls._keys.get(name, name)
-            if key in data:
-                found[name] = read_plain(data[key], hint)
-            elif name in missing:
-                raise UsageError(
-                    f"the stored {cls.__name__} has no {key!r}: the data are incomplete; store the result again"
-                )
-        return cls(**found)
+        return cls._stored(data)
+
+    @classmethod
+    def _stored(cls, data: dict[str, Any]) -> Self:
+        """The value of data of this type."""
+        found = cls(**read_fields(cls, data))
+        for names in cls._alike:
+            parts = (attrgetter(name)(found) for name in names.split())
+            if len({len(part) for part in parts if part is not None}) > 1:
+                raise StoredError(f"{', '.join(names.split())} must have as many items: the data were changed")
+        return found
 
     def __repr__(self) -> str:
         text = f"<{type(self).__name__} {self._summary()}".rstrip().replace("\n", "; ")
@@ -140,6 +149,22 @@ def _fields(cls: Any) -> tuple[tuple[str, Any], ...]:
     return tuple((f.name, hints[f.name]) for f in fields(cls) if f.init)
 
 
+def read_fields(cls: type[Value], data: dict[str, Any], *apart: str) -> dict[str, Any]:
+    """The fields of a class, but those `apart`, from plain data; what has a default may be missing."""
+    optional = {f.name for f in fields(cls) if f.default is not MISSING or f.default_factory is not MISSING}  # type: ignore[arg-type]
+    keys = {name: cls._keys.get(name, name) for name, _ in stored_fields(cls) if name not in apart}
+    found = {
+        name: read_key(data, keys[name], hint)
+        for name, hint in stored_fields(cls) if name in keys and (keys[name] in data or name not in optional)
+    }  # fmt: skip
+    for name in cls._checks.keys() & found.keys():
+        try:
+            cls._checks[name](found[name])
+        except UsageError as error:
+            raise StoredError.at(f".{keys[name]}", error) from None
+    return found
+
+
 def demand_type(data: dict[str, Any], name: str) -> None:
     """Check that plain data are of this version and, if they state it, of this type.
 
@@ -149,12 +174,14 @@ def demand_type(data: dict[str, Any], name: str) -> None:
         The version or the type differs.
     """
     if data.get("type", name) != name:
-        raise UsageError(f"these data are a {data['type']}, not a {name}; use allanite.from_dict, which reads both")
+        kind = given(data["type"]).strip("'")
+        raise StoredError(f"these data are a {kind}, not a {name}; use allanite.from_dict, which reads both")
     if data.get("allanite", VERSION) != VERSION:
-        raise UsageError(f"these data have version {data['allanite']!r}; this program reads version {VERSION}")
+        raise StoredError(f"these data have version {given(data['allanite'])}; this program reads version {VERSION}")
 
 
-def from_dict(data: dict[str, Any]) -> Any:
+@public
+def from_dict(data: Any) -> Any:
     """Any result, from the data written by its `to_dict`.
 
     Parameters
@@ -184,11 +211,11 @@ def class_of(data: dict[str, Any]) -> type[Value]:
     UsageError
         No class has that name.
     """
-    name = str(data["type"]) if isinstance(data, dict) and "type" in data else None
+    name = read_key(data, "type", str) if isinstance(data, dict) and "type" in data else None
     if name is not None and name not in TYPES:
         importlib.import_module(f"{RESULTS}.views").import_type(name)
     if name is None or name not in TYPES:
         known = sorted(known for known, cls in TYPES.items() if not cls.__subclasses__())
         nothing = UsageError("stored data without a type cannot be read: they are no result of allanite")
-        raise nothing if name is None else unknown("type", name, known, where=" of stored data")
+        raise nothing if name is None else unknown("type", name, known, where=" of stored data", listed=False)
     return TYPES[name]

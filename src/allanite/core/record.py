@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from allanite.phrases.phrase import join, say
 
-from .aliases import aliased
-from .arrays import FloatArray, complete
+from .aliases import public
+from .arrays import LARGEST, RATES, FloatArray, complete
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
@@ -29,13 +29,6 @@ def header_dict(record: "Record | Header", kind: str) -> dict[str, Any]:
     """The first keys of a stored channel: its type and the properties of its record."""
     header = record if isinstance(record, Header) else record.header
     return header.to_dict() | {"type": kind}
-
-
-RATES = (1e-9, 1e15)
-"""Sampling rates, Hz: beyond them powers of averaging times are not numbers any more."""
-
-LARGEST = 1e30
-"""Size of rates and accelerations, SI, up to which, and down to whose inverse, eighth powers are numbers."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,8 +93,9 @@ class Record(Value):
             raise UsageError(
                 f"the sampling rate must be between {RATES[0]:g} and {RATES[1]:g} Hz, not {given(self.rate)}"
             )
-        if self.scale is not None and not (np.isfinite(self.scale) and self.scale > 0):
-            raise UsageError(f"the scale must be a positive number of {self.unit}, not {given(self.scale)}")
+        if self.scale is not None and not 1 / LARGEST <= self.scale <= LARGEST:
+            span = f"positive number of {self.unit}, from {1 / LARGEST:g} to {LARGEST:g}"
+            raise UsageError(f"the scale must be a {span}, not {given(self.scale)}")
         if self.kind == "count" and self.scale is None:
             raise UsageError(
                 f"counts need the size of one pulse, for example scale=0.1 with unit='arcsec' ({self.name})"
@@ -243,7 +237,7 @@ class Record(Value):
         return replace(self, values=values, kind=kind, start=start, history=(*self.history, what))
 
 
-Record.__init__ = aliased(Record.__init__)  # type: ignore[method-assign]
+Record.__init__ = public(Record.__init__)  # type: ignore[method-assign]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -1,14 +1,14 @@
 """Spectrum: power spectral density as a function of frequency."""
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from .arrays import FloatArray
 from .encoding import plain
-from .errors import UsageError
-from .limits import demand_level
+from .errors import UsageError, given
+from .limits import demand_level, demand_stored_rate
 from .model import ModelLike, model_of
 from .plain import Value
 from .units import convert
@@ -45,6 +45,9 @@ class Spectrum(Value):
     rate, name, history
         Sampling rate, name and history of the record.
     """
+
+    _alike = ("frequency width density dof",)
+    _checks: ClassVar = {"rate": demand_stored_rate}
 
     frequency: FloatArray
     width: FloatArray
@@ -120,5 +123,5 @@ class Spectrum(Value):
 def side_factor(sides: str) -> float:
     """The row of `SIDES`; an unknown name is an error that lists the known ones."""
     if sides not in SIDES:
-        raise UsageError(f"sides must be {' or '.join(map(repr, SIDES))}, not {sides!r}")
+        raise UsageError(f"sides must be {' or '.join(map(repr, SIDES))}, not {given(sides)}")
     return SIDES[sides]

@@ -12,6 +12,7 @@ from .arrays import FloatArray, IntArray
 from .curve import Curve, Law
 from .encoding import plain
 from .errors import UsageError
+from .limits import demand_stored_rate
 from .model import Model
 from .plain import Value
 from .units import convert
@@ -47,6 +48,8 @@ class Surface(Value):
     """
 
     _keys: ClassVar = {"supposes": "supposed"}
+    _alike = ("m tau", "time variance count factor")
+    _checks: ClassVar = {"rate": demand_stored_rate}
 
     statistic: str
     time: FloatArray

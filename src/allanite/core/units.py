@@ -14,7 +14,7 @@ from functools import lru_cache
 from allanite.phrases.phrase import say
 
 from .errors import UnitError, given
-from .names import nearest
+from .names import nearest, row_of
 from .spellings import SPELLINGS, latin, plain_letters
 from .time_powers import Units
 
@@ -273,8 +273,8 @@ SIGNALS = (
 
 
 def signal_named(name: str) -> Signal:
-    """The row of `SIGNALS` called `name`."""
-    return next(signal for signal in SIGNALS if signal.name == name)
+    """The row of `SIGNALS` called `name`; an unknown one is a UsageError."""
+    return row_of("quantity", name, {signal.name: signal for signal in SIGNALS})
 
 
 def signal_with(dimension: Dimension, time_power: float = 0, *, values: bool = False) -> Signal | None:

@@ -107,7 +107,7 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
         if markov and symbol == "K" and (one is None or one.limit):
             one = _markov(axis) or one
         if one is None:
-            why = say("not given or not looked for") if e is None else e.words()
+            why = say("not given or not looked for") if e is None else e.words(level=axis.level)
             reasons.append(say("{axis}: {symbol} is {why}", axis=axis.label, symbol=symbol, why=why))
         else:
             found.append(one)
@@ -136,7 +136,7 @@ def _markov(axis: Axis) -> AxisCoefficient | None:
     time = e.shape[0]
     walk = math.sqrt(2 / time)
     low, high = e.interval(axis.level)
-    note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(), time=time)
+    note = say("{name} {words}, T = {time:.4g} s", name=TERMS["GM"].title, words=e.words(level=axis.level), time=time)
     covers = e.method == COVER
     return AxisCoefficient(
         axis.name, e.value * walk, low * walk, high * walk, False, False, note, time, axis.level, covers

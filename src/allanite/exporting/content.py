@@ -108,6 +108,7 @@ class Entry(Value):
 class Content:
     """What a file says: comments, fields, and for targets that take whole models the axes; `rate` in Hz.
 
+    Comments and names are as the recording has them: a form writes them by the `Syntax` of its file.
     `inflate` is a factor on the coefficients of whole models; the fields have it already.
     """
 
@@ -120,21 +121,6 @@ class Content:
     def of(self, section: str) -> list[Entry]:
         """The fields of one section."""
         return [entry for entry in self.entries if entry.section == section]
-
-
-def one_line(text: str) -> str:
-    r"""Text that stays on its line and shows what it holds: line breaks and other control characters as escapes.
-
-    Names come from the recording: what follows a line break in one would be a line of the file.
-
-    Examples
-    --------
-    >>> print(one_line("gx\nkey: 1"))
-    gx\nkey: 1
-    """
-    if text.isprintable():  # so that a phrase stays one
-        return text
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def number(value: float) -> str:

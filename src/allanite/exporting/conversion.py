@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from allanite.core.errors import DataError, UnitError, UsageError
+from allanite.core.errors import AllaniteError, DataError, UnitError, UsageError
 from allanite.core.files import reason
 from allanite.core.model import Model, Term
 from allanite.core.notation import split_quantities
@@ -82,18 +82,11 @@ def load(
             raise DataError(f"{file}: {reason(error)}; check the name and the folder") from None
         except (ValueError, RecursionError):
             raise DataError(f"{file} is damaged: it is not JSON; write the result again") from None
-        found.append(_result(file, data))
+        try:
+            found.append(from_dict(data))
+        except AllaniteError as error:
+            raise DataError(f"{file} is no complete result of allanite ({error}); write it again") from None
     return [*found, *models_of(models)]
-
-
-def _result(file: str, data: Any) -> Any:
-    """The result of a file; what was changed or written by another program is refused."""
-    try:
-        return from_dict(data)
-    except UsageError as error:
-        raise error.within(file) from None
-    except (KeyError, TypeError, ValueError, AttributeError, StopIteration, RecursionError, RuntimeError):
-        raise DataError(f"{file} is no complete result of allanite; write it again") from None
 
 
 @dataclass(frozen=True, repr=False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
 
+from allanite.core.aliases import public
 from allanite.core.choice_kinds import SPAN
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, encoded, write
@@ -17,7 +18,7 @@ from allanite.study.results import Study
 from .axes import Source, axes_of
 from .bounds import bounded
 from .choice import demand_policy, selected
-from .content import Axis, Content, Entry, by_sensor, one_line
+from .content import Axis, Content, Entry, by_sensor
 from .cover import covered
 from .exports import target_named
 from .fields import How, demand_how, fill, usable
@@ -65,6 +66,12 @@ class Export(Value):
     recipe: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, str] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        try:
+            self.data  # noqa: B018 - that there are bytes
+        except ValueError:
+            raise UsageError("the text of a binary file is base64: these data were changed") from None
+
     @property
     def data(self) -> bytes:
         """The bytes of the file."""
@@ -99,6 +106,7 @@ class Export(Value):
         return f"for {self.target}: {len(self.data)} bytes of {self.suffix}"
 
 
+@public
 def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
     source: Source,
     target: str,
@@ -205,7 +213,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     warned = [line for made in stated if made.confident for line in made.words()[:known]]
     left = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
     head = (*header(target, kept, how), *notes, *warned, *left)
-    made = target.forms[suffix](Content(tuple(map(one_line, head)), entries, kept, rate, how.inflate))
+    made = target.forms[suffix](Content(head, entries, kept, rate, how.inflate))
     binary = isinstance(made, bytes)
     text = base64.b64encode(made).decode() if isinstance(made, bytes) else made
     studies = [s for s in (source if isinstance(source, (list, tuple)) else (source,)) if isinstance(s, Study)]
@@ -219,7 +227,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
 
 
 def _axes(source: Source, how: How) -> tuple[Axis, ...]:
-    """The axes of gyros and accelerometers with their bounds, whose names may stand in a file."""
+    """The axes of gyros and accelerometers with their bounds."""
     axes = list(axes_of(source))
     inertial = [axis for axis in axes if axis.fit.signal.inertial]
     if axes and not inertial:
@@ -229,12 +237,7 @@ def _axes(source: Source, how: How) -> tuple[Axis, ...]:
             "coefficients of any quantity with " + spelled("'allanite analyze FILE --coefficients PATH'", "fit.rows()")
         )
     known = how.rate or next((axis.rate for axis in inertial if axis.rate), None)
-    found = []
-    for axis in inertial:
-        own = bounded(replace(axis, rate=axis.rate or known), asked=how.from_curve)
-        lines = {key: one_line(text) for key, text in own.source.items()}
-        found.append(replace(own, name=one_line(own.name), doubt=one_line(own.doubt), source=lines))
-    return tuple(found)
+    return tuple(bounded(replace(axis, rate=axis.rate or known), asked=how.from_curve) for axis in inertial)
 
 
 def alerts_of(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[Study]) -> list[str]:

@@ -15,6 +15,9 @@ from .choice import POLICIES, AxisCoefficient, Found, coefficients, selected
 from .content import Axis, Entry, by_sensor
 from .target import Target, TargetField, demand_rate
 
+INFLATED, SIZED = 1e6, 1e15
+"""The largest inflation, and the largest rate, Hz, or time, s, of an export; the smallest ones are their inverse."""
+
 
 @dataclass(frozen=True)
 class How(ExportChoices):
@@ -166,11 +169,14 @@ def demand_how(target: Target, how: How) -> None:
     UsageError
         The inflation or the rate is not positive, or the target takes one value for all axes.
     """
-    if not (math.isfinite(how.inflate) and how.inflate > 0):
-        raise UsageError(f"an inflation must be a positive number, not {how.inflate:g}")
+    if not 1 / INFLATED <= how.inflate <= INFLATED:
+        limits = f"{1 / INFLATED:g} to {INFLATED:g}"
+        raise UsageError(f"an inflation must be a positive number, {limits}, not {how.inflate:g}")
     for rate in (how.rate, how.filter_rate):
-        if rate is not None and not (math.isfinite(rate) and rate > 0):
-            raise UsageError(f"a rate must be above 0 Hz, not {rate:g}")
+        if rate is not None and not 1 / SIZED <= rate <= SIZED:
+            raise UsageError(f"a rate must be above 0 Hz, {1 / SIZED:g} to {SIZED:g} Hz, not {rate:g}")
+    if how.span and not (how.span[0] >= 1 / SIZED and how.span[1] <= SIZED):
+        raise UsageError(f"{spelled('--cover', 'cover')} is from {1 / SIZED:g} to {SIZED:g} s, not {how.span}")
     if how.inflate != 1 and not target.inflatable:
         raise UsageError(f"{target.name} states what was measured: it is not inflated")
     if how.cover and not target.drifts:

@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from allanite.core.aliases import public
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, reason
 from allanite.core.model import Model, Term
@@ -58,6 +59,7 @@ class Imported(Value):
         return f"from {self.target}: {'; '.join(map(str, self.models))}"
 
 
+@public
 def read_noise(path: PathLike, target: str, *, rate: float | None = None) -> Imported:
     """Read the noise coefficients from the file of a target.
 
@@ -92,7 +94,7 @@ def read_noise(path: PathLike, target: str, *, rate: float | None = None) -> Imp
 
 def noise_in(text: str, target: Target, rate: float | None, name: str = "the text") -> Imported:
     """The noise in the text of a file."""
-    plain = re.sub(target.comments, "", text, flags=re.DOTALL if target.comments.startswith("<") else 0)
+    plain = re.sub(target.comments, "", text)
     stated = next((found[0] for key in _RATES if target.rated and (found := numbers(plain, key))), None)
     rate = target.rate(stated or rate, None)
     values = {field: numbers(section_of(plain, field, target), field.name) for field in target.fields}

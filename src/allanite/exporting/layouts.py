@@ -1,14 +1,14 @@
 """Forms of files: lines with comments above each field, and JSON."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from allanite.core.syntax import YAML, Syntax, json_text
+
 from .content import Content, Entry, number
 
-XML_COMMENT = r"<!--.*?-->"
-MATLAB_COMMENT = r"%.*"
+JSON_COMMENT = r'(?s:"comment": \[.*?\n\s*\])'
 
 
 def triple(values: Sequence[float]) -> str:
@@ -37,8 +37,8 @@ class LineLayout:
     ----------
     line : str
         Template of a field, with `name`, `value` (a single number), `triple` or `diagonal`.
-    comment : str
-        Template of a comment.
+    syntax : Syntax
+        Of its comments.
     first : tuple of str
         What must stand before any comment.
     start, end : tuple of str
@@ -48,7 +48,7 @@ class LineLayout:
     """
 
     line: str
-    comment: str = "# {}"
+    syntax: Syntax = YAML
     first: tuple[str, ...] = ()
     start: tuple[str, ...] = ()
     end: tuple[str, ...] = ()
@@ -57,18 +57,15 @@ class LineLayout:
     def __call__(self, content: Content) -> str:
         """The file."""
         rate = "" if content.rate is None else number(content.rate)
-        lines = [*self.first, *map(self._comment, content.header)]
+        lines = [*self.first, *(part for line in content.header for part in self.syntax.comments(line))]
         lines += [line.replace("{rate}", rate) for line in self.start]
         indent = self.line[: len(self.line) - len(self.line.lstrip())]
         for e in content.entries:
             line = self.line.replace("[{triple}]", "{value}") if e.name in self.alone else self.line
             forms = {"value": number(e.values[0]), "triple": triple(e.values), "diagonal": diagonal(e.values)}
-            lines += [indent + self._comment(told(e)), line.format(name=e.name, **forms)]
+            lines += [indent + part for part in self.syntax.comments(told(e))]
+            lines.append(line.format(name=e.name, **forms))
         return "\n".join([*lines, *(line.replace("{rate}", rate) for line in self.end)]) + "\n"
-
-    def _comment(self, text: str) -> str:
-        # two hyphens end a comment of XML
-        return self.comment.format(text.replace("--", "- -").replace("*/", "* /"))
 
 
 def told(entry: Entry) -> str:
@@ -100,4 +97,4 @@ class JsonLayout:
             found[self.rate] = content.rate
         remarks = [f"{entry.section} {entry.name}: {told(entry)}" for entry in content.entries]
         whole = {self.root: found} if self.root else found
-        return json.dumps({**whole, "comment": [*content.header, *remarks]}, indent=2, ensure_ascii=False) + "\n"
+        return json_text({**whole, "comment": [*content.header, *remarks]}, indent=2) + "\n"

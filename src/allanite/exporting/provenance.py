@@ -65,6 +65,6 @@ def left_out(target: Target, axes: Sequence[Axis]) -> Iterator[str]:
         for e in lost:
             name = title_of(e.symbol, e.signal)
             yield say("{axis}: no field for {symbol} ({name}), {words}",
-                      axis=axis.label, symbol=e.symbol, name=name, words=e.words())  # fmt: skip
+                      axis=axis.label, symbol=e.symbol, name=name, words=e.words(level=axis.level))  # fmt: skip
         for line in axis.fit.lines:
             yield say("{axis}: no field for the sinusoid at {line}", axis=axis.label, line=line.words())

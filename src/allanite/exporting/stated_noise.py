@@ -56,6 +56,7 @@ class StatedNoise(Value):
     """
 
     _also: ClassVar = ("lowest", "span")
+    _alike = ("tau deviation identified upper", "times predicted actual best")
 
     channels: tuple[str, ...]
     model: Model

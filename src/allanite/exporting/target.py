@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from allanite.core.errors import UsageError
+from allanite.core.syntax import YAML
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
@@ -151,7 +152,7 @@ class Target:
     rated: bool = False
     markov: bool = False
     each: bool = False
-    comments: str = r"#.*"
+    comments: str = YAML.pattern
     inflatable: bool = True
     simulates: bool = False
     synonyms: tuple[str, ...] = ()

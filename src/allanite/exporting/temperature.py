@@ -11,6 +11,7 @@ from allanite.applications.compensation.compensated import Compensated, Compensa
 from allanite.applications.compensation.regression import Regression
 from allanite.applications.compensation.regressor import Regressor
 from allanite.applications.compensation.settings import CompensationSettings
+from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.names import row_of
@@ -20,7 +21,7 @@ from allanite.phrases.phrase import say
 from allanite.phrases.wording import spelled
 
 from .choice import placed
-from .content import Content, Entry, one_line
+from .content import Content, Entry
 from .export import Export
 from .exports import TEMPERATURE
 from .target import GYRO
@@ -57,6 +58,7 @@ def demand_settings(row: ThermalTarget, settings: CompensationSettings) -> None:
     row.demand(asked)
 
 
+@public
 def temperature_parameters(study: CompensationStudy, target: str, *, instance: int | None = None) -> Export:
     """Convert the temperature polynomials of a compensation to the parameters of an autopilot.
 
@@ -105,7 +107,7 @@ def temperature_parameters(study: CompensationStudy, target: str, *, instance: i
               for e in entries.values()]  # fmt: skip
     head = [*_header(row, study, used), *(f"warning: {text}" for text in alerts), *(f"note: {text}" for text in notes)]
     suffix, layout = next(iter(row.forms.items()))
-    content = Content(tuple(map(one_line, head)), tuple(entries.values()), (), None)
+    content = Content(tuple(head), tuple(entries.values()), (), None)
     text = replace(layout, start=tuple(dict.fromkeys(enable)))(content)
     return Export(
         row.name, suffix, text, entries=content.entries, notes=(*notes, *row.notes), alerts=alerts,
@@ -124,7 +126,7 @@ class _Axis:
 
     @property
     def name(self) -> str:
-        return one_line(self.channel.record.name)
+        return self.channel.record.name
 
     @property
     def span(self) -> tuple[float, float]:
@@ -139,7 +141,7 @@ def _axes(study: CompensationStudy, sensor: str) -> Iterator[_Axis]:
     places = {axis: placed(names, axis) for axis in AXES}
     if sorted(place for place in places.values() if place is not None) != list(range(len(names))):
         raise UsageError(
-            f"which axes {', '.join(map(one_line, names))} are is not known: one sensor has at most three channels, "
+            f"which axes {', '.join(names)} are is not known: one sensor has at most three channels, "
             f"whose names end in x, y and z; choose them with {spelled('--channels gx,gy,gz', 'Recipe(channels=...)')}"
         )
     for axis, place in places.items():

@@ -1,4 +1,4 @@
-from allanite.core.aliases import aliased as aliased
+from allanite.core.aliases import public as public
 from allanite.core.aliases import size_and_rate as size_and_rate
 from allanite.core.arrays import BoolArray as BoolArray
 from allanite.core.arrays import FloatArray as FloatArray
@@ -15,8 +15,9 @@ from allanite.core.doors import Sampling as Sampling
 from allanite.core.doors import as_record as as_record
 from allanite.core.encoding import finite as finite
 from allanite.core.encoding import plain as plain
-from allanite.core.encoding import read_plain as read_plain
+from allanite.core.encoding import read_key as read_key
 from allanite.core.encoding import write_plain as write_plain
+from allanite.core.errors import AllaniteError as AllaniteError
 from allanite.core.errors import DataError as DataError
 from allanite.core.errors import UnitError as UnitError
 from allanite.core.errors import UsageError as UsageError

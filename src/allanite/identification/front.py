@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Unpack, overload
 
-from allanite.core.aliases import aliased
+from allanite.core.aliases import public
 from allanite.core.curve import Curve
 from allanite.core.doors import Samples, Sampling, as_source
 from allanite.core.errors import DataError, UsageError
@@ -61,7 +61,7 @@ def identify(source: Recording | FrameLike, method: str | None = ..., **choices:
 def identify(source: Samples | Curve, method: str | None = ..., **choices: Unpack[Choices]) -> Fit: ...
 
 
-@aliased
+@public
 def identify(  # noqa: PLR0913 - each is a choice of its own
     source: Samples | Curve | Recording | FrameLike,
     method: str | None = None,

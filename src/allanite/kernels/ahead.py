@@ -1,7 +1,7 @@
 """The kernels of the usual analysis, made ready before they are needed: once after an installation they are compiled.
 
 Two processes do that. The other one begins with what has the most parts of its own; what either has compiled, the other
-loads from the cache. If it cannot be started or fails, all is compiled here.
+loads from the cache. If it cannot be started or fails, or if there is no cache, all is compiled here.
 """
 
 import subprocess
@@ -14,6 +14,8 @@ from subprocess import DEVNULL
 
 from numba.core import event
 from numba.core.sigutils import normalize_signature
+
+from allanite.kernels.compiling import KEPT
 
 _X, _M, _COLUMNS = "float64[::1]", "int64[::1]", "float64[:, ::1]"
 _DATA = f"Tuple(({_X}, {_X}, float64[:, :, ::1], {_COLUMNS}))"
@@ -32,7 +34,7 @@ HERE = {
     "binned.less_constant": f"({_X}, float64)",
     "binned.less_ramp": f"({_X}, float64)",
     "parabola.parabola_sums": f"({_X}, float64, float64)",
-    "parabola.less_parabola": f"({_X}, float64, float64, UniTuple(float64, 3))",
+    "parabola.less_parabola": f"({_X}, int64, float64, float64, UniTuple(float64, 3))",
     "allan.integrate": f"({_X}, float64)",
 }
 
@@ -47,7 +49,7 @@ def ready(compiling: Callable[[], None], *, alone: bool) -> None:
     alone : bool
         Without another process.
     """
-    begun = _Begun(compiling, alone)
+    begun = _Begun(compiling, alone or not KEPT)
     try:
         with event.install_listener("numba:compile", begun):
             load(HERE)

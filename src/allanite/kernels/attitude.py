@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
-recursive = njit(cache=True, nogil=True, error_model="numpy")
+from .compiling import kernel
 
 FREE_FALL = 0.1
 """Specific force, relative to the reference, below which it tells nothing of the vertical."""
@@ -14,24 +13,24 @@ STEEP = math.cos(math.radians(89.0))
 """Cosine of the pitch below which roll has no meaning."""
 
 
-@recursive
+@kernel
 def _tilt(x, y, z):  # type: ignore[no-untyped-def]
     return math.atan2(y, z), math.atan2(-x, math.hypot(y, z))
 
 
-@recursive
+@kernel
 def _wrapped(angle):  # type: ignore[no-untyped-def]
     return angle - 2 * math.pi * math.floor((angle + math.pi) / (2 * math.pi))
 
 
-@recursive
+@kernel
 def tilts(force, found):  # type: ignore[no-untyped-def]
     """Roll and pitch from specific force alone, shape (n, 2)."""
     for k in range(force.shape[0]):
         found[k, 0], found[k, 1] = _tilt(force[k, 0], force[k, 1], force[k, 2])
 
 
-@recursive
+@kernel
 def _advance(roll, pitch, rates, dt):  # type: ignore[no-untyped-def]
     """Roll and pitch after a step with constant rates, by the midpoint rule."""
     p, q, r = rates[0], rates[1], rates[2]
@@ -44,14 +43,14 @@ def _advance(roll, pitch, rates, dt):  # type: ignore[no-untyped-def]
     return a, b
 
 
-@recursive
+@kernel
 def usable(force, k, gravity, norm_gate):  # type: ignore[no-untyped-def]
     """Whether a specific force is one that the vertical can be taken from."""
     size = math.sqrt(force[k, 0] ** 2 + force[k, 1] ** 2 + force[k, 2] ** 2)
     return size > FREE_FALL * gravity and abs(size - gravity) <= norm_gate * gravity
 
 
-@recursive
+@kernel
 def complementary(gyro, force, gains, start, found):  # type: ignore[no-untyped-def]
     """Filter of first or second order, shape (n, 2); the number of samples held, and where the pitch became steep.
 
@@ -78,7 +77,7 @@ def complementary(gyro, force, gains, start, found):  # type: ignore[no-untyped-
     return held, -1
 
 
-@recursive
+@kernel
 def _turned(q, p, y, r, dt):  # type: ignore[no-untyped-def]
     """Add half the product of a quaternion and a rate, times dt, to it."""
     w, a, b, c = q[0], q[1], q[2], q[3]
@@ -89,27 +88,27 @@ def _turned(q, p, y, r, dt):  # type: ignore[no-untyped-def]
     q[3] = c + h * (w * r + a * y - b * p)
 
 
-@recursive
+@kernel
 def _normalize(q):  # type: ignore[no-untyped-def]
     size = math.sqrt(q[0] ** 2 + q[1] ** 2 + q[2] ** 2 + q[3] ** 2)
     for i in range(4):
         q[i] /= size
 
 
-@recursive
+@kernel
 def _up(q):  # type: ignore[no-untyped-def]
     """The vertical in the body."""
     w, a, b, c = q[0], q[1], q[2], q[3]
     return 2 * (a * c - w * b), 2 * (w * a + b * c), 1 - 2 * (a * a + b * b)
 
 
-@recursive
+@kernel
 def _put(q, found, k):  # type: ignore[no-untyped-def]
     x, y, z = _up(q)
     found[k, 0], found[k, 1] = _tilt(x, y, z)
 
 
-@recursive
+@kernel
 def mahony(gyro, force, gains, q, found):  # type: ignore[no-untyped-def]
     """Mahony's filter with gains kP, kI, dt, gravity and gates; q is changed. The number of samples held."""
     kp, ki, dt, gravity = gains[0], gains[1], gains[2], gains[3]
@@ -136,7 +135,7 @@ def mahony(gyro, force, gains, q, found):  # type: ignore[no-untyped-def]
     return held
 
 
-@recursive
+@kernel
 def madgwick(gyro, force, gains, q, found):  # type: ignore[no-untyped-def]
     """Madgwick's filter with gains beta, 0, dt, gravity and gates; q is changed. The number of samples held."""
     beta, dt, gravity = gains[0], gains[2], gains[3]
@@ -168,7 +167,7 @@ def madgwick(gyro, force, gains, q, found):  # type: ignore[no-untyped-def]
     return held
 
 
-@recursive
+@kernel
 def rotated(vectors, q, quaternions):  # type: ignore[no-untyped-def]
     """Attitudes after each of so many rotation vectors, shape (n, 4), scalar first; q is changed."""
     for k in range(vectors.shape[0]):

@@ -16,8 +16,21 @@ that a first run compiles, loops are written instead (docs/speed.md).
 from functools import partial
 
 from numba import njit
+from numba.core.caching import FunctionCache
 
-_numba = partial(njit, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+
+def _kept() -> bool:
+    try:
+        FunctionCache(_kept)  # type: ignore[no-untyped-call]  # numba has no types
+    except RuntimeError:  # no folder of a cache can be written
+        return False
+    return True
+
+
+KEPT = _kept()
+"""Whether compiled code is kept for the next process: in NUMBA_CACHE_DIR, beside the source or in the home folder."""
+
+_numba = partial(njit, cache=KEPT, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 _inner = partial(_numba, no_cpython_wrapper=True)
 _swift = partial(_numba, fastmath={"reassoc", "nsz", "contract"})
 

@@ -25,11 +25,11 @@ def parabola_sums(x, start, step):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def less_parabola(x, start, step, factors):  # type: ignore[no-untyped-def]
-    """The samples less constant + line u + square u^2, with these three factors, u = start + step i."""
+def less_parabola(x, m, start, step, factors):  # type: ignore[no-untyped-def]
+    """Every m-th sample less constant + line u + square u^2, with these three factors, u = start + step i."""
     constant, line, square = factors
-    z = np.empty(x.size)
-    for i in range(x.size):
-        u = start + step * i
-        z[i] = x[i] - (constant + u * (line + u * square))
+    z = np.empty((x.size + m - 1) // m)
+    for i in range(z.size):
+        u = start + step * (i * m)
+        z[i] = x[i * m] - (constant + u * (line + u * square))
     return z

@@ -4,8 +4,10 @@ Those of `concurrent.futures.ProcessPoolExecutor` are not: one that is killed en
 it works or say how it ended, and they go on when the program is killed.
 """
 
+import multiprocessing
 import os
 import signal
+import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection
@@ -16,6 +18,15 @@ ANSWER = "answer"
 """Kind of the message that a process sends last; those of other kinds are reports on the way."""
 
 Tell = Callable[[str, Any], None]
+
+
+def ready_context(warm: str) -> Any:
+    """Starts processes as forks of one that has imported a module and has no threads; on Windows, each anew."""
+    if sys.platform == "win32":
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([warm])
+    return context
 
 
 class EndedError(Exception):

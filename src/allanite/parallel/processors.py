@@ -31,6 +31,9 @@ FIGURES = ("matplotlib.figure", "matplotlib.backends.backend_agg", "matplotlib.b
 PREPARING = "preparing, once after an installation: about 6 s"
 """What a bar says while kernels are compiled."""
 
+UNKEPT = "compiling (it is kept if NUMBA_CACHE_DIR names a folder that can be written)"
+"""What it says where no folder for compiled code can be written."""
+
 
 class _Use(NamedTuple):
     """The number of processes, None for that of the processors; what another thread does, and whether it compiles."""
@@ -124,5 +127,7 @@ def imported(tell: Callable[[str, float], None] | None = None) -> None:
         return
     while tell is not None and not wait([future], 0.1).done:
         if compiles and compiles.is_set():
-            tell(PREPARING, 0.04)
+            from allanite.kernels.compiling import KEPT
+
+            tell(PREPARING if KEPT else UNKEPT, 0.04)
     future.result()

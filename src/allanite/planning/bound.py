@@ -8,7 +8,7 @@ from functools import reduce
 
 import numpy as np
 
-from allanite.core.aliases import aliased, size_and_rate
+from allanite.core.aliases import public, size_and_rate
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, model_of
@@ -47,6 +47,8 @@ class Bound(Value):
     0.005
     """
 
+    _alike = ("names errors",)
+
     model: Model
     size: int
     rate: float
@@ -65,7 +67,7 @@ class Bound(Value):
         return f"of {self.size} samples at {self.rate:g} Hz: {', '.join(errors)}"
 
 
-@aliased
+@public
 def bound(
     model: ModelLike,
     size: int | None = None,

@@ -7,6 +7,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import ClassVar, NamedTuple
 
+from allanite.core.aliases import public
 from allanite.core.datasheet import ONE_SIDED
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term, term
@@ -175,6 +176,7 @@ DATASHEETS = Registry(_own(), "allanite.datasheets", kind=DataSheet, key="name")
 """Data sheets by name."""
 
 
+@public
 def data_sheet_named(name: str) -> DataSheet:
     """The data sheet of a sensor; upper case, hyphens and spaces do not matter.
 

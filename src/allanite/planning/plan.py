@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray
 from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError, given
@@ -48,6 +49,8 @@ class RecordingPlan(Value):
         The same if it is unknown which of the five terms are present, as for `identify`.
     """
 
+    _alike = ("names errors needed searched searched_needed",)
+
     model: Model
     rate: float
     ramp: bool
@@ -82,6 +85,7 @@ class RecordingPlan(Value):
         return f"at {self.rate:g} Hz for {100 * self.accuracy:g} %: {', '.join(needed)}"
 
 
+@public
 def plan(
     model: ModelLike,
     rate: float,

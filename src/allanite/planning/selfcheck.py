@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.aliases import aliased, size_and_rate
+from allanite.core.aliases import generator, public, size_and_rate
 from allanite.core.encoding import plain
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.limits import demand_level
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.core.titles import title_of
@@ -69,9 +70,9 @@ class SelfCheck(Value):
         return super().to_dict(level) | {"unexplained": plain(share), "unexplained_error": plain(error)}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "SelfCheck":
-        """The check written by `to_dict`."""
-        return super().from_dict(data | {"unexplained": [data["unexplained"], data["unexplained_error"]]})
+    def _stored(cls, data: dict[str, Any]) -> "SelfCheck":
+        pair = [data.get(key) for key in ("unexplained", "unexplained_error")]
+        return super()._stored(data | {"unexplained": pair})
 
     def _summary(self) -> str:
         return f"{self.records} records of {self.size} samples at {self.rate:g} Hz: {self.model}"
@@ -116,7 +117,7 @@ class SelfCheck(Value):
         return sentences
 
 
-@aliased
+@public
 def selfcheck(  # noqa: PLR0913 - the choices of the identification among its own
     model: ModelLike,
     size: int | None = None,
@@ -171,11 +172,12 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     (1.0, True, 0.0158)
     """
     truth, (n, rate) = model_of(model), size_and_rate(size, rate, duration)
+    demand_level(level)
     if records < 2:
         raise UsageError(f"a check needs at least 2 records, not {records}")
     tell = progress or (lambda what, fraction: None)
     fits = []
-    for i, child in enumerate(np.random.default_rng(rng).spawn(records)):
+    for i, child in enumerate(generator(rng).spawn(records)):
         tell(f"record {i + 1} of {records}", i / records)
         fits.append(identify(simulate(truth, n, rate, rng=child), method, terms=terms, band=band))
     checks = tuple(term_checks(truth, fits, bound(truth, n, rate), level))

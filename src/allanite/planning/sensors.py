@@ -1,5 +1,6 @@
 """Typical sensors, as models: for simulation and planning before there is a recording."""
 
+from allanite.core.aliases import public
 from allanite.core.model import Model
 from allanite.core.names import demand_name
 from allanite.simulation.ring_laser import RING_LASERS
@@ -12,6 +13,7 @@ SENSORS: dict[str, str] = {
 """Models of typical gyros: MEMS, fiber-optic, ring laser. Orders of magnitude; not of any specific product."""
 
 
+@public
 def sensor(name: str) -> Model:
     """The model of a typical sensor, or of a known ring laser gyro.
 

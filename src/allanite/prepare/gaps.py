@@ -46,6 +46,11 @@ class Gaps:
     lost: IntArray
     shut: BoolArray
 
+    def first(self, size: int) -> "Gaps":
+        """The gaps among the first samples."""
+        kept = self.at < size
+        return Gaps(size, self.at[kept], self.lost[kept], self.shut[kept])
+
     def row(self, term: NoiseTerm, k: FloatArray) -> FloatArray:
         """Variance of the k-th coefficients under a term, shape of `k`.
 

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.finding import Finding, Quality
 from allanite.core.record import SHORTEST, Record
 from allanite.phrases.phrase import say, say_count
@@ -19,6 +20,7 @@ SHORT = 600.0
 """Length, s, below which slow terms are rarely identified."""
 
 
+@public
 def inspect(record: Record) -> Quality:
     """Check a record before it is analyzed.
 
@@ -49,12 +51,10 @@ def _fatal(record: Record) -> Finding | None:
     if why:
         remedy = say("record for longer") if short else ""
         return Finding("too short" if short else "too little left", why, remedy=remedy, fatal=True)
-    steps = record.steps
-    if steps.min() != steps.max():
-        steps = steps[np.isfinite(steps)]
-        if not steps.size or steps.min() != steps.max():
-            return None
-    what = say("the signal never changes (always {value:.10g})", value=steps[0])
+    least, largest = np.fmin.reduce(record.steps), np.fmax.reduce(record.steps)
+    if least != largest:
+        return None
+    what = say("the signal never changes (always {value:.10g})", value=least)
     remedy = say("check that the sensor is connected and this is its column")
     return Finding("constant", what, remedy=remedy, fatal=True)
 

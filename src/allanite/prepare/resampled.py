@@ -14,6 +14,9 @@ from .view import View
 LONGEST = 1 << 18
 """Number of samples checked, in the middle of the record."""
 
+PART = 1 << 16
+"""Samples that are compared at a time, while the cache holds them."""
+
 FEWEST = 4096
 """Second differences in which a modulation is looked for."""
 
@@ -126,16 +129,24 @@ def filled(view: View) -> tuple[float, float]:
 
     Only of finely resolved samples, of which hardly any do so by chance.
     """
-    y = view.steps
-    apart = np.abs(np.subtract(y[1:-1], y[:-2], dtype=np.float64))
-    step = float(apart[apart > 1e-9 * view.fast].min(initial=np.inf))
-    inside = (y[1:-1] != y.min()) & (y[1:-1] != y.max())  # clipped ones repeat, too
+    y, least = view.steps, 1e-9 * view.fast
+    before, here = y[:-2], y[1:-1]
+    parts = [slice(first, first + PART) for first in range(0, here.size, PART)]
+
+    def apart(part: slice) -> FloatArray:
+        return np.asarray(np.abs(np.subtract(here[part], before[part], dtype=np.float64)))
+
+    step = min(float(np.min(d, where=d > least, initial=np.inf)) for d in map(apart, parts))
+    inside = (here != y.min()) & (here != y.max())  # clipped ones repeat, too
     inside[view.over] = False
-    if not view.fast or step > FINE * view.fast or not inside.any():
+    count = np.count_nonzero(inside)
+    if not view.fast or step > FINE * view.fast or not count:
         return 0.0, 0.0
-    repeated, midway = apart < step / 2, np.abs(view.bends) < max(step / 2, 1e-9 * view.fast)
-    shares = (float(which[inside].mean()) for which in (repeated, midway & ~repeated))
-    held, between = (share if share > FILLED else 0.0 for share in shares)
+    found = np.zeros(2)
+    for part in parts:
+        repeated, midway = apart(part) < step / 2, np.abs(view.bends[part]) < max(step / 2, least)
+        found += [np.count_nonzero(which & inside[part]) for which in (repeated, midway & ~repeated)]
+    held, between = (share if share > FILLED else 0.0 for share in (found / count).tolist())
     return held, between
 
 

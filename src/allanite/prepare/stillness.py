@@ -168,14 +168,14 @@ def level(view: View) -> Finding | None:
 
 def _unequal(view: View) -> tuple[BoolArray, FloatArray]:
     """Parts whose noise level differs, louder ones if there are some, and the power of each over the median."""
-    bends = view.bends.copy() if view.outliers.at.size else view.bends
     # second differences that contain an outlier are left out
     at = view.outliers.at if view.left is None else np.searchsorted(view.left, view.outliers.at)
-    held = np.unique(np.subtract.outer(at, np.arange(3)))
-    bends[held[(held >= 0) & (held < bends.size)].astype(np.intp)] = np.nan
-    size = bends.size // PARTS
-    squares = np.square(bends[: PARTS * size]).reshape(PARTS, size)
-    power = np.nansum(squares, axis=1) / np.maximum(np.isfinite(squares).sum(axis=1), 1)
+    held = np.unique(np.subtract.outer(at, np.arange(3))).astype(np.intp)
+    size, power = view.bends.size // PARTS, np.empty(PARTS)
+    for i, start in enumerate(range(0, PARTS * size, size)):
+        squares, here = np.square(view.bends[start : start + size]), held[(held >= start) & (held < start + size)]
+        squares[here - start] = 0.0
+        power[i] = squares.sum() / max(size - here.size, 1)
     noisy = power > 0  # others are stuck, or on a straight line
     if not noisy.any():
         return noisy, power

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.arrays import BoolArray
 from allanite.core.errors import UsageError, given
 from allanite.core.finding import Finding
@@ -20,6 +21,7 @@ from .view import View, stretches
 from .window import of_each
 
 
+@public
 def mark_outliers(record: Record) -> Record:
     """Replace outliers by NaN: missing samples.
 
@@ -120,6 +122,7 @@ def motion_found(record: Record, moved: BoolArray) -> Finding:
     return Finding("moving", what, AT_REST, place=(first, last))
 
 
+@public
 def detrend(record: Record, statistic: str) -> Record:
     """The record minus its least-squares ramp, for a statistic that is insensitive to a ramp.
 
@@ -140,6 +143,7 @@ def detrend(record: Record, statistic: str) -> Record:
     return record.with_values(y - slope * t, what, start=record.start)
 
 
+@public
 def block_means(record: Record, m: int) -> Record:
     """Means (for increments and counts: sums) of `m` successive samples, at the rate divided by `m`.
 
@@ -193,6 +197,7 @@ def samples_in(time: float, rate: float) -> int:
     return m
 
 
+@public
 def decimate(record: Record, factor: int) -> Record:
     """Every `factor`-th sample of a rate after a linear-phase low-pass filter at 0.4 of the new rate.
 

@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import say
 
 
+@public
 def trim(recording: Recording, start: float | None = None, until: float | None = None) -> Recording:
     """The part of a recording from `start` to `until`, in seconds after its first sample.
 
@@ -127,6 +129,7 @@ def excluded_words(pieces: Sequence[tuple[float, float]]) -> str:
     return say("excluded: {spans}", spans=", ".join(f"{start:g} s to {end:g} s" for start, end in pieces))
 
 
+@public
 def quiet_window(recording: Recording, length: float) -> Recording:
     """The most stationary window of `length` seconds, with the least fast noise and motion in the worst channel.
 
@@ -141,7 +144,7 @@ def quiet_window(recording: Recording, length: float) -> Recording:
     record = recording[0]
     span = max(1, round(record.rate))
     blocks = record.size // span
-    wanted = math.ceil(length * record.rate / span)
+    wanted = math.ceil(length * record.rate / span) if math.isfinite(length) else 0
     if not 1 <= wanted <= blocks:
         raise UsageError(f"a quiet window of {length:g} s does not fit into a recording of {record.duration:.6g} s")
     worst = np.zeros(blocks - wanted + 1)

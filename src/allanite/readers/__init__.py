@@ -10,32 +10,30 @@ several arrays use `datasets` to decide which of them belong together. A format 
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from allanite.core.aliases import aliased
+from allanite.core.aliases import public
 from allanite.core.errors import AllaniteError, DataError
 from allanite.core.record import Record, Recording
 
-if TYPE_CHECKING:
-    from .options import FrameLike
+from .options import FrameLike
 
 
-@aliased
+@public
 def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
-    path: "str | os.PathLike[str] | FrameLike",
+    path: str | os.PathLike[str] | FrameLike,
     *,
     rate: float | None = None,
     unit: str | Mapping[str, str] | None = None,
     kind: str | None = None,
     scale: float | str | None = None,
-    channels: Sequence[str] | None = None,
-    along: Sequence[str] | None = None,
+    channels: str | Sequence[str] | None = None,
+    along: str | Sequence[str] | None = None,
     time: str | None = None,
     dtype: str | None = None,
     columns: int | None = None,
     offset: int | None = None,
-    sincos: Sequence[str] | None = None,
-    otherwise: Sequence[str] = (),
+    sincos: str | Sequence[str] | None = None,
+    otherwise: str | Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> Recording:
     r"""Read a recording; its ``notes`` list the assumptions.
@@ -145,6 +143,7 @@ def read(  # noqa: PLR0913  a keyword for each thing that a file may not say
             raise DataError(f"{name}: {why}") from None
 
 
+@public
 def write(recording: Recording | Record, path: str | os.PathLike[str], *, force: bool = False) -> None:
     r"""Write a recording so that `read` gives it back without options: values, rate, start, names, units, kinds.
 

@@ -106,8 +106,12 @@ class Spool:
             path.write_bytes(text)
             yield NamedPath(str(path), self.source_name)
 
+    def keep(self) -> None:
+        """Leave the file where it is."""
+        self._own = False
+
     def close(self) -> None:
-        """Remove the file, unless the user has given its name."""
+        """Remove the file, unless it is kept or the user has given its name."""
         self._file.close()
         if self._own:
             Path(self.path).unlink(missing_ok=True)

@@ -5,6 +5,8 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from allanite.core.aliases import public
+
 from .views import has_view, level_of, view_of
 
 if TYPE_CHECKING:
@@ -22,6 +24,7 @@ MOST_DATA = 300_000
 """Bytes of compressed JSON that a page carries at most."""
 
 
+@public
 def plot(
     value: Any,
     fit: "Fit | None" = None,
@@ -84,6 +87,7 @@ def plot(
     return figure
 
 
+@public
 def report(value: Any, path: PathLike, *, level: float | None = None, force: bool = False, lang: str = "en") -> None:
     """Write a result as one self-contained file: numbers, figures, how they came about.
 
@@ -233,13 +237,13 @@ def to_csv(value: Any, *, level: float | None = None, coefficients: bool = False
     import csv
     import io
 
+    from allanite.core.syntax import uncomputed
+
     headings, rows = numbers(value, level=level, coefficients=coefficients)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(headings)
     for row in rows:
         cells = ("" if isinstance(cell, float) and math.isnan(cell) else cell for cell in row)
-        writer.writerow(
-            [f"'{c}" if isinstance(c, str) and c.startswith(("=", "+", "-", "@", "\t", "\r")) else c for c in cells]
-        )
+        writer.writerow([uncomputed(cell) if isinstance(cell, str) else cell for cell in cells])
     return out.getvalue()

@@ -287,17 +287,3 @@ def header_of(provenance: dict[str, str], notes: Iterable[str], method: str = ""
     lines += [("" if i else say("assumed"), note) for i, note in enumerate(notes)]
     lines += [("sha256", provenance["sha256"])] if provenance.get("sha256") else []
     return [*lines, (say("made by"), join("", [f"allanite {provenance.get('allanite', '')}", method]))]
-
-
-def toml(choices: dict[str, Any]) -> str:
-    """Plain choices as TOML: the keys of a recipe file.
-
-    Examples
-    --------
-    >>> print(toml({"rate": 100.0, "channels": ["gx"], "window": None}), end="")
-    rate = 100.0
-    channels = ["gx"]
-    """
-    import json
-
-    return "".join(f"{k} = {json.dumps(v, ensure_ascii=False)}\n" for k, v in choices.items() if v is not None)

@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
@@ -157,9 +158,18 @@ class NotebookFigure(Figure):
         return encode(self, "svg").decode()
 
 
+class Settled(ConstrainedLayoutEngine):
+    """A layout that is repeated: where panels have equal decades, a single one leaves labels beyond the edge."""
+
+    def execute(self, fig: Figure) -> None:
+        """Place everything, each time nearer to where it stays."""
+        for _ in range(3):
+            super().execute(fig)
+
+
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure of so many inches, outside of pyplot's list of open ones."""
-    figure = NotebookFigure(figsize=(width, height), layout="constrained", facecolor="white")
+    figure = NotebookFigure(figsize=(width, height), layout=Settled(), facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 

@@ -5,18 +5,21 @@ from collections.abc import Callable
 
 import numpy as np
 
-from allanite.core.aliases import aliased, size_and_rate
-from allanite.core.errors import UnitError, UsageError, given
+from allanite.core.aliases import generator, public, size_and_rate
+from allanite.core.errors import UnitError, UsageError
 from allanite.core.model import ModelLike, Term, model_of
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.statistics.row import FloatArray
 
+MOST = 10_000_000_000
+"""Most samples of a simulated record, which would take 80 GB."""
+
 LONGER = (1, 2, 4, 8, 16)
 """Lengths of embeddings that are tried, over that of the record."""
 
 
-@aliased
+@public
 def simulate(
     model: ModelLike,
     size: int | None = None,
@@ -75,12 +78,12 @@ def simulate(
     >>> bool(9.8 < record.values.std() < 10.2)
     True
     """
-    model, rng = model_of(model), np.random.default_rng(rng)
+    model, rng = model_of(model), generator(rng)
     size, rate = size_and_rate(size, rate, duration)
     if size < 2:
         raise UsageError(f"a record needs at least 2 samples, not {size}")
-    if not (np.isfinite(rate) and rate > 0):
-        raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(rate)}")
+    if size > MOST:
+        raise UsageError(f"a simulated record has at most {MOST:.0e} samples, not {size}: simulate a part of it")
     rounded = None
     if rounding:
         rounded = next((t for t in model if t.row.alpha == 2 and t.value), None)

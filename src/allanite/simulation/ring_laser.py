@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.core.aliases import aliased, size_and_rate
+from allanite.core.aliases import generator, public, size_and_rate
+from allanite.core.constructors import N, Q
 from allanite.core.errors import UsageError
-from allanite.core.model import Model, N, Q
+from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 
@@ -112,7 +113,7 @@ RING_LASERS: dict[str, RingLaser] = {"gl1": GL1, "gl1-smooth": GL1_SMOOTH}
 """Ring laser gyros by name."""
 
 
-@aliased
+@public
 def simulate_ring_laser(
     gyro: RingLaser,
     turning: float,
@@ -150,7 +151,7 @@ def simulate_ring_laser(
     ('count', 0.32795, True)
     """
     size, rate = size_and_rate(size, rate, duration)
-    rng = np.random.default_rng(rng)
+    rng = generator(rng)
     if size < 2:
         raise UsageError(f"a record needs at least 2 samples, not {size}")
     if not rate > 2 * gyro.residual_band[1]:

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from allanite.core.errors import UsageError, given
+from allanite.core.aliases import public
+from allanite.core.errors import StoredError, UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say, say_count
@@ -93,17 +94,21 @@ class StateSpace(Value):
         return super().to_dict(level) | {"allan": allan}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "StateSpace":
-        """The state space written by `to_dict`."""
-        found = super().from_dict(data)
+    def _stored(cls, data: dict[str, Any]) -> "StateSpace":
+        found = super()._stored(data)
         # a list of no rows does not say that it has no columns either
-        square = {n: getattr(found, n).reshape((len(data[n]),) * 2) for n in ("Phi", "Qd", "P0", "F", "Qc")}
+        square = {n: getattr(found, n) for n in ("Phi", "Qd", "P0", "F", "Qc")}
+        orders = {n: math.isqrt(matrix.size) for n, matrix in square.items()}
+        if any(matrix.size != orders[n] ** 2 for n, matrix in square.items()):
+            raise StoredError("a matrix is not square")
+        square = {n: matrix.reshape((orders[n], orders[n])) for n, matrix in square.items()}
         return replace(found, H=found.H.reshape(1, -1), **square)
 
     def _summary(self) -> str:
         return f"{', '.join(self.states) or 'no states'} at {self.rate:g} Hz: {self.model}"
 
 
+@public
 def state_space(
     model: ModelLike,
     rate: float,
@@ -156,9 +161,10 @@ def state_space(
     ((3, 3), 'sample', True)
     """
     model = model_of(model)
-    if not (math.isfinite(rate) and rate > 0) or not turn_on >= 0:
+    if not RATES[0] <= rate <= RATES[1] or not turn_on >= 0:
         raise UsageError(
-            f"the rate must be above 0 Hz and the turn-on bias not negative, unlike {given(rate)}, {given(turn_on)}"
+            f"the rate must be from {RATES[0]:g} to {RATES[1]:g} Hz and the turn-on bias not negative, unlike "
+            f"{given(rate)}, {given(turn_on)}"
         )
     if measurement not in ("auto", *MEASUREMENTS):
         raise UsageError(f"measurement must be auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")

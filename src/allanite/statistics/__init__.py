@@ -19,7 +19,7 @@ from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.statistics.confidence.averaged import AveragedLaw
 from allanite.statistics.confidence.bias import chosen_bias, correction, corrections
-from allanite.statistics.confidence.limits import AutomaticLaw, ModelLaw, PublishedLaw, power_laws, unit_term
+from allanite.statistics.confidence.limits import ModelLaw, PublishedLaw, automatic_law, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
 from allanite.statistics.confidence.supposed import Assumption, LaterLaw, SupposedNoise, Supposing
 from allanite.statistics.model_curves import Expectation as Expectation
@@ -174,7 +174,7 @@ def _law(seen: CurveEstimate, noise: Averaged | Literal["auto"], *, corrected: b
     """The confidence law; of a hybrid that is `corrected` by what the models expect, not by its own bias ratio."""
     points, each = seen.points, seen.each
     if not isinstance(noise, Averaged):
-        return sparse_law(points, lambda few: AutomaticLaw(few, seen.angle, seen.signal))
+        return sparse_law(points, lambda few: automatic_law(few, seen.angle, seen.signal))
     if each is None and corrected:
         points, each = points._replace(scattered=False), _corrections(seen, "model", noise)
     bias = np.ones((len(noise), points.m.size)) if each is None else each / seen.factor

@@ -5,7 +5,7 @@ from typing import Unpack
 
 import numpy as np
 
-from allanite.core.aliases import aliased
+from allanite.core.aliases import public
 from allanite.core.arrays import complete
 from allanite.core.curve import Curve
 from allanite.core.doors import Samples, Sampling, as_record
@@ -26,7 +26,7 @@ FEWEST = 8
 """Minimum number of samples in a window."""
 
 
-@aliased
+@public
 def dynamic(
     record: Samples,
     statistic: str = "oadev",

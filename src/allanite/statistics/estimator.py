@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.arrays import complete
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
@@ -12,7 +13,7 @@ from allanite.phrases.phrase import say
 from allanite.phrases.wording import windowing
 
 from .grids import part_of
-from .moments.means import takes_means, there, variance_of
+from .moments.means import There, takes_means, variance_of
 from .row import FloatArray, IntArray, Statistic, seconds
 
 LONG = 0.2
@@ -47,6 +48,7 @@ class AngleRecord(NamedTuple):
         return [(piece.start, piece.x.size - 1) for piece in self.pieces]
 
 
+@public
 def integrated(record: Record, order: int) -> AngleRecord:
     """The angle of a record, for statistics that take differences of `order`.
 
@@ -161,11 +163,12 @@ def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMea
     taken = np.flatnonzero(takes_means(row, m, places, angle.size)).tolist()
     if not taken:
         return plain
-    x, variance, number = np.zeros(angle.size + 1), plain.variance.copy(), plain.number.copy()
-    for start, points in angle.pieces:
-        x[start + 1 : start + points.size] = np.diff(points)
-    np.cumsum(x, out=x)
-    where = there(places, angle.size)
+    x, variance, number = np.empty(angle.size + 1), plain.variance.copy(), plain.number.copy()
+    end, total = 0, 0.0
+    for start, points in (*angle.pieces, Piece(angle.size, np.zeros(1))):
+        x[end:start], end = total, start + points.size
+        total = np.add(points, total, out=x[start:end])[-1]
+    where = There(places, angle.size)
     for i in taken:
         variance[i], number[i] = variance_of(row, int(m[i]), where, x)
     return WindowMeans(variance, number, plain.factor)
@@ -174,7 +177,7 @@ def with_means(row: Statistic, angle: AngleRecord, m: IntArray, plain: WindowMea
 def _sums(row: Statistic, x: FloatArray, m: IntArray, threads: int) -> FloatArray:
     if threads == 1 and seconds(row, x.size, m) < LONG:
         return row.sums(x, m)
-    shares = row.split(x.size, m, threads) if threads > 1 else [np.arange(m.size)]
+    shares = row.split(x.size, m, min(threads, m.size)) if threads > 1 else [np.arange(m.size)]
     sums = np.empty(m.size)
     for share, found in zip(shares, spread(lambda share: row.sums(x, m[share]), shares, threads), strict=True):
         sums[share] = found

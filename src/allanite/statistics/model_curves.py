@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, model_of
@@ -63,6 +64,7 @@ class Expectations(Value):
         return [(one.name or str(one.model), one) for one in self.each]
 
 
+@public
 def expectation(
     model: ModelLike,
     statistics: Sequence[str] = ("oadev",),

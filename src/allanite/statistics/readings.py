@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from allanite.core.aliases import public
 from allanite.core.curve import Curve
 from allanite.core.limits import Remembered
 from allanite.core.readings import Means, Reading, Readings, Slope
@@ -42,6 +43,7 @@ class _Limits:
         return float(low[self.at]), float(high[self.at])
 
 
+@public
 def readings(record: Record, curve: Curve | None = None) -> Readings:
     """Read off the overlapping Allan deviation the values that data sheets and other programs give.
 

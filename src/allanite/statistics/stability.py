@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import ModelLike, model_of
@@ -51,6 +52,7 @@ class Minimum(NamedTuple):
     inside: bool
 
 
+@public
 def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLike | None = None) -> Stability:
     """N-second stability: the standard deviation of the means over `seconds`, without overlap.
 
@@ -70,7 +72,7 @@ def averaging_stability(record: Record, seconds: float = 10.0, *, model: ModelLi
     >>> round(averaging_stability(record, 2.0).value, 4)
     1.1547
     """
-    m = round(seconds * record.rate)
+    m = round(seconds * record.rate) if math.isfinite(seconds * record.rate) else 0
     if m < 1 or abs(m - seconds * record.rate) > 1e-6 * m:
         raise UsageError(f"{seconds:g} s is not a multiple of the sample interval {record.interval:g} s")
     means, whole = means_of(record, m)
@@ -115,6 +117,7 @@ def scatter(means: FloatArray) -> float:
     return float(np.std(means, ddof=1))
 
 
+@public
 def minimum(curve: Curve) -> Minimum:
     """The minimum of a curve as an upper limit of the bias instability.
 

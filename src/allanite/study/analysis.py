@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-from allanite.core.aliases import aliased
+from allanite.core.aliases import public
 from allanite.core.display_units import showing
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
@@ -21,7 +21,7 @@ from .recipe import Recipe
 from .results import Channel, Study
 
 
-@aliased
+@public
 def analyze(
     source: Source,
     recipe: Recipe | None = None,
@@ -86,13 +86,14 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
 def _channel(seen: Inspected, recipe: Recipe) -> Channel:
     """The result of one channel."""
     noise = noise_in(seen, recipe)
-    if seen.keeper is not None:
-        (curve,), read = seen.keeper.curves(noise.fit, recipe.taus), None
-    else:
-        curve = deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit)
-        read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)
+    keeper, read = seen.keeper, None
+    (curve,) = keeper.curves(noise.fit, recipe.taus) if keeper else (
+        deviation(seen.record, recipe.statistic, taus=recipe.taus, noise=noise.fit),
+    )  # fmt: skip
     if curve.law is not None:
-        curve.interval(recipe.level)  # which every form of the result shows, and is remembered
+        curve.interval(recipe.level)  # which every form of the result shows, and is remembered; the angle is given up
+    if keeper is None:
+        read = readings(seen.record, curve if curve.statistic == "oadev" and recipe.taus == "log" else None)
     noise = replace(noise, fit=replace(noise.fit, curve=curve))
     return Channel(seen.first, seen.quality, noise, curves=(curve,), readings=read).to(*(recipe.to or ()))
 

@@ -7,7 +7,7 @@ from typing import Literal, Unpack
 import numpy as np
 
 from allanite import statistics
-from allanite.core.aliases import aliased
+from allanite.core.aliases import public
 from allanite.core.curve import Curve
 from allanite.core.doors import Samples, Sampling, as_record
 from allanite.core.errors import DataError
@@ -22,7 +22,7 @@ REPEATED = 0.5
 """Share of samples equal to the previous one above which a record is piecewise constant."""
 
 
-@aliased
+@public
 def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     record: Samples,
     statistic: str = "oadev",
@@ -129,7 +129,7 @@ def deviation(  # noqa: PLR0913 - each has a default, and is a choice of its own
     """
     record = as_record(record, "deviation", sampling, unit="1")
     own: Supposing = "auto" if "published" in (bias, edf) else partial(of_record, record)  # a single power law each
-    supposing = own if noise == "identified" else noise
+    supposing = own if isinstance(noise, str) and noise == "identified" else noise
     return statistics.deviation(
         record,
         statistic,

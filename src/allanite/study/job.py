@@ -5,10 +5,10 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
 
-from allanite.core.encoding import read_plain, write_plain
+from allanite.core.encoding import read_key, write_plain
 from allanite.core.finding import Finding
 from allanite.core.names import demand_name
-from allanite.core.plain import VERSION, Value, demand_type, stored_fields
+from allanite.core.plain import VERSION, Value, read_fields, stored_fields
 from allanite.parallel.sharing import Work, made
 
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
@@ -101,21 +101,15 @@ class Job(Value, Generic[Result]):
         } | {name: write_plain(getattr(self, name), hint, level) for name, hint in stored_fields(type(self), Job)}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The value written by `to_dict`; limits are known for the stored level only, and records have no samples."""
-        demand_type(data, cls.__name__)
+    def _stored(cls, data: dict[str, Any]) -> Self:
         # keys of settings of the same name are not those of the recipe
         hints = [hint for name, hint in stored_fields(cls, Job) if name == "settings"]
         kinds = [kind for hint in hints for kind in get_args(hint) or (hint,) if is_dataclass(kind)]
         known = {f.name for f in fields(Recipe)} - {f.name for kind in kinds for f in fields(kind)}
-        return cls(
-            tuple(cls._channel.from_dict(channel) for channel in data["channels"]),
-            Recipe.from_dict({key: value for key, value in data["recipe"].items() if key in known}),
-            tuple(Finding.from_dict(finding) for finding in data["findings"]),
-            tuple(data["notes"]),
-            dict(data["provenance"]),
-            **{name: read_plain(data[name], hint) for name, hint in stored_fields(cls, Job)},
-        )
+        recipe = {key: value for key, value in read_key(data, "recipe", dict[str, Any]).items() if key in known}
+        read = {"channels": tuple[cls._channel, ...], "recipe": Recipe}  # type: ignore[name-defined]
+        both = {key: read_key(data | {"recipe": recipe}, key, hint) for key, hint in read.items()}
+        return cls(**both, **read_fields(cls, data, *both))
 
     def _summary(self) -> str:
         source = self.provenance.get("source") or "data in memory"

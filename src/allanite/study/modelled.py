@@ -9,12 +9,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from allanite.core.curve import Curve
-from allanite.core.errors import DataError, UsageError
+from allanite.core.encoding import read_key, read_plain
+from allanite.core.errors import DataError, UsageError, unfit
 from allanite.core.finding import Quality
 from allanite.core.fit import Fit
 from allanite.core.header import Header
 from allanite.core.model import Model
-from allanite.core.plain import Value, from_dict
+from allanite.core.plain import Value, read_fields, stored_fields
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
@@ -97,17 +98,13 @@ class Modelled(Value):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> "Modelled":
-        """The value written by `to_dict`; the record has no samples."""
-        return cls(
-            data["name"],
-            data["rate"],
-            data["record"] and Header.from_dict(data["record"]),
-            data["quality"] and Quality.from_dict(data["quality"]),
-            noise_from(data),
-            from_dict(data) if "type" in data else None,
-            tuple(data["alerts"]),
-            data["refusal"],
-        )
+        """The value written by `to_dict`, whose type is that of the result; the record has no samples."""
+        if not isinstance(data, dict):
+            raise unfit(data, "a table")
+        found = read_fields(cls, data, "record", "noise", "result")
+        record = read_key(data, "record", Header | None)
+        result = read_plain(data, dict(stored_fields(cls))["result"]) if "type" in data else None
+        return cls(**found, record=record, noise=noise_from(data), result=result)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

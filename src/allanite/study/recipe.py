@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from allanite.core.choice_kinds import BAND, INSTANT, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, pieces
 from allanite.core.choices import choice, choices_of, demand_choices, named
-from allanite.core.errors import UsageError
+from allanite.core.errors import UsageError, unfit
 from allanite.core.files import reason
 from allanite.core.names import demand_name
 
@@ -194,6 +194,8 @@ class Recipe:
         UsageError
             A key is unknown; the message lists the known ones.
         """
+        if not isinstance(data, dict):
+            raise unfit(data, "a table of choices")
         rows, values = choices_of(cls), dict[str, Any]()
         options = {key: name for name, row in rows.items() for key in row.keys}
         for key, value in data.items():

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any, Self
 
 from allanite.core.curve import Curve
 from allanite.core.datasheet import DataSheetRow, data_sheet
-from allanite.core.encoding import plain, read_plain, write_plain
+from allanite.core.encoding import plain, read_key, write_plain
 from allanite.core.errors import DataError
 from allanite.core.finding import Finding, Quality
 from allanite.core.fit import Fit
 from allanite.core.header import Header, header_from
 from allanite.core.limits import Stored
 from allanite.core.model import Model
-from allanite.core.plain import Portable, Value, stored_fields
+from allanite.core.plain import Portable, Value, read_fields, stored_fields
 from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording, header_dict
 from allanite.core.residuals import Residuals, Shared, Statement, statement
@@ -110,8 +110,8 @@ def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:
 
 def noise_from(data: dict[str, Any]) -> Noise | None:
     """The noise written by `noise_dict`."""
-    left = data["residuals"] and Stored(Residuals.from_dict(data["residuals"]))
-    return data["fit"] and Noise(Fit.from_dict(data["fit"]), left)
+    fit, left = read_key(data, "fit", Fit | None), read_key(data, "residuals", Residuals | None)
+    return None if fit is None else Noise(fit, None if left is None else Stored(left))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -132,11 +132,11 @@ class RecordResult(Value):
         return data | {name: plain(getattr(self, name), level) for name in self._also}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The value written by `to_dict`."""
-        own = {name: hint for name, hint in stored_fields(cls) if name != "record"}
-        values = {n: noise_from(data) if n == "noise" else read_plain(data[n], hint) for n, hint in own.items()}
-        return cls(header_from(data), **values)
+    def _stored(cls, data: dict[str, Any]) -> Self:
+        found = read_fields(cls, data, "record", "noise")
+        return cls(
+            header_from(data), **found, **({"noise": noise_from(data)} if "noise" in dict(stored_fields(cls)) else {})
+        )
 
     def _summary(self) -> str:
         return ": ".join(filter(None, (repr(self.record.name), getattr(self, "refusal", ""))))
@@ -228,9 +228,8 @@ class Channel(ChannelResult):
         return super().to_dict(level) | {"data_sheet": [entry._asdict() for entry in self.data_sheet(level)]}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """The value written by `to_dict`."""
-        found = super().from_dict(data)
+    def _stored(cls, data: dict[str, Any]) -> Self:
+        found = super()._stored(data)
         if found.noise is None:
             return found
         return replace(found, noise=replace(found.noise, fit=replace(found.noise.fit, curve=found.curve)))
@@ -276,6 +275,5 @@ class Study(Job[Channel]):
         return data | {"shared": None if self.shared is None else self.shared.to_dict()}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Study":
-        """The value written by `to_dict`."""
-        return super().from_dict({**data, "common": data["shared"]})
+    def _stored(cls, data: dict[str, Any]) -> "Study":
+        return super()._stored(data | {"common": data.get("shared")})

@@ -56,6 +56,8 @@ class Deviations(DeviationChoices, Value):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "statistic", tuple(statistic_named(name).name for name in self.statistic))
+        if not self.statistic:
+            raise UsageError("give at least one statistic")
         if not any(self._biases(name) for name in self.statistic):
             demand_bias(self.bias, statistic_named(self.statistic[0]))
         if self.edf == "published" and not self.intervals:

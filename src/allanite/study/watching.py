@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
-from allanite.core.errors import DataError
+from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join, say
@@ -77,12 +77,15 @@ class Watch:
     settings: WatchSettings = WatchSettings()
     stopped: Callable[[], bool] = lambda: False
     latest: Study | None = None
-    findings: list[Finding] = field(default_factory=list)
+    findings: dict[str, Finding] = field(default_factory=dict)
     spool: Spool | None = None
     full: bool = False
     _said: dict[tuple[str, str], float] = field(default_factory=dict)
     _rate: float = 0.0
     _rows: int = -1
+    _gone: int = 0
+    _unread: bool = False
+    _begun: float = field(default_factory=time.monotonic)
 
     def __post_init__(self) -> None:
         self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
@@ -95,14 +98,13 @@ class Watch:
         UsageError
             A choice is impossible for what comes.
         """
-        tap = opened(self.target, self.settings.baud)
-        feed = Feed(tap)
+        feed = Feed(tap := opened(self.target, self.settings.baud))
         self.spool = Spool(self.target, self.settings.record, sent=tap.live)
         yield say("watching {target!r}", target=self.target)
-        begun = last = time.monotonic()
+        self._begun = last = time.monotonic()
         every: dict[Callable[[], Iterator[str]], float]
         every = {self._look: 1.0, lambda: iter((self.report(),)): self.settings.every}
-        due = {work: begun + usual for work, usual in every.items()}
+        due = {work: self._begun + usual for work, usual in every.items()}
         try:
             while not self.stopped():
                 try:
@@ -110,23 +112,35 @@ class Watch:
                 except OSError as error:
                     self.spool.torn()
                     what = say("{target!r} is gone ({reason}); waiting for it", target=self.target, reason=str(error))
-                    self.findings.append(Finding("unplugged", what))
+                    self._gone += 1
+                    many = say("{target!r} was gone {times} times", target=self.target, times=self._gone)
+                    self.findings["unplugged"] = Finding("unplugged", what if self._gone == 1 else many)
                     yield what
-                    feed = yield from self._again(feed)
+                    back = yield from self._again(feed)
+                    if back is None:
+                        break
+                    feed, last = back, time.monotonic()
                     continue
                 now = time.monotonic()
                 last = now if data else last
                 yield from self._keep([data])
+                if self._over(last):
+                    break
                 for work, usual in every.items():
                     if now >= due[work] and self.spool.rows >= ENOUGH:
                         yield from work()
                         due[work] = now + max(usual, SHARE * (time.monotonic() - now))
-                if now - begun >= self.settings.duration or now - last >= self.settings.idle or self.full:
-                    break
         finally:
             rest = feed.close()
         yield from self._keep(rest, last=True)
+        self._unread = True  # the analysis of all rows says it, if it is so
         yield from self._look()
+
+    def _over(self, last: float) -> bool:
+        """Whether it is ended: by hand, by the time that was asked for, or by nothing that has come since `last`."""
+        now = time.monotonic()
+        late = now - self._begun >= self.settings.duration or now - last >= self.settings.idle
+        return late or self.full or self.stopped()
 
     def _keep(self, parts: Sequence[bytes], *, last: bool = False) -> Iterator[str]:
         """Keep what came; where the disk is full, the stream ends."""
@@ -143,8 +157,8 @@ class Watch:
                        reason=error.strerror or str(error))  # fmt: skip
             remedy = say("free some space, or keep the lines on another disk ({option})",
                          option=spelled("--record PATH", "record="))  # fmt: skip
-            self.findings.append(Finding("disk", what, remedy=remedy))
-            yield str(self.findings[-1])
+            self.findings["disk"] = Finding("disk", what, remedy=remedy)
+            yield str(self.findings["disk"])
 
     def report(self) -> str:
         """Length, coefficients so far, and when more will be known."""
@@ -165,7 +179,6 @@ class Watch:
             words += [say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed]
             why = channel.noise.rejection if channel.noise is not None else ""
             words += [why] if why else [finding.what for finding in fit.findings]
-            # from the Cramer-Rao bound
             needs = plan(fit.model, record.rate, durations=(), accuracy=self.settings.accuracy)
             for name, needed in zip(needs.names, needs.needed, strict=True):
                 rest = float(needed) - record.size / record.rate
@@ -185,12 +198,19 @@ class Watch:
         UsageError
             A choice is impossible for what came.
         """
-        study = self._study()
+        try:
+            study = self._study()
+        except AllaniteError as error:
+            if self.spool is None or not self.spool.sent or self.spool.rows < ENOUGH:
+                raise
+            self.spool.keep()  # they come only once
+            kept = say("the lines that came, kept in {path!r}, cannot be analyzed", path=self.spool.path)
+            raise error.within(kept) from None
         notes = (*study.notes, say("watched as a stream"))
-        return replace(study, findings=(*study.findings, *self.findings), notes=notes)
+        return replace(study, findings=(*study.findings, *self.findings.values()), notes=notes)
 
     def close(self) -> None:
-        """Remove what was kept of the stream, unless the user has given its file."""
+        """Remove what was kept of the stream, unless the user has given its file, or it could not be analyzed."""
         if self.spool is not None:
             self.spool.close()
 
@@ -201,14 +221,21 @@ class Watch:
             raise DataError(say("{target!r} sends no rows of numbers; a binary or packed file is for {command}",
                                 target=self.target, command=f"'allanite analyze {self.target}'"))  # fmt: skip
         if self.latest is None or self._rows != self.spool.rows:
-            self._rows = self.spool.rows
-            self.latest = analyze(self.spool, self.recipe)
+            self.latest, self._rows = analyze(self.spool, self.recipe), self.spool.rows
         return self.latest
 
     def _look(self) -> Iterator[str]:
         """Look at the last minute as at a record of its own, and say what is new."""
-        with suppress(DataError):
+        try:
             recent = self._recent()
+        except AllaniteError as error:
+            if not self._rate and isinstance(error, UsageError):  # it has never been read
+                raise
+            yield from () if self._unread else (say("the last rows cannot be analyzed: {why}", why=str(error)),)
+            self._unread = True
+            return
+        self._unread = False
+        with suppress(DataError):
             yield from self._new("", recent.findings)
             records: Sequence[Record] = recent.records
             if self.recipe.motion == "mark" and (moved := motion(records)).any():
@@ -238,25 +265,25 @@ class Watch:
                 continue
             self._said[channel, one.name] = end or math.inf
 
-    def _again(self, feed: Feed) -> Generator[str, None, Feed]:
-        """Wait until the source is back; the time without it is a gap."""
+    def _again(self, feed: Feed) -> Generator[str, None, Feed | None]:
+        """Wait until the source is back; the time without it is a gap. None if the watch ends before."""
         assert self.spool is not None  # noqa: S101 - it is made before
         feed.close()
         begun = time.monotonic()
-        while not self.stopped() and time.monotonic() - begun < self.settings.idle:
+        while not self._over(begun):
             time.sleep(AGAIN)
             try:
                 feed = Feed(opened(self.target, self.settings.baud))
             except DataError:
                 continue
             lost = 0
-            with suppress(DataError):
+            with suppress(AllaniteError):
                 stamped = self._recent()[0].start is not None  # time stamps tell it themselves
                 lost = round((time.monotonic() - begun) * self._rate)
                 self.spool.skip(0 if stamped else lost)
             yield say("{target!r} is back; {lost} samples are missing", target=self.target, lost=lost)
-            break
-        return feed
+            return feed
+        return None
 
 
 def lasting(seconds: float) -> str:

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.errors import AllaniteError
 from allanite.core.record import Recording
 from allanite.readers.formats.registry import FormatReader
 from allanite.readers.options import Options
 
 
+@public
 def check_reader(module: FormatReader, path: str | os.PathLike[str], **choices: Any) -> None:
     r"""Check that a reader recognizes and reads a file, and says what is wrong with one that is cut off.
 

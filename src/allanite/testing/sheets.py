@@ -2,6 +2,7 @@
 
 import math
 
+from allanite.core.aliases import public
 from allanite.core.errors import UnitError
 from allanite.core.plain import from_dict
 from allanite.core.units import signal_named, unit_of
@@ -10,6 +11,7 @@ from allanite.planning.datasheets import QUANTITIES, SENSORS, DataSheet
 LIMITS = ("typical", "nominal", "maximum", "")
 
 
+@public
 def check_data_sheet(sheet: DataSheet) -> None:
     """Check the lines of a data sheet: words, units, places, and that a model follows from them.
 

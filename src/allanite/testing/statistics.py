@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from allanite.core.model import N
+from allanite.core.aliases import public
+from allanite.core.constructors import N
 from allanite.core.record import Record
 from allanite.simulation.record import simulate
 from allanite.statistics import STATISTICS, deviation, expected
@@ -13,6 +14,7 @@ FACTORS = (1, 2, 4, 8)
 RECORDS = 60
 
 
+@public
 def check_statistic(row: Statistic) -> None:
     """Check that a row of `STATISTICS` keeps what it says.
 

@@ -4,7 +4,8 @@ import math
 import tempfile
 from pathlib import Path
 
-from allanite.core.model import K, N
+from allanite.core.aliases import public
+from allanite.core.constructors import K, N
 from allanite.core.units import signal_named, unit_of
 from allanite.exporting.export import export
 from allanite.exporting.exports import EXPORTS
@@ -18,6 +19,7 @@ COEFFICIENTS = {"gyro": (2e-4, 3e-6), "accelerometer": (6e-3, 1.2e-4)}
 RATE = 123.0
 
 
+@public
 def check_target(target: Target) -> None:
     """Check the fields of a target, and that its file is read back to the coefficients it was made of.
 

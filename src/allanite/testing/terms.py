@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.terms.row import NoiseTerm
 
 from .term_columns import COLUMNS
@@ -19,6 +20,7 @@ MODERATE = 0.31
 """One at which a term is neither white nor a walk."""
 
 
+@public
 def check_term(row: NoiseTerm) -> None:
     """Check that the columns of a row agree with its structure function D, at many rates, and its simulation, too.
 

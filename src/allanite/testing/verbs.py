@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from allanite.cli import VERBS, main
 from allanite.cli.front import DATA, Verb
+from allanite.core.aliases import public
 from allanite.core.errors import UsageError
 from allanite.core.plain import from_dict
 from allanite.reporting import page
@@ -16,6 +17,7 @@ from allanite.reporting import page
 ABSENT = "there is no such file.csv"
 
 
+@public
 def check_verb(verb: Verb, *arguments: str) -> dict[str, Any]:
     """Check that a verb has a help, that its JSON is read again and shown, and that it refuses a file that is absent.
 

@@ -1,6 +1,7 @@
 """Who may come in: this machine's browser with the token, at this address, from this page."""
 
 import hmac
+import secrets
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 from urllib.parse import parse_qs
@@ -47,8 +48,6 @@ class Door:
     inside : application
     port : int
         That of this server.
-    token : str
-        Opens the session once.
     session : str
         Value of the cookie.
 
@@ -58,12 +57,19 @@ class Door:
         The session is so short that it can be guessed; a request without a cookie would have that of an empty one.
     """
 
-    def __init__(self, inside: Application, *, port: int, token: str, session: str) -> None:
+    def __init__(self, inside: Application, *, port: int, session: str) -> None:
         if len(session) < SHORTEST:
             raise ValueError(f"a session has at least {SHORTEST} characters, not {len(session)}")
-        self.inside, self.port, self.token, self.session = inside, port, token, session
+        self.inside, self.port, self.session = inside, port, session
+        self.tokens = set[str]()
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
         self.cookie = f"allanite_{port}"
+
+    def link(self) -> str:
+        """A link that opens the session once."""
+        token = secrets.token_urlsafe(24)
+        self.tokens.add(token)
+        return f"http://127.0.0.1:{self.port}/?token={token}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a request in, or answer it here."""
@@ -102,9 +108,10 @@ class Door:
         return None
 
     def _entered(self, given: str) -> Application | None:
-        if not self.token or not hmac.compare_digest(given.encode(), self.token.encode()):
+        token = next((one for one in self.tokens if hmac.compare_digest(given.encode(), one.encode())), None)
+        if token is None:
             return PlainTextResponse("this link was used already; open the one that allanite serve prints", 403)
-        self.token = ""
+        self.tokens.discard(token)
         response = RedirectResponse("/", 303)
         response.set_cookie(self.cookie, self.session, httponly=True, samesite="strict", path="/")
         return response

@@ -8,7 +8,7 @@ from starlette.staticfiles import StaticFiles
 
 from . import filing, running, showing
 from .jobs import Jobs
-from .messages import ANSWERED, answered
+from .messages import ANSWERED, Answer, answered
 from .store import MissingError, Store
 
 
@@ -16,8 +16,9 @@ def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
     """The application behind the door; `first` is what the page opens with: workspace and language."""
     # nothing is reported anywhere, whatever the environment asks for
     app = FastAPI(
-        docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False, telemetry={"auto_configure": False}
-    )
+        docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False, telemetry={"auto_configure": False},
+        default_response_class=Answer,
+    )  # fmt: skip
     app.state.store, app.state.jobs, app.state.first = store, jobs, first
     for kind in ANSWERED:
         app.add_exception_handler(kind, answered)
@@ -35,6 +36,7 @@ def nowhere(rest: str) -> None:
 ROUTES: dict[str, tuple[str, Any]] = {
     "get /api/tables": ("GET", filing.menus),
     "get /report.css": ("GET", filing.style),
+    "post /api/link": ("POST", filing.link),
     "get /api/workspaces": ("GET", filing.workspaces),
     "post /api/workspaces": ("POST", filing.new_workspace),
     "get /api/workspaces/{name}": ("GET", filing.workspace),

@@ -10,23 +10,30 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from allanite.core.errors import DataError
+from allanite.core.files import encoded
 from allanite.core.names import demand_name
 
 from .messages import body_of
-from .store import CHOICES, MissingError, Store, shown
+from .schema import ExampleBody, Lang, PathBody
+from .store import MissingError, Store, shown
 
 
-def menus(request: Request, lang: str = "") -> dict[str, Any]:
+def menus(request: Request, lang: Lang = "") -> dict[str, Any]:
     """The menus, and what the page opens with."""
     from .tables import tables
 
     first = request.app.state.first
-    return tables(lang or first["lang"]) | {"first": first}
+    return tables(lang or first["lang"]) | {"first": first | {"notes": request.app.state.store.notes}}
 
 
 def style() -> Response:
     """The style sheet of reports."""
     return Response((files("allanite.reporting") / "style.css").read_text("utf-8"), media_type="text/css")
+
+
+def link(request: Request) -> dict[str, Any]:
+    """A link that opens the page once, for a second start of the command."""
+    return {"link": request.app.state.door.link()}
 
 
 def workspaces(request: Request) -> list[dict[str, Any]]:
@@ -56,14 +63,14 @@ def workspace(request: Request, name: str) -> dict[str, Any]:
 
 def drop_workspace(request: Request, name: str) -> dict[str, Any]:
     """Delete a workspace."""
-    request.app.state.jobs.workers.end(f"{name} main")
+    request.app.state.jobs.forget(name)
     request.app.state.store.remove(name)
     return {}
 
 
 async def choices(request: Request, name: str) -> dict[str, Any]:
     """Keep what the client wants to find again."""
-    found = await body_of(request, CHOICES)
+    found = await body_of(request, dict[str, Any])
     with request.app.state.store.changed(name) as state:
         state["choices"] = found
     return {}
@@ -72,26 +79,20 @@ async def choices(request: Request, name: str) -> dict[str, Any]:
 async def upload(request: Request, name: str) -> dict[str, Any]:
     """Write an upload to disk while it comes."""
     store = request.app.state.store
-    used = await run_in_threadpool(store.used)
-    store.demand_room(int(request.headers.get("content-length") or 0), used)
-    file, path = store.new_file(name, request.query_params.get("name", ""))
-    try:
-        with open(path, "xb") as out:
-            async for chunk in request.stream():
-                file["bytes"] += len(chunk)
-                store.demand_room(file["bytes"], used)
-                await run_in_threadpool(out.write, chunk)
-    except BaseException:
-        path.unlink(missing_ok=True)
-        store.place(file["id"]).rmdir()
-        raise
-    return _shown(store.add(file))
+    await run_in_threadpool(store.measure)
+    with store.arriving(name, request.query_params.get("name", "")) as (file, path), open(path, "xb") as out:
+        store.reserve(file, int(request.headers.get("content-length") or 0))
+        async for chunk in request.stream():
+            file["bytes"] += len(chunk)
+            store.reserve(file, file["bytes"])
+            await run_in_threadpool(out.write, chunk)
+    return _shown(file)
 
 
 async def opened(request: Request, name: str) -> dict[str, Any]:
     """Open a file where it is."""
-    path = str((await body_of(request)).get("path") or "")
-    return _shown(open_file(request.app.state.store, name, path))
+    asked = await body_of(request, PathBody)
+    return _shown(open_file(request.app.state.store, name, asked.path))
 
 
 def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
@@ -99,6 +100,8 @@ def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
     where = os.path.abspath(os.path.expanduser(path))
     if not path or not os.path.isfile(where):
         raise DataError(f"there is no file {path!r}; give its path on this machine")
+    if encoded(where) != os.fsencode(where):
+        raise DataError(f"the path {where!r} is not UTF-8, which the page needs: rename the file or its folder")
     size = os.path.getsize(where)
     own = f"{workspace}-{secrets.token_hex(8)}"
     return store.add({"id": own, "name": shown(path), "bytes": size, "path": where, "own": False})
@@ -108,13 +111,15 @@ async def example(request: Request, name: str) -> dict[str, Any]:
     """Simulate a recording to play with."""
     from .tables import EXAMPLES, simulation
 
-    which = str((await body_of(request)).get("name") or next(iter(EXAMPLES)))
+    which = (await body_of(request, ExampleBody)).name or next(iter(EXAMPLES))
     demand_name("example", which, EXAMPLES)
     store, jobs = request.app.state.store, request.app.state.jobs
-    file, path = store.new_file(name, f"example-{which}.npz")
-    line = simulation(which, str(path))
-    await run_in_threadpool(jobs.work, name, "example", line=line)
-    return _shown(store.add(file | {"bytes": path.stat().st_size}))
+    await run_in_threadpool(store.measure)
+    with store.arriving(name, f"example-{which}.npz") as (file, path):
+        await jobs.work(name, "example", line=simulation(which, str(path)))
+        file["bytes"] = path.stat().st_size
+        store.reserve(file, file["bytes"])
+    return _shown(file)
 
 
 def _shown(file: dict[str, Any]) -> dict[str, Any]:

@@ -1,38 +1,50 @@
 """Jobs of the workspaces: begun, reported, cancelled, kept on disk, and begun once more after a restart."""
 
+import asyncio
 import json
 import secrets
 import threading
+from concurrent.futures import Future
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import write
-from allanite.phrases.wording import command_line
 
 from .requests import Request, problem_of
+from .schema import JobBody
 from .store import MissingError, State, Store, known
-from .workers import ProblemError, Workers
-
-WARM = "warm"
-"""Lane of a worker that nobody uses: the first one that is started waits until everything is loaded."""
+from .workers import ProblemError, Worker, Workers
 
 WAITING = 0.3
 """Seconds between looks whether what is compiled after an installation is ready."""
 
 UNFINISHED = ("waiting", "running")
 
+CANCELLED = {"error": "cancelled", "option": None, "exit": 130}
+
+LATEST = ("progress", "live")
+"""Reports of which only the last one matters."""
+
+EVENTS, LIVES = 200, 50
+"""Reports of a job, and jobs that are over, that are remembered."""
+
 
 class Live:
-    """A job that is going on: what it has reported so far."""
+    """A job that is going on: what it has reported so far, each report with its number."""
 
     def __init__(self) -> None:
-        self.events: list[tuple[str, dict[str, Any]]] = []
+        self.events: list[tuple[int, str, dict[str, Any]]] = []
+        self.count = 0
         self.over = False
+        self.turn: Future[None] | None = None
 
     def tell(self, kind: str, data: dict[str, Any]) -> None:
-        """Add a report; of progress only the last one matters."""
-        self.events.append((kind, data))
+        """Add a report."""
+        kept = [event for event in self.events if kind not in LATEST or event[1] != kind]
+        self.events = [*kept[1 - EVENTS :], (self.count, kind, data)]
+        self.count += 1
         self.over = self.over or kind in ("done", "failed")
 
 
@@ -46,7 +58,7 @@ class Jobs:
         self.ready = threading.Event()
         self.ready.set()
 
-    def begin(self, workspace: str, asked: dict[str, Any]) -> State:
+    def begin(self, workspace: str, asked: JobBody) -> State:
         """Enter a job and begin it.
 
         Raises
@@ -55,24 +67,19 @@ class Jobs:
             There is no such verb, key or file.
         """
         state = self.store.state(workspace)
-        wanted, choices = asked.get("files") or [], asked.get("recipe") or {}
-        if not isinstance(wanted, list) or not isinstance(choices, dict):
-            raise UsageError("a job has a list of files, and a recipe of keys and values")
-        files = [self.store.file(str(name)) for name in wanted]
+        files = [self.store.file(name) for name in asked.files]
         if any(file["id"].partition("-")[0] != workspace for file in files):
             raise UsageError("the file belongs to another workspace")
-        target = asked.get("target")
-        names = [target] if isinstance(target, str) and target else [_called(file) for file in files]
-        verb, recipe, lang = str(asked.get("verb")), dict(choices), str(asked.get("lang") or "en")
-        with command_line():
-            request = Request.of(verb, recipe)
+        names = [asked.target] if asked.target else [_called(file) for file in files]
+        verb, recipe, lang = asked.verb, asked.recipe, asked.lang or "en"
+        request = Request.of(verb, recipe)
         if verb == "watch" and not names:
             raise UsageError("a stream has an address: give a file, a port, or udp://127.0.0.1:9000 as target")
         request.demand_files(names)
         job = {
             "id": f"{state['id']}-{secrets.token_hex(8)}", "verb": verb, "files": [file["id"] for file in files],
-            "target": target, "recipe": recipe, "lang": lang, "command": request.line(names, lang), "state": "waiting",
-            "problem": None,
+            "target": asked.target or None, "recipe": recipe, "lang": lang,
+            "command": request.line(names, lang), "state": "waiting", "problem": None,
         }  # fmt: skip
         with self.store.changed(workspace) as state:
             state["jobs"][job["id"]] = job
@@ -98,28 +105,51 @@ class Jobs:
         job = self.job(name)
         if job["state"] not in UNFINISHED:
             return
-        lane = _lane(job)
         if job["verb"] == "watch" and job["state"] == "running" and not job.get("stopping"):
             job["stopping"] = True
-            self.workers.of(lane).interrupt()
+            self.workers.interrupt(_lane(job))
             return
         self._set(job, "cancelled")
-        self.workers.end(lane)
+        live = self.live.get(name)
+        if live and live.turn and live.turn.cancel():  # it had not begun
+            live.tell("failed", CANCELLED)
+        else:
+            self.workers.end(_lane(job))
+
+    def forget(self, workspace: str) -> None:
+        """End what is done for a workspace."""
+        jobs = self.store.state(workspace)["jobs"].values()
+        for job in jobs:
+            self._set(job, "cancelled")
+        self.workers.close(f"{workspace} main", *map(_lane, jobs))
 
     def result(self, name: str) -> tuple[bytes, bytes]:
-        """The JSON of a result, and what is shown of it."""
+        """The JSON of a result, and what is shown of it.
+
+        Raises
+        ------
+        MissingError
+            They are not there any more, or damaged.
+        """
         value, shown = self._paths(name)
+        if any(self.store.kept(path, dict[str, Any]) is None for path in (value, shown)):
+            raise MissingError("the result of this job is not there any more: run it again")
         return value.read_bytes(), shown.read_bytes()
 
-    def ask(self, name: str, task: str, **arguments: Any) -> dict[str, Any]:
+    async def ask(self, name: str, task: str, **arguments: Any) -> dict[str, Any]:
         """Ask the worker that has the result of a job in memory; if none has, the job is done once more."""
         job = self.job(name)
         if job["state"] != "done":
             raise UsageError("the job has no result: run it again")
-        worker = self.workers.of(_lane(job))
-        if not worker.ask("has", {"job": name})["there"]:
-            worker.ask("run", self._arguments(job))
-        return worker.ask(task, {"job": name, **arguments})
+
+        def answer(worker: Worker) -> dict[str, Any]:
+            if not worker.ask("has", {"job": name})["there"]:
+                if job["verb"] == "watch":
+                    raise DataError("the samples of a stream are not kept: watch it again")
+                worker.ask("run", self._arguments(job))
+            return worker.ask(task, {"job": name, **arguments})
+
+        return await asyncio.wrap_future(self.workers.submit(_lane(job), answer))
 
     def warm(self) -> None:
         """Have the process ready from which workers are started."""
@@ -128,37 +158,40 @@ class Jobs:
             self.preparing = data
 
         self.ready.clear()
+        worker = Worker()
         try:
-            self.workers.of(WARM).ask("prepare", {}, tell=told)
+            worker.ask("prepare", {}, told)
         finally:
+            worker.close()
             self.ready.set()
 
-    def work(self, workspace: str, task: str, **arguments: Any) -> dict[str, Any]:
+    async def work(self, workspace: str, task: str, **arguments: Any) -> dict[str, Any]:
         """Ask the worker of a workspace for something that is no job."""
-        return self.workers.of(f"{workspace} main").ask(task, arguments)
+        turn = self.workers.submit(f"{workspace} main", lambda worker: worker.ask(task, arguments))
+        return await asyncio.wrap_future(turn)
 
     def _start(self, job: State) -> None:
-        self.live[job["id"]] = Live()
-        threading.Thread(target=self._run, args=(job,), daemon=True).start()
+        for name in [name for name, live in list(self.live.items()) if live.over][:-LIVES]:
+            self.live.pop(name, None)
+        live = self.live[job["id"]] = Live()
+        live.turn = self.workers.submit(_lane(job), lambda worker: self._run(job, live, worker))
 
-    def _run(self, job: State) -> None:
-        live = self.live[job["id"]]
-
+    def _run(self, job: State, live: Live, worker: Worker) -> None:
         def tell(kind: str, data: dict[str, Any]) -> None:
             if job["state"] == "waiting":
                 self._set(job, "running")
             live.tell(kind, data)
 
+        def ended() -> bool:
+            return bool(job["state"] == "cancelled")
+
         try:
-            while not self.ready.wait(WAITING):  # two processes that compile the same take longer
+            while not self.ready.wait(WAITING) and not ended():  # two processes that compile the same take longer
                 if self.preparing:
                     tell("progress", self.preparing)
-                if job["state"] == "cancelled":
-                    raise DataError("cancelled")
-            with command_line():
-                found = self.workers.of(_lane(job)).ask("run", self._arguments(job), tell=tell)
+            found = worker.ask("run", self._arguments(job), tell, ended)
             value, shown = self._paths(job["id"])
-            write(value, found["json"].encode(), force=True)
+            write(value, found["json"].encode("utf-8", "replace"), force=True)
             write(shown, json.dumps(found["faces"] | {"exit": found["exit"]}).encode(), force=True)
         except ProblemError as problem:
             self._fail(job, live, problem.data)
@@ -169,19 +202,16 @@ class Jobs:
             live.tell("done", {"exit": found["exit"]})
 
     def _fail(self, job: State, live: Live, problem: dict[str, Any]) -> None:
-        if job["state"] == "cancelled":
-            problem = {"error": "cancelled", "option": None, "exit": 130}
-        else:
+        if problem["error"] != "cancelled":  # what the end of the server has cancelled begins once more
             job["problem"] = problem
             self._set(job, "failed")
-        live.tell("failed", problem)
+        live.tell("failed", problem if job["state"] == "failed" else CANCELLED)
 
     def _set(self, job: State, state: str) -> None:
-        try:
-            with self.store.changed(job["id"].partition("-")[0]):
+        """Go on to another state, unless the job is over or its workspace deleted."""
+        with suppress(MissingError), self.store.changed(job["id"].partition("-")[0]):
+            if job["state"] in UNFINISHED:
                 job["state"] = state
-        except MissingError:  # the workspace was deleted meanwhile
-            job["state"] = state
 
     def _arguments(self, job: State) -> dict[str, Any]:
         files = [self.store.file(name) for name in job["files"]]

@@ -11,6 +11,7 @@ from starlette.responses import JSONResponse
 from allanite.core.errors import AllaniteError, UsageError
 
 from .requests import problem_of
+from .schema import faults, fitting
 from .store import FullError, MissingError
 from .workers import ProblemError
 
@@ -18,20 +19,22 @@ LONGEST = 1_000_000
 """Bytes of a request that is no upload."""
 
 
-async def body_of(request: Request, most: int = LONGEST) -> dict[str, Any]:
-    """The object in the body of a request."""
+async def body_of(request: Request, schema: Any) -> Any:
+    """The body of a request, as its schema says."""
     body = b""
     async for chunk in request.stream():
         body += chunk
-        if len(body) > most:
-            raise UsageError(f"a request has at most {most} bytes")
-    try:
-        found = json.loads(body or b"{}")
-    except ValueError as error:
-        raise UsageError(f"the request is not JSON: {error}") from None
-    if not isinstance(found, dict):
-        raise UsageError("the request is not an object of JSON")
-    return found
+        if len(body) > LONGEST:
+            raise UsageError(f"a request has at most {LONGEST} bytes")
+    return fitting(schema, body or b"{}")
+
+
+class Answer(JSONResponse):
+    """JSON in ASCII: whatever a text is made of, it can be sent."""
+
+    def render(self, content: Any) -> bytes:
+        """The body."""
+        return json.dumps(content, allow_nan=False).encode("ascii")
 
 
 ANSWERED: tuple[Any, ...] = (AllaniteError, ProblemError, RequestValidationError, HTTPException, Exception)
@@ -41,10 +44,10 @@ ANSWERED: tuple[Any, ...] = (AllaniteError, ProblemError, RequestValidationError
 def answered(request: Request, error: Exception) -> JSONResponse:
     """What is answered to an error."""
     if isinstance(error, ProblemError):
-        return JSONResponse(error.data, 500 if error.data["exit"] == 1 else 400)
+        return Answer(error.data, 500 if error.data["exit"] == 1 else 400)
     if isinstance(error, HTTPException):
-        return JSONResponse(problem_of(UsageError(str(error.detail))), error.status_code)
+        return Answer(problem_of(UsageError(str(error.detail))), error.status_code)
     if isinstance(error, RequestValidationError):
-        error = UsageError("; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors()))
+        error = UsageError(faults(error))
     statuses = ((MissingError, 404), (FullError, 413), (AllaniteError, 400), (Exception, 500))
-    return JSONResponse(problem_of(error), next(status for kind, status in statuses if isinstance(error, kind)))
+    return Answer(problem_of(error), next(status for kind, status in statuses if isinstance(error, kind)))

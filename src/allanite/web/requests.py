@@ -12,6 +12,7 @@ from allanite.cli.front import DEFECT, Failure
 from allanite.cli.tasks import VerbTask, task_of
 from allanite.core.choices import ChoiceRow, choices_of, read_given
 from allanite.core.errors import AllaniteError, UsageError
+from allanite.core.files import encoded
 from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH
 from allanite.study.recipe import Recipe
@@ -96,9 +97,9 @@ class Request:
 
 def problem_of(error: Exception) -> dict[str, Any]:
     """An error as the page shows it: the sentence of the command line, the choice that cures it, the exit code."""
+    words, option, code = f"internal error ({type(error).__name__}: {error})", None, DEFECT
     if isinstance(error, click.ClickException):
-        code = error.status if isinstance(error, Failure) else error.exit_code
-        return {"error": error.format_message(), "option": None, "exit": code}
+        words, code = error.format_message(), error.status if isinstance(error, Failure) else error.exit_code
     if isinstance(error, AllaniteError):
-        return {"error": str(error), "option": error.choice or None, "exit": error.exit_code}
-    return {"error": f"internal error ({type(error).__name__}: {error})", "option": None, "exit": DEFECT}
+        words, option, code = str(error), error.choice or None, error.exit_code
+    return {"error": encoded(words).decode(), "option": option, "exit": code}

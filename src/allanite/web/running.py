@@ -9,10 +9,11 @@ from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response, StreamingResponse
 
-from allanite.reporting.sheet import toml
+from allanite.core.syntax import toml
 
 from .jobs import Jobs
 from .messages import body_of
+from .schema import JobBody, Lang
 
 QUIET = 0.05
 """Seconds between looks for new events."""
@@ -23,12 +24,12 @@ ALIVE = 10.0
 
 async def begin(request: Request, name: str) -> dict[str, Any]:
     """Begin a job."""
-    asked = await body_of(request)
+    asked = await body_of(request, JobBody)
     job = await run_in_threadpool(request.app.state.jobs.begin, name, asked)
     return {"job": job["id"], "command": job["command"]}
 
 
-def job(request: Request, name: str, lang: str = "") -> Response:
+async def job(request: Request, name: str, lang: Lang = "") -> Response:
     """A job with its result."""
     jobs = request.app.state.jobs
     found = jobs.job(name)
@@ -36,9 +37,9 @@ def job(request: Request, name: str, lang: str = "") -> Response:
     text = json.dumps(parts | {"problem": found["problem"], "toml": toml(found["recipe"])})
     if found["state"] != "done":
         return Response(text, media_type="application/json")
-    value, shown = jobs.result(name)
+    value, shown = await run_in_threadpool(jobs.result, name)
     if lang and lang != found["lang"]:
-        shown = json.dumps(jobs.ask(name, "described", lang=lang)).encode()
+        shown = json.dumps(await jobs.ask(name, "described", lang=lang)).encode()
     body = text[:-1].encode() + b', "value": ' + value.strip() + b", " + shown.strip()[1:]
     return Response(body, media_type="application/json")
 
@@ -60,15 +61,12 @@ async def _stream(jobs: Jobs, job: dict[str, Any]) -> AsyncIterator[str]:
         return
     sent, quiet = 0, 0.0
     while True:
-        events = live.events
-        while sent < len(events):
-            kind, data = events[sent]
-            sent += 1
-            # of progress only the last report matters
-            if kind not in ("progress", "live") or sent == len(events) or events[sent][0] != kind:
-                quiet = 0.0
+        over = live.over  # before the events are looked at: the last one is among them then
+        for number, kind, data in live.events:
+            if number >= sent:
+                sent, quiet = number + 1, 0.0
                 yield _event(kind, data)
-        if live.over and sent == len(live.events):
+        if over:
             return
         quiet += QUIET
         if quiet >= ALIVE:

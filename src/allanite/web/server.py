@@ -1,9 +1,12 @@
 """The server: on this machine alone, until Ctrl-C."""
 
-import secrets
+import http.client
+import json
+import os
 import socket
 import sys
 import threading
+import time
 import webbrowser
 from collections.abc import Sequence
 from typing import Any
@@ -11,6 +14,7 @@ from typing import Any
 import uvicorn
 
 from allanite.core.errors import UsageError
+from allanite.core.files import locked, reason, write
 from allanite.phrases.wording import spelled
 from allanite.reporting.language import catalogue
 
@@ -22,6 +26,12 @@ from .store import Store, private_folder
 
 HOST = "127.0.0.1"
 """The address: nobody on another machine can reach it."""
+
+LOCK, ADDRESS = ".lock", "port"
+"""Files of the folder: one that the only server of it has locked, and the port of that."""
+
+PATIENCE = 5.0
+"""Seconds in which the server that runs already answers."""
 
 
 def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: int, quota: int) -> None:
@@ -48,32 +58,91 @@ def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: i
         A file does not exist.
     """
     catalogue(lang)
+    store = Store(private_folder(), limit=limit, quota=quota)
+    try:
+        held = locked(store.folder / LOCK)
+    except OSError as error:
+        raise UsageError(f"{str(store.folder)!r} cannot be written to ({reason(error)}); the page needs it") from None
+    if held is None:
+        link = joined(store, paths)
+        _announce(link, "a server of yours runs already, with options of its own")
+        if browser:
+            webbrowser.open(link)
+        return
+    with held:
+        _serve(store, paths, port, browser, lang)
+
+
+def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: str) -> None:
+    (store.folder / ADDRESS).unlink(missing_ok=True)
+    store.clear()
     listener = listen(port)
     port = listener.getsockname()[1]
-    store = Store(private_folder(), limit=limit, quota=quota)
     jobs = Jobs(store)
     first: dict[str, Any] = {"lang": lang, "workspace": None}
     if paths:
         first["workspace"] = store.new()["id"]
         for path in paths:
             open_file(store, first["workspace"], path)
-    token = secrets.token_urlsafe(24)
-    door = Door(application(store, jobs, first), port=port, token=token, session=store.session())
+    app = application(store, jobs, first)
+    door = app.state.door = Door(app, port=port, session=store.session())
     server = uvicorn.Server(
         uvicorn.Config(door, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off",
                        server_header=False)
     )  # fmt: skip
-    url = f"http://{HOST}:{port}/?token={token}"
-    sys.stdout.write(f"{url}\nopen this link, once; Ctrl-C ends the server\n")
-    sys.stdout.flush()
+    write(store.folder / ADDRESS, str(port).encode(), force=True)
+    link = door.link()
+    _announce(link, "Ctrl-C ends the server")
     if browser:
-        threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
+        threading.Thread(target=webbrowser.open, args=(link,), daemon=True).start()
     threading.Thread(target=jobs.warm, daemon=True).start()
     try:
         server.run(sockets=[listener])
     finally:
-        jobs.workers.end_all()
+        jobs.workers.close()
         listener.close()
+
+
+def _announce(link: str, words: str) -> None:
+    sys.stdout.write(f"{link}\nopen this link, once; {words}\n")
+    sys.stdout.flush()
+
+
+def joined(store: Store, paths: Sequence[str]) -> str:
+    """A link to the server that has locked the folder, where these files are opened.
+
+    Raises
+    ------
+    UsageError
+        It does not answer, or refuses a file.
+    """
+    until = time.monotonic() + PATIENCE
+    while time.monotonic() < until:
+        try:
+            port = int((store.folder / ADDRESS).read_text("ascii"))
+            place = _asked(store, port, "workspaces", {})["id"] if paths else ""
+            for path in paths:
+                _asked(store, port, f"workspaces/{place}/open", {"path": os.path.abspath(path)})
+            link: str = _asked(store, port, "link", {})["link"]
+            return f"{link}#{place}" if place else link
+        except UsageError:
+            raise
+        except (OSError, ValueError, http.client.HTTPException):  # it is just starting
+            time.sleep(0.1)
+    words = "does not answer; end it first"
+    raise UsageError(f"another server of yours keeps its files in {str(store.folder)!r} and {words}")
+
+
+def _asked(store: Store, port: int, path: str, body: dict[str, str]) -> Any:
+    host = f"{HOST}:{port}"
+    connection = http.client.HTTPConnection(host, timeout=PATIENCE)
+    headers = {"Origin": f"http://{host}", "Cookie": f"allanite_{port}={store.session()}"}
+    connection.request("POST", f"/api/{path}", json.dumps(body), headers)
+    answer = connection.getresponse()
+    found = json.loads(answer.read())
+    if answer.status >= 400:
+        raise UsageError(found["error"])
+    return found
 
 
 def listen(port: int) -> socket.socket:

@@ -1,82 +1,74 @@
 """Routes of what is shown of a recording and of a result, and of what is saved."""
 
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import Request
+from fastapi import Query, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
-from allanite.core.errors import UsageError
 from allanite.core.names import demand_name
-from allanite.reporting.sheet import toml
+from allanite.core.syntax import toml
 
 from . import trace
+from .jobs import Jobs
 from .messages import body_of
+from .schema import ExportBody, Lang, RefitBody
 from .worker import FORMS
 
-REFITTED = ("terms", "band", "method", "level", "outliers")
-"""Choices of a refit."""
 
-
-def traced(request: Request, file: str, channel: str = "", points: int = 2000) -> dict[str, Any]:
+def traced(  # noqa: PLR0917 - parameters of the query
+    request: Request, file: str, channel: str = "", points: int = 2000,
+    start: Annotated[float | None, Query(alias="from", allow_inf_nan=False)] = None,
+    end: Annotated[float | None, Query(alias="to", allow_inf_nan=False)] = None,
+) -> dict[str, Any]:  # fmt: skip
     """A part of the trace of a channel."""
     store = request.app.state.store
     store.file(file)
-    given = [request.query_params.get(key) for key in ("from", "to")]
-    try:
-        start, end = (float(text) if text else None for text in given)
-    except ValueError:
-        raise UsageError(f"the window of a trace is in seconds, not {given!r}") from None
     return trace.window(store.place(file), channel, start, end, points)
 
 
-def deviation(
-    request: Request, name: str, channel: str = "", statistic: str = "oadev", lang: str = ""
+async def deviation(
+    request: Request, name: str, channel: str = "", statistic: str = "oadev", lang: Lang = ""
 ) -> dict[str, Any]:
     """A curve with its band, its model, and each term."""
-    lang = lang or request.app.state.jobs.job(name)["lang"]
-    found: dict[str, Any] = request.app.state.jobs.ask(
-        name, "deviation", channel=channel, statistic=statistic, lang=lang
-    )
-    return found
+    jobs: Jobs = request.app.state.jobs
+    lang = lang or jobs.job(name)["lang"]
+    return await jobs.ask(name, "deviation", channel=channel, statistic=statistic, lang=lang)
 
 
 async def refit(request: Request, name: str) -> dict[str, Any]:
     """A channel with other terms or another band."""
-    asked, jobs = await body_of(request), request.app.state.jobs
-    arguments = {
-        "channel": str(asked.get("channel")),
-        "choices": {key: asked[key] for key in REFITTED if asked.get(key)},
-        "statistics": list(asked.get("statistics") or []),
-        "lang": asked.get("lang") or jobs.job(name)["lang"],
-    }
-    found: dict[str, Any] = await run_in_threadpool(lambda: jobs.ask(name, "refit", **arguments))
-    return found
+    asked: RefitBody = await body_of(request, RefitBody)
+    jobs: Jobs = request.app.state.jobs
+    choices = asked.model_dump(exclude={"channel", "statistics", "lang"})
+    lang = asked.lang or jobs.job(name)["lang"]
+    return await jobs.ask(name, "refit", channel=asked.channel, choices=choices, statistics=asked.statistics, lang=lang)
 
 
 async def export(request: Request, name: str) -> dict[str, Any]:
     """The file of a target."""
-    asked, jobs = await body_of(request), request.app.state.jobs
-    arguments = {"channels": list(asked.get("channels") or []), "target": str(asked.get("target")),
-                 "choices": asked, "form": str(asked.get("form") or "")}  # fmt: skip
-    found: dict[str, Any] = await run_in_threadpool(lambda: jobs.ask(name, "export", **arguments))
-    return found
+    asked: ExportBody = await body_of(request, ExportBody)
+    jobs: Jobs = request.app.state.jobs
+    return await jobs.ask(
+        name, "export", channels=asked.channels, target=asked.target, choices=asked.model_extra, form=asked.form
+    )
 
 
-def save(  # noqa: PLR0917 - parameters of the query
-    request: Request, name: str, form: str, lang: str = "", inline: bool = False, dark: bool = False
+async def save(  # noqa: PLR0917 - parameters of the query
+    request: Request, name: str, form: str, lang: Lang = "", inline: bool = False, dark: bool = False
 ) -> Response:
     """A file to download, as the command line writes it; a figure is shown `inline`, for a `dark` ground."""
-    jobs = request.app.state.jobs
+    jobs: Jobs = request.app.state.jobs
     found = jobs.job(name)
     how = "inline" if inline and form.startswith("figure") else "attachment"
     if form == "recipe":
         return _download(toml(found["recipe"]).encode(), "recipe.toml", "application/toml; charset=utf-8")
     demand_name("form", form, (*FORMS, "recipe"))
     _, path, kind = FORMS[form]
-    data = jobs.result(name)[0] if form == "json" else jobs.ask(
-        name, "save", form=form, lang=lang or found["lang"], dark=dark and form == "figure.svg")["data"]  # fmt: skip
-    return _download(data, f"allanite-{path}", kind, how)
+    if form == "json":
+        return _download((await run_in_threadpool(jobs.result, name))[0], f"allanite-{path}", kind, how)
+    made = await jobs.ask(name, "save", form=form, lang=lang or found["lang"], dark=dark and form == "figure.svg")
+    return _download(made["data"], f"allanite-{path}", kind, how)
 
 
 def _download(data: bytes, name: str, kind: str, how: str = "attachment") -> Response:

@@ -9,20 +9,19 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import write
+from allanite.core.files import DRAFTS, draft, reason, write
 from allanite.phrases.wording import spelled
 from allanite.readers.memory import size_in_words
 
+from . import schema
+
 DAYS = 30.0
 """Days after which a cookie is no longer valid."""
-
-CHOICES = 1_000_000
-"""Bytes of a client's own state at most."""
 
 _SECRET = re.compile(rb"[A-Za-z0-9_-]{43}")
 """32 random bytes; what is left of an interrupted start is shorter."""
@@ -59,12 +58,21 @@ class Store:
         Made if it is missing, for this user only.
     limit, quota : int
         Bytes of an upload, and of all workspaces.
+
+    Attributes
+    ----------
+    notes : list of str
+        What was found damaged.
+    coming : dict
+        Bytes that are reserved for files that are being written, by their ids.
     """
 
     def __init__(self, folder: Path, *, limit: int, quota: int) -> None:
         self.folder, self.limit, self.quota = folder, limit, quota
         self.lock = threading.RLock()
         self.states: dict[str, State] = {}
+        self.notes: list[str] = []
+        self.stored, self.coming = 0, dict[str, int]()
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         folder.chmod(0o700)
 
@@ -76,14 +84,28 @@ class Store:
             if _SECRET.fullmatch(kept):
                 return kept.decode("ascii")
         made = secrets.token_urlsafe(32)
-        write(path, made.encode("ascii"), force=True)  # whole or not at all
-        path.chmod(0o600)  # before, the mode of the folder alone keeps others out
+        with draft(path, force=True) as part:  # whole or not at all
+            part.chmod(0o600)
+            part.write_text(made, "ascii")
         return made
 
     def all(self) -> list[State]:
-        """Every workspace, the last one first."""
-        found = sorted(self.folder.glob("*/state.json"), key=lambda path: path.stat().st_mtime, reverse=True)
-        return [self.state(path.parent.name) for path in found]
+        """Every workspace, the last one first; a damaged one is left out, and noted."""
+        found = [path for path in self.folder.glob("*/state.json") if _ID.fullmatch(path.parent.name)]
+        found.sort(key=lambda path: path.stat().st_mtime, reverse=True)
+        return [state for path in found if (state := self._state(path.parent.name)) is not None]
+
+    def clear(self) -> None:
+        """Remove what interrupted uploads and jobs have left; for the only server of this folder."""
+        for state in self.all():
+            for path in (self.folder / state["id"]).iterdir():
+                name = f"{state['id']}-{path.name.partition('.')[0]}"
+                if _ID.match(path.name) and name not in state["files"] and name not in state["jobs"]:
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+        for path in self.folder.rglob(DRAFTS):
+            path.unlink()
+        for path in self.folder.glob("*/*/trace.part"):
+            shutil.rmtree(path)
 
     def new(self) -> State:
         """A workspace."""
@@ -103,13 +125,27 @@ class Store:
         UsageError
             There is none.
         """
+        found = self._state(known(name))
+        if found is None:
+            raise MissingError(f"there is no workspace {name!r}; reload the page to begin a new one")
+        return found
+
+    def _state(self, name: str) -> State | None:
         with self.lock:
             if name not in self.states:
-                path = self.folder / known(name) / "state.json"
-                if not path.is_file():
-                    raise MissingError(f"there is no workspace {name!r}; reload the page to begin a new one")
-                self.states[name] = json.loads(path.read_text("utf-8"))
+                found = self.kept(self.folder / name / "state.json", schema.workspace(name))
+                if found is None:
+                    return None
+                self.states[name] = found
             return self.states[name]
+
+    def kept(self, path: Path, form: Any) -> Any:
+        """What a file holds, by its schema; None if there is none, or if it was damaged, which is noted."""
+        return schema.kept(path, form, self._note)
+
+    def _note(self, words: str) -> None:
+        self.notes.append(words)
+        schema.log(words)
 
     @contextmanager
     def changed(self, name: str) -> Iterator[State]:
@@ -151,13 +187,30 @@ class Store:
         path.mkdir(mode=0o700, exist_ok=True)
         return path
 
-    def new_file(self, workspace: str, name: str) -> tuple[State, Path]:
-        """A file that is going to be written, and where; its suffix alone is that of its name."""
+    @contextmanager
+    def arriving(self, workspace: str, name: str) -> Iterator[tuple[State, Path]]:
+        """A file that is being written, and where; its suffix alone is that of its name.
+
+        It is entered afterwards, with the bytes reserved for it; if it does not get so far, nothing of it stays.
+        """
         self.state(workspace)
         own = f"{workspace}-{secrets.token_hex(8)}"
         suffix = _SUFFIX.search(name)
         path = self.place(own) / f"data{suffix[0].lower() if suffix else ''}"
-        return {"id": own, "name": shown(name), "bytes": 0, "path": str(path), "own": True}, path
+        file: State = {"id": own, "name": shown(name), "bytes": 0, "path": str(path), "own": True}
+        self.coming[own] = 0
+        try:
+            yield file, path
+            with self.lock:
+                self.add(file)
+                self.stored += file["bytes"]
+        except BaseException as error:
+            shutil.rmtree(path.parent, ignore_errors=True)
+            if isinstance(error, OSError):
+                raise FullError(f"the file cannot be stored ({reason(error)}); make room on the disk") from None
+            raise
+        finally:
+            del self.coming[own]
 
     def add(self, file: State) -> State:
         """Enter a file that was written."""
@@ -172,24 +225,31 @@ class Store:
             del state["files"][name]
             shutil.rmtree(self.place(name))
 
-    def used(self) -> int:
-        """Bytes of all workspaces."""
-        return sum(path.lstat().st_size for path in self.folder.rglob("*") if path.is_file())
+    def measure(self) -> None:
+        """Look how many bytes all workspaces take, without what is being written."""
+        with self.lock:
+            self.stored = 0
+            for folder, _, names in os.walk(self.folder):
+                for name in names if "-".join(Path(folder).parts[-2:]) not in self.coming else ():
+                    with suppress(FileNotFoundError):  # drafts come and go
+                        self.stored += os.lstat(os.path.join(folder, name)).st_size
 
-    def demand_room(self, size: int, used: int) -> None:
-        """Refuse an upload that is too large, or for which there is no room."""
+    def reserve(self, file: State, size: int) -> None:
+        """Reserve bytes for a file that is being written, or refuse it: it is too large, or there is no room."""
         if size > self.limit:
             raise FullError(
                 f"the file is larger than {size_in_words(self.limit)}, the limit of an upload: open it by its path, or "
                 f"raise the limit with {spelled('--limit', 'limit')}",
                 choice="limit",
             )
-        if used + size > self.quota:
-            raise FullError(
-                f"the files of the page would take more than {size_in_words(self.quota)}: delete some of them, open "
-                f"the file by its path, or allow more with {spelled('--quota', 'quota')}",
-                choice="quota",
-            )
+        with self.lock:
+            if self.stored + sum(self.coming.values()) + max(0, size - self.coming[file["id"]]) > self.quota:
+                raise FullError(
+                    f"the files of the page would take more than {size_in_words(self.quota)}: delete some of them, "
+                    f"open the file by its path, or allow more with {spelled('--quota', 'quota')}",
+                    choice="quota",
+                )
+            self.coming[file["id"]] = max(size, self.coming[file["id"]])
 
 
 class MissingError(UsageError):

@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import UsageError
+from allanite.core.errors import DataError, UsageError
 from allanite.core.files import write
 from allanite.core.record import Record, Recording
 from allanite.core.units import convert
 from allanite.prepare.outliers import outliers
 from allanite.prepare.view import stretches
 from allanite.reporting.digits import printed_unit
+
+from . import schema
 
 FACTOR = 16
 """Samples of a stretch, and stretches of the next longer one."""
@@ -47,7 +49,8 @@ def build(folder: Path, recording: Recording, key: str, raw: Sequence[str] = ())
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(mode=0o700)
     channels = [_write(draft, i, record, raw) for i, record in enumerate(recording)]
-    write(draft / "meta.json", json.dumps({"key": key, "channels": channels}).encode())
+    meta = json.dumps({"key": key, "channels": channels}, ensure_ascii=False)
+    write(draft / "meta.json", meta.encode("utf-8", "replace"))
     shutil.rmtree(place, ignore_errors=True)
     draft.rename(place)
 
@@ -85,6 +88,8 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     ------
     UsageError
         The file was not read yet, or has no such channel.
+    DataError
+        What was read is damaged.
     """
     meta = _meta(folder / "trace")
     if not meta:
@@ -94,13 +99,17 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
         raise UsageError(f"no channel {channel!r}; channels: {', '.join(names)}")
     i = names.index(channel) if channel else 0
     one, points = meta["channels"][i], min(max(points, 2), MOST_POINTS)
-    first = max(0, int((start or 0.0) * one["rate"]))
-    last = min(one["size"], int(np.ceil(one["size"] if end is None else end * one["rate"])))
-    last = max(last, first + 1)
+    most = one["size"]
+    first = int(min(max(0.0, (start or 0.0) * one["rate"]), most - 1))
+    last = int(np.ceil(most if end is None else min(max(first + 1, end * one["rate"]), most)))
     level = 0
     while level < one["levels"] and (last - first) >= points * FACTOR ** (level + 1):
         level += 1
-    times, low, high = _part(folder / "trace" / f"{i}.{level}.npy", (first, last, FACTOR**level), points)
+    try:
+        times, low, high = _part(folder / "trace" / f"{i}.{level}.npy", (first, last, FACTOR**level), points)
+    except Exception as error:  # whatever the reader of arrays says of a header that is damaged
+        shutil.rmtree(folder / "trace", ignore_errors=True)
+        raise DataError(f"the trace of the file is damaged ({error}): analyze the file again") from None
     return {
         "channel": one["name"], "channels": names, "unit": printed_unit(one["unit"]), "rate": one["rate"],
         "duration": one["size"] / one["rate"], "t": (times / one["rate"]).tolist(),
@@ -141,6 +150,5 @@ def _listed(values: Array) -> list[float | None]:
 
 
 def _meta(place: Path) -> dict[str, Any]:
-    path = place / "meta.json"
-    found: dict[str, Any] = json.loads(path.read_text("utf-8")) if path.is_file() else {}
-    return found
+    found: dict[str, Any] | None = schema.kept(place / "meta.json", schema.Trace)
+    return found or {}

@@ -15,6 +15,7 @@ from allanite.core.errors import UsageError
 from allanite.parallel.processes import ANSWER
 from allanite.parallel.processors import IDENTIFICATION, imported, importing, processes
 from allanite.phrases.wording import command_line
+from allanite.study.recipe import Recipe
 
 from . import faces
 from .held import Answer, Held
@@ -80,7 +81,7 @@ def refit(held: Held, job: str, *, channel: str, choices: dict[str, Any], statis
     value, _ = held.values[job]
     if not isinstance(value, Study):
         raise UsageError("only the result of analyze has a fit that can be changed: run analyze first")
-    recipe = type(value.recipe).from_dict(value.recipe.to_dict() | choices)
+    recipe = replace(value.recipe, **read_given(choices_of(Recipe), choices))
     found = refitted(value[channel], recipe)
     shown = replace(value, channels=(found,), recipe=recipe)
     names = list(dict.fromkeys(statistics or [recipe.statistic]))
@@ -131,7 +132,7 @@ def save(held: Held, job: str, form: str, lang: str, dark: bool = False) -> Answ
 
         colors = {light.encode(): other.encode() for light, other in DARK.items()}
         data = _HEX.sub(lambda found: colors.get(found[0].lower(), found[0]), data)
-    return {"data": data.encode() if isinstance(data, str) else data}
+    return {"data": data.encode("utf-8", "backslashreplace") if isinstance(data, str) else data}
 
 
 _HEX = re.compile(b"#[0-9a-fA-F]{6}")
@@ -154,9 +155,9 @@ def main(connection: Connection) -> None:
     os.setsid() if hasattr(os, "setsid") else None
     held = Held(connection)
     while True:
-        task, arguments, told = connection.recv()
+        task, arguments = connection.recv()
         try:
             with command_line():
                 held.send(ANSWER, TASKS[task](held, **arguments))
         except Exception as error:  # the server hears of every defect, and this process goes on
-            held.send(PROBLEM, held.named(problem_of(error, *told)))
+            held.send(PROBLEM, held.named(problem_of(error)))

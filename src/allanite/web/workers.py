@@ -1,20 +1,23 @@
-"""Processes that work for the server, started from one that is ready."""
+"""Processes that work for the server, started from one that is ready; who asks one waits for a future, not a thread."""
 
-import multiprocessing
-import sys
 import threading
 import time
-from typing import Any
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
+from typing import Any, TypeVar
 
 from allanite.core.errors import DataError
-from allanite.parallel.processes import EndedError, Process, Tell
+from allanite.parallel.processes import EndedError, Process, Tell, ready_context
 from allanite.phrases.wording import spelled
 
 MOST = 4
-"""Processes at once."""
+"""Processes at once, unless more are busy."""
 
 PROBLEM = "problem"
 """Kind of the message that a request was refused."""
+
+Result = TypeVar("Result")
 
 
 class ProblemError(Exception):
@@ -25,25 +28,24 @@ class ProblemError(Exception):
         self.data = data
 
 
-class Worker(Process):
-    """A process with what it has read; `ask` waits until it is free."""
+def _started() -> Process:
+    from . import worker
+
+    return Process(ready_context("allanite.web.warm"), worker.main)
+
+
+class Worker:
+    """A process with what it has read, started when it is first asked, and the thread in which it is asked in turn."""
 
     def __init__(self) -> None:
-        from . import worker
-
-        if sys.platform == "win32":
-            context: Any = multiprocessing.get_context("spawn")
-        else:  # started clean: the server has threads, which must not be forked
-            context = multiprocessing.get_context("forkserver")
-            context.set_forkserver_preload(["allanite.web.warm"])
-        super().__init__(context, worker.main)
+        self.turns = ThreadPoolExecutor(1)
         self.lock = threading.Lock()
-        self.used = time.monotonic()
-        self.cancelled = False
+        self.process: Process | None = None
+        self.used, self.waiting, self.closed = time.monotonic(), 0, False
 
-    def ask(self, task: str, arguments: dict[str, Any], *, told: tuple[Any, ...] = (),
-            tell: Tell = lambda kind, data: None) -> dict[str, Any]:  # fmt: skip
-        """The answer to a request; `told` is what its errors are about, `tell` takes reports on the way.
+    def ask(self, task: str, arguments: dict[str, Any], tell: Tell = lambda kind, data: None,
+            ended: Callable[[], bool] = lambda: False) -> dict[str, Any]:  # fmt: skip
+        """The answer to a request; `tell` takes reports on the way, `ended` says whether it was cancelled meanwhile.
 
         Raises
         ------
@@ -59,18 +61,34 @@ class Worker(Process):
             tell(kind, data)
 
         with self.lock:
-            self.used = time.monotonic()
-            try:
-                return dict(self.request((task, arguments, told), report))
-            except EndedError:
-                if self.cancelled:
-                    raise DataError("cancelled") from None
-                how = f"by signal {-self.code}" if self.code < 0 else f"with code {self.code}"
-                remedy = spelled("--channels, --from, --until, --memory", "channels, start, until, memory")
-                raise DataError(
-                    f"the process of this job was ended {how}, perhaps because memory was short: choose fewer channels "
-                    f"or a part of the record ({remedy})"
-                ) from None
+            if self.closed or ended():
+                raise DataError("cancelled")
+            if self.process is None or not self.process.alive:
+                self.process = _started()
+            process = self.process
+        try:
+            return dict(process.request((task, arguments), report))
+        except EndedError:
+            if self.closed or ended():
+                raise DataError("cancelled") from None
+            how = f"by signal {-process.code}" if process.code < 0 else f"with code {process.code}"
+            remedy = spelled("--channels, --from, --until, --memory", "channels, start, until, memory")
+            raise DataError(
+                f"the process of this job was ended {how}, perhaps because memory was short: choose fewer channels "
+                f"or a part of the record ({remedy})"
+            ) from None
+
+    def end(self) -> None:
+        """End the process; the next one that asks has a new one."""
+        with self.lock:
+            if self.process is not None:
+                self.process.end()
+
+    def close(self) -> None:
+        """End the process for good; who waits for it is refused."""
+        self.closed = True
+        self.turns.shutdown(wait=False, cancel_futures=True)
+        self.end()
 
 
 class Workers:
@@ -80,26 +98,42 @@ class Workers:
         self.lanes: dict[str, Worker] = {}
         self.lock = threading.Lock()
 
-    def of(self, lane: str) -> Worker:
-        """The worker of a lane, started if there is none."""
+    def submit(self, lane: str, work: Callable[[Worker], Result]) -> Future[Result]:
+        """What is done with the worker of a lane, when it is its turn."""
         with self.lock:
-            self.lanes = {name: worker for name, worker in self.lanes.items() if worker.alive}
             if lane not in self.lanes:
-                idle = sorted((worker.used, name) for name, worker in self.lanes.items() if not worker.lock.locked())
+                idle = [(worker.used, name) for name, worker in self.lanes.items() if not worker.waiting]
                 if len(self.lanes) >= MOST and idle:  # the one that was idle longest
-                    self.lanes.pop(idle[0][1]).end()
+                    threading.Thread(target=self.lanes.pop(min(idle)[1]).close).start()
                 self.lanes[lane] = Worker()
-            return self.lanes[lane]
+            worker = self.lanes[lane]
+            worker.waiting += 1
+            found = worker.turns.submit(copy_context().run, work, worker)
+        found.add_done_callback(lambda _: self._done(worker))
+        return found
+
+    def _done(self, worker: Worker) -> None:
+        with self.lock:
+            worker.waiting -= 1
+            worker.used = time.monotonic()
 
     def end(self, lane: str) -> None:
-        """End the worker of a lane, if there is one."""
+        """End what the worker of a lane does, if there is one."""
         with self.lock:
-            worker = self.lanes.pop(lane, None)
+            worker = self.lanes.get(lane)
         if worker is not None:
-            worker.cancelled = True
             worker.end()
 
-    def end_all(self) -> None:
-        """End all of them."""
-        for lane in list(self.lanes):
-            self.end(lane)
+    def interrupt(self, lane: str) -> None:
+        """Ask the worker of a lane to come to an end, if it works."""
+        with self.lock:
+            worker = self.lanes.get(lane)
+        if worker is not None and worker.process is not None:
+            worker.process.interrupt()
+
+    def close(self, *lanes: str) -> None:
+        """End workers for good, by default all."""
+        with self.lock:
+            closed = [self.lanes.pop(lane) for lane in lanes or list(self.lanes) if lane in self.lanes]
+        for worker in closed:
+            worker.close()

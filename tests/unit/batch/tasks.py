@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from pathlib import Path
 
 
@@ -21,3 +22,8 @@ def deadly(item):
 
 def out_of_memory(item):
     raise MemoryError
+
+
+def waiting(item):
+    time.sleep(item["x"])
+    return {"x": item["x"]}

@@ -1,9 +1,15 @@
 """Dask: the same bytes as from one process, on workers of their own."""
 
+import os
+import socket
+import subprocess
+import sys
+from functools import partial
+
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.unit.batch.tasks import deadly, doubled
+from tests.unit.batch.tasks import deadly, doubled, waiting
 
 import allanite as al
 from allanite.batch.cluster import Dask
@@ -53,3 +59,71 @@ def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
     monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 1)
     with pytest.raises(al.UsageError, match=r"'tcp://127.0.0.1:9' does not answer .*; start one with 'dask scheduler'"):
         list(Dask("tcp://127.0.0.1:9").run(doubled, [{"x": 1}]))
+
+
+@pytest.fixture
+def start(monkeypatch):
+    """Starts ``dask scheduler`` or ``dask worker``, in an environment of its own."""
+    monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 3)
+    started = []
+
+    def starting(*arguments, path=()):
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join([*map(str, path), *filter(None, sys.path)])}
+        started.append(
+            subprocess.Popen([sys.executable, "-m", "dask", *arguments], env=environment, stderr=subprocess.DEVNULL)
+        )
+        return started[-1]
+
+    yield starting
+    for process in reversed(started):
+        process.terminate()
+        process.wait(20)
+
+
+@pytest.fixture
+def scheduler(start):
+    """The process of a scheduler without workers, its address, and what starts a worker."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    at = f"tcp://127.0.0.1:{port}"
+    process = start("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
+    return process, at, partial(start, "worker", at, "--nthreads", "1", "--no-dashboard")
+
+
+@pytest.mark.slow("a Dask scheduler")
+@pytest.mark.filterwarnings("ignore:Mismatched")
+@pytest.mark.parametrize("name", ["allanite", "numpy"])
+def test_workers_of_other_versions_are_refused_before_any_work(scheduler, tmp_path, name):
+    _, at, worker = scheduler
+    (tmp_path / f"{name}-0.0.7.dist-info").mkdir()
+    (tmp_path / f"{name}-0.0.7.dist-info" / "METADATA").write_text(f"Name: {name}\nVersion: 0.0.7\n")
+    worker(path=[tmp_path])
+    said = rf"tcp://\S+ has {name} 0.0.7 instead of \d\S+; install the same versions everywhere"
+    mark = tmp_path / "mark"
+    with pytest.raises(al.UsageError, match=said):
+        list(Dask(at).run(deadly, [{"x": "once", "mark": str(mark)}]))
+    assert not mark.exists()
+
+
+@pytest.mark.slow("a Dask scheduler")
+def test_a_scheduler_whose_last_worker_died_is_named(scheduler, tmp_path):
+    _, at, worker = scheduler
+    with pytest.raises(al.UsageError, match="has no worker; start some with 'dask worker tcp://"):
+        list(Dask(at).run(doubled, [{"x": 1}]))
+    worker("--no-nanny")
+    mark = tmp_path / "mark"
+    with pytest.raises(al.UsageError, match=r"has no worker; .* what is stored is not done again"):
+        list(Dask(at).run(deadly, [{"x": "once", "mark": str(mark)}]))
+    assert mark.exists()
+
+
+@pytest.mark.slow("a Dask scheduler")
+def test_a_scheduler_that_ends_is_named(scheduler, tmp_path):
+    process, at, worker = scheduler
+    worker()
+    done = Dask(at).run(waiting, [{"x": 0}, {"x": 60}])
+    assert next(done).result
+    process.kill()
+    with pytest.raises(al.UsageError, match="ended before the work was done; start it again"):
+        next(done)

@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from click.testing import CliRunner
 from pyarrow import parquet
@@ -131,6 +132,43 @@ def test_what_changed_is_done_again(units, serial, tmp_path, monkeypatch):
     assert len(seen) == 6
 
 
+@pytest.mark.parametrize("content", [None, "{", "1", "[" * 10_000, b"x", 2.5])
+def test_a_part_whose_content_is_not_what_was_stored_is_done_again(serial, units, tmp_path, monkeypatch, content):
+    results = tmp_path / "r"
+    shutil.copytree(serial[1], results)
+    part = store.Store.opened(results).part(rows(results, "files")[-2]["key"])
+    table = parquet.read_table(part)
+    at = table.column_names.index("study")
+    changed = table.set_column(at, "study", pa.array([content]))
+    parquet.write_table(changed.replace_schema_metadata(table.schema.metadata), part)
+    seen = counted(monkeypatch)
+    found = run_batch(units, results)
+    assert (found.analyzed, len(seen)) == (1, 1)
+    assert [note for note in found.notes if "is damaged" in note and seen[0] in note]
+    assert contents(results) == contents(serial[1])
+
+
+FOREIGN = {
+    "other columns": lambda table: pa.table({"x": [1]}),
+    "no description": lambda table: table.replace_schema_metadata(None),
+    "no file": lambda table: table.slice(0, 0),
+    "text for numbers": lambda table: table.append_column("temperature", pa.array(["warm"] * len(table))),
+    "text for times": lambda table: table.append_column("date", pa.array(["today"] * len(table))),
+    **{
+        f"recipe {text[:9]}": lambda table, text=text: table.replace_schema_metadata({"allanite": "0", "recipe": text})
+        for text in ("{", "5", "null", '{"level": "x"}', "[" * 100_000)
+    },
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_lot_of_a_foreign_table_is_refused(serial, tmp_path, name):
+    table = parquet.read_table(serial[1] / "files.parquet")
+    parquet.write_table(FOREIGN[name](table), tmp_path / "files.parquet")
+    with pytest.raises(al.DataError, match=r"files.parquet' cannot be read .it is not the table of a batch"):
+        al.read_lot(tmp_path)
+
+
 def test_a_failure_that_another_run_may_not_have_is_not_kept(units, tmp_path, monkeypatch):
     entry = tmp_path / "list.txt"
     entry.write_text(f"{units / 'u0.csv'}\n")
@@ -186,6 +224,14 @@ def test_a_manifest_lists_files_and_what_is_known_of_them(units, tmp_path):
         ("m.csv", "path,unit_id\na.csv,1\n", "has no column 'file' but"),
         ("m.csv", "file,temperature\na.csv,warm\n", "line 2: the temperature is a number, not 'warm'"),
         ("m.csv", "file,date\na.csv,31.5.24\n", "line 2: the date is written as 2024-05-31"),
+        (
+            "m.csv",
+            "file,date\na.csv,9999-12-31T23:59:59-23:59\n",
+            "line 2: the date '9999.* is outside the years 1 to 9999",
+        ),
+        ("m.csv", f"file,lab\na.csv,{'x' * 200_000}\n", "line 2: field larger than field limit"),
+        ("m.csv", f"file,date\na.csv,{'x' * 100_000}\n", r"line 2: the date .{20,300}$"),
+        ("m.csv", 'file,lab\na.csv,"B\nb.csv,C\n', "line 2: unexpected end of data; is a quotation mark missing"),
         ("m.csv", "file,sha256\na.csv,1\n", r"columns named \['sha256'\]"),
         ("m.csv", "file,lab\na.csv\n", "line 2: 1 cells, expected 2"),
         ("m.csv", "file,lab\n,B\n", "line 2: no file is given"),

@@ -12,8 +12,8 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
+from allanite.core.syntax import toml
 from allanite.reporting import page, table, to_csv
-from allanite.reporting.sheet import toml
 
 ARCSEC = np.pi / 648_000
 EXPERIMENT = ["--latitude", "60", "--duration", "3600"]

@@ -15,8 +15,8 @@ import allanite as al
 from allanite.applications.compensation.settings import CompensationSettings, FitSettings
 from allanite.applications.signals.budgeting import PathSettings
 from allanite.cli import main
+from allanite.core.syntax import toml
 from allanite.reporting import table
-from allanite.reporting.sheet import toml
 from allanite.study.channels import open_recording
 
 MODEL = al.N(0.1, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")

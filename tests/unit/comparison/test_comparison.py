@@ -296,7 +296,7 @@ def test_what_cannot_be_compared(other, words):
 def test_wrong_usage():
     with pytest.raises(al.UsageError, match="'whittle', not 'ls'"):
         al.compare(noisy(), noisy(seed=2), al.Recipe(method="ls"))
-    with pytest.raises(al.UsageError, match="takes a record or samples, not a int"):
+    with pytest.raises(al.UsageError, match="takes a record or samples, not 3"):
         al.compare(noisy(), 3)
     with pytest.raises(al.UsageError, match="only be compared with a fit"):
         al.compare(noisy(), al.identify(noisy(seed=2)))

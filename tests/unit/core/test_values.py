@@ -21,7 +21,7 @@ WRONG = [
     ({"rate": 0}, "positive number of Hz, not 0"),
     ({"rate": -1.0}, "positive"),
     ({"rate": float("nan")}, "positive"),
-    ({"rate": "100"}, "positive"),
+    ({"rate": "100"}, "rate must be a number"),
     ({"unit": "furlong"}, "unknown unit"),
     ({"unit": "deg"}, "does not fit kind 'rate'"),
     ({"kind": "speed"}, "unknown kind 'speed'"),

@@ -12,7 +12,6 @@ from html import unescape
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests import ROOT
 from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
@@ -23,7 +22,6 @@ from allanite.core.plain import from_dict
 from allanite.core.units import SIGNALS
 from allanite.exporting.axes import axes_of
 from allanite.exporting.choice import coefficients
-from allanite.exporting.targets.datasheet import _escaped
 from allanite.reporting import page, table
 
 GYRO, ACCELEROMETER = SIGNALS[:2]
@@ -160,7 +158,7 @@ def test_wrong_choices():
     for wrong in ({"inflate": 0.0}, {"inflate": float("nan")}, {"rate": -1.0}, {"filter_rate": 0.0}):
         with pytest.raises(al.UsageError):
             al.export(six(), "kalibr", **wrong)
-    with pytest.raises(al.UsageError, match="a str holds no noise"):
+    with pytest.raises(al.UsageError, match="source must be a Study, a Channel, a Fit"):
         al.export("gyro.csv", "kalibr")
     with pytest.raises(al.UsageError, match=r"statespace is written as .npz, .m, .h, not as '.txt'"):
         al.export(six(), "statespace", form=".txt", rate=1.0)
@@ -335,39 +333,6 @@ def test_every_target_is_explained(name):
     assert all(field.name in said for field in row.fields)
     assert " ".join(row.source.split())[:40] in said
     assert json.loads(run("explain", name, "--json", "-").stdout)["targets"][0]["name"] == name
-
-
-FORMS = [(name, suffix) for name, row in al.EXPORTS.items() for suffix in row.forms if suffix != ".npz"]
-HOSTILE = ["gx\nevil: 1", "gx\r\nevil = 1", "gx\u2028evil\x85evil", "gx*/ evil --> evil"]
-
-
-@pytest.mark.parametrize("name", HOSTILE)
-@pytest.mark.parametrize(("target", "suffix"), FORMS)
-def test_a_line_break_in_a_name_is_no_line_of_the_file(target, suffix, name):
-    """A name from the recording once ended its comment; what followed was read as a key, or run as a script."""
-    hostile, plain = (
-        al.export([fit(called), *six()[1:]], target, rate=100.0, axis="x", form=suffix).text.splitlines()
-        for called in (name, "gx")
-    )
-    for line, like in zip(hostile, plain, strict=True):
-        assert line == like or ("gx" in line and "gx" in like)
-    assert not [line for line in hostile if line.lstrip().startswith("evil")]
-
-
-def test_signs_of_latex_in_a_name_are_text():
-    assert _escaped(r"\input{a}^2") == r"\textbackslash{}input\{a\}\textasciicircum{}2"
-
-
-@pytest.fixture(scope="module")
-def tactical():
-    return al.analyze(ROOT / "examples" / "tactical_gyro.csv"), al.Model("N 60 ug/sqrt(Hz), K 20 ug/sqrt(h)")
-
-
-def test_a_line_break_in_a_path_is_no_line_of_the_file(tactical):
-    study, accelerometer = tactical
-    hostile = replace(study, provenance=study.provenance | {"source": "a\nimport os"})
-    text = al.export([hostile, accelerometer], "gtsam").text
-    assert "\n# source: a\\nimport os" in text
 
 
 def test_flicker_without_a_field_is_said_with_what_it_costs():

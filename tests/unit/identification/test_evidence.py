@@ -1,13 +1,17 @@
 """Nothing is claimed that the record does not show: filters, angle noise, ramps, random walks, sinusoids."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.fft import dct
 from scipy.signal import butter, lfilter
 
 import allanite as al
 from allanite.identification.checks.contradiction import held, measured, not_rounding
+from allanite.identification.likelihood.bins import SINGLE, edges_of
+from allanite.identification.likelihood.whittle import step_power
 from allanite.study.noise import noise_of
 
 RATE = 100.0
@@ -167,6 +171,29 @@ def test_steps_of_the_bias_are_no_random_walk():
             assert finding.place[0] == pytest.approx(200 + 20 * seed, abs=8)
             assert fit["K"].status in ("not valid", "absent")
     assert sum(found) >= 5
+
+
+@pytest.mark.parametrize("after", [6000, 16_000, 40_000])
+@pytest.mark.parametrize("before", [2400, 12_000])
+def test_a_high_step_is_no_random_walk(before, after):
+    """Its power reaches far above the lowest bins, where a random walk without end explained it."""
+    y = 10 * np.random.default_rng([before, after]).standard_normal(before + after)
+    y[before:] += 60
+    fit = al.identify(al.Record(y, RATE, "deg/h"))
+    assert [finding.name for finding in fit.findings] == ["steps"]
+    assert fit.findings[0].place[0] == pytest.approx(before / RATE, abs=(before + after) / RATE / 500)
+    assert fit["K"].status in ("not valid", "absent")
+
+
+def test_the_power_of_steps_is_that_of_their_literal_transform():
+    n, at, size = 18_400, [2400.0, 2450.0, 9000.0], np.array([1.0, -0.7, 2.0])
+    bounds = edges_of(n)
+    bins = SimpleNamespace(size=n, first=bounds[:-1], count=np.diff(bounds))
+    steps = sum(s * (np.arange(n) >= a) for a, s in zip(at, size, strict=True))
+    literal = np.add.reduceat(dct(steps, norm="ortho")[1:] ** 2, bins.first - 1) / bins.count
+    above = bins.first > SINGLE
+    assert step_power(bins, at, size)[above] == pytest.approx(literal[above], rel=0.03)
+    assert not step_power(bins, at, size)[~above].any()
 
 
 def test_a_random_walk_is_no_steps():

@@ -1,5 +1,7 @@
 """Small files that claim or cost much: memory, time and words of the program that reads them."""
 
+import contextlib
+import sqlite3
 import struct
 import subprocess
 import sys
@@ -53,7 +55,7 @@ def chunks_of_one_sample(path):
 
 def cells_of_text(path):
     words = "w" * 40
-    lines = (f"{k % 7}.5,{words}{k},{words}{k}z\n" for k in range(400_000))
+    lines = (f"{k % 7}.5,{words}{k},{words}{k}z\n" for k in range(900_000))
     path.write_text("gx [deg/s],a,b\n" + "".join(lines))
 
 
@@ -69,12 +71,43 @@ def long_array_name(path):
     np.savez(path, **{"n" * 50_000 + " [furlong]": NUMBERS[:, 0]})
 
 
+def arrays_of_few_samples(path):
+    np.savez(path, **{f"c{k} [deg/s]": NUMBERS[:32, 0] for k in range(9000)})
+
+
+def bag_of_topics(path):
+    with contextlib.closing(sqlite3.connect(path)) as file:
+        file.execute("CREATE TABLE topics(id INTEGER, name, type, serialization_format, offered_qos_profiles)")
+        file.execute("CREATE TABLE messages(id INTEGER, topic_id INTEGER, timestamp INTEGER, data BLOB)")
+        rows = [(k, f"/imu{k}", "sensor_msgs/msg/Imu", "cdr", "") for k in range(59_000)]
+        file.executemany("INSERT INTO topics VALUES(?, ?, ?, ?, ?)", rows)
+        file.executemany("INSERT INTO messages VALUES(?, ?, ?, x'00')", [(k, k, k) for k in range(59_000)])
+        file.commit()
+
+
+def workbook_of_rows(path):
+    book = pytest.importorskip("openpyxl").Workbook()
+    book.active.append([1.0])
+    book.save(path.with_suffix(".old"))
+    rows = b"<row><c><v>1</v></c></row>" * 6_000_000
+    with (
+        zipfile.ZipFile(path.with_suffix(".old")) as old,
+        zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
+    ):
+        for name in old.namelist():
+            data = old.read(name)
+            archive.writestr(name, data.replace(b"</sheetData>", rows + b"</sheetData>"))
+
+
 CASES = {
     "legitimate.zip": (archive_of_64_bits, None),
     "many.zip": (archive_of_many, "the directory of the archive claims"),
     "page.parquet": (page_of_text, "the table claims"),
     "chunks.h5": (chunks_of_one_sample, None),
     "cells.csv": (cells_of_text, None),
+    "arrays.npz": (arrays_of_few_samples, "the archive has 9000 arrays"),
+    "topics.db3": (bag_of_topics, "topics.db3: too many topics: 59000, and at most 1000 are read; copy those"),
+    "rows.xlsx": (workbook_of_rows, "the workbook claims 156"),
     "name.csv": (long_name, None),
     "unit.csv": (long_unit, "the unit is unknown"),
     "name.npz": (long_array_name, "the unit is unknown"),
@@ -87,14 +120,16 @@ def peak():  # ru_maxrss is also that of the program that started this one
     with open("/proc/self/status") as status:
         return next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
 al.prepare.inspect(al.read("small.csv")[0])
-before = peak()
+def used():
+    both = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(u.ru_utime + u.ru_stime for u in both), both[1].ru_maxrss
+before, (begun, _) = peak(), used()
 print("INFO", flush=True)
 try:
     main(["info", sys.argv[1], "--rate", "100", "--threads", "1"])
 finally:
-    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    more = peak() - before + max(0, used[1].ru_maxrss - before)
-    print("USED", more, sum(u.ru_utime + u.ru_stime for u in used))
+    ended, child = used()
+    print("USED", peak() - before + max(0, child - before), ended - begun)
 """
 
 
@@ -109,9 +144,9 @@ def test_what_it_takes_and_what_is_said(name, tmp_path):
     command = [sys.executable, "-c", PROGRAM, name]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
     shown, _, used = done.stdout.partition("INFO")[2].partition("USED ")
-    memory, seconds = map(float, used.split())
-    assert memory * 1024 < 3 * (tmp_path / name).stat().st_size + 200e6
-    assert seconds < 5
+    memory, seconds = map(float, used.split())  # of the processor, beyond what any file needs
+    assert memory * 1024 < 300e6
+    assert seconds < 2
     assert done.returncode == (0 if refused is None else 2 if "unit" in refused else 3), done.stderr
     assert refused is None or refused in done.stderr
     assert len(shown) + len(done.stderr) < 5000

@@ -320,7 +320,7 @@ def test_a_time_stamp_that_no_clock_counts_is_named(row, tmp_path):
     stamps = np.arange(3000) / 100
     stamps[row] = 1e200
     np.savez(tmp_path / "a.npz", **{"t [s]": stamps, "gx [deg/s]": np.random.default_rng(1).standard_normal(3000)})
-    with pytest.raises(DataError, match=r"differ by up to 1e\+200 s; pass rate="):
+    with pytest.raises(DataError, match=r"jump by -?1e\+200 s before row \d+ of the data; pass rate="):
         read(tmp_path / "a.npz")
     assert read(tmp_path / "a.npz", rate=100.0)["gx"].size == 3000
 

@@ -1,5 +1,7 @@
 """MDF files: groups and their clocks, conversions, and what is damaged."""
 
+import struct
+import tempfile
 import warnings
 
 import numpy as np
@@ -70,3 +72,18 @@ def test_damaged_files(tmp_path):
     with pytest.raises(DataError, match=r"damaged or incomplete: asammdf failed|no rows of numbers"):
         al.read(tmp_path / "b.mf4")
     assert CliRunner().invoke(main, ["info", str(tmp_path / "b.mf4")]).exit_code == 3
+
+
+def test_an_ended_reader_leaves_no_file(mdf, tmp_path, monkeypatch):
+    raw = bytearray(mdf.read_bytes())
+    (group,) = struct.unpack_from("<Q", raw, 88)
+    if raw[group : group + 4] != b"##DG":
+        pytest.skip("version 4 only")
+    struct.pack_into("<Q", raw, group + 24, group)  # the list of groups never ends
+    mdf.write_bytes(raw)
+    (tmp_path / "temporary").mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "temporary"))
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "temporary"))
+    with pytest.raises(DataError, match="it took too long"):
+        al.read(mdf)
+    assert not list((tmp_path / "temporary").iterdir())

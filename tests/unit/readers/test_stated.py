@@ -83,7 +83,7 @@ def test_other_columns_keep_their_header_or_are_left_out(write):
         ("gyro=", ["'gyro='", "gyro=deg/s,accel=g"]),
         ("gyro=deg/s,g", ["each sensor or column", "gyro=deg/s,accel=g"]),
         ({}, ["no unit is given"]),
-        ({"gyro": 5}, ["the unit of 'gyro'", "5"]),
+        ({"gyro": 5}, ["unit must be a string, a mapping of strings", "5"]),
         ({"a,b": "g"}, ["'a,b'", "number"]),
     ],
 )

@@ -440,3 +440,22 @@ def test_runs_of_blanks_take_no_square_of_their_length(write, word):
     path, begin = write(f"when,gx{' ' * 60_000}\n{rows}"), time.process_time()
     assert read(path, rate=1.0, unit="deg/s")[0].name == "gx"
     assert time.process_time() - begin < 2.0
+
+
+@pytest.mark.parametrize("cell", ['"y', '"2'])
+def test_a_quotation_mark_that_is_not_closed_is_named_by_its_line(cell, tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("gx [deg/s],b\n" + "1.5,x\n" * 20 + f"1.5,{cell}\n" + "2.5,z\n" * 20)
+    with pytest.raises(DataError, match="line 22: a quotation mark is not closed"):
+        read(path, rate=100)
+
+
+def test_a_column_of_many_words_is_the_same_whether_it_is_kept_or_not(tmp_path, monkeypatch):
+    path = tmp_path / "a.csv"
+    path.write_text("gx [deg/s],words,few\n" + "".join(f"{k % 7}.5,w{k},w{k // 90_000}\n" for k in range(100_000)))
+    kept = read(path, rate=100)
+    monkeypatch.setattr("allanite.readers.columns.parse.HEAD", 1 << 30)
+    whole = read(path, rate=100)
+    assert kept.channels == whole.channels
+    assert all(map(np.array_equal, kept, whole))
+    assert kept.notes == whole.notes

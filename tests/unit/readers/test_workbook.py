@@ -91,7 +91,7 @@ def test_workbooks_without_numbers_and_damaged_ones(tmp_path):
     (tmp_path / "b.xlsx").write_bytes(whole[: len(whole) // 2])
     (tmp_path / "c.xlsx").write_bytes(whole[:4] + bytes(500))
     for name in ("b.xlsx", "c.xlsx"):
-        with pytest.raises(DataError, match="damaged or incomplete: openpyxl failed"):
+        with pytest.raises(DataError, match="the archive is incomplete"):
             al.read(tmp_path / name)
         assert CliRunner().invoke(main, ["info", str(tmp_path / name)]).exit_code == 3
 

@@ -295,3 +295,14 @@ def test_psins(tmp_path, counts):
     assert recording[0].rate == 125.0
     for i, record in enumerate(recording):
         assert np.array_equal(record.values, counts[:, i])
+
+
+@pytest.mark.parametrize("scale", ["5e-324", "1e308"])
+def test_a_description_with_an_impossible_scale_is_refused(tmp_path, scale):
+    written = al.Record(np.arange(99.0) % 7, 100.0, "arcsec", "increment", scale=1.0, name="gz")
+    al.write(written, tmp_path / "a.csv")
+    text = (tmp_path / "a.csv").read_text()
+    assert '"scale": 1.0' in text
+    (tmp_path / "a.csv").write_text(text.replace('"scale": 1.0', f'"scale": {scale}'))
+    with pytest.raises(UsageError, match=r"a.csv: the scale must be a positive number of arcsec, from 1e-30 to 1e\+30"):
+        al.read(tmp_path / "a.csv", rate=10.0, kind="increment")

@@ -15,21 +15,23 @@ import allanite as al
 from allanite.batch.batch import Batch, unit_of
 from allanite.batch.specification import Specification
 from allanite.cli.deliver import Outputs, deliver
+from allanite.core.constructors import B, N, R
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.finding import Finding, Quality
 from allanite.core.fit import Fit, Goodness
-from allanite.core.model import B, N, R, term
+from allanite.core.model import term
 from allanite.core.record import Record
+from allanite.core.syntax import toml
 from allanite.core.units import signal_named
 from allanite.phrases.phrase import say
 from allanite.reporting import page, plot, report, table, to_csv
 from allanite.reporting.digits import printed_unit
 from allanite.reporting.figures.residuals import plot_goodness
 from allanite.reporting.json import to_json
-from allanite.reporting.sheet import Table, toml
-from allanite.reporting.style import encode
+from allanite.reporting.sheet import Table
+from allanite.reporting.style import encode, new_figure
 from allanite.reporting.views import view_of
 from allanite.reporting.words import title
 from allanite.statistics import expected
@@ -395,3 +397,12 @@ def test_flicker_has_the_level_of_the_statistic(statistic, share):
     fit = al.identify(record)
     figure = plot(al.deviation(record, statistic, taus="octave", noise=fit), fit)
     assert any(text.get_text().startswith(f"{share} = ") for text in figure.axes[0].texts)
+
+
+def test_labels_of_tall_figures_are_inside():
+    figure = new_figure(6.6, 14.837)
+    for ax in figure.subplots(3, 1):
+        ax.set(xscale="log", yscale="log", xlim=(0.11, 7400), ylim=(1.1, 4100), title="gx", ylabel="deviation")
+        ax.set_aspect("equal", adjustable="box", anchor="N")
+    figure.draw_without_rendering()
+    assert all(ax.yaxis.label.get_window_extent().x0 > 0 for ax in figure.axes)

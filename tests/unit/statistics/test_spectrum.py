@@ -216,7 +216,7 @@ def test_what_is_refused():
         (lambda: al.spectrum(record, "periodogram"), al.UsageError, "known methods: welch, multitaper"),
         (lambda: al.spectrum(record, sides="both"), al.UsageError, "'one' or 'two'"),
         (lambda: al.spectrum(record, bins=0), al.UsageError, "per decade"),
-        (lambda: al.spectrum(record, bins=2.5), al.UsageError, "per decade"),
+        (lambda: al.spectrum(record, bins=2.5), al.UsageError, "bins must be an integer"),
         (lambda: al.spectrum(record).interval(95), al.UsageError, "between 0 and 1"),
         (lambda: al.spectrum(record).to("m/s^2"), al.UnitError, "dimensions differ"),
         (lambda: al.Welch(window="kaiser"), al.UsageError, "known windows: boxcar"),

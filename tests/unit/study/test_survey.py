@@ -12,8 +12,8 @@ from click.testing import CliRunner
 
 import allanite as al
 from allanite.cli import main
+from allanite.core.syntax import toml
 from allanite.reporting import plot, table
-from allanite.reporting.sheet import toml
 from allanite.reporting.style import encode
 from allanite.study.survey import Densities, survey
 

@@ -1,14 +1,17 @@
 """allanite watch: what is analyzed of a file, also while it comes; moved once, unplugged once, with torn lines."""
 
 import errno
+import gc
 import gzip
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
 import sys
 import time
+import tracemalloc
 from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
@@ -203,7 +206,9 @@ def test_watch_is_analyze_of_what_came(tmp_path, kind, outliers):
 
 
 @pytest.mark.slow("long streams")
-@pytest.mark.parametrize(("size", "words"), [(0.0, ""), (3.0, "the bias steps: +"), (15.0, "the bias jumps")])
+@pytest.mark.parametrize(
+    ("size", "words"), [(0.0, ""), (3.0, "the bias steps: +"), (15.0, "the bias steps: +14.5 deg/h at 1234 s")]
+)
 def test_a_step_is_reported_and_noise_has_none(tmp_path, size, words):
     noise = al.simulate(al.N(1, "deg/h*sqrt(s)") + al.B(0.3, "deg/h") + al.K(1, "deg/h/sqrt(h)"), 200_000, 100.0,
                         rng=np.random.default_rng(4))  # fmt: skip
@@ -315,6 +320,151 @@ def test_the_time_without_a_port_is_a_gap_from_the_first_second_on(monkeypatch):
         rows = Path(watch.spool.path).read_bytes().splitlines()
     lost = int(said.split("; ")[1].split()[0])
     assert 50 <= lost == rows.count(b"nan")
+
+
+@pytest.mark.parametrize("settings", [WatchSettings(duration=0.5), WatchSettings(idle=0.5)], ids=["for", "idle"])
+def test_a_watch_ends_in_time_while_its_port_is_gone(monkeypatch, settings):
+    def gone(*_):
+        raise OSError("the device is gone")
+
+    taps = iter([SimpleNamespace(live=True, take=gone, close=lambda: None)])
+
+    def opened(*_):
+        for tap in taps:
+            return tap
+        raise al.DataError("no such port")
+
+    monkeypatch.setattr("allanite.study.watching.opened", opened)
+    begun = time.monotonic()
+    with closing(Watch("port", al.Recipe(rate=100.0, unit="deg/h"), settings)) as watch:
+        assert "is gone" in list(watch.events())[1]
+    assert time.monotonic() - begun < 5
+
+
+def test_the_time_of_a_report_is_no_silence(monkeypatch):
+    """Lines that come while something is computed end no watch that waits for a short time only."""
+    lines = (lines_of(np.random.default_rng(i).normal(size=100)) for i in range(40))
+
+    def take(_):
+        time.sleep(0.05)
+        return next(lines, b"")
+
+    def look(_):
+        time.sleep(0.6)
+        return iter(())
+
+    tap = SimpleNamespace(live=True, take=take, close=lambda: None)
+    monkeypatch.setattr("allanite.study.watching.opened", lambda *_: tap)
+    monkeypatch.setattr(Watch, "_look", look)
+    with closing(Watch("port", al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=0.4))) as watch:
+        list(watch.events())
+        assert watch.spool.rows == 4000
+
+
+class Clock:
+    """A port that sends a hundred rows of a hundred hertz with each second of a clock that goes as fast as it can."""
+
+    def __init__(self, monkeypatch, seconds, stamp=None):
+        self.now, self.seconds, self.stamp, self.rng = 0.0, seconds, stamp, np.random.default_rng(1)
+        clock = SimpleNamespace(monotonic=lambda: self.now, sleep=self.sleep)
+        monkeypatch.setattr("allanite.study.watching.time", clock)
+        monkeypatch.setattr("allanite.study.watching.opened", lambda *_: SimpleNamespace(live=True))
+        monkeypatch.setattr("allanite.study.watching.Feed", lambda _: self)
+
+    def sleep(self, seconds):
+        self.now += seconds
+
+    def take(self, _):
+        self.now += 1.0
+        if self.now > self.seconds:
+            return b""
+        values = self.rng.normal(size=100).tolist()
+        if self.stamp is None:
+            return "".join(f"{value:.5f}\n" for value in values).encode()
+        times = self.stamp(self.now + np.arange(100) / 100.0).tolist()
+        return "".join(f"{t!r},{value:.5f}\n" for t, value in zip(times, values, strict=True)).encode()
+
+    def close(self):
+        return []
+
+
+def watch_of(recipe=None, **settings):
+    settings = {"every": 1e9} | settings
+    watch = Watch("port", recipe or al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(**settings))
+    watch._begun = 0.0
+    return closing(watch)
+
+
+@pytest.mark.parametrize(
+    ("jump", "words"),
+    [
+        (1e7, r"jump by 1e\+07 s before row"),
+        (1e18, r"jump by 1e\+18 s before row"),
+        (1e300, r"jump by 1e\+300 s before row"),
+        (-1e7, "is earlier than the previous one"),
+        (np.nan, "has no time stamp in 100 of"),
+    ],
+)
+def test_time_stamps_that_jump_are_named_at_once_and_the_lines_are_kept(monkeypatch, jump, words):
+    monkeypatch.setattr("allanite.study.watching.RECENT", 10.0)  # later on there are only rows after the jump
+    source = Clock(monkeypatch, 35, lambda times: np.where(times > 15.995, times + jump, times))
+    with watch_of(al.Recipe(unit="deg/h", time="1"), duration=36) as watch:
+        events = watch.events()
+        said = next(said for said in events if "cannot be analyzed" in said)
+        assert re.search(f"the last rows cannot be analyzed: .*{words}", said)
+        assert source.now == 16.0
+        list(events)
+        with pytest.raises(al.DataError, match=r"came, kept in '.*', cannot .* time stamp") as refused:
+            watch.study()
+    kept = Path(str(refused.value).split("'")[1])
+    rows = kept.read_bytes().count(b"\n")
+    kept.unlink()
+    assert rows == 3500
+
+
+@pytest.mark.slow("long streams")
+def test_a_long_watch_takes_no_more_memory_than_a_short_one(monkeypatch):
+    """Rows beyond the last ones are on the disk, and what was said is kept once."""
+    monkeypatch.setattr("allanite.readers.spool.TAIL", 500)
+    monkeypatch.setattr("allanite.study.watching.RECENT", 2.0)
+    sizes = []
+    for seconds in (10, 10, 500):  # the first one is for what is made once
+        Clock(monkeypatch, seconds)
+        tracemalloc.start()
+        with watch_of(duration=seconds) as watch:
+            list(watch.events())
+            assert watch.spool.rows >= 100 * (seconds - 1)
+            gc.collect()
+            sizes.append(tracemalloc.get_traced_memory()[0])
+        tracemalloc.stop()
+    assert sizes[2] < sizes[1] + 30_000, sizes
+
+
+def test_an_analysis_that_failed_is_not_replaced_by_the_one_before(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t,x\n" + "".join(f"{i / 100:.2f},{i % 7}\n" for i in range(1000)))
+    with closing(Watch(str(path), al.Recipe(unit="deg/h", time="t"), WatchSettings(idle=0.1))) as watch:
+        list(watch.events())
+        assert watch.study()[0].record.size == 1000
+        watch.spool.add(b"1e9,1\n" * 1000)
+        for _ in range(2):
+            with pytest.raises(al.DataError, match="time stamps"):
+                watch.study()
+
+
+def test_a_port_that_comes_and_goes_is_one_finding(monkeypatch):
+    source = Clock(monkeypatch, 1000)
+    take, due = source.take, [20.0, 40.0, 60.0]
+
+    def torn(seconds):
+        if due and source.now >= due[0]:
+            raise OSError(f"the device is gone since {due.pop(0)} s")
+        return take(seconds)
+
+    source.take = torn
+    with watch_of(duration=100) as watch:
+        assert sum("is gone" in said for said in watch.events()) == 3
+        assert [finding.what for finding in watch.findings.values()] == ["'port' was gone 3 times"]
 
 
 @pytest.mark.parametrize(

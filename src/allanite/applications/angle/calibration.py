@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import DataError, Finding, FloatArray, UsageError, Value, say
+from allanite.extending import DataError, Finding, FloatArray, UsageError, Value, public, say
 
 from .caveats import caveats
 from .checks import column
@@ -75,9 +75,9 @@ class Calibration(Value):
         return tables[0][0], [row for _, rows in tables for row in rows]
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
+    def _stored(cls, data: dict[str, Any]) -> Self:
         """The value written by `to_dict`; the solution, stored once, belongs to each angle."""
-        found = super().from_dict(data)
+        found = super()._stored(data)
         return replace(found, harmonics=tuple(replace(h, solution=found.solution) for h in found.harmonics))
 
     def _summary(self) -> str:
@@ -93,6 +93,7 @@ def parts_of(result: Result) -> tuple[Harmonics, ...]:
     return result.harmonics if isinstance(result, Calibration) else (result,)
 
 
+@public
 def estimate(
     difference: ArrayLike,
     gimbals: Gimbals,

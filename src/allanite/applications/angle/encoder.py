@@ -8,7 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import DataError, Finding, FloatArray, Record, UnitError, UsageError, say, spelled, unit_of
+from allanite.extending import (
+    DataError,
+    Finding,
+    FloatArray,
+    Record,
+    UnitError,
+    UsageError,
+    public,
+    say,
+    spelled,
+    unit_of,
+)
 
 from .calibration import part, too_large
 from .checks import column, demand_motion
@@ -26,6 +37,7 @@ ABSURD = 0.5
 """Phase of the highest harmonic, rad, that the scatter of the two angles may amount to at most."""
 
 
+@public
 def calibrate(
     measured: Record | ArrayLike,
     reference: Record | ArrayLike,

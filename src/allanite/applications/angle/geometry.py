@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import DataError, FloatArray, UnitError, UsageError, Value, demand_name
+from allanite.extending import DataError, FloatArray, UnitError, UsageError, Value, demand_name, public
 
 from .checks import column, demand_increasing
 from .motion import Ring, Sway, angles_of, horizontal, sway_of, turned, vector
@@ -159,6 +159,7 @@ class Gimbals(Value):
         return replace(self, **angles)
 
 
+@public
 def gimbals(
     time: ArrayLike,
     *,

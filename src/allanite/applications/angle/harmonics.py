@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import Correction, FloatArray, Record, Recording, UsageError, say
+from allanite.extending import Correction, FloatArray, Record, Recording, UsageError, read_key, say
 
 from .solution import Solution, quantile
 
@@ -36,6 +36,10 @@ def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
     if not fine or not found or len(set(found)) < len(found):
         raise UsageError(f"{what} must be different positive whole numbers such as [128, 256], not {orders!r}")
     return found
+
+
+COLUMNS = {"orders": "order", "sine": "S", "cosine": "C"}
+"""Keys of a stored term, by the attribute."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -222,13 +226,9 @@ class Harmonics(Correction):
         return data | ({} if self.solution is None else {"solution": self.solution.shown(level)})
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> "Harmonics":
+    def _stored(cls, data: dict[str, Any]) -> "Harmonics":
         """The harmonics written by `to_dict`, without their solution."""
-        return cls(
-            orders=tuple(term["order"] for term in data["terms"]),
-            sine=np.array([term["S"] for term in data["terms"]], dtype=np.float64),
-            cosine=np.array([term["C"] for term in data["terms"]], dtype=np.float64),
-            covariance=np.array(data["covariance"], dtype=np.float64),
-            freedom=math.inf if data["freedom"] is None else data["freedom"],
-            name=data["name"],
-        )
+        terms = read_key(data, "terms", tuple[dict[str, Any], ...])
+        columns = {name: [term.get(key) for term in terms] for name, key in COLUMNS.items()}
+        freedom = "inf" if data.get("freedom") is None else data["freedom"]
+        return super()._stored(data | columns | {"freedom": freedom, "solution": None})

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from allanite.extending import Finding, FloatArray, UsageError, Value
+from allanite.extending import Finding, FloatArray, UsageError, Value, public
 
 from .calibration import Prior, prior_of
 from .caveats import caveats
@@ -146,6 +146,7 @@ class AnglePlan(Value):
         return super().to_dict(level) | chosen
 
 
+@public
 def plan(settings: AngleSettings, start: float) -> AnglePlan:
     """Expected standard deviations of an experiment with these samples.
 
@@ -236,6 +237,7 @@ class Scan(Value):
         return headings, [list(row) for row in zip(*(c.tolist() for c in columns), strict=True)]
 
 
+@public
 def scan(settings: AngleSettings, starts: Sequence[float] | None = None) -> Scan:
     """Expected accuracy of every start of the interval, and the best one.
 

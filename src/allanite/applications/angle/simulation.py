@@ -4,13 +4,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from allanite.extending import FloatArray, demand_name, readout_noise
+from allanite.extending import FloatArray, demand_name, public, readout_noise
 
 from .design import NUISANCES
 from .geometry import Gimbals, demand_angles
 from .harmonics import Harmonics
 
 
+@public
 def simulate(
     gimbals: Gimbals,
     harmonics: Mapping[str, Harmonics],
@@ -51,6 +52,7 @@ def simulate(
     return z + readout_noise(z.size, sigma=sigma, walk=walk, rng=rng)
 
 
+@public
 def readings(gimbals: Gimbals, harmonics: Mapping[str, Harmonics]) -> Gimbals:
     """The angles as sensors with these errors read them."""
     demand_angles(harmonics)

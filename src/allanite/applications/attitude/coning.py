@@ -6,7 +6,7 @@ products, whose coefficients fit a rate that is a polynomial in time.
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, UsageError
+from allanite.extending import DataError, FloatArray, UsageError, public
 
 PAIRS: dict[int, tuple[tuple[int, int, float], ...]] = {
     1: (),
@@ -17,6 +17,7 @@ PAIRS: dict[int, tuple[tuple[int, int, float], ...]] = {
 """First and second increment of a cross product, and its coefficient, by the number of increments."""
 
 
+@public
 def rotation_vectors(increments: FloatArray, samples: int = 2) -> FloatArray:
     """Rotation vectors over groups of increments, with the correction for coning of so many samples.
 
@@ -55,14 +56,21 @@ def rotation_vectors(increments: FloatArray, samples: int = 2) -> FloatArray:
     return np.asarray(found)
 
 
+@public
 def rotation_vectors_with_previous(increments: FloatArray) -> FloatArray:
     """Rotation vectors over single increments, corrected by the increment before: d + d_before x d / 12.
+
+    Raises
+    ------
+    DataError
+        The increments do not have the shape (n, 3).
 
     Examples
     --------
     >>> rotation_vectors_with_previous(np.array([[1e-3, 0.0, 0.0], [0.0, 1.2e-3, 0.0]]))[1].round(12).tolist()
     [0.0, 0.0012, 1e-07]
     """
+    increments = grouped(increments, 1)[:, 0]
     before = np.concatenate((increments[:1], increments[:-1]))
     return np.asarray(increments + np.cross(before, increments) / 12)
 
@@ -76,6 +84,7 @@ def grouped(increments: FloatArray, samples: int) -> FloatArray:
     return np.asarray(increments[: n * samples].reshape(n, samples, 3))
 
 
+@public
 def attitudes(vectors: FloatArray, start: FloatArray) -> FloatArray:
     """Attitude after each rotation vector, from `start`: quaternions, shape (n, 4), scalar first.
 

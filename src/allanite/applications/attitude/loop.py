@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.extending import FloatArray, UsageError, Value, given, spelled
+from allanite.extending import FloatArray, UsageError, Value, given, public, spelled
 
 ComplexArray = NDArray[np.complex128]
 
@@ -122,6 +122,7 @@ class Loop(Value):
         return f"k1 = {self.k1:.4g} 1/s{second}"
 
 
+@public
 def kalman(N: float, tilt: float, K: float = 0.0) -> Loop:
     """The steady Kalman filter for white noises and a rate random walk, in closed form.
 
@@ -150,6 +151,7 @@ def kalman(N: float, tilt: float, K: float = 0.0) -> Loop:
     return Loop(math.sqrt(N**2 + 2 * K * tilt) / tilt, K / tilt)
 
 
+@public
 def kalman_error(N: float, tilt: float, K: float = 0.0) -> float:
     """Standard deviation of the angle of the steady `kalman` filter, rad: sqrt(tilt sqrt(N^2 + 2 K tilt))."""
     return math.sqrt(tilt * math.sqrt(N**2 + 2 * K * tilt))

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.extending import ModelLike, Value
+from allanite.extending import ModelLike, Value, public
 
 from .density import SensorNoise
 from .gains import Bias, best_loop, best_second
@@ -87,6 +87,7 @@ class Optimum(Value):
         return f"{self.time_constant:.4g} s, {self.first.to('arcsec'):.4g} arcsec"
 
 
+@public
 def optimal_time_constant(
     gyro: ModelLike,
     accelerometer: ModelLike,

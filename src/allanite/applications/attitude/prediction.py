@@ -13,6 +13,7 @@ from allanite.extending import (
     UnitError,
     UsageError,
     Value,
+    public,
     say,
     split_quantities,
     unit_of,
@@ -76,7 +77,7 @@ class Prediction(Value):
     @property
     def rms(self) -> float:
         """RMS error, rad: the standard deviation if there is no constant bias."""
-        return math.sqrt(sum(source.rms**2 for source in self.sources))
+        return math.hypot(*(source.rms for source in self.sources))
 
     @property
     def floor(self) -> float:
@@ -109,6 +110,7 @@ def angle_unit(unit: str) -> float:
     return found.factor
 
 
+@public
 def predicted_error(
     gyro: ModelLike,
     accelerometer: ModelLike,
@@ -229,6 +231,7 @@ def steady(loop: Loop, sensor: str, interval: float | None) -> float:
     return loop.time_constant if interval is None else interval / math.expm1(loop.k1 * interval)
 
 
+@public
 def error_density(found: Prediction, f: FloatArray) -> dict[str, FloatArray]:
     """Root of the one-sided density of the error by source, rad/sqrt(Hz), at frequencies in Hz, without sinusoids."""
     noise = SensorNoise.of(found.gyro, found.accelerometer, found.duration, found.rate)

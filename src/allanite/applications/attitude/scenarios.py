@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import FloatArray, Model, Value, say, simulate
+from allanite.extending import FloatArray, Model, Value, public, say, simulate
 
 from .density import GRAVITY, SensorNoise
 from .inertial import Inertial
@@ -89,6 +89,7 @@ class Trial(Value):
         object.__setattr__(self, "accelerometer", noise.accelerometer)
 
 
+@public
 def simulate_motion(scenario: Scenario, trial: Trial, *, rng: np.random.Generator) -> tuple[Inertial, FloatArray]:
     """Simulate what gyros and accelerometers read in a scenario; the filters start aligned.
 

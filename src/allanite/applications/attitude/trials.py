@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from allanite.extending import FloatArray, Value, say
+from allanite.extending import FloatArray, Value, public, say
 
 from .filters import FILTERS, Setting
 from .loop import Loop
@@ -58,6 +58,8 @@ class ScenarioErrors(Value):
         Largest error there, rad.
     """
 
+    _alike = ("filters rms worst", "scenarios rms.T worst.T")
+
     trial: Trial
     filters: tuple[str, ...]
     scenarios: tuple[str, ...]
@@ -73,6 +75,7 @@ class ScenarioErrors(Value):
         return ", ".join(f"{s}: {w}" for s, w in zip(self.scenarios, self.winners, strict=True))
 
 
+@public
 def compare_filters(
     trial: Trial, *, rng: np.random.Generator, filters: Mapping[str, tuple[str, Setting]] | None = None
 ) -> ScenarioErrors:

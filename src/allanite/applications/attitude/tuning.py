@@ -20,6 +20,7 @@ from allanite.extending import (
     noise_of,
     open_recording,
     provenance_of,
+    public,
     say,
     spelled,
 )
@@ -37,6 +38,7 @@ TURNING = 10.0
 """Mean rate, deg/s, that is no bias of a gyro."""
 
 
+@public
 def vertical(
     source: Source,
     method: str = "complementary",

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.extending import DataError, Record, Recording, say
+from allanite.extending import DataError, Record, Recording, public, say
 
 from .regressor import FloatArray
 
 
+@public
 def aligned(along: Recording, record: Record) -> Recording:
     """The channels at the intervals of `record`: means if they are faster, otherwise linear interpolation.
 

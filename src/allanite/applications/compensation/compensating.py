@@ -18,6 +18,7 @@ from allanite.extending import (
     Recipe,
     Record,
     Recording,
+    Source,
     demand_result,
     deviation,
     each_channel,
@@ -26,6 +27,7 @@ from allanite.extending import (
     noise_of,
     open_recording,
     provenance_of,
+    public,
     say,
     stretches,
     trim,
@@ -63,8 +65,9 @@ class _Source:
         return [self.named[key] for key in keys]
 
 
+@public
 def compensate_file(
-    source: PathLike,
+    source: Source,
     recipe: Recipe | None = None,
     settings: CompensationSettings | None = None,
     *,
@@ -150,7 +153,7 @@ def _part(progress: Progress | None, part: int, parts: int) -> Progress | None:
     return progress and (lambda what, fraction: progress(what, (part + fraction) / parts))
 
 
-def _open(path: PathLike, recipe: Recipe, settings: CompensationSettings, keys: tuple[str, ...]) -> _Source:
+def _open(path: Source, recipe: Recipe, settings: CompensationSettings, keys: tuple[str, ...]) -> _Source:
     """The inertial channels of a file, and the regressors, of the part that the recipe selects."""
     if settings.beside is None:
         both = open_recording(path, recipe, along=keys)

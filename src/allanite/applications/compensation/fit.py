@@ -16,6 +16,7 @@ from allanite.extending import (
     Term,
     UsageError,
     join,
+    public,
     say,
     say_count,
     spelled,
@@ -37,6 +38,7 @@ WHOLLY = 1e-11
 USUAL = FitSettings()
 
 
+@public
 def compensate(
     record: Record,
     along: Recording | Record,

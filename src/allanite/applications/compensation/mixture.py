@@ -84,11 +84,12 @@ class Mixture(Value):
         )
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
+    def _stored(cls, data: dict[str, Any]) -> Self:
         """The mixture written by `to_dict`; DataError if it was changed so that it makes no sense."""
-        found = super().from_dict(data)
-        (k, p), parts = found.centres.shape, (found.weights, found.centres, found.spreads, found.covariance)
-        fine = [part.shape for part in parts] == [(k,), (k, p), (k, p), (p, p)] and found.spreads.min() > 0
+        found = super()._stored(data)
+        parts = found.weights, found.centres, found.spreads, found.covariance
+        k, p = found.weights.size, len(found.covariance)
+        fine = k > 0 and [part.shape for part in parts] == [(k,), (k, p), (k, p), (p, p)] and found.spreads.min() > 0
         if not (fine and all(np.isfinite(part).all() for part in parts)):
             raise DataError("these numbers do not form a valid mixture")
         return found

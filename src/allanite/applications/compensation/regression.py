@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from allanite.extending import (
+    AllaniteError,
     Correction,
     Covariance,
     DataError,
@@ -19,6 +20,7 @@ from allanite.extending import (
     Signal,
     UsageError,
     join,
+    public,
     say,
     write,
 )
@@ -189,7 +191,7 @@ class Regression(Correction):
         return super().to_dict(level) | {"effects": effects, "significant": self.significant}
 
     @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
+    def _stored(cls, data: dict[str, Any]) -> Self:
         """The regression written by `to_dict`.
 
         Raises
@@ -198,9 +200,9 @@ class Regression(Correction):
             It is none, or was changed so that it makes no sense.
         """
         try:
-            found = super().from_dict(data)
-        except (UsageError, KeyError, TypeError, ValueError, AttributeError, StopIteration):
-            raise DataError("not a saved regression, or it was changed") from None
+            found = super()._stored(data)
+        except AllaniteError as error:
+            raise DataError(f"not a saved regression, or it was changed: {error}") from None
         if {len(found.regressors), len(found.chosen), found.inflation.size} != {found.mixture.centres.shape[1]}:
             raise DataError("the numbers of coefficients and regressors of this regression differ: it was changed")
         return found
@@ -230,6 +232,7 @@ class Regression(Correction):
         return found[0]
 
 
+@public
 def gain_on(regression: Regression, record: Record, along: Recording | None) -> Gain:
     r"""Mean squares of another record, before and after, and what was to be expected of it; see `Gain`.
 
@@ -263,6 +266,7 @@ def gain_on(regression: Regression, record: Record, along: Recording | None) -> 
     return Gain(*(total / count for total in sums))
 
 
+@public
 def save(regressions: tuple[Regression, ...], path: str | os.PathLike[str], *, force: bool = False) -> None:
     """Write regressions as one JSON file; errors as those of `Regression.save`."""
     write(path, to_json(regressions).encode(), force=force)
@@ -274,6 +278,7 @@ def to_json(regressions: tuple[Regression, ...]) -> str:
     return json.dumps(data, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
 
 
+@public
 def load(path: str | os.PathLike[str]) -> tuple[Regression, ...]:
     """The regressions in a file; errors as those of `Regression.load`."""
     try:
@@ -284,4 +289,7 @@ def load(path: str | os.PathLike[str]) -> tuple[Regression, ...]:
     listed = data.get("regressions") if isinstance(data, dict) else None
     if not isinstance(listed, list) or not listed or not all(isinstance(item, dict) for item in listed):
         raise DataError(f"{os.fspath(path)!r} contains no saved regression")
-    return tuple(Regression.from_dict(item) for item in listed)
+    try:
+        return tuple(Regression.from_dict(item) for item in listed)
+    except UsageError as error:
+        raise DataError(f"not a saved regression: {error}") from None

@@ -32,11 +32,11 @@ from allanite.extending import (
     Source,
     UsageError,
     Value,
-    aliased,
     demand_result,
     each_channel,
     open_recording,
     provenance_of,
+    public,
     say,
     spelled,
     written,
@@ -183,7 +183,7 @@ class RateStudy(Job[RateChannel]):
         return super().choices() | self.settings.choices(signal.unit) | ({"second": second} if second else {})
 
 
-@aliased
+@public
 def measure_rates(
     source: Source,
     recipe: Recipe | None = None,

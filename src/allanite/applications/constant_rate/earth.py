@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from allanite.extending import DataError, UsageError, Value, say, say_count
+from allanite.extending import DataError, UsageError, Value, public, say, say_count
 
 from .estimates import RateEstimate
 
@@ -11,6 +11,7 @@ EARTH = 7.292115e-5
 """Rate of the earth, rad/s (WGS 84)."""
 
 
+@public
 def earth_rate(latitude: float, axis: str = "vertical") -> float:
     """Component of the earth's rate at a latitude, rad/s.
 
@@ -81,6 +82,7 @@ class North(Value):
         )
 
 
+@public
 def north(
     rate: RateEstimate,
     latitude: float,

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from allanite.extending import Finding, Signal, UnitError, UsageError, Value, demand_level, finite, say, unit_of
+from allanite.extending import Finding, Signal, UnitError, UsageError, Value, demand_level, finite, public, say, unit_of
 
 
 def rate_factor(unit: str, signal: Signal) -> float:
@@ -104,6 +104,7 @@ class RateEstimate(Value):
         return f"{self.method}: {self.words()}"
 
 
+@public
 def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error: float = 0.0) -> RateEstimate:
     """The estimate less a bias known beforehand, for example from the gyro's passport.
 
@@ -136,6 +137,7 @@ def subtract_bias(estimate: RateEstimate, bias: float, unit: str, standard_error
     )
 
 
+@public
 def reversal(first: RateEstimate, second: RateEstimate) -> tuple[RateEstimate, RateEstimate]:
     """The rate and the bias from two measurements, the gyro's axis turned about between them.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from allanite.extending import BoolArray, FloatArray, Record, Signal, UsageError, Value
+from allanite.extending import BoolArray, FloatArray, Record, Signal, UsageError, Value, public
 
 from .inputs import demand_whole, interval_of
 from .linear import regression_lines
@@ -51,6 +51,7 @@ class Closeup(Value):
         return np.asarray(self.counts - np.floor(self.line))
 
 
+@public
 def closeup(record: Record, settings: ExperimentSettings | None = None, *, start: float = 0.0) -> Closeup:
     """Look at one interval of a record.
 
@@ -79,7 +80,7 @@ def closeup(record: Record, settings: ExperimentSettings | None = None, *, start
     """
     settings = settings or ExperimentSettings()
     size = min(max(3, round(settings.interval * record.rate)), record.size)
-    first = round(start * record.rate)
+    first = round(start * record.rate) if np.isfinite(start) else -1
     if not 0 <= first <= record.size - size:
         raise UsageError(
             f"an interval of {size / record.rate:g} s from {start:g} s does not fit into {record.duration:g} s"

@@ -3,7 +3,7 @@
 import math
 from typing import Unpack
 
-from allanite.extending import ModelLike, Record, Samples, Sampling, UnitError, aliased, as_record, model_of
+from allanite.extending import ModelLike, Record, Samples, Sampling, UnitError, as_record, model_of, public
 
 from .estimates import RateEstimate
 from .estimators import estimator_named
@@ -13,7 +13,7 @@ from .row import Interval, RateMeasurement
 from .setting import EstimatorSettings, Task
 
 
-@aliased
+@public
 def estimate(
     record: Samples,
     method: str = "optimal",

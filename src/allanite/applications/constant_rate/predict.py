@@ -13,8 +13,8 @@ from allanite.extending import (
     ModelLike,
     Signal,
     Value,
-    aliased,
     model_of,
+    public,
     say,
     size_and_rate,
     unit_of,
@@ -63,7 +63,7 @@ def standard_error(row: RateEstimator, weights: FloatArray, task: Task) -> float
     return math.sqrt(variance(through_dither(weights, task), task) + row.excess(task))
 
 
-@aliased
+@public
 def predicted_standard_error(
     method: str,
     model: ModelLike,
@@ -180,7 +180,7 @@ def ranking(task: Task) -> Ranking:
     return Ranking(model.signal, task.duration, model, errors)
 
 
-@aliased
+@public
 def rank(
     model: ModelLike,
     *,

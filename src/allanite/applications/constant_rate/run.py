@@ -14,7 +14,9 @@ from allanite.extending import (
     Record,
     UsageError,
     Value,
+    given,
     join,
+    public,
     say,
     say_count,
 )
@@ -62,13 +64,14 @@ class ExperimentSettings(IntervalChoices, Value):
         if not (math.isfinite(self.interval) and self.interval > 0):
             raise UsageError(f"an interval must be a positive number of seconds, not {self.interval!r}")
         if self.gaps not in ("error", "split"):
-            raise UsageError(f"gaps must be 'error' or 'split', not {self.gaps!r}")
+            raise UsageError(f"gaps must be 'error' or 'split', not {given(self.gaps)}")
         if self.most is not None and self.most < 1:
             raise UsageError(f"the number of intervals must be at least 1, not {self.most!r}")
         for method in self.methods:
             estimator_named(method)
 
 
+@public
 def experiment(
     record: Record, model: ModelLike | None = None, settings: ExperimentSettings | None = None
 ) -> Experiment:
@@ -172,6 +175,7 @@ def piece(record: Record, start: int, size: int) -> Record:
     return replace(record, values=record.values[start : start + size + KINDS[record.kind][1]])
 
 
+@public
 def by_duration(
     record: Record,
     durations: tuple[float, ...],

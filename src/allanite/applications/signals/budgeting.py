@@ -15,6 +15,7 @@ from allanite.extending import (
     RecordResult,
     Source,
     Value,
+    public,
     run,
     whole_recording,
 )
@@ -89,6 +90,7 @@ class BudgetStudy(Job[BudgetChannel]):
         return super().choices() | self.settings.choices()
 
 
+@public
 def budget_file(
     source: Source, recipe: Recipe | None, settings: PathSettings, *, progress: Progress | None = None
 ) -> BudgetStudy:

@@ -20,6 +20,7 @@ from allanite.extending import (
     View,
     coefficient_factor,
     noise_of,
+    public,
     rounding,
     say,
     say_count,
@@ -179,6 +180,7 @@ class Budget(RecordResult):
         return (*self.noise.doubts, *(str(finding) for finding in self.findings))
 
 
+@public
 def budget(
     record: Record,
     stages: Sequence[Stage],

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from allanite.extending import Record, UsageError, Value, join, say, say_count, spelled, unit_of
+from allanite.extending import Record, UsageError, Value, join, public, say, say_count, spelled, unit_of
 
 from .stage import Stage, demand_unclipped
 
@@ -104,6 +104,7 @@ class TorqueScale(Value):
         return say("K_i = {factor:.6g} rad/s per A", factor=self.factor)
 
 
+@public
 def rate_from_current(
     record: Record, scale: TorqueScale | float, *, sense: float | None = None, stage: Stage | None = None
 ) -> Record:

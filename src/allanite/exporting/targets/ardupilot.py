@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from allanite.core.syntax import PARAMETERS
 from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField, pair
 from allanite.exporting.thermal import ThermalTarget
@@ -18,7 +19,7 @@ ARDUPILOT = Target(
     synonyms=("ekf3", "arducopter"),
     title=say("parameters of ArduPilot's EKF3"),
     fields=(gyro, replace(accelerometer, span=(0.01, 1.0)), gyro_bias, replace(accelerometer_bias, span=(1e-5, 0.02))),
-    forms={".param": LineLayout("{name},{value}")},
+    forms={".param": LineLayout("{name},{value}", PARAMETERS)},
     source="libraries/AP_NavEKF3/AP_NavEKF3_core.cpp: variances of a step (dt EK3_GYRO_P_NSE)^2 and, of the bias"
     " of the angle, (dt^2 EK3_GBIAS_P_NSE)^2, with dt = 12 ms (EKF_TARGET_DT); ranges of the parameters. "
     "The step is a whole number of samples, and so up to 2 ms shorter or longer",
@@ -30,7 +31,7 @@ ARDUPILOT_TCAL = ThermalTarget(
     name="ardupilot-tcal",
     title=say("IMU temperature calibration of ArduPilot"),
     fields=(),
-    forms={".param": LineLayout("{name},{value}")},
+    forms={".param": LineLayout("{name},{value}", PARAMETERS)},
     source="libraries/AP_InertialSensor/AP_InertialSensor_tempcal.cpp (correct_sensor: polynomial of the third degree "
     "without constant in 1e-6, TEMP_REFERENCE 35 degC, temperature and calibration temperature limited to TMIN .. "
     "TMAX) and AP_InertialSensor_Backend.cpp (_rotate_and_correct_gyro: before offsets, scale and board orientation); "

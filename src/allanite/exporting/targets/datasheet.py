@@ -5,6 +5,7 @@ import io
 from collections.abc import Iterator
 
 from allanite.core.datasheet import data_sheet
+from allanite.core.syntax import CSV, LATEX, MARKDOWN, Syntax
 from allanite.exporting.content import Content
 from allanite.exporting.target import Target
 from allanite.phrases.phrase import say
@@ -24,33 +25,27 @@ def rows(content: Content) -> Iterator[tuple[str, ...]]:
 
 def markdown(content: Content) -> str:
     """A table with the comments below it."""
-    lines = [HEADINGS, ("---",) * len(HEADINGS), *rows(content)]
-    table = [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines]
-    return "\n".join([*table, "", *(f"- {line}" for line in content.header)]) + "\n"
+    head, *cells = _cells(content, MARKDOWN)
+    table = [f"| {' | '.join(line)} |" for line in (head, ("---",) * len(head), *cells)]
+    return "\n".join([*table, "", *(f"- {MARKDOWN.cell(line.strip())}" for line in content.header)]) + "\n"
 
 
 def comma_separated(content: Content) -> str:
     """Comments, headings and rows."""
     out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(HEADINGS)
-    writer.writerows(rows(content))
-    return "".join(f"# {line}\n" for line in content.header) + out.getvalue()
+    csv.writer(out, lineterminator="\n").writerows(_cells(content, CSV))
+    return "".join(f"{part}\n" for line in content.header for part in CSV.comments(line)) + out.getvalue()
 
 
 def latex(content: Content) -> str:
     """A tabular."""
-    lines = [f"% {line}" for line in content.header]
-    lines += [r"\begin{tabular}{llrrrlrl}", " & ".join(map(_escaped, HEADINGS)) + r" \\ \hline"]
-    lines += [" & ".join(map(_escaped, row)) + r" \\" for row in rows(content)]
-    return "\n".join([*lines, r"\end{tabular}"]) + "\n"
+    head, *cells = (" & ".join(row) + r" \\" for row in _cells(content, LATEX))
+    comments = [part for line in content.header for part in LATEX.comments(line)]
+    return "\n".join([*comments, r"\begin{tabular}{llrrrlrl}", rf"{head} \hline", *cells, r"\end{tabular}"]) + "\n"
 
 
-SIGNS = {sign: f"\\{sign}" for sign in "&%$#_{}"} | {"^": r"\textasciicircum{}", "\\": r"\textbackslash{}"}
-
-
-def _escaped(text: str) -> str:
-    return "".join(SIGNS.get(sign, sign) for sign in text)
+def _cells(content: Content, syntax: Syntax) -> list[list[str]]:
+    return [list(map(syntax.cell, row)) for row in (HEADINGS, *rows(content))]
 
 
 DATASHEET = Target(

@@ -1,7 +1,8 @@
 """Gazebo: the noise of an IMU in SDF, and the IMU plugin of gazebo-classic."""
 
+from allanite.core.syntax import XML
 from allanite.exporting.content import Content, number
-from allanite.exporting.layouts import XML_COMMENT, LineLayout, spread, told
+from allanite.exporting.layouts import LineLayout, spread, told
 from allanite.exporting.target import ACCELEROMETER, DENSITY, GYRO, WALK, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
@@ -13,11 +14,11 @@ SECTIONS = (
 
 def sdf(content: Content) -> str:
     """The element `imu` of a sensor."""
-    lines = [f"<!-- {line.replace('--', '- -')} -->" for line in content.header]
+    lines = [part for line in content.header for part in XML.comments(line)]
     lines.append("<imu>")
     for section in dict.fromkeys(entry.section for entry in content.entries):
         entries = content.of(section)
-        lines += [f"  <!-- {entry.name}: {told(entry).replace('--', '- -')} -->" for entry in entries]
+        lines += [f"  {part}" for entry in entries for part in XML.comments(f"{entry.name}: {told(entry)}")]
         lines.append(f"  <{section}>")
         for i, axis in enumerate("xyz"):
             inner = "".join(f"<{e.name}>{number(spread(e.values)[i])}</{e.name}>" for e in entries)
@@ -47,7 +48,7 @@ GAZEBO = Target(
     notes=(say("f is the update_rate of the sensor"), say("SDF 1.6 or later")),
     markov=True,
     each=True,
-    comments=XML_COMMENT,
+    comments=XML.pattern,
 )
 
 GAZEBO_CLASSIC = Target(
@@ -62,7 +63,7 @@ GAZEBO_CLASSIC = Target(
     forms={
         ".sdf": LineLayout(
             "  <{name}>{value}</{name}>",
-            comment="<!-- {} -->",
+            syntax=XML,
             start=('<plugin name="imu_plugin" filename="libgazebo_imu_plugin.so">',),
             end=("</plugin>",),
         )
@@ -72,5 +73,5 @@ GAZEBO_CLASSIC = Target(
     "bias driven with the variance walk^2 T (1 - exp(-2 dt/T))/2 per step",
     notes=(say("gyroscopeTurnOnBiasSigma and accelerometerTurnOnBiasSigma do not follow from a static recording"),),
     markov=True,
-    comments=XML_COMMENT,
+    comments=XML.pattern,
 )  # fmt: skip

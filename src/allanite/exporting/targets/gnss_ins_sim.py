@@ -1,5 +1,6 @@
 """gnss-ins-sim: simulation of inertial sensors in Python."""
 
+from allanite.core.syntax import PYTHON
 from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField
 from allanite.phrases.phrase import say
@@ -18,6 +19,7 @@ GNSS_INS_SIM = Target(
     forms={
         ".py": LineLayout(
             "    '{name}': np.array([{triple}]),",
+            PYTHON,
             start=(
                 "import numpy as np",
                 "",

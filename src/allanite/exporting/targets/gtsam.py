@@ -1,5 +1,6 @@
 """GTSAM: preintegration of inertial measurements."""
 
+from allanite.core.syntax import PYTHON
 from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import GYRO, Target, TargetField, pair
 from allanite.phrases.phrase import say
@@ -18,6 +19,7 @@ GTSAM = Target(
     forms={
         ".py": LineLayout(
             "params.{name}({value} * np.eye(3))",
+            PYTHON,
             start=(
                 "import gtsam",
                 "import numpy as np",

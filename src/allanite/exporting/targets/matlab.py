@@ -1,6 +1,6 @@
 """MATLAB: imuSensor of the Navigation Toolbox."""
 
-from allanite.exporting.layouts import JsonLayout
+from allanite.exporting.layouts import JSON_COMMENT, JsonLayout
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField
 from allanite.phrases.phrase import say
 
@@ -33,4 +33,5 @@ MATLAB = Target(
         ),
     ),
     each=True,
+    comments=JSON_COMMENT,
 )

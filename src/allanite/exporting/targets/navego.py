@@ -1,6 +1,7 @@
 """NaveGo: integrated navigation in MATLAB."""
 
-from allanite.exporting.layouts import MATLAB_COMMENT, LineLayout
+from allanite.core.syntax import MATLAB
+from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import DENSITY, GYRO, WALK, Target, TargetField, pair
 from allanite.phrases.phrase import say
 
@@ -12,7 +13,7 @@ NAVEGO = Target(
         *pair("gb_psd", "ab_psd", *WALK),
         *pair("gb_corr", "ab_corr", TargetField("", GYRO, "", "s", time=2), "s"),
     ),
-    forms={".m": LineLayout("imu.{name} = [{triple}];", comment="% {}")},
+    forms={".m": LineLayout("imu.{name} = [{triple}];", syntax=MATLAB)},
     source="ins_gnss.m: kf.Q = diag([arw, vrw, gb_psd, ab_psd].^2), of continuous time; F_update.m: the bias "
     "decays with -1/gb_corr. conversions/imu_si_errors.m computes gb_psd = gb_dyn sqrt(gb_corr), or "
     "divided by it in other versions; neither drives the bias with its density, which is K",
@@ -22,5 +23,5 @@ NAVEGO = Target(
     ),
     markov=True,
     each=True,
-    comments=MATLAB_COMMENT,
+    comments=MATLAB.pattern,
 )

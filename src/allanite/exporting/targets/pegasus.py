@@ -1,6 +1,6 @@
 """Pegasus: the IMU of a simulator of vehicles in Isaac Sim."""
 
-from allanite.exporting.layouts import JsonLayout
+from allanite.exporting.layouts import JSON_COMMENT, JsonLayout
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField
 from allanite.phrases.phrase import say
 
@@ -30,4 +30,5 @@ PEGASUS = Target(
         ),
     ),
     rated=True,
+    comments=JSON_COMMENT,
 )

@@ -1,6 +1,7 @@
 """PSINS: strapdown inertial navigation in MATLAB."""
 
-from allanite.exporting.layouts import MATLAB_COMMENT, LineLayout
+from allanite.core.syntax import MATLAB
+from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField
 from allanite.phrases.phrase import say
 
@@ -19,7 +20,7 @@ PSINS = Target(
     forms={
         ".m": LineLayout(
             "{name} = {value};",
-            comment="% {}",
+            syntax=MATLAB,
             start=("% constant biases are not noise", "eb = 0; db = 0;"),
             end=(
                 "TauG = inf; TauA = inf;",
@@ -30,5 +31,5 @@ PSINS = Target(
     source="imuerrset.m: with TauG = inf, sqrtR0G is the rate random walk in deg/h/sqrt(h); wdb in ug/sqrt(Hz) "
     "with the g of glvf.m, 9.7803267714 m/s^2. imuadderr.m simulates sqg only with a finite TauG; filters"
     " of 15 states have no driving noise of the bias unless kf.Qt is given imuerr.sqg^2",
-    comments=MATLAB_COMMENT,
+    comments=MATLAB.pattern,
 )

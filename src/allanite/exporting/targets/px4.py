@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+from allanite.core.syntax import PARAMETERS
 from allanite.exporting.layouts import LineLayout
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target, TargetField, pair
 from allanite.exporting.thermal import ThermalTarget
@@ -21,7 +22,7 @@ PX4 = Target(
         replace(accelerometer, span=(0.01, 1.0)),
         *pair("EKF2_GYR_B_NOISE", "EKF2_ACC_B_NOISE", WALK, "m/s^3"),
     ),
-    forms={".params": LineLayout("1\t1\t{name}\t{value}\t9")},
+    forms={".params": LineLayout("1\t1\t{name}\t{value}\t9", PARAMETERS)},
     source="src/modules/ekf2/EKF/covariance.cpp: variances of a step (dt EKF2_GYR_NOISE)^2 and (dt "
     "EKF2_GYR_B_NOISE)^2 with dt = 10 ms (EKF2_PREDICT_US); ranges of the parameters",
     notes=(
@@ -37,7 +38,7 @@ PX4_TC = ThermalTarget(
     name="px4-tc",
     title=say("thermal compensation of PX4, for QGroundControl"),
     fields=(),
-    forms={".params": LineLayout("1\t1\t{name}\t{value}\t9")},
+    forms={".params": LineLayout("1\t1\t{name}\t{value}\t9", PARAMETERS)},
     source="src/modules/temperature_compensation/TemperatureCompensation.cpp (calc_thermal_offsets_3D: polynomial of "
     "the third degree, temperature limited to TMIN .. TMAX) and .h (at most 4 sensors); src/lib/sensor_calibration/"
     "Gyroscope.hpp and Accelerometer.hpp (Correct: data - thermal offset - offset, then rotation); format of the file "

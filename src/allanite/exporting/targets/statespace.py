@@ -1,7 +1,6 @@
 """State space: matrices of a Kalman filter for every channel, for NumPy, MATLAB and C."""
 
 import io
-import re
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from allanite.core.errors import DataError
 from allanite.core.model import Model
+from allanite.core.syntax import KEYWORDS, MATLAB, C, escaped, identifiers
 from allanite.exporting.content import Content, number
 from allanite.exporting.target import Target
 from allanite.phrases.phrase import say
@@ -17,26 +17,29 @@ from allanite.statistics.row import FloatArray
 
 MATRICES = ("Phi", "Qd", "H", "R", "P0")
 
+LONGEST = 48
+"""Letters of a name: MATLAB reads 63, and of two names that begin alike a number is behind."""
+
 
 def spaces(content: Content) -> Iterator[tuple[str, dict[str, FloatArray], list[str]]]:
     """Name, matrices and remarks of each channel; of white noise only R."""
-    for i, axis in enumerate(content.axes, 1):
+    called = [axis.name or f"axis{i}" for i, axis in enumerate(content.axes, 1)]
+    for axis, name in zip(content.axes, identifiers(called, "axis", longest=LONGEST, taken=KEYWORDS), strict=True):
         noise = (axis.fit.valid or axis.fit.model).noise
         if noise is None:
             raise DataError(f"{axis.name}: no noise was identified")
         model = Model(tuple(replace(t, value=t.value * content.inflate) for t in noise))
         rate = content.rate or axis.rate
         assert rate is not None  # noqa: S101 - the target is rated
-        name = re.sub(r"\W", "_", axis.name).strip("_") or f"axis{i}"
-        name = name if name[0].isalpha() else f"axis_{name}"
+        whose = [] if axis.name in {"", name} else [f"channel {axis.name}"]
         if all(t.symbol == "N" for t in model):
-            yield name, {"R": np.array([[model["N"].value ** 2 * rate]])}, ["white noise only: no states"]
+            yield name, {"R": np.array([[model["N"].value ** 2 * rate]])}, [*whose, "white noise only: no states"]
             continue
         space = state_space(model, rate)
         remarks = [
             f"{i}: {state} ({unit})" for i, (state, unit) in enumerate(zip(space.states, space.units, strict=True))
         ]
-        yield name, {label: getattr(space, label) for label in MATRICES}, [*remarks, *space.notes]
+        yield name, {label: getattr(space, label) for label in MATRICES}, [*whose, *remarks, *space.notes]
 
 
 def numpy_file(content: Content) -> bytes:
@@ -47,15 +50,15 @@ def numpy_file(content: Content) -> bytes:
         arrays |= {f"{name}_{label}": matrix for label, matrix in matrices.items()}
         told += [f"{name}: {remark}" for remark in remarks]
     out = io.BytesIO()
-    np.savez(out, allow_pickle=False, comment=np.array(told), **arrays)
+    np.savez(out, allow_pickle=False, comment=np.array(list(map(escaped, told))), **arrays)
     return out.getvalue()
 
 
 def matlab_file(content: Content) -> str:
     """A script that assigns NAME.Phi, ..."""
-    lines = [f"% {line}" for line in content.header]
+    lines = [part for line in content.header for part in MATLAB.comments(line)]
     for name, matrices, remarks in spaces(content):
-        lines += [f"% {name}: {remark}" for remark in remarks]
+        lines += [part for remark in remarks for part in MATLAB.comments(f"{name}: {remark}")]
         for label, matrix in matrices.items():
             rows = "; ".join(" ".join(map(number, row)) for row in matrix)
             lines.append(f"{name}.{label} = [{rows}];")
@@ -65,9 +68,9 @@ def matlab_file(content: Content) -> str:
 def c_file(content: Content) -> str:
     """A header with constant arrays."""
     lines = ["#ifndef ALLANITE_NOISE_H", "#define ALLANITE_NOISE_H", ""]
-    lines += [f"/* {line.replace('*/', '* /')} */" for line in content.header]
+    lines += [part for line in content.header for part in C.comments(line)]
     for name, matrices, remarks in spaces(content):
-        lines += ["", *(f"/* {name}: {remark} */" for remark in remarks)]
+        lines += ["", *(part for remark in remarks for part in C.comments(f"{name}: {remark}"))]
         for label, matrix in matrices.items():
             rows = ", ".join("{" + ", ".join(map(number, row)) + "}" for row in matrix)
             lines.append(f"static const double {name}_{label}[{len(matrix)}][{matrix.shape[1]}] = {{{rows}}};")

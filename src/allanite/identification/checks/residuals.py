@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray, complete
 from allanite.core.fit import Fit
 from allanite.core.model import Model
@@ -31,6 +32,7 @@ SHOWN, QUANTILES = 400, 100_000
 """Number of stretches whose extremes are kept for figures, and of residuals used for quantiles."""
 
 
+@public
 def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     """Compute the residuals of a fit, and test whether they are white, Gaussian and stationary.
 

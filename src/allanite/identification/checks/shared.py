@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
@@ -24,6 +25,7 @@ SIGMAS, MATTERS = 5.0, 0.05
 """Standard errors, and size, above which a correlation is reported."""
 
 
+@public
 def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "mark", threads: int = 1) -> Shared:
     """Correlations between the residuals of channels, which separate models of the channels cannot describe.
 

@@ -6,11 +6,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.core.validity import Scope
+from allanite.identification.likelihood.cosine import SHORT
 from allanite.prepare.gaps import Gaps, joined, whole
 
 BLOCK = 64
@@ -20,6 +22,7 @@ SINGLE, PER_OCTAVE = 64, 32
 """Number of coefficients whose variance is computed individually, and number per octave beyond, where it is smooth."""
 
 
+@public
 def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> NDArray[np.float32]:
     """Whiten a record with its model: white Gaussian noise of variance 1, if the model explains the record.
 
@@ -53,7 +56,7 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     >>> bool(abs(u.std() - 1) < 0.02)
     True
     """
-    from scipy.fft import dct, idct
+    from scipy.fft import dct, idct, next_fast_len
 
     model = model_of(model)
     if model.signal is not record.signal:
@@ -68,13 +71,18 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     y -= y.mean()
     # slow noise exceeds fast noise by a few thousand at most: single precision halves time and memory
     size = float(np.abs(y).max()) or 1.0
-    c = dct((y / size).astype(np.float32), norm="ortho", overwrite_x=True)
+    y /= size
+    n = y.size
+    # reflected at the end, as the transform supposes it to go on, up to a size whose transform is fast
+    c = np.empty(n if n < SHORT else next_fast_len(n), np.float32)
+    c[:n], c[n:] = y, y[::-1][: c.size - n]
     del y
-    at, deviation = deviations(model, gaps, record.rate)
+    c = dct(c, norm="ortho", overwrite_x=True)
+    at, deviation = deviations(model, replace(gaps, size=c.size), record.rate)
     if scope is None or scope.whole:
         _divide(c, at, deviation, unit * size)
     else:
-        step = record.rate / (2 * gaps.size)
+        step = record.rate / (2 * c.size)
         _divide(c, at, deviation * np.sqrt(np.interp(at * step, scope.frequency, scope.level)), unit * size)
         # scale coefficients that the fit does not use to a mean square of 1, block by block, in place
         low, high = scope.band
@@ -85,7 +93,9 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
                 count = np.diff(np.append(starts, b))
                 power = np.add.reduceat(np.square(c[a:b], dtype=np.float64), starts - a) / count
                 c[a:b] /= np.repeat(np.sqrt(np.maximum(power, np.finfo(np.float32).tiny)), count).astype(np.float32)
-    u = idct(c, norm="ortho", overwrite_x=True)
+    u = idct(c, norm="ortho", overwrite_x=True)[:n]
+    for few in range(1, 17):  # the plans that scipy keeps: that of a long record is as large as the record
+        dct(np.zeros(few, np.float32))
     if left is None:
         return np.asarray(u)
     everywhere = np.full(record.size, np.nan, dtype=np.float32)

@@ -13,6 +13,12 @@ from allanite.core.arrays import FloatArray
 LONG = 1 << 20
 """Points from which the cache does not hold a transform."""
 
+SHORT = 1 << 16
+"""Points up to which a transform of any size is fast enough."""
+
+PRIME = 256
+"""Largest prime factor of the size of a transform that is not cut, unless it is short."""
+
 UNEVEN = 16
 """Longest row over the shortest column, or the other way round, for which cutting pays."""
 
@@ -41,6 +47,23 @@ def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
     z = fft(z, axis=1, overwrite_x=True)
     coefficients(z.view(np.float64), y)
     return y
+
+
+def easy_size(n: int) -> int:
+    """The largest size up to n whose transform is fast: a few points less than n, at most some dozens.
+
+    A prime size takes more than ten times as long, and as much more memory.
+
+    Examples
+    --------
+    >>> easy_size(65_521), easy_size(1_000_000), easy_size(999_983), easy_size(3_599_999)
+    (65521, 1000000, 999975, 3599996)
+    """
+
+    def easy(size: int) -> bool:
+        return bool(_rows(size)) if size >= LONG else pow(math.factorial(PRIME), size.bit_length(), size) == 0
+
+    return n if n < SHORT else next(size for size in range(n, 0, -1) if easy(size))
 
 
 def _rows(n: int) -> int:

@@ -20,10 +20,13 @@ from allanite.terms import TERMS, WHITE
 from .bins import SINGLE
 from .model_selection import Found
 from .selection import PENALTY, Subset
-from .whittle import step_coefficients, with_steps
+from .whittle import step_coefficients, step_power, with_steps
 
 PLACES = 512
 """Places in the record at which steps are looked for."""
+
+FINE = 63
+"""Places between the two beside one of these, of which the best is taken."""
 
 EVIDENCE = 12.0
 """What each step must gain in 2 L: for its size and its place."""
@@ -79,17 +82,28 @@ def steps_in(found: Found, signal: Signal) -> BiasSteps | None:
         at.append(_place(found, beside, at))
         beside = _beside(found, base, at)
         if beside.profiled + EVIDENCE * len(at) < goal:
-            seen, first = found.seen, int(np.count_nonzero(~beside.likelihood.flat))
-            eta, V, _ = beside.likelihood.directions(beside.theta)
-            here = slice(first, first + len(at))
-            size, error = eta[here] * seen.unit_factor, np.sqrt(np.diag(V)[here]) * seen.unit_factor
-            return BiasSteps(signal, np.array(sorted(at)) / seen.rate, size, error)
+            size, error = (found.seen.unit_factor * each for each in _sizes(beside, len(at)))
+            return BiasSteps(signal, np.array(sorted(at)) / found.seen.rate, size, error)
     return None
 
 
 def _beside(found: Found, base: Subset, at: list[float]) -> Subset:
-    part = with_steps(base.likelihood, found.seen, found.used, sorted(at)) if at else base.likelihood
+    """What the terms explain beside steps: those of the lowest bins directions, those of the bins above known power."""
+    part, places = base.likelihood, sorted(at)
+    if not places:
+        return Subset(part, base.free, *part.minimise(base.free), base.constants)
+    part = with_steps(part, found.seen, found.used, places)
+    lowest = Subset(part, base.free, *part.minimise(base.free), base.constants)
+    power = step_power(found.seen, places, _sizes(lowest, len(places))[0])
+    part = replace(part, added=part.added + power[found.used])
     return Subset(part, base.free, *part.minimise(base.free), base.constants)
+
+
+def _sizes(beside: Subset, count: int) -> tuple[FloatArray, FloatArray]:
+    """Sizes of the steps and their standard errors, in the unit of the spectrum."""
+    eta, V, _ = beside.likelihood.directions(beside.theta)
+    here = slice(first := int(np.count_nonzero(~beside.likelihood.flat)), first + count)
+    return eta[here], np.sqrt(np.diag(V)[here])
 
 
 def _place(found: Found, beside: Subset, at: list[float]) -> float:
@@ -98,9 +112,11 @@ def _place(found: Found, beside: Subset, at: list[float]) -> float:
     c, m = (seen.even + seen.odd)[:k], beside.likelihood.expectation(beside.theta)[:k]
     others = [step_coefficients(seen.size, j)[:k] for j in at] + [seen.ramp[:k]]
     Q = np.linalg.qr(np.array(others).T / np.sqrt(m)[:, None])[0]
-    places = np.linspace(0, seen.size, PLACES + 2)[1:-1]
-    D = np.array([step_coefficients(seen.size, j)[:k] for j in places]).T / np.sqrt(m)[:, None]
-    D -= Q @ (Q.T @ D)
-    y = c / np.sqrt(m)
-    gain = (D.T @ y) ** 2 / np.maximum((D**2).sum(axis=0), 1e-9)
-    return float(places[int(gain.argmax())])
+    apart, y = seen.size / (PLACES + 1), c / np.sqrt(m)
+    places = apart * np.arange(1, PLACES + 1)
+    for _ in range(2):  # and then between the neighbors of the best, which the place of a high step needs
+        D = np.array([step_coefficients(seen.size, j)[:k] for j in places]).T / np.sqrt(m)[:, None]
+        D -= Q @ (Q.T @ D)
+        best = places[int(((D.T @ y) ** 2 / np.maximum((D**2).sum(axis=0), 1e-9)).argmax())]
+        places = best + apart * np.linspace(-1, 1, FINE)[1:-1]
+    return float(best)

@@ -30,8 +30,8 @@ TICKS = 0.2
 MOST_LOST = 0.9
 """Share of missing samples above which time stamps are not trusted: a clock that was set leaves such gaps."""
 
-LONGEST = 1e18
-"""Seconds by which the time stamps of a recording differ at most; beyond, no clock has counted them."""
+LONGEST = 1e15
+"""Seconds by which the time stamps of a recording differ at most; beyond, no clock has counted them, nor float64."""
 
 
 def seconds_since(stamps: NDArray[Any], unit: str) -> FloatArray:
@@ -54,8 +54,11 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
             column=label, count=int(bad.sum()), size=bad.size, where=where,
         )  # fmt: skip
         return SampleGrid(trouble=trouble)
-    if (span := float(np.abs(elapsed).max())) > LONGEST:
-        trouble = say("time stamps of {column} differ by up to {span:.3g} s", column=label, span=span)
+    if np.abs(elapsed).max() > LONGEST:
+        row = int(np.argmax(np.abs(elapsed[1:] / 2 - elapsed[:-1] / 2)))  # halves, whose difference is finite
+        step = 2 * (elapsed[row + 1] / 2 - elapsed[row] / 2)
+        trouble = say("the time stamps of {column} jump by {step:.3g} s before row {row} of the data", column=label,
+                      step=step, row=row + 2)  # fmt: skip
         return SampleGrid(trouble=trouble)
     stamps = Stamps(elapsed, label)
     if not stamps.steps.any():

@@ -1,6 +1,7 @@
 """What a column's header states: name, unit, and whether the column is an inertial signal."""
 
 import re
+from functools import lru_cache
 
 from allanite.core.errors import UnitError
 from allanite.core.spellings import latin
@@ -108,6 +109,7 @@ def _bracketed(header: str) -> tuple[str, str | None]:
     return header, None
 
 
+@lru_cache(maxsize=1024)  # a header is asked about many times, and an unknown unit costs a search for similar ones
 def known(unit: str) -> Unit | None:
     """The unit; None if it is unknown or empty."""
     try:

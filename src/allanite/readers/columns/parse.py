@@ -1,6 +1,7 @@
 """Parses the rows of numbers of a text file to columns with pyarrow; locates what is not a number."""
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, NoReturn
 
@@ -18,6 +19,9 @@ _NULLS = [*MISSING, "NaN", "NAN", "NULL", "None", "NA", "N/A", "#N/A", "-NaN", "
 
 FEW = 16
 """Maximum number of different words in a column that may distinguish rows."""
+
+HEAD = 1 << 20
+"""Bytes of the rows that show whether it has more."""
 
 Values = NDArray[Any]
 
@@ -58,8 +62,11 @@ def columns(
     None if it is empty. Anything else is refused, with its line.
     """
     body, notes = clean_rows(data, layout, last=last)
-    table = _table(body, layout, forms)
-    result = [_values(table.column(i), layout, i, forms) for i in range(layout.width)]
+    many = {} if forms else _of_many_words(body, layout)
+    table = _table(body, layout, forms, many)
+    result = [many.get(i) or _values(table.column(str(i)), layout, i, forms) for i in range(layout.width)]
+    if data.count(b'"', layout.offset) % 2 and table.num_rows != count(body):
+        _blame_quotation(body, layout)
     if any(values is NotImplemented for values in result):
         _blame(body, layout, say("a column of numbers contains something else"))
     if forms:
@@ -137,7 +144,17 @@ def _holds(data: bytes, mark: bytes, start: int) -> bool:
     return data.find(mark[:1], start) >= 0 and (len(mark) == 1 or data.find(mark, start) >= 0)
 
 
-def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None) -> Any:
+def _of_many_words(body: bytes | memoryview, layout: Layout) -> dict[int, str]:
+    """The first words of the columns of many words by position: of these, nothing else is kept."""
+    if not layout.text or len(body) < HEAD:
+        return {}
+    head = bytes(body[:HEAD])
+    rows: Any = _table(head[: head.rfind(b"\n") + 1] or body, layout, None)
+    words = {i: rows.column(i) for i in layout.text if str(rows.column(i).type) == "string"}
+    return {i: _first_word(column) for i, column in words.items() if _has_many(column)}
+
+
+def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None, without: Collection[int] = ()) -> Any:
     import pyarrow as pa
     from pyarrow import csv
 
@@ -145,6 +162,7 @@ def _table(body: bytes | memoryview, layout: Layout, forms: Forms | None) -> Any
     parse = csv.ParseOptions(delimiter=layout.delimiter)
     types = {str(place): kind for place, kind in forms.types.items()} if forms else {}
     convert = csv.ConvertOptions(null_values=_NULLS, decimal_point=layout.decimal, column_types=types)
+    convert.include_columns = [str(i) for i in range(layout.width) if i not in without]
     try:
         return csv.read_csv(
             pa.BufferReader(pa.py_buffer(body)), read_options=read, parse_options=parse, convert_options=convert
@@ -198,18 +216,22 @@ def _words(column: Any, layout: Layout, place: int, forms: Forms | None) -> Pars
 
 def words_of(column: Any, label: str) -> Parsed:
     """A column of words of pyarrow: dates and times, a few repeated words as codes, otherwise the first word."""
-    import pyarrow.compute as pc
-
     first = _first_word(column)
     pattern = dates.pattern_of(first)
     if pattern:
         return dates.parsed(column, pattern, label)
-    few = pc.unique(column[: FEW * 100])
-    if len(few) > FEW:
+    if _has_many(column):
         return first
     codes = column.combine_chunks().dictionary_encode()
     words = tuple(str(word) for word in codes.dictionary.to_pylist())
     return Tags(words, np.asarray(codes.indices.fill_null(-1))) if len(words) <= FEW else first
+
+
+def _has_many(column: Any) -> bool:
+    """Whether a column of words has too many to distinguish rows, and they are no dates."""
+    import pyarrow.compute as pc
+
+    return not dates.pattern_of(_first_word(column)) and len(pc.unique(column[: FEW * 100])) > FEW
 
 
 def _first_word(column: Any) -> str:
@@ -246,3 +268,10 @@ def _blame(body: bytes | memoryview, layout: Layout, otherwise: str) -> NoReturn
                     )
                 )
     raise DataError(say("the rows of numbers cannot be read: {reason}", reason=otherwise.splitlines()[0][:200]))
+
+
+def _blame_quotation(body: bytes | memoryview, layout: Layout) -> NoReturn:
+    """Name the first line with a quotation mark that is not closed in it."""
+    i, raw = next((i, raw) for i, raw in enumerate(bytes(body).splitlines()) if raw.count(b'"') % 2)
+    where = say("line {line}", line=layout.line + i)
+    raise DataError(say("{where}: a quotation mark is not closed: {line!r}", where=where, line=decoded(raw)[:60]))

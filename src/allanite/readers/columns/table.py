@@ -4,6 +4,7 @@ The properties of a Recording beyond its numbers are one line of JSON, which eac
 """
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -15,6 +16,7 @@ from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.kinds import signal_of_kind
 from allanite.core.record import Record, Recording
+from allanite.core.syntax import identifiers
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.readers.clock import clocks
@@ -200,22 +202,13 @@ def described(recording: Recording, headers: Sequence[str]) -> str:
         for record, header in zip(recording, headers, strict=True)
     ]
     said = {KEY: 1, "type": "Recording", "rate": recording[0].rate, "start": recording[0].start, "channels": channels}
-    return json.dumps(said)
+    # behind a separator a spreadsheet computes what begins with such a sign
+    return re.sub("(?<=[,;])[=+@-]", lambda sign: f"\\u{ord(sign[0]):04x}", json.dumps(said))
 
 
 def keys(recording: Recording) -> list[str]:
     """A unique name for each channel that any format accepts: ASCII letters, digits and _."""
-    taken = {KEY, *RATE_NAMES}
-    result = []
-    for record in recording:
-        letters = "".join(c if c.isascii() and c.isalnum() else "_" for c in record.name).strip("_")[:24]
-        name = letters if letters[:1].isalpha() else f"channel_{letters}".rstrip("_")
-        key, again = name, 2
-        while key.lower() in taken:
-            key, again = f"{name}_{again}", again + 1
-        taken.add(key.lower())
-        result.append(key)
-    return result
+    return identifiers([record.name for record in recording], "channel", taken=(KEY, *RATE_NAMES))
 
 
 def with_units(names: Sequence[str], recording: Recording) -> list[str]:

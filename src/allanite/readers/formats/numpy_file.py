@@ -13,12 +13,12 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import FileColumn
+from allanite.readers.columns.datasets import WIDEST
 from allanite.readers.columns.parts import HEAD, Parts
 from allanite.readers.columns.rows import Rows
 from allanite.readers.columns.table import KEY, FileTable, described, keys, restored
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, demand_start, worded
-from allanite.readers.sandbox.source import demand_directory
+from allanite.readers.sandbox.guard import demand_members, demand_size, demand_start, worded
 
 TITLE = "NumPy .npy and .npz"
 
@@ -109,10 +109,13 @@ def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
     """Names and arrays of an archive."""
     # NumPy allocates the memory claimed by the header of a member before reading it
     form: Any = np.lib.format
-    demand_directory(path)
+    members = demand_members(path, "the archive")
+    if len(members) > WIDEST:
+        raise DataError(
+            f"the archive has {len(members)} arrays, but a recording has at most {WIDEST}; store the channels as "
+            "columns of one array"
+        )
     with zipfile.ZipFile(path) as archive:
-        members = archive.infolist()
-        demand_size(sum(member.file_size for member in members), path, "the archive")
         for member in members:
             claimed = 0
             with archive.open(member) as stream:

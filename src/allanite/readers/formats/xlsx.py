@@ -12,7 +12,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns import layout, streams
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, worded
+from allanite.readers.sandbox.guard import demand_members, demand_size, worded
 from allanite.readers.sandbox.process import Process
 
 from . import text
@@ -29,6 +29,8 @@ def sniff(head: bytes, suffix: str) -> bool:
 
 def read(path: str, options: Options) -> Recording:
     """The channels of a sheet, with the stored results of formulas; nothing in the workbook is executed."""
+    with worded("the workbook"):
+        demand_members(path, "the workbook")
     with Process("xlsx", path, options.progress) as process:
 
         def load(name: str, size: int) -> FileTable:

@@ -6,7 +6,6 @@ Of rosbags, only what reads containers and definitions is used: its own decoders
 import os
 import re
 import runpy
-import shutil
 import struct
 import sys
 from collections.abc import Callable, Iterator
@@ -56,13 +55,13 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
             else:
                 reader = Reader2.STORAGE_PLUGINS[".mcap"](Path(path))
         reader.open()
-        for storage in reader.storage.storages if os.path.isdir(path) else ():
-            if storage.path.parent != Path(path):  # unpacked, and open: nobody else removes it
-                shutil.rmtree(storage.path.parent, ignore_errors=True)
         groups: dict[tuple[str, str], list[Any]] = {}
         for connection in reader.connections:
             groups.setdefault((connection.topic, connection.msgtype), []).append(connection)
-        topics = [Topic(reader, group, path) for group in list(groups.values())[:MOST_TOPICS]]
+        if len(groups) > MOST_TOPICS:
+            how = "copy those of the sensor to a bag of their own with rosbag filter, ros2 bag convert or mcap filter"
+            sys.exit(f"too many topics: {len(groups)}, and at most {MOST_TOPICS} are read; {how}")
+        topics = [Topic(reader, group, path) for group in groups.values()]
     named = {f"{topic.said['topic']} ({topic.said['type']})": topic for topic in topics}
 
     def load(where: str, fields: list[str]) -> tuple[int, Iterator[Any]]:

@@ -3,13 +3,14 @@
 import errno
 import tempfile
 import warnings
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from allanite.core.errors import AllaniteError, DataError
 from allanite.phrases.phrase import say
 
-from .source import size_of
+from .source import demand_directory, size_of
 
 RATIO = 100
 """Bytes of samples per byte of a file: coarse samples compress 30-fold, a decompression bomb 1000-fold."""
@@ -44,6 +45,15 @@ def demand_size(size: int, path: str, what: str) -> None:
             f"unpack to ({RATIO} times its size): it is damaged or a decompression bomb; if it is neither, write it "
             "again without compression"
         )
+
+
+def demand_members(path: str, what: str) -> list[zipfile.ZipInfo]:
+    """The members of an archive, whose directory may not claim more than the file can hold."""
+    demand_directory(path)
+    with zipfile.ZipFile(path) as archive:
+        members = archive.infolist()
+    demand_size(sum(member.file_size for member in members), path, what)
+    return members
 
 
 DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)

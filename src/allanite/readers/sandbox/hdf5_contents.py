@@ -55,7 +55,8 @@ class Listing:
             if token not in self.seen:
                 self.seen.add(token)
                 if len(self.seen) > MOST_OBJECTS:
-                    sys.exit(f"the file contains more than {MOST_OBJECTS} objects")
+                    how = "copy the datasets to a file of their own with h5copy"
+                    sys.exit(f"too many objects: more than {MOST_OBJECTS}; {how}")
                 if isinstance(found, h5py.Group):
                     self._attributes(found, where)
                     self._group(found, where, depth + 1)

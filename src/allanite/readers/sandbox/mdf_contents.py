@@ -20,7 +20,7 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     """The channels of numbers with a hash of their times, and a function that sends one; see `worker.main`."""
     file: Any = MDF(path)
     if sum(len(group.channels) for group in file.groups) > MOST:
-        sys.exit(f"the file contains more than {MOST} channels")
+        sys.exit(f"too many channels: more than {MOST}; export those of the sensor as CSV")
     said: dict[str, Any] = {"datasets": [], "left": []}
     for number, group in enumerate(file.groups):
         master = file.masters_db.get(number)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 import subprocess
 import sys
@@ -58,6 +59,9 @@ LIBRARIES = {
 }
 """One entry for each of `worker.FORMATS`."""
 
+LIMIT = "too many "
+"""Beginning of what a worker says of a sound file beyond its limits, with what to do."""
+
 WORKER = Path(__file__).with_name("worker.py")
 
 _TIMEOUTS = (9, 24)
@@ -77,7 +81,9 @@ class Process:
         self._tell = progress or (lambda share: None)
         demand_extra(self._library.extra, self._library.package)
         self._wait = WAIT + size_of(path) / self._library.speed
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115  closed by __exit__
+        # what a library leaves when the process is ended, and what it says; both are removed by __exit__
+        self._folder = tempfile.TemporaryDirectory(prefix="allanite-", ignore_cleanup_errors=True)
+        self._errors = tempfile.TemporaryFile(dir=self._folder.name)  # noqa: SIM115
         # -P: modules in the folder of the worker have names of standard modules
         self._process = subprocess.Popen(  # noqa: S603  our own program, and no shell
             [
@@ -93,6 +99,7 @@ class Process:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
+            env=os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self._folder.name),
         )
 
     def __enter__(self) -> "Process":
@@ -114,6 +121,7 @@ class Process:
         self._process.kill()
         self._process.communicate()
         self._errors.close()
+        self._folder.cleanup()
 
     def load(self, path: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
         """A dataset, or those of its fields that are in `dtype`."""
@@ -188,6 +196,8 @@ class Process:
         said = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
         died = "it ended early" if code >= 0 else "it took too long" if -code in _TIMEOUTS else f"signal {-code}"
         reason = re.sub(r"^[\w.]+(Error|Exception): ", "", said[-1])[:200] if said else died
+        if reason.startswith(LIMIT):
+            return DataError(reason)
         return DataError(
             f"the file is damaged or incomplete: {self._library.package} failed {where}: {reason}; if other "
             f"programs can read it, {self._library.remedy}"

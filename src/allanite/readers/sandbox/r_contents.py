@@ -56,7 +56,7 @@ class Reader(Parser):  # type: ignore[misc, unused-ignore]
         """The next object."""
         self.left -= 1
         if self.left < 0:
-            sys.exit(f"the file contains more than {MOST} lists; save only the numbers")
+            sys.exit(f"too many lists: more than {MOST}; save only the numbers: saveRDS(as.matrix(x), 'again.rds')")
         return super().parse_R_object(*given, **named)
 
     def _parse_array_values(self, dtype: Any, length: int) -> Any:

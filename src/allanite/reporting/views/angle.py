@@ -13,11 +13,12 @@ from allanite.applications.angle.calibration import Result, parts_of
 from allanite.applications.angle.design import NUISANCES
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.syntax import toml
 from allanite.core.units import convert, unit_of
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
-from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Plot, Sheet, Table, header_of, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Plot, Sheet, Table, header_of
 
 from . import view, view_of
 

@@ -8,11 +8,12 @@ from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.judgement import FAIL, NOT_SHOWN, OUTCOMES, worst_of
 from allanite.batch.summary import power_of
 from allanite.core.fit import Fit
+from allanite.core.syntax import toml
 from allanite.core.units import Signal
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table
 from allanite.study.results import Channel
 
 from . import Rows, view

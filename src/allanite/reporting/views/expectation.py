@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
 from allanite.core.model import model_of
+from allanite.core.syntax import toml
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.first import DETAILS, Answer, First
-from allanite.reporting.sheet import Column, Drawing, Face, Part, Plot, Sheet, Table, one_sheet, toml
+from allanite.reporting.sheet import Column, Drawing, Face, Part, Plot, Sheet, Table, one_sheet
 from allanite.reporting.text import spread
 from allanite.simulation.recording import Simulation
 from allanite.statistics import STATISTICS, Expectation, Expectations, expectation

@@ -8,10 +8,11 @@ from typing import Any, Protocol, TypeGuard
 from allanite.core.header import Header
 from allanite.core.record import Record
 from allanite.core.residuals import Statement
+from allanite.core.syntax import toml
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
-from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of, toml
+from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.results import Noise
 

@@ -1,11 +1,13 @@
 """Faults of the channel: bias, roll-off, changing noise, outliers, saturation, missing samples."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from allanite.core.aliases import public
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.record import Record
@@ -13,6 +15,7 @@ from allanite.core.units import signal_with, unit_of
 from allanite.statistics.row import FloatArray
 
 
+@public
 def constant(record: Record, value: float, unit: str) -> Record:
     """Add a constant rate, such as a bias or the earth's rate.
 
@@ -25,6 +28,7 @@ def constant(record: Record, value: float, unit: str) -> Record:
     return _changed(record, _floats(record) + in_readings(record, value, unit), f"constant of {value:g} {unit} added")
 
 
+@public
 def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
     """Apply a causal Butterworth low-pass filter, as in a sensor or logger.
 
@@ -52,6 +56,7 @@ def low_pass(record: Record, cutoff: float, *, order: int = 1) -> Record:
     return _changed(record, filtered, f"low-pass filtered at {cutoff:g} Hz, order {order}")
 
 
+@public
 def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Record:
     """Multiply the deviation from the mean by `factor` from the share `at` of the record on: a changing noise level.
 
@@ -70,7 +75,8 @@ def noise_step(record: Record, *, factor: float = 2.0, at: float = 0.5) -> Recor
     return _changed(record, values, f"noise multiplied by {factor:g} from sample {first} on")
 
 
-def noise_profile(record: Record, times: ArrayLike, factors: ArrayLike) -> Record:
+@public
+def noise_profile(record: Record, times: Sequence[float] | FloatArray, factors: Sequence[float] | FloatArray) -> Record:
     """Multiply the deviation from the mean by a factor that changes with time: any variance over time.
 
     The factor is interpolated linearly between `times`, and constant before the first and after the last; a time that
@@ -104,6 +110,7 @@ def noise_profile(record: Record, times: ArrayLike, factors: ArrayLike) -> Recor
     return _changed(record, mean + at * (values - mean), story)
 
 
+@public
 def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: "np.random.Generator") -> Record:
     """Add outliers of either sign to a random `share` of the samples.
 
@@ -136,6 +143,7 @@ def outliers(record: Record, share: float, size: float, unit: str = "", *, rng: 
     return _changed(record, values, f"{hit.size} outliers of {size:g} {unit or 'standard deviations'} added")
 
 
+@public
 def clip(record: Record, limit: float, unit: str) -> Record:
     """Clip samples beyond +-`limit`: a sensor driven out of its range.
 
@@ -152,6 +160,7 @@ def clip(record: Record, limit: float, unit: str) -> Record:
     return _changed(record, np.clip(values, -bound, bound), f"{beyond} samples clipped at {limit:g} {unit}")
 
 
+@public
 def gaps(record: Record, share: float, length: float, *, rng: "np.random.Generator") -> Record:
     """Replace a random `share` of the samples by NaN, in stretches. The first and the last sample are kept.
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.errors import UnitError, UsageError
 from allanite.core.record import Record
 from allanite.core.units import signal_with, unit_of
@@ -50,6 +51,7 @@ class Dither:
         return f"{how}, amplitude {self.amplitude:g} steps, {'stripped' if self.stripped else 'not stripped'}"
 
 
+@public
 def quantize_rate(
     record: Record,
     lsb: float,
@@ -89,6 +91,7 @@ def quantize_rate(
     return record.with_values(values * step, _words("rate", lsb, unit, dither), start=record.start)
 
 
+@public
 def quantize_angle(
     record: Record,
     lsb: float,

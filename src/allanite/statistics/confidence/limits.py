@@ -207,29 +207,9 @@ def _mixture(
     return ChiSquareSum(weight, dof, np.array(ramp), np.array(beside))
 
 
-@dataclass(frozen=True, eq=False)
-class AutomaticLaw:
-    """The law under the power law that is found at each averaging time; nothing is computed before it is asked.
-
-    It is pickled as the law that was found: the angle of the record is left behind.
-    """
-
-    points: CurvePoints
-    angle: AngleRecord
-    signal: Signal
-
-    @cached_property
-    def found(self) -> ModelLaw:
-        """The law under the power laws."""
-        laws = power_laws(self.points, self.angle)
-        return ModelLaw(self.points, tuple(Model((unit_term(law.symbol, self.signal),)) for law in laws))
-
-    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Degrees of freedom and limits over the variance; see `Curve`."""
-        return self.found(level)
-
-    def __reduce__(self) -> tuple[type[ModelLaw], tuple[CurvePoints, tuple[Model, ...]]]:
-        return ModelLaw, (self.points, self.found.models)
+def automatic_law(points: CurvePoints, angle: AngleRecord, signal: Signal) -> ModelLaw:
+    """The law under the power law that is found at each averaging time."""
+    return ModelLaw(points, tuple(Model((unit_term(law.symbol, signal),)) for law in power_laws(points, angle)))
 
 
 @dataclass(frozen=True, eq=False)

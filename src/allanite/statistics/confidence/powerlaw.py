@@ -28,6 +28,9 @@ FEWEST = 12
 """Means of the rate that are the fewest for a decision; a longer tau is given the law of the longest tau with so many.
 """
 
+BLOCK = 1 << 16
+"""Points that are differenced at a time."""
+
 COMPARED = 500
 """Means of the rate, in the longest pieces, that decide by the ratio of two variances; it costs their square."""
 
@@ -118,18 +121,19 @@ def identify_power_law(angle: AngleRecord, row: Statistic, times: FloatArray) ->
     candidates = range(1, int(sizes.sum()) // FEWEST + 1)
     longest = max(1, bisect_right(candidates, -FEWEST, key=lambda m: -int((sizes // m).sum())))
     strides = np.clip(np.rint(times), 1, longest).astype(np.int64)
-    flat = angle._replace(pieces=_flat(angle.pieces))
+    flat = _flat(angle.pieces)
     laws = {int(m): _law(angle, flat, int(m), max(2, row.order)) for m in np.unique(strides)}
     return tuple(laws[int(m)] for m in strides)
 
 
-def _law(angle: AngleRecord, flat: AngleRecord, m: int, order: int) -> PowerLaw:
+def _law(angle: AngleRecord, flat: Callable[[int], list[FloatArray]], m: int, order: int) -> PowerLaw:
     # a piece that has no two differences left at the end says nothing on the way either
-    long = [piece.x[::m] for piece in flat.pieces if piece.x.size > m * (order + 1)]
+    long = [x for x, piece in zip(flat(m), angle.pieces, strict=True) if piece.x.size > m * (order + 1)]
     enough = sum(x.size for x in long) >= ENOUGH
     alpha, method = (lag1(long, order), "lag1") if enough else (_by_ratio(angle, m, order), "b1")
     if alpha > 0 and m > 3:
-        plain, modified = (windows(row, flat, np.array([m])) for row in (OADEV, MDEV))
+        whole = tuple(Piece(piece.start, x) for piece, x in zip(angle.pieces, flat(1), strict=True))
+        plain, modified = (windows(row, angle._replace(pieces=whole), np.array([m])) for row in (OADEV, MDEV))
         if modified.number[0] and plain.variance[0]:
             # the angle noise, or white rate noise, whose modified over plain Allan variance is nearest
             ratio = float(modified.variance[0] / plain.variance[0])
@@ -138,8 +142,8 @@ def _law(angle: AngleRecord, flat: AngleRecord, m: int, order: int) -> PowerLaw:
     return PowerLaw(alpha, symbol_of(alpha), method, m)
 
 
-def _flat(pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
-    """The pieces less one parabola whose constant is each piece's own."""
+def _flat(pieces: tuple[Piece, ...]) -> Callable[[int], list[FloatArray]]:
+    """Every m-th point of the pieces, as a function of m, less one parabola whose constant is each piece's own."""
     from allanite.kernels.parabola import less_parabola, parabola_sums
 
     step = 2 / max(pieces[-1].start + pieces[-1].x.size - 1, 1)
@@ -154,10 +158,10 @@ def _flat(pieces: tuple[Piece, ...]) -> tuple[Piece, ...]:
         right += [xu - u * x_mean, xuu - uu * x_mean]
     line, square = np.linalg.solve(gram, right).tolist()
     constants = [piece.x[0] + x - line * u - square * uu for piece, (x, u, uu) in zip(pieces, means, strict=True)]
-    return tuple(
-        Piece(piece.start, less_parabola(piece.x, begin, step, (constant, line, square)))
+    return lambda m: [
+        less_parabola(piece.x, m, begin, step, (constant, line, square))
         for piece, begin, constant in zip(pieces, begins, constants, strict=True)
-    )
+    ]
 
 
 def _dot(a: list[FloatArray], b: list[FloatArray]) -> float:
@@ -165,25 +169,33 @@ def _dot(a: list[FloatArray], b: list[FloatArray]) -> float:
 
 
 def lag1(pieces: list[FloatArray], most: int) -> int:
-    """Alpha from the lag-1 autocorrelation of the angle, differenced at most `most` times (2 or 3)."""
+    """Alpha from the lag-1 autocorrelation of the angle, overwritten, differenced at most `most` times (2 or 3)."""
     # the mean of a short piece takes its correlation away; rates, which share one mean, are begun with then
     first = 0 if sum(z.size for z in pieces) >= SHORT * len(pieces) else 1
-    pieces = [np.diff(z) if first else z - z.mean() for z in pieces]
+    pieces = [_differences(z) if first else np.subtract(z, z.mean(), out=z) for z in pieces]
     for d in range(first, most + 1):
         r1 = _autocorrelation(pieces)
         delta = r1 / (1 + r1)
         if d == most or delta < 0.25:
             break
-        pieces = [np.diff(z) for z in pieces]
+        pieces = [_differences(z) for z in pieces]
     if d in EDGES:
         return next(alpha for edge, alpha in EDGES[d] if delta < edge)
     return min(2, 2 - round(2 * delta) - 2 * d)
 
 
+def _differences(z: FloatArray) -> FloatArray:
+    """Successive differences in the memory of z, by blocks, since numpy would copy all of what overlaps."""
+    last = z.size - 1
+    for a in range(0, last, BLOCK):
+        z[a : min(a + BLOCK, last)] = np.diff(z[a : a + BLOCK + 1])
+    return z[:last]
+
+
 def _autocorrelation(pieces: list[FloatArray]) -> float:
     """``sum_i z_i z_{i+1} / sum_i z_i^2`` of the pieces together, less their mean; 0 if all is constant."""
     total, count = sum(float(z.sum()) for z in pieces), sum(z.size for z in pieces)
-    pieces = [z - total / count for z in pieces]
+    pieces = [np.subtract(z, total / count, out=z) for z in pieces]
     squares = _dot(pieces, pieces)
     pairs = sum(max(z.size - 1, 0) for z in pieces)
     if not squares:

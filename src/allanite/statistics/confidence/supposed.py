@@ -109,9 +109,9 @@ class LaterLaw:
 
     @cached_property
     def found(self) -> tuple[Law, str]:
-        """The law, and what it supposes."""
+        """The law, and what it supposes; `under`, which holds the angle of the record, is given up then."""
         noise, words = self.suppose()
-        return self.under(noise), words
+        return vars(self).pop("under")(noise), words
 
     def __call__(self, level: float) -> Limits:
         """Degrees of freedom and limits over the variance; see `Curve`."""

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from allanite.core.errors import UsageError
+from allanite.core.aliases import public
+from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.phrases.wording import spelled
 from allanite.statistics.grids import factors_of, part_of
@@ -13,7 +14,11 @@ from allanite.statistics.table import STATISTICS, statistic_named
 
 from .moments import variances
 
+TIMES = 1e100
+"""Averaging times, s, below which their cubes are numbers."""
 
+
+@public
 def expected(
     model: ModelLike,
     statistic: str,
@@ -59,6 +64,8 @@ def expected(
     row = statistic_named(statistic)
     model = model_of(model)
     times = np.atleast_1d(np.asarray(tau, dtype=np.float64))
+    if not ((times > 0) & (times < TIMES)).all():
+        raise UsageError(f"averaging times must be above 0 s and below {TIMES:g} s, not {given(tau)}")
     if row.differences and not row.summed and not any(t.row.per_sample or t.row.transient for t in model):
         # no time but tau is in these: let it be the sample interval
         return variances(row, model, times, None, 1.0)

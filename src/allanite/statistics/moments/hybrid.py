@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.model import ModelLike, model_of
 from allanite.statistics.grids import part_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
@@ -13,6 +14,7 @@ RATIOS = 12
 """Number of ratios that are evaluated; the bias ratio is the mean of up to thousands, which vary smoothly."""
 
 
+@public
 def covariance(
     row: Statistic, model: ModelLike, m: IntArray, size: int, rate: float, *, join: float = 0.2, divisor: int = 30
 ) -> FloatArray:

@@ -58,33 +58,31 @@ def takes_means(row: Statistic, m: int | IntArray, places: Places, size: int) ->
 
 @dataclass(frozen=True, eq=False)
 class There:
-    """Where readings are: how many before each sample, shape (size + 1,), and how many of them have the next one."""
+    """Where readings are: the stretches without gaps among so many samples."""
 
-    readings: IntArray
-    neighbours: IntArray
+    places: Places
+    size: int
 
-    @property
-    def size(self) -> int:
-        """Samples, missing ones included."""
-        return self.readings.size - 1
+    @cached_property
+    def stretches(self) -> IntArray:
+        """First sample and samples of each stretch, after one without samples, shape (2, stretches + 1)."""
+        return np.array([(0, 0), *self.places], np.int64).T
+
+    def before(self, at: IntArray, less: int = 0) -> IntArray:
+        """Readings before samples, except for so many at the end of each stretch."""
+        begin, length = self.stretches
+        length = np.maximum(length - less, 0)
+        which = np.searchsorted(begin, at, side="right") - 1
+        return np.asarray((np.cumsum(length) - length)[which] + np.minimum(at - begin[which], length[which]))
 
     def between(self, begin: IntArray, end: IntArray) -> IntArray:
         """Readings in begin .. end - 1; 0 where end is not beyond begin."""
-        return np.asarray(self.readings[np.maximum(begin, end)] - self.readings[begin])
+        return self.before(np.maximum(begin, end)) - self.before(begin)
 
     def steps(self, begin: IntArray, end: IntArray) -> IntArray:
         """Readings there that have the next one too."""
         begin = np.clip(begin, 0, self.size)
-        return np.asarray(self.neighbours[np.maximum(begin, end)] - self.neighbours[begin])
-
-
-def there(places: Places, size: int) -> There:
-    """Where readings are."""
-    one, next_too = np.zeros(size + 1, np.int64), np.zeros(size + 1, np.int64)
-    for start, n in places:
-        one[start + 1 : start + n + 1] = 1
-        next_too[start + 1 : start + n] = 1
-    return There(np.cumsum(one), np.cumsum(next_too))
+        return self.before(np.maximum(begin, end), 1) - self.before(begin, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +111,7 @@ class JoinedWindows:
     @property
     def weight(self) -> FloatArray:
         """Weight of each delta^2 in the variance, shape (w,)."""
-        norm = float(self.row.norm(np.array([self.m]))[0]) / float((self.signs**2).sum())
-        return np.asarray(self.h**2 / (self.m * self.h.sum() * norm))
+        return np.asarray(self.h**2 / (self.m * self.h.sum() * norm_of(self.row, self.m)))
 
     def of(self, which: IntArray) -> "JoinedWindows":
         """Some of them."""
@@ -184,7 +181,7 @@ class JoinedWindows:
 def windows_of(row: Statistic, m: int, there: There, stride: int) -> JoinedWindows:
     """Windows that start every so many samples and have a reading in each part."""
     start = np.arange(0, there.size - row.differences * m + 1, stride)
-    edges = there.readings[start[:, None] + m * np.arange(row.differences + 1)]
+    edges = there.before(start[:, None] + m * np.arange(row.differences + 1))
     count = np.diff(edges, axis=1)
     full = (count > 0).all(axis=1)
     return JoinedWindows(row, m, there, start[full], count[full])
@@ -192,11 +189,16 @@ def windows_of(row: Statistic, m: int, there: There, stride: int) -> JoinedWindo
 
 def variance_of(row: Statistic, m: int, there: There, x: FloatArray) -> tuple[float, int]:
     """V and the number of windows, from sums x of the readings before each sample, shape (size + 1,)."""
-    found = windows_of(row, m, there, 1 if row.overlapped else m)
-    if not found.start.size:
-        return np.nan, 0
-    means = np.diff(x[found.edges], axis=1) / found.count
-    return float(found.weight @ (means @ found.signs) ** 2), found.start.size
+    from allanite.kernels.means import of_means
+
+    bounds = np.cumsum(there.stretches[:, 1:], axis=0).T.ravel()
+    h, squares, number = of_means(x, bounds, m, row.differences, 1 if row.overlapped else m)
+    return (squares / (m * h * norm_of(row, m)), number) if number else (np.nan, 0)
+
+
+def norm_of(row: Statistic, m: int) -> float:
+    """What a statistic divides squared differences by, over the sum of the squared signs of their parts."""
+    return float(row.norm(np.array([m]))[0]) / float((binomials(row.differences - 1) ** 2).sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +251,7 @@ def mean_moments(row: Statistic, m: int, places: Places, size: int) -> MeanMomen
     """Moments of the variance at m from means of the readings there."""
     most = int(row.count(size, np.array([m]))[0])
     stride = max(1, min(m // QUARTERS, most // ENOUGH)) if row.overlapped else m
-    return MeanMoments(windows_of(row, m, there(places, size), stride))
+    return MeanMoments(windows_of(row, m, There(places, size), stride))
 
 
 def _spread(count: int, most: int) -> IntArray:

@@ -15,6 +15,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
@@ -110,6 +111,7 @@ def _demand_stationary(row: Statistic, terms: Sequence[NoiseTerm]) -> None:
         raise UsageError(f"{row.name} under {', '.join(free)} depends on the record, not only on the model")
 
 
+@public
 def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: float) -> FloatArray:
     """Equivalent degrees of freedom 2 E^2 / Var at averaging factors `m`, shape of m.
 
@@ -118,6 +120,8 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
     """
     model = noise_of(model_of(model))
     runs = [(runs, 1)] if isinstance(runs, int) else runs
+    if np.ndim(m) != 1:
+        raise UsageError(f"the averaging factors m have the shape (k,), not {np.shape(m)}")
     result = np.empty(len(m))
     for i, k in enumerate(np.asarray(m).tolist()):
         E, r = moments(row, model, k, grouped(runs, row, k), rate)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from allanite.core.aliases import public
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError, given
 from allanite.core.kinds import signal_of_kind
@@ -22,6 +23,7 @@ MOST = 4096
 """Points in a band, beyond which only the mean over many periods counts."""
 
 
+@public
 def deviation_of_spectrum(
     spectrum: Spectrum, statistic: str = "oadev", *, taus: str | Sequence[float] | FloatArray = "octave"
 ) -> Curve:

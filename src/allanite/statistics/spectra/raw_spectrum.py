@@ -1,6 +1,6 @@
 """Output of every spectrum estimator: densities at evenly spaced frequencies."""
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from allanite.core.errors import DataError
 from allanite.core.record import Record
@@ -24,6 +24,7 @@ class Raw(NamedTuple):
     resolution: float
 
 
+@runtime_checkable
 class SpectralEstimator(Protocol):
     """A spectrum estimator."""
 

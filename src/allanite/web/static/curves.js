@@ -4,7 +4,7 @@ import * as api from "./api.js";
 import { byId, el, fill, menu, show } from "./dom.js";
 import { result } from "./jobs.js";
 import { labels } from "./labels.js";
-import { at, axis, beside, between, color, dark, draw, layout, log, series } from "./plots.js";
+import { at, axis, beside, between, color, dark, draw, layout, literal, log, series } from "./plots.js";
 import { choose, fileOf, on, run, state, tell } from "./state.js";
 import * as guides from "./guides.js";
 import { t } from "./words.js";
@@ -56,10 +56,11 @@ const modelled = (curve) => (state.choices.model === false ? [] : [...(curve.ter
 function lines(curve, one, index, first, yaxis) {
   const hue = series(index);
   const own = { x: curve.tau, yaxis, mode: "lines" };
-  const label = `${one.name} (${fileOf(one.file)?.name ?? ""})`.replace(/[<>&]/g, " ");
+  const name = literal(one.name);
+  const label = `${name} (${literal(fileOf(one.file)?.name ?? "")})`;
   const narrow = place().clientWidth < NARROW;
   const band = state.choices.bands !== false && curve.low ? between(curve.tau, curve.low, curve.high, hue, first ? 0.2 : 0.1, curve.interval).map((each) => ({ ...each, yaxis, showlegend: first && Boolean(each.fill) })) : [];
-  const drawn = [...band, { ...own, y: curve.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: hue, width: first ? 2 : 1.3 }, name: narrow ? one.name : label, hovertemplate: `${label}<br>%{x:.4g} s: %{y:.4g} ${curve.unit}<extra></extra>` }];
+  const drawn = [...band, { ...own, y: curve.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: hue, width: first ? 2 : 1.3 }, name: narrow ? name : label, hovertemplate: `${label}<br>%{x:.4g} s: %{y:.4g} ${curve.unit}<extra></extra>` }];
   if (!first || state.choices.model === false) return drawn;
   for (const term of curve.terms ?? [])
     drawn.push({ ...own, x: term.tau, y: term.deviation, line: { color: hueOf(termOf(term.symbol)), width: 1.2, dash: "dash" }, name: narrow ? term.symbol : `${term.symbol} ${term.title}`, hovertemplate: `${term.symbol} = ${term.coefficient}<br>%{x:.4g} s: %{y:.4g} ${curve.unit}<extra></extra>` });

@@ -3,7 +3,7 @@
 import * as api from "./api.js";
 import { byId, complaint, el, fill, fragment, show } from "./dom.js";
 import { perform } from "./jobs.js";
-import { beside, between, draw, layout, log, series } from "./plots.js";
+import { beside, between, draw, layout, literal, log, series } from "./plots.js";
 import { spoken } from "./naming.js";
 import { on, state, tell } from "./state.js";
 import { t } from "./words.js";
@@ -24,7 +24,7 @@ function paint(curves) {
   const units = [...new Set(curves.map((one) => one.unit))];
   const traces = curves.flatMap((one, i) => [
     ...(one.low ? between(one.tau, one.low, one.high, series(i), 0.15, one.name) : []),
-    { x: one.tau, y: one.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: series(i) }, name: one.name.replace(/[<>&]/g, " "), showlegend: true },
+    { x: one.tau, y: one.deviation, mode: "lines+markers", marker: { size: 4 }, line: { color: series(i) }, name: literal(one.name), showlegend: true },
   ].map((line) => ({ ...line, yaxis: units.indexOf(one.unit) ? "y2" : "y" })));
   draw(byId("live-plot"), traces, layout({ height: 360, showlegend: true, xaxis: log(t("tau")), yaxis: log(units[0]), ...beside(units[1]) }));
 }

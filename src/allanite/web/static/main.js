@@ -140,6 +140,7 @@ async function begin() {
   byId("analyze").addEventListener("click", tried);
   for (const name of ["choices", "result", "shown", "busy", "refit"]) on(name, enable);
   enable();
+  for (const note of state.tables.first?.notes ?? []) tell("error", new Error(note));
   await restore();
 }
 

@@ -61,6 +61,9 @@ export function layout(more) {
 /** The axis of a second unit, at the right. */
 export const beside = (unit, more = {}) => (unit ? { yaxis2: log(unit, { overlaying: "y", side: "right", showgrid: false, ...more }), margin: { l: 64, r: 64, t: 16, b: 48 } } : {});
 
+/** A name as the drawing library shows it letter by letter, by its beginning if it is long: it reads tags and templates. */
+export const literal = (name, most = 60) => (name.length > most ? `${name.slice(0, most)}…` : name).replace(/[&<>%]/g, (letter) => `&#${letter.charCodeAt(0)};`);
+
 export function draw(place, traces, form, settings = CONFIG) {
   place.style.height = `${form.height}px`;
   return Plotly.react(place, traces, form, settings);

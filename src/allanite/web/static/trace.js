@@ -3,7 +3,7 @@
 import * as api from "./api.js";
 import { button, byId, el, fill, menu, show } from "./dom.js";
 import { shown } from "./jobs.js";
-import { CONFIG, axis, between, color, digits, draw, layout, series } from "./plots.js";
+import { CONFIG, axis, between, color, digits, draw, layout, literal, series } from "./plots.js";
 import { plain, spoken } from "./naming.js";
 import { choose, cuts, on, run, state, tell } from "./state.js";
 import { t } from "./words.js";
@@ -48,7 +48,7 @@ function traces() {
   const line = { width: 1, color: main };
   const marks = { x: data.outliers ?? [], y: (data.outliers ?? []).map(() => 0.02), yaxis: "y2", mode: "markers", name: t("outliers"), marker: { symbol: "triangle-up", size: 7, color: color("--alarm") }, hovertemplate: "%{x:.6g} s<extra></extra>" };
   const located = findings().filter((one) => one.at);
-  const notes = { x: located.map((one) => (one.at[0] + one.at[1]) / 2), y: located.map(() => 0.97), yaxis: "y2", mode: "markers", marker: { symbol: "triangle-down", size: 9, color: located.map((one) => hue(one.level)) }, text: located.map((one) => one.text.replace(/[<>&]/g, " ")), hovertemplate: "%{text}<extra></extra>" };
+  const notes = { x: located.map((one) => (one.at[0] + one.at[1]) / 2), y: located.map(() => 0.97), yaxis: "y2", mode: "markers", marker: { symbol: "triangle-down", size: 9, color: located.map((one) => hue(one.level)) }, text: located.map((one) => literal(one.text, 400)), hovertemplate: "%{text}<extra></extra>" };
   return [{ ...low, line, hoverinfo: "x+y" }, { ...high, line, hoverinfo: "x+y" }, marks, notes, ...beyond().traces];
 }
 

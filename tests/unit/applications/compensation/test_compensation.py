@@ -308,7 +308,7 @@ WRONG = [
     ({"regressors": ["holed"]}, al.DataError, "1 of its regressors are missing"),
     ({"regressors": ["flux"]}, al.UsageError, "'flux' is missing; channels: temp, flat"),
     ({"regressors": []}, al.UsageError, "at least one regressor"),
-    ({"regressors": "temp"}, al.UsageError, "sequences of names"),
+    ({"regressors": "temp"}, al.UsageError, "a sequence of strings"),
     ({"regressors": ["temp", "temp"]}, al.UsageError, "named twice"),
     ({"regressors": ["time"]}, al.UsageError, "leave out 'time'"),
     ({"regressors": ["temp"], "degree": 0}, al.UsageError, "from 1 to 6"),

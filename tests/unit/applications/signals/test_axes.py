@@ -11,7 +11,7 @@ from allanite.applications.signals import mixed
 from allanite.applications.signals.budgeting import PathSettings
 from allanite.cli import main
 from allanite.core.record import Recording
-from allanite.reporting.sheet import toml
+from allanite.core.syntax import toml
 
 STAGE = al.Stage("ADC", 14, 5.0, "V")
 AXES = (0.03, -1.1, 0.9, -0.02)

@@ -1,0 +1,195 @@
+"""Values against the types that parameters declare."""
+
+import re
+import types
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache
+from importlib import import_module
+from itertools import islice
+from numbers import Integral, Real
+from os import PathLike
+from typing import Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+SEEN = 1000
+"""Items of a sequence that are looked at."""
+
+
+CONVERTED = ("__array__", "to_numpy", "magnitude", "to_value")
+"""What arrays, columns and quantities of other libraries have, of which `samples` makes arrays."""
+
+
+class Kind(NamedTuple):
+    """A phrase for the values of a type, and whether a value is one, given the arguments of the type."""
+
+    words: Callable[[tuple[Any, ...]], str]
+    holds: Callable[[Any, tuple[Any, ...]], bool]
+
+
+class _Public(dict[str, Any]):
+    """Public names, for annotations in modules that do not import them at run time."""
+
+    def __missing__(self, name: str) -> Any:
+        found = getattr(import_module("allanite"), name, None)
+        if not isinstance(found, type):
+            raise KeyError(name)
+        return found
+
+
+def misfit(value: Any, hint: Any) -> str:
+    """A phrase for the values of the type `hint` if the given one is none; empty if it is one.
+
+    Examples
+    --------
+    >>> misfit(3, float), misfit("3", float | None), misfit([1, "2"], Sequence[int])
+    ('', 'a number or None', 'a sequence of integers')
+    """
+    return "" if _holds(value, hint) else _words(hint)
+
+
+def parameters(function: Callable[..., Any]) -> dict[str, Any]:
+    """The declared type of each parameter of a function."""
+    declared = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
+    given = types.SimpleNamespace(__annotations__=declared)
+    return get_type_hints(given, getattr(function, "__globals__", {}), _Public())
+
+
+def _holds(value: Any, hint: Any) -> bool:
+    kind, args = _kind(hint)
+    return kind.holds(value, args)
+
+
+def _words(hint: Any) -> str:
+    kind, args = _kind(hint)
+    return kind.words(args)
+
+
+@cache
+def _kind(hint: Any) -> tuple[Kind, tuple[Any, ...]]:
+    origin, args = get_origin(hint) or hint, get_args(hint)
+    if hasattr(origin, "__value__"):  # the name of a type, such as NDArray of numpy 2.5
+        return _kind(origin.__value__[args] if args else origin.__value__)
+    if origin in KINDS:
+        return KINDS[origin], args
+    unchecked = getattr(origin, "_is_protocol", False) and not getattr(origin, "_is_runtime_protocol", False)
+    if unchecked or not isinstance(origin, type):
+        return KINDS[Any], ()  # whatever converts it says what it takes
+    if origin.__module__.startswith("numpy._typing"):
+        return ARRAY_LIKE, ()
+    return Kind(lambda _: _named(origin), lambda value, _: isinstance(value, origin)), ()
+
+
+def _named(cls: type) -> str:
+    """The class by its name, a protocol as it is described."""
+    if getattr(cls, "_is_protocol", False):
+        return re.split("[.,:]", cls.__doc__ or "")[0].lower()
+    return f"a{'n' * (cls.__name__[0] in 'AEIOU')} {cls.__name__}"
+
+
+def _union(args: tuple[Any, ...]) -> str:
+    """The members, each once and None last; what an array can be made of, in one."""
+    if any(_kind(hint)[0] is ARRAY_LIKE for hint in args):
+        args = tuple(hint for hint in args if hint not in (complex, bytes, str))
+    words = dict.fromkeys(_words(hint) for hint in sorted(args, key=lambda hint: hint is types.NoneType))
+    *first, last = words
+    return f"{', '.join(first)} or {last}" if first else last
+
+
+def _of(words: str, args: tuple[Any, ...]) -> str:
+    """A container and what is in it: ``a sequence of numbers``."""
+    plain = [item for item in map(_words, args[-1:]) if item.startswith(("a ", "an ")) and " or " not in item]
+    return words + "".join(f" of {item.split(' ', 1)[1]}s" for item in plain if " of " not in item)
+
+
+def _items(value: Any, hints: Iterable[Any]) -> bool:
+    return all(_holds(item, hint) for item, hint in zip(islice(value, SEEN), hints, strict=False))
+
+
+def _sequence(value: Any, args: tuple[Any, ...]) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.ndim > 0 and (not args or (value.ndim == 1 and _items(value.flat, (args[0],) * SEEN)))
+    ordered = args[:1] in ((float,), (int,))
+    many = isinstance(value, Sequence if ordered else (Sequence, set, frozenset)) or (
+        hasattr(value, "__len__") and hasattr(value, "iloc")
+    )
+    return many and not isinstance(value, (str, bytes)) and (not args or _items(value, (args[0],) * SEEN))
+
+
+def _array(value: Any, args: tuple[Any, ...]) -> bool:
+    """Whether it is an array, or can be made one of the type of number that is declared."""
+    if not isinstance(value, np.ndarray) and any(hasattr(value, name) for name in CONVERTED):
+        return True
+    if not _sequence(value, ()):
+        return False
+    (declared,) = get_args(args[1]) if len(args) > 1 else (Any,)
+    wanted = declared if declared in (np.float64, np.int64) else None
+    try:
+        return wanted is None or (np.asarray(value).dtype.kind in "biuf" and np.asarray(value, wanted).ndim > 0)
+    except (ValueError, TypeError, OverflowError):
+        return False
+
+
+def _regular(value: Any, _: tuple[Any, ...]) -> bool:
+    """Whether the rows of a list of lists are equally long; whatever converts other values says what it takes."""
+    if not isinstance(value, (list, tuple)) or not any(isinstance(row, (list, tuple)) for row in value):
+        return True
+    try:
+        return np.asarray(value).ndim > 0
+    except ValueError:
+        return False
+
+
+def _iterable(value: Any, args: tuple[Any, ...]) -> bool:
+    return np.iterable(value) and not isinstance(value, (str, bytes))
+
+
+def _tuple(value: Any, args: tuple[Any, ...]) -> bool:
+    if not isinstance(value, (tuple, list)):
+        return False
+    if not args or args[-1] is Ellipsis:
+        return _sequence(value, args[:1])
+    return len(value) == len(args) and _items(value, args)
+
+
+def _tuple_words(args: tuple[Any, ...]) -> str:
+    if not args or args[-1] is Ellipsis:
+        return _of("a tuple", args[:1])
+    return f"({', '.join(_words(hint) for hint in args)})"
+
+
+def _mapping(value: Any, args: tuple[Any, ...]) -> bool:
+    return isinstance(value, Mapping) and (not args or _items(value.values(), (args[1],) * SEEN))
+
+
+def _is(words: str, *kinds: type, but: tuple[type, ...] = ()) -> Kind:
+    return Kind(lambda _: words, lambda value, _: isinstance(value, kinds) and not isinstance(value, but))
+
+
+ARRAY_LIKE = Kind(lambda _: "an array", _regular)
+_anything = Kind(lambda _: "", lambda value, _: True)
+_alternatives = Kind(_union, lambda value, args: any(_holds(value, hint) for hint in args))
+_many = Kind(lambda args: _of("a sequence", args), _sequence)
+
+KINDS: dict[Any, Kind] = {
+    Any: _anything,
+    object: _anything,
+    types.NoneType: _is("None", types.NoneType),
+    bool: _is("True or False", bool, np.bool_),
+    int: _is("an integer", Integral, but=(bool,)),
+    float: _is("a number", Real, but=(bool,)),
+    str: _is("a string", str),
+    Literal: Kind(lambda args: f"one of {', '.join(map(repr, args))}", lambda value, _: isinstance(value, str)),
+    np.ndarray: Kind(lambda _: "an array", _array),
+    PathLike: _is("a path", PathLike),
+    Callable: Kind(lambda _: "a function", lambda value, _: callable(value)),
+    tuple: Kind(_tuple_words, _tuple),
+    list: _many,
+    Sequence: _many,
+    Iterable: Kind(lambda args: _of("an iterable", args), _iterable),
+    dict: Kind(lambda args: _of("a mapping", args), _mapping),
+    Mapping: Kind(lambda args: _of("a mapping", args), _mapping),
+    Union: _alternatives,
+    types.UnionType: _alternatives,
+}
+"""The kind of a type, or of the type that it is derived from; any other class has its instances."""

@@ -1,0 +1,160 @@
+"""The door of the Python interface: arguments of any type are taken, or refused in words, by every public function."""
+
+import contextlib
+import inspect
+import math
+import re
+import sys
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import allanite as al
+from allanite.core.declared import misfit, parameters
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "docs"))
+from generate.api import TOPICS, public_names  # the names that the reference of the documentation has
+
+
+@cache
+def functions() -> dict[str, Any]:
+    """Every public function, by the name that users type after ``al.``."""
+    found = {}
+    for name in " ".join(names for _, names in TOPICS.values()).split():
+        thing = getattr(al, name)
+        inner = public_names(name) if isinstance(thing, ModuleType) else []
+        found |= {name: thing} if not inner else {f"{name}.{one}": getattr(thing, one) for one in inner}
+    return {name: thing for name, thing in found.items() if inspect.isfunction(thing)}
+
+
+@cache
+def values() -> dict[str, Any]:
+    """Arguments that are right, by the names of their parameters."""
+    rng = np.random.default_rng(1)
+    model = al.N(0.3, "deg/sqrt(h)") + al.K(2.0, "deg/h/sqrt(h)")
+    record = al.simulate(model, 2000, 10.0, rng=rng)
+    return {
+        "accelerometer": al.N(0.001, "m/s/sqrt(h)"), "after": record, "before": record, "claims": model,
+        "data": {}, "difference": np.zeros(100), "durations": (20.0,), "executor": None, "factors": [1.0, 2.0],
+        "gimbals": al.angle.gimbals(np.arange(100.0), latitude=1.0), "gyro": model, "latitude": 1.0,
+        "m": np.array([1, 2]),
+        "measured": np.zeros(100), "method": "mean", "model": model, "noise": model, "path": Path("nowhere.csv"),
+        "rate": 10.0, "record": record, "recipe": al.Recipe(), "results": "nowhere", "reference": np.zeros(100),
+        "rng": rng, "row": al.STATISTICS["oadev"], "runs": 1000, "second": record,
+        "settings": al.PathSettings((al.Stage("ADC", 16, 300.0, "deg/s"),)),
+        "sheet": "adis16470", "size": 1000, "source": record, "statistic": "oadev", "tau": 1.0,
+        "time": np.arange(100.0),
+        "time_constant": 10.0, "times": [0.0, 1.0], "until": 100.0, "value": record, "module": None,
+    }  # fmt: skip
+
+
+class Strange:
+    """An object of no type that a function knows."""
+
+
+def declared(name: str) -> dict[str, Any]:
+    return parameters(functions()[name].__wrapped__)
+
+
+def refused(name: str, arguments: dict[str, Any]) -> str:
+    """What is said of arguments, none of which is silently taken for another."""
+    with pytest.raises(al.AllaniteError) as caught:
+        functions()[name](**arguments)
+    return str(caught.value)
+
+
+NAMED = {
+    name: [p for p in inspect.signature(thing).parameters.values() if p.kind != p.VAR_KEYWORD]
+    for name, thing in functions().items()
+}
+"""The parameters of every function."""
+
+ANYTHING = {("testing.check_reader", "module"), ("run_batch", "executor")}
+"""Parameters that take any object: a module, and what has a method `submit`."""
+
+PLACES = [(name, one.name) for name, ones in NAMED.items() for one in ones if (name, one.name) not in ANYTHING]
+
+
+@pytest.mark.parametrize(("name", "parameter"), PLACES)
+def test_another_type_is_refused_by_name(name, parameter):
+    hint = declared(name).get(parameter, Any)
+    if typed := misfit(Strange(), hint):
+        said = refused(name, {parameter: Strange()})
+        assert said.startswith(f"{name.rpartition('.')[2]}: {parameter} must be {typed}, not ")
+    else:
+        others = {one.name: values()[one.name] for one in NAMED[name] if one.default is one.empty or one.name in SIZED}
+        refused(name, {**others, parameter: Strange()})
+
+
+SIZED = ("rate", "size")
+"""Parameters without which a model alone says nothing, although they have a default."""
+
+
+def cut(size: int, step: int) -> al.Record:
+    """A record in which every so many-th sample is missing, as in a log that was merged from two rates."""
+    samples = np.random.default_rng(size).normal(size=size)
+    samples[::step] = np.nan
+    return al.Record(samples, 10.0, "deg/h")
+
+
+@pytest.mark.parametrize("step", [3, 5, 7])
+@pytest.mark.parametrize("size", [500, 5000])
+def test_regular_dropouts_are_no_internal_error(size, step):
+    assert al.deviation(cut(size, step)).tau.size
+    assert al.identify(cut(size, step)).method
+
+
+@pytest.mark.parametrize("statistic", al.STATISTICS)
+@pytest.mark.parametrize("size", [100, 256])
+def test_a_missing_sample_of_a_short_record_is_no_internal_error(statistic, size):
+    samples = np.random.default_rng(size).normal(size=size)
+    samples[size // 2] = np.nan
+    with contextlib.suppress(al.AllaniteError):
+        assert al.deviation(al.Record(samples, 10.0, "deg/h"), statistic, noise=None).statistic == statistic
+
+
+MODEL, RECORD = values()["model"], values()["record"]
+EXTREME: dict[str, tuple[Any, str]] = {
+    "a huge coefficient": (lambda: al.N(1e300, "deg/sqrt(h)"), "cannot be computed with"),
+    "a tiny coefficient": (lambda: al.N(1e-300, "deg/sqrt(h)"), "cannot be computed with"),
+    "bins": (lambda: al.spectrum(RECORD, bins=10**9), "omit bins"),
+    "taus": (lambda: al.deviation(RECORD, taus=[1e300]), "averaging times"),
+    "no time": (lambda: al.expected(MODEL, "oadev", 0.0), "averaging times"),
+    "a long time": (lambda: al.expected(MODEL, "oadev", 1e300), "averaging times"),
+    "samples": (lambda: al.simulate(MODEL, 10**12, 10.0, rng=1), "at most 1e+10 samples"),
+    "seed": (lambda: al.simulate(MODEL, 10, 10.0, rng=-1), "a seed must not be negative"),
+    "infinite duration": (lambda: al.simulate(MODEL, rate=1.0, duration=math.inf, rng=1), "duration must be"),
+    "no duration": (lambda: al.bound(MODEL, rate=1.0, duration=math.nan), "duration must be"),
+    "no rate": (lambda: al.selfcheck(MODEL, 100, math.nan, rng=1), "sampling rate must be"),
+    "seconds": (lambda: al.averaging_stability(RECORD, math.nan), "not a multiple"),
+    "level": (lambda: al.selfcheck(MODEL, 1000, 10.0, level=2.0, rng=1), "level"),
+    "scale": (lambda: al.analyze(al.Record(np.arange(1000) % 7, 10.0, "arcsec", kind="count", scale=1e308)), "scale"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EXTREME)
+def test_a_number_out_of_range_is_refused_before_any_work(name):
+    call, said = EXTREME[name]
+    with pytest.raises(al.AllaniteError, match=re.escape(said)):
+        call()
+
+
+anything = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.binary(max_size=4),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
+    max_leaves=5,
+)
+
+
+@given(st.sampled_from(PLACES), anything)
+def test_any_value_of_another_type_is_refused(place, value):
+    name, parameter = place
+    hint = declared(name).get(parameter, Any)
+    if misfit(value, hint):
+        assert refused(name, {parameter: value}).startswith(f"{name.rpartition('.')[2]}: {parameter} must be ")

@@ -1,0 +1,290 @@
+"""What the page keeps: by one server, within its quota, read by schemas; and what many requests at once cannot stop."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests import thinned
+
+from allanite.web.jobs import EVENTS, Live
+from allanite.web.store import Store
+
+from .served import Client, served
+from .test_server import long_job
+
+MB = 1_000_000
+
+
+@pytest.fixture(scope="module")
+def link(folder):
+    with served(folder, "--limit", "10MB", "--quota", "20MB") as (_, link):
+        yield link
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("data") / "g.csv"
+    np.savetxt(path, np.random.default_rng(1).normal(size=3000), header="gx [deg/h]", comments="", fmt="%.5g")
+    return path
+
+
+def kept(folder):
+    return folder / "allanite" / "serve"
+
+
+def slowly(megabytes):
+    for _ in range(10 * megabytes):
+        yield b"1" * 100_000
+        time.sleep(0.002)
+
+
+@pytest.mark.parametrize("stated", [True, False], ids=["stated", "streamed"])
+def test_uploads_side_by_side_stay_within_the_quota(client, folder, stated):
+    workspace = client.workspace()
+
+    def upload(_):
+        with client.again() as one:
+            content = b"1" * 9 * MB if stated else slowly(9)
+            return one.http.post(f"/api/workspaces/{workspace}/files", params={"name": "a.csv"}, content=content)
+
+    with ThreadPoolExecutor(10) as pool:
+        answers = list(pool.map(upload, range(10)))
+    assert {answer.status_code for answer in answers} <= {200, 413}
+    data = [path.stat().st_size for path in (kept(folder) / workspace).rglob("data*")]
+    assert sum(data) <= 20 * MB
+    assert len(data) == sum(answer.status_code == 200 for answer in answers) <= 2
+    client.http.delete(f"/api/workspaces/{workspace}")
+    again = client.workspace()
+    assert client.http.post(f"/api/workspaces/{again}/files", params={"name": "a"}, content=b"1").status_code == 200
+
+
+@pytest.mark.slow("a server that is stopped, killed, or interrupted")
+def test_what_an_upload_left_when_the_server_was_killed_is_removed(tmp_path):
+    with served(tmp_path) as (process, link), Client(link) as client:
+        workspace = client.workspace()
+        sent = threading.Event()
+
+        def endless():
+            yield from slowly(5)
+            sent.set()
+            time.sleep(60)
+
+        def upload():
+            with client.again() as one, pytest.raises(Exception, match=r".*"):
+                one.http.post(f"/api/workspaces/{workspace}/files", params={"name": "a.csv"}, content=endless())
+
+        threading.Thread(target=upload, daemon=True).start()
+        assert sent.wait(30)
+        process.kill()
+        process.wait()
+    assert list(kept(tmp_path).rglob("data.csv"))
+    with served(tmp_path) as (_, link), Client(link) as client:
+        assert client.get(f"/api/workspaces/{workspace}").json()["files"] == []
+        assert not list(kept(tmp_path).rglob("data.csv"))
+
+
+def damage(place, how):
+    path = place / "state.json"
+    data = json.loads(path.read_text())
+    whole = json.dumps(data).encode()
+    changed = {
+        "empty": b"", "cut": whole[:-20], "list": b"[]", "NaN": whole.replace(b"{}", b'{"a":NaN}'),
+        "surrogate": whole.replace(b"{}", rb'{"a":"\ud800"}'), "deep": whole.replace(b"{}", b"[" * 9000, 1),
+        "another id": json.dumps(data | {"id": "0" * 16}).encode(), "no jobs": json.dumps({"id": data["id"]}).encode(),
+        "a foreign file": json.dumps(data | {"files": {"../x": {"id": "../x"}}}).encode(), "binary": os.urandom(300),
+    }  # fmt: skip
+    path.write_bytes(changed[how])
+
+
+HOW = ["empty", "cut", "list", "NaN", "surrogate", "deep", "another id", "no jobs", "a foreign file", "binary"]
+
+
+def test_a_damaged_state_is_set_aside_and_the_rest_is_served(tmp_path, file):
+    with served(tmp_path) as (_, link), Client(link) as client:
+        names = [client.workspace() for _ in range(len(HOW) + 1)]
+        client.upload(names[-1], file)
+    for name, how in zip(names, HOW, strict=False):
+        damage(kept(tmp_path) / name, how)
+    foreign = kept(tmp_path) / "my notes"
+    foreign.mkdir()
+    (foreign / "state.json").write_text("{}")
+    with served(tmp_path) as (_, link), Client(link) as client:
+        found = client.get("/api/workspaces").json()
+        assert [(one["id"], one["files"]) for one in found] == [(names[-1], ["g.csv"])]
+        notes = client.get("/api/tables").json()["first"]["notes"]
+        for name in names[:-1]:
+            assert (kept(tmp_path) / name / "state.json.damaged").is_file()
+            assert sum(name in note for note in notes) == 1
+            assert client.get(f"/api/workspaces/{name}").status_code == 404
+        assert all("state.json.damaged" in note for note in notes)
+    assert (foreign / "state.json").read_text() == "{}"
+
+
+PARTS = ["value.json", "shown.json", "meta.json", "0.0.npy"]
+
+
+@pytest.mark.parametrize("part", thinned(PARTS, 1, "every file of a result, damaged"))
+def test_a_damaged_result_is_told_and_can_be_made_again(client, folder, file, part):
+    workspace = client.workspace()
+    uploaded = client.upload(workspace, file)
+    job, last = client.run(workspace, "analyze", [uploaded], {"rate": 100})
+    assert last[0] == "done"
+    (path,) = (kept(folder) / workspace).rglob(f"*{part}")
+    path.write_bytes(path.read_bytes()[:-400])
+    answers = [client.get(f"/api/jobs/{job}"), client.get(f"/api/files/{uploaded}/trace")]
+    assert sorted(answer.status_code for answer in answers) in ([200, 400], [200, 404])
+    assert any("again" in answer.text or "not read yet" in answer.text for answer in answers)
+    job, last = client.run(workspace, "analyze", [uploaded], {"rate": 100})
+    assert client.get(f"/api/jobs/{job}").status_code == client.get(f"/api/files/{uploaded}/trace").status_code == 200
+    client.http.delete(f"/api/workspaces/{workspace}")
+
+
+def second(folder, *arguments):
+    command = [sys.executable, "-m", "allanite.cli", "serve", "--no-browser", *map(str, arguments)]
+    environment = os.environ | {"XDG_CACHE_HOME": str(folder)}
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_a_second_server_joins_the_first(tmp_path, file):
+    with served(tmp_path) as (process, link), Client(link) as client:
+        said = second(tmp_path, "--port", client.base.rpartition(":")[2], file)
+        assert (said.returncode, said.stderr) == (0, "")
+        assert "a server of yours runs already" in said.stdout
+        other, _, workspace = said.stdout.splitlines()[0].partition("#")
+        with Client(other) as tab:
+            assert tab.base == client.base
+            assert [one["name"] for one in tab.get(f"/api/workspaces/{workspace}").json()["files"]] == ["g.csv"]
+        missing = second(tmp_path, tmp_path / "none.csv")
+        assert missing.returncode == 2
+        assert "there is no file" in missing.stderr
+        process.kill()  # the lock of a process that is dead is taken over
+        process.wait()
+    with served(tmp_path) as (_, link), Client(link) as client:
+        assert client.get("/api/workspaces").status_code == 200
+
+
+@pytest.mark.slow("a server that is stopped, killed, or interrupted")
+def test_a_server_that_does_not_answer_is_named(tmp_path):
+    with served(tmp_path) as (process, _):
+        process.send_signal(signal.SIGSTOP)
+        stopped = second(tmp_path)
+        process.send_signal(signal.SIGCONT)
+        assert stopped.returncode == 2
+        assert "does not answer; end it first" in stopped.stderr
+
+
+@pytest.mark.slow("a server that is stopped, killed, or interrupted")
+def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path):
+    with served(tmp_path) as (_, link), Client(link) as client:
+        workspace, job = long_job(client, tmp_path)
+    with served(tmp_path) as (_, link), Client(link) as client:
+        assert client.get(f"/api/workspaces/{workspace}").json()["jobs"][0]["state"] in ("waiting", "running")
+        client.post(f"/api/jobs/{job}/cancel")
+        assert list(client.events(job))[-1][1]["error"] == "cancelled"
+
+
+def test_a_name_that_is_not_utf_8_is_refused_in_words(tmp_path):
+    path = os.fsencode(tmp_path) + b"/gyro\xff.csv"
+    with open(path, "wb") as out:
+        out.write(b"gx [deg/h]\n1\n2\n")
+    said = second(tmp_path, os.fsdecode(path))
+    assert said.returncode == 3
+    assert "is not UTF-8, which the page needs: rename the file" in said.stderr
+
+
+def test_fifty_waiting_requests_stop_nothing(client, file, tmp_path):
+    workspace = client.workspace()
+    done, _ = client.run(workspace, "analyze", [client.upload(workspace, file)], {"rate": 100})
+    _, job = long_job(client, tmp_path, workspace)
+    answers, took = [], {}
+
+    def ask():
+        with client.again() as tab:
+            answers.append(tab.get(f"/api/jobs/{done}/deviation", channel="gx", statistic="hdev").status_code)
+
+    tabs = [threading.Thread(target=ask) for _ in range(50)]
+    for tab in tabs:
+        tab.start()
+    time.sleep(1.0)
+    with client.again() as tab:
+        for path in ("/api/tables", "/api/workspaces", f"/api/jobs/{job}", f"/api/jobs/{job}/cancel"):
+            begun = time.monotonic()
+            answer = tab.post(path) if path.endswith("cancel") else tab.get(path)
+            took[path] = time.monotonic() - begun
+            assert answer.status_code == 200
+    for tab in tabs:
+        tab.join()
+    assert answers == [200] * 50
+    assert max(took.values()) < 1.0, took
+    client.http.delete(f"/api/workspaces/{workspace}")
+
+
+def test_cancelling_a_job_that_waits_leaves_the_one_before_it(client, file, tmp_path):
+    workspace, job = long_job(client, tmp_path)
+    waiting = client.begin(workspace, "info", [client.upload(workspace, file)], {"rate": 100})
+    client.post(f"/api/jobs/{waiting}/cancel")
+    assert list(client.events(waiting))[-1] == ("failed", {"error": "cancelled", "option": None, "exit": 130})
+    assert client.get(f"/api/jobs/{job}").json()["state"] == "running"
+    client.http.delete(f"/api/workspaces/{workspace}")
+
+
+def test_reports_of_a_long_job_are_bounded():
+    live = Live()
+    for i in range(10_000):
+        live.tell(("progress", "words", "live")[i % 3], {"i": i})
+    live.tell("done", {"exit": 0})
+    numbers = [number for number, _, _ in live.events]
+    assert len(numbers) <= EVENTS
+    assert numbers == sorted(set(numbers))
+    assert [kind for _, kind, _ in live.events].count("live") == 1
+    assert live.events[-1] == (10_000, "done", {"exit": 0})
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root can become another user")
+def test_another_user_of_the_machine_gets_nothing():
+    """By the port, by the folder, or with a cookie of their own."""
+    with tempfile.TemporaryDirectory() as place, served(place) as (_, link), Client(link) as client:
+        os.chmod(place, 0o755)  # noqa: S103 - the folders below it are closed
+        (own,) = client.http.cookies.jar
+        with Client(link, enter=False) as stranger:
+            os.setegid(65534)
+            os.seteuid(65534)
+            try:
+                for cookie in (f"{own.name}={'x' * 43}", f"{own.name}=", f"{own.name}", ""):
+                    assert stranger.http.get("/api/workspaces", headers={"Cookie": cookie}).status_code == 401
+                for path in ("session", "port", ".lock"):
+                    with pytest.raises(PermissionError):
+                        (kept(Path(place)) / path).stat()
+                with pytest.raises(PermissionError):
+                    os.listdir(kept(Path(place)))
+            finally:
+                os.seteuid(0)
+                os.setegid(0)
+
+
+def test_the_cookie_of_one_user_is_none_of_another(client, tmp_path):
+    with served(tmp_path) as (_, link), Client(link) as other:
+        mine, theirs = next(iter(client.http.cookies.jar)), next(iter(other.http.cookies.jar))
+        assert mine.value != theirs.value
+        for one, name, value in ((client, mine.name, theirs.value), (other, theirs.name, mine.value)):
+            with Client(one.link, enter=False) as stranger:
+                answer = stranger.http.get("/api/workspaces", headers={"Cookie": f"{name}={value}"})
+                assert answer.status_code == 401
+
+
+def test_a_start_makes_the_session_for_its_user_alone(tmp_path):
+    old = os.umask(0)
+    try:
+        Store(tmp_path / "s", limit=1, quota=1).session()
+    finally:
+        os.umask(old)
+    assert (tmp_path / "s" / "session").stat().st_mode & 0o777 == 0o600
