@@ -119,19 +119,35 @@ def test_a_missing_sample_of_a_short_record_is_no_internal_error(statistic, size
         assert al.deviation(al.Record(samples, 10.0, "deg/h"), statistic, noise=None).statistic == statistic
 
 
+def nested() -> list[Any]:
+    """A list that contains itself."""
+    found: list[Any] = []
+    found.append(found)
+    return found
+
+
 MODEL, RECORD = values()["model"], values()["record"]
 EXTREME: dict[str, tuple[Any, str]] = {
-    "a huge coefficient": (lambda: al.N(1e300, "deg/sqrt(h)"), "cannot be computed with"),
-    "a tiny coefficient": (lambda: al.N(1e-300, "deg/sqrt(h)"), "cannot be computed with"),
+    "a huge coefficient": (lambda: al.N(1e300, "deg/sqrt(h)"), "value must be between"),
+    "a rate no float can hold": (lambda: al.Record([1.0, 2.0], 10**400, "deg/h"), "a number of more than 200 digits"),
+    "a large coefficient": (lambda: al.N(1e40, "deg/sqrt(h)"), "cannot be computed with"),
+    "a tiny coefficient": (lambda: al.N(1e-300, "deg/sqrt(h)"), "value must be between"),
     "bins": (lambda: al.spectrum(RECORD, bins=10**9), "omit bins"),
     "taus": (lambda: al.deviation(RECORD, taus=[1e300]), "averaging times"),
     "no time": (lambda: al.expected(MODEL, "oadev", 0.0), "averaging times"),
-    "a long time": (lambda: al.expected(MODEL, "oadev", 1e300), "averaging times"),
+    "a long time": (lambda: al.expected(MODEL, "oadev", 1e300), "tau must be between"),
     "samples": (lambda: al.simulate(MODEL, 10**12, 10.0, rng=1), "at most 1e+10 samples"),
     "seed": (lambda: al.simulate(MODEL, 10, 10.0, rng=-1), "a seed must not be negative"),
     "infinite duration": (lambda: al.simulate(MODEL, rate=1.0, duration=math.inf, rng=1), "duration must be"),
     "no duration": (lambda: al.bound(MODEL, rate=1.0, duration=math.nan), "duration must be"),
     "no rate": (lambda: al.selfcheck(MODEL, 100, math.nan, rng=1), "sampling rate must be"),
+    "a huge integer": (lambda: al.averaging_stability(RECORD, 10**30), "below 2"),
+    "a tiny step": (lambda: al.faults.quantize_rate(RECORD, 5e-324, "deg/s"), "lsb must be between"),
+    "a negative noise": (lambda: al.attitude.kalman_error(-1.0, 1.0), "must not be negative"),
+    "no factors": (lambda: al.statistics.edf(al.STATISTICS["oadev"], MODEL, [0], 100, 10.0), "averaging factors"),
+    "a size": (lambda: al.statistics.covariance(al.STATISTICS["oadev"], MODEL, [1], -1, 10.0), "needs at least 2"),
+    "a list of itself": (lambda: al.drift(nested()), "nested too deeply"),
+    "a long word": (lambda: al.read("x" * 5000), "5000 characters"),
     "seconds": (lambda: al.averaging_stability(RECORD, math.nan), "not a multiple"),
     "level": (lambda: al.selfcheck(MODEL, 1000, 10.0, level=2.0, rng=1), "level"),
     "scale": (lambda: al.analyze(al.Record(np.arange(1000) % 7, 10.0, "arcsec", kind="count", scale=1e308)), "scale"),

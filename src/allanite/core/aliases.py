@@ -35,11 +35,11 @@ def public(function: F) -> F:
     """
 
     @cache
-    def declared() -> tuple[list[str], dict[str, Any], Callable[[Any, Any], str]]:
+    def declared() -> tuple[list[str], dict[str, Any], Callable[[Any, Any], str], Callable[[str, Any, Any], str]]:
         """Names and types, which may not be defined before the first call."""
-        from .declared import misfit, parameters  # with numpy, which help does without
+        from .declared import excess, misfit, parameters  # with numpy, which help does without
 
-        return list(signature(function).parameters), parameters(function), misfit
+        return list(signature(function).parameters), parameters(function), misfit, excess
 
     @wraps(function)
     def entered(*args: Any, **options: Any) -> Any:
@@ -48,19 +48,20 @@ def public(function: F) -> F:
             if name in options:
                 raise UsageError(f"{name} and {alias} are the same: give one of them")
             options[name] = options.pop(alias)
-        names, types, misfit = declared()
+        names, types, misfit, excess = declared()
+        called = function.__qualname__.removesuffix(".__init__")
         for name, value in chain(zip(names, args, strict=False), options.items()):
-            if expected := misfit(value, types.get(name, Any)):
-                called = function.__qualname__.removesuffix(".__init__")
+            hint = types.get(name, Any)
+            if expected := misfit(value, hint):
                 raise WrongTypeError(
                     f"{called}: {name} must be {expected}, not {given(value)} ({type(value).__name__})"
                 )
+            if expected := excess(name, value, hint):
+                raise UsageError(f"{expected}, not {given(value)}")
         try:
             return function(*args, **options)
         except OverflowError as error:
-            raise UsageError(
-                f"{function.__qualname__}: the numbers given are too large or too small: {error}"
-            ) from error
+            raise UsageError(f"{called}: the numbers given are too large or too small: {error}") from error
 
     return entered  # type: ignore[return-value]
 

@@ -1,5 +1,6 @@
 """Values against the types that parameters declare."""
 
+import math
 import re
 import types
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -12,9 +13,13 @@ from typing import Any, Literal, NamedTuple, Union, get_args, get_origin, get_ty
 
 import numpy as np
 
+from .arrays import LARGEST, RATES
+
 SEEN = 1000
 """Items of a sequence that are looked at."""
 
+SIZES = {"rate": ("the sampling rate", *RATES, "Hz")}
+"""The least and the largest number of a name; of other names, functions refuse what is infinite or not a number."""
 
 CONVERTED = ("__array__", "to_numpy", "magnitude", "to_value")
 """What arrays, columns and quantities of other libraries have, of which `samples` makes arrays."""
@@ -46,6 +51,28 @@ def misfit(value: Any, hint: Any) -> str:
     ('', 'a number or None', 'a sequence of integers')
     """
     return "" if _holds(value, hint) else _words(hint)
+
+
+def excess(name: str, value: Any, hint: Any) -> str:
+    """A sentence if the number is of a size that none of its name and type can have; else empty.
+
+    Examples
+    --------
+    >>> excess("rate", 0.0, float | None), excess("m", 10**30, int), excess("m", 3, int)
+    ('the sampling rate must be between 1e-09 and 1e+15 Hz', 'm must be below 2^63', '')
+    """
+    members = get_args(hint) or (hint,)
+    if not isinstance(value, Real) or np.random.Generator in members or not {int, float} & set(members):
+        return ""
+    number: Any = value  # compared as it is: an integer need not have a float
+    if name in SIZES:
+        words, low, high, unit = SIZES[name]
+        return "" if low <= number <= high else f"{words} must be between {low:g} and {high:g} {unit}"
+    if isinstance(number, Integral):
+        return "" if abs(int(number)) < 2**63 else f"{name} must be below 2^63"
+    size, low, high = abs(number), 1 / LARGEST**2, LARGEST**2
+    fits = size == 0 or not math.isfinite(size) or low <= size <= high
+    return "" if fits else f"{name} must be between {low:g} and {high:g} in size"
 
 
 def parameters(function: Callable[..., Any]) -> dict[str, Any]:
@@ -123,9 +150,9 @@ def _array(value: Any, args: tuple[Any, ...]) -> bool:
     if not _sequence(value, ()):
         return False
     (declared,) = get_args(args[1]) if len(args) > 1 else (Any,)
-    wanted = declared if declared in (np.float64, np.int64) else None
+    kinds = {np.float64: "biuf", np.int64: "iu"}.get(declared)
     try:
-        return wanted is None or (np.asarray(value).dtype.kind in "biuf" and np.asarray(value, wanted).ndim > 0)
+        return not kinds or np.asarray(value).dtype.kind in kinds
     except (ValueError, TypeError, OverflowError):
         return False
 

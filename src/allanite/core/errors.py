@@ -1,9 +1,16 @@
 """The errors of allanite. Each message says what was given, what was expected, and what to do."""
 
+import re
 from reprlib import Repr
 from typing import Any, Self
 
 from allanite.phrases.phrase import join
+
+SHOWN = 200
+"""Characters of a given text, and digits of a number, that a message shows."""
+
+_UNBROKEN = re.compile(r"\S{501,}")
+"""What is too long for the path of a file."""
 
 Cure = tuple[str, str]
 """Words that were typed, and what to type instead; if the first are empty, the second are added to the command."""
@@ -21,6 +28,12 @@ class AllaniteError(ValueError):
     def __init__(self, *words: object, choice: str = "", cure: Cure = ("", "")) -> None:
         super().__init__(*words)
         self.choice, self.cure = choice, cure
+
+    def __str__(self) -> str:
+        words = super().__str__()  # the phrase, which can be translated
+        if not _UNBROKEN.search(words):
+            return words
+        return _UNBROKEN.sub(lambda word: f"{word[0][:SHOWN]}… ({len(word[0])} characters)", words)
 
     def within(self, where: str) -> Self:
         """The same error, whose message begins with where it is."""
@@ -52,9 +65,6 @@ class LongJobWarning(UserWarning):
 class DataError(AllaniteError):
     """The data cannot be read, or cannot support the job."""
 
-
-SHOWN = 200
-"""Characters of a given text, and digits of a number, that a message shows."""
 
 _BEGINNING = Repr()
 _BEGINNING.maxlevel, _BEGINNING.maxlist, _BEGINNING.maxtuple, _BEGINNING.maxdict = 2, 12, 12, 4

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from allanite.phrases.phrase import join, say
 
 from .aliases import public
-from .arrays import LARGEST, RATES, FloatArray, complete
+from .arrays import LARGEST, FloatArray, complete
 from .errors import DataError, UsageError, given
 from .finding import Finding
 from .header import Header
@@ -87,12 +87,6 @@ class Record(Value):
 
     def __post_init__(self) -> None:
         demand_name("kind", self.kind, KINDS)
-        if not (isinstance(self.rate, (int, float, np.number)) and np.isfinite(self.rate) and self.rate > 0):
-            raise UsageError(f"the sampling rate must be a positive number of Hz, not {given(self.rate)}")
-        if not RATES[0] <= self.rate <= RATES[1]:
-            raise UsageError(
-                f"the sampling rate must be between {RATES[0]:g} and {RATES[1]:g} Hz, not {given(self.rate)}"
-            )
         if self.scale is not None and not 1 / LARGEST <= self.scale <= LARGEST:
             span = f"positive number of {self.unit}, from {1 / LARGEST:g} to {LARGEST:g}"
             raise UsageError(f"the scale must be a {span}, not {given(self.scale)}")

@@ -81,7 +81,7 @@ def _(source: Model | Term) -> Iterator[Axis]:
 @axes_of.register
 def _(source: Mapping) -> Iterator[Axis]:  # type: ignore[type-arg]  # dispatch needs the bare class
     for name, fit in source.items():
-        for axis in axes_of(fit):
+        for axis in _within(fit):
             yield Axis(name, axis.fit, axis.rate, axis.doubt)
 
 
@@ -89,4 +89,11 @@ def _(source: Mapping) -> Iterator[Axis]:  # type: ignore[type-arg]  # dispatch 
 @axes_of.register(tuple)
 def _(source: Sequence[Any]) -> Iterator[Axis]:
     for part in source:
+        yield from _within(part)
+
+
+def _within(part: Any) -> Iterator[Axis]:
+    try:
         yield from axes_of(part)
+    except RecursionError:
+        raise UsageError("the results given are nested too deeply, or contain themselves") from None

@@ -1,5 +1,6 @@
 from allanite.core.aliases import public as public
 from allanite.core.aliases import size_and_rate as size_and_rate
+from allanite.core.arrays import LARGEST as LARGEST
 from allanite.core.arrays import BoolArray as BoolArray
 from allanite.core.arrays import FloatArray as FloatArray
 from allanite.core.arrays import IntArray as IntArray

@@ -161,11 +161,8 @@ def state_space(
     ((3, 3), 'sample', True)
     """
     model = model_of(model)
-    if not RATES[0] <= rate <= RATES[1] or not turn_on >= 0:
-        raise UsageError(
-            f"the rate must be from {RATES[0]:g} to {RATES[1]:g} Hz and the turn-on bias not negative, unlike "
-            f"{given(rate)}, {given(turn_on)}"
-        )
+    if not 0 <= turn_on < math.inf:
+        raise UsageError(f"the turn-on bias must be 0 or a positive number of SI units, not {given(turn_on)}")
     if measurement not in ("auto", *MEASUREMENTS):
         raise UsageError(f"measurement must be auto, {' or '.join(MEASUREMENTS)}, not {measurement!r}")
     low, high = max(tau[0], 1 / rate), tau[1]

@@ -18,9 +18,9 @@ def record(n=5000, **options):
 
 
 WRONG = [
-    ({"rate": 0}, "positive number of Hz, not 0"),
-    ({"rate": -1.0}, "positive"),
-    ({"rate": float("nan")}, "positive"),
+    ({"rate": 0}, "between 1e-09 and 1e\\+15 Hz, not 0"),
+    ({"rate": -1.0}, "between"),
+    ({"rate": float("nan")}, "between"),
     ({"rate": "100"}, "rate must be a number"),
     ({"unit": "furlong"}, "unknown unit"),
     ({"unit": "deg"}, "does not fit kind 'rate'"),
@@ -87,7 +87,7 @@ def test_a_column_needs_no_more_than_to_numpy():
 
 
 def test_numbers_of_numpy_are_written_as_numbers():
-    with pytest.raises(al.UsageError, match=r"number of Hz, not -1$"):
+    with pytest.raises(al.UsageError, match=r"15 Hz, not -1$"):
         al.Record([1.0, 2.0], np.float64(-1.0), "deg/h")
     with pytest.raises(al.DataError, match=r"sample 1 of 'z' is 1\.25;"):
         al.Record([1.0, 1.25, 2.0], 10.0, "arcsec", kind="count", scale=0.1, name="z")

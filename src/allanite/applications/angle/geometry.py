@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from allanite.extending import DataError, FloatArray, UnitError, UsageError, Value, demand_name, public
+from allanite.extending import LARGEST, DataError, FloatArray, UnitError, UsageError, Value, demand_name, given, public
 
 from .checks import column, demand_increasing
 from .motion import Ring, Sway, angles_of, horizontal, sway_of, turned, vector
@@ -214,9 +214,10 @@ def gimbals(
     if not math.isfinite(latitude) or abs(latitude) > math.pi / 2 + 1e-12:
         raise UnitError(f"a latitude must not exceed a right angle, as {latitude!r} rad does: is it in degrees?")
     demand_name("law", q_law, Q_LAWS)
-    if turn_period is not None and not (math.isfinite(turn_period) and turn_period > 0):
+    if turn_period is not None and not 1 / LARGEST <= turn_period <= LARGEST:
         raise UsageError(
-            f"the period of the auto-compensating rotation must be a positive number of s, not {turn_period!r}"
+            f"the period of the auto-compensating rotation must be from {1 / LARGEST:g} to {LARGEST:g} s, "
+            f"not {given(turn_period)}"
         )
     H = EARTH_RATE * clock
     h, q = np.arcsin(math.cos(latitude) * np.sin(H)), Q_LAWS[q_law](H, latitude)

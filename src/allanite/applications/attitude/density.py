@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from allanite.extending import (
+    LARGEST,
     FloatArray,
     Model,
     ModelLike,
@@ -57,8 +58,9 @@ class SensorNoise:
             if model.signal.name != sensor:
                 raise UnitError(f"the noise of the {sensor} is that of another sensor ({model.signal.name}): {model}")
         for value, name, unit in ((duration, "duration", "s"), (rate, "rate", "Hz")):
-            if not 0 < (1.0 if value is None else value) < math.inf:
-                raise UsageError(f"the {name} must be a number of {unit} above 0, not {given(value)}")
+            if not 1 / LARGEST <= (1.0 if value is None else value) <= LARGEST:
+                raise UsageError(f"the {name} must be a number of {unit} from {1 / LARGEST:g} to {LARGEST:g}, "
+                                 f"not {given(value)}")  # fmt: skip
         for t in (t for model in models for t in model if t.value):
             if rate is None and (t.row.alpha or 0) > 0:  # its power is infinite in continuous time
                 raise UsageError(f"{t.symbol} ({t.row.title}) depends on the sampling rate: give it with "

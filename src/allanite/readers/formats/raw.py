@@ -45,8 +45,8 @@ def _layout(path: str, options: Options) -> tuple[np.dtype[Any], int, int]:
         row = np.dtype(object)
     if not _real(row) or not row.itemsize:
         raise UsageError(
-            f"unknown number type {given(said)}; types are written as in NumPy: i1 i2 i4 i8, u1 u2 u4 u8, f4 f8, with > "
-            "in front for big-endian, as in '>i2'; 'u4,6i2' for rows of mixed types"
+            f"unknown number type {given(said)}; types are written as in NumPy: i1 i2 i4 i8, u1 u2 u4 u8, f4 f8, with "
+            "> in front for big-endian, as in '>i2'; 'u4,6i2' for rows of mixed types"
         )
     if columns is not None:
         option = spelled(f"--columns {columns}", f"columns={columns}")

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError, UsageError, given
 from allanite.core.files import reason
 
 SEPARATOR = "::"
@@ -56,7 +56,7 @@ def checked(path: Any) -> tuple[str, str]:
         raise DataError(f"{name}: no such file; check the name and the folder") from None
     except (OSError, ValueError) as error:
         raise DataError(
-            f"{name!r}: the file cannot be accessed ({reason(error)}); check the name and your permissions"
+            f"{given(name)}: the file cannot be accessed ({reason(error)}); check the name and your permissions"
         ) from None
     if stat.S_ISDIR(mode.st_mode):
         if not parts(name):

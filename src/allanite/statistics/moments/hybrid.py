@@ -4,7 +4,7 @@ import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.model import ModelLike, model_of
-from allanite.statistics.grids import part_of
+from allanite.statistics.grids import checked, part_of
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.statistics.table import STATISTICS
 
@@ -38,7 +38,7 @@ def covariance(
     >>> (np.sqrt(np.diag(C)) * [7.5, 15]).round(3).tolist()
     [0.068, 0.089]
     """
-    noise = noise_of(model_of(model))
+    noise, m = noise_of(model_of(model)), checked(m, row, size, join)
     if not row.parts:
         return np.asarray(covariance_by_term([row] * m.size, noise, m, size, rate).sum(axis=(2, 3)))
     which = part_of(row, m, size, join)

@@ -18,6 +18,7 @@ import numpy as np
 from allanite.core.aliases import public
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
+from allanite.statistics.grids import checked
 from allanite.statistics.row import FloatArray, IntArray, Statistic
 from allanite.terms import NoiseTerm
 
@@ -120,10 +121,9 @@ def edf(row: Statistic, model: ModelLike, m: IntArray, runs: Runs | int, rate: f
     """
     model = noise_of(model_of(model))
     runs = [(runs, 1)] if isinstance(runs, int) else runs
-    if np.ndim(m) != 1:
-        raise UsageError(f"the averaging factors m have the shape (k,), not {np.shape(m)}")
-    result = np.empty(len(m))
-    for i, k in enumerate(np.asarray(m).tolist()):
+    factors = checked(m, row, max((size for size, _ in runs), default=0), join=0.2)
+    result = np.empty(factors.size)
+    for i, k in enumerate(factors.tolist()):
         E, r = moments(row, model, k, grouped(runs, row, k), rate)
         result[i] = E.sum() ** 2 / (E @ r @ E)
     return result
