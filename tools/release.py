@@ -9,6 +9,7 @@ and every fragment of the changelog joined (tools/changes.py).
 """
 
 import hashlib
+import importlib.util
 import json
 import re
 import shutil
@@ -87,6 +88,8 @@ def sums(*paths: Path) -> str:
 
 def main() -> None:
     """Make the release."""
+    if lacking := [name for name in ("hatchling", "cyclonedx_py") if not importlib.util.find_spec(name)]:
+        sys.exit(f"{', '.join(lacking)} cannot be imported: run make release, or pip install '.[release]'")
     folder = Path(*sys.argv[1:2] or ("dist",)).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     if any(folder.iterdir()):
