@@ -136,6 +136,15 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
     assert back.findings == fit.findings
 
 
+@pytest.mark.parametrize("share", [0.2, 0.04, 0.015])
+def test_a_short_warm_up_is_no_step(share):
+    fit = al.identify(record_of(N + B, 2**14, 5, settling(-90, share)))
+    (finding,) = fit.findings
+    assert finding.name == "warm-up"
+    tau = float(re.search(r"time constant of (\S+) s", finding.what)[1])
+    assert tau == pytest.approx(share * 2**14 / RATE, rel=0.2)
+
+
 def test_the_window_that_a_warm_up_advises_is_free_of_it():
     record = record_of(N + B, 2**16, 3, settling(-30, 0.1))
     text = str(al.identify(record).findings[0])

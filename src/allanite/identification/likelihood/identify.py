@@ -18,7 +18,7 @@ from allanite.identification.checks.exponent import exponent_finding, other_law,
 from allanite.identification.checks.goodness import goodness
 from allanite.phrases.phrase import say, say_count
 from allanite.prepare.gaps import known_rates, refusal
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .estimates import CoefficientScale, nodes, noise_estimate, observable, ramp_estimate
 from .lines import levels, suspected, waves_of
@@ -30,7 +30,10 @@ from .spectrum import BinnedSpectrum
 from .steps import steps_in
 from .warmup import WarmUp, warm_up_estimate, without_warm_up
 
-WALKS = [symbol for symbol, row in TERMS.items() if row.slope > 0 and row.waveform is None]
+SLOW = [symbol for symbol, row in TERMS.items() if not row.slope <= WHITE and row.waveform is None]
+"""Noise whose power is at low frequencies."""
+
+WALKS = [symbol for symbol in SLOW if TERMS[symbol].slope > 0]
 """Noise that grows with time, for which steps of the bias are taken."""
 
 
@@ -159,14 +162,18 @@ def _concluded(
     """The fit, from what every subset of the terms makes of a spectrum."""
     (name, signal), (choice, asked) = channel, _frequencies(band)
     warm, found = _steady(plain, signal, rival=rival, choice=choice)
-    law = None if warm else other_law(found, plain)
-    stepped = None if warm or law else steps_in(found, signal)
+    stepped = steps_in(warm.found, signal, warm) if warm else None
+    if warm and stepped:  # a step near the start falls like a warm-up, but at once
+        warm, found = None, warm.found
+    law = None if warm or stepped else other_law(found, plain)
+    stepped = stepped or (None if warm or law else steps_in(found, signal))
     slow = [exponent_finding(law, found, signal)] if law else [each.finding for each in (warm, stepped) if each]
     scope = scope_of(found, choice, asked)
     scale = CoefficientScale(signal, found.seen.rate, found.seen.unit_factor, found.seen.slope)
     estimates = _estimates(symbols, found, scope, scale, warm=warm)
     if stepped is not None:
-        estimates |= {s: e.invalid(say("the bias steps")) for s, e in estimates.items() if s in WALKS and e.claimed}
+        stained = SLOW if found.chosen.constants else WALKS  # what has taken the power of the steps
+        estimates |= {s: e.invalid(say("the bias steps")) for s, e in estimates.items() if s in stained and e.claimed}
     elif law is not None:
         estimates = {s: under(law, e) for s, e in estimates.items()}
     model = _model(estimates, found, scale)

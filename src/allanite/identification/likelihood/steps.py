@@ -20,6 +20,7 @@ from allanite.terms import TERMS, WHITE
 from .bins import SINGLE
 from .model_selection import Found
 from .selection import PENALTY, Subset
+from .warmup import WarmUp
 from .whittle import step_coefficients, step_power, with_steps
 
 PLACES = 512
@@ -65,17 +66,20 @@ class BiasSteps(Portable):
         )
 
 
-def steps_in(found: Found, signal: Signal) -> BiasSteps | None:
-    """The steps that explain a record better than its random walk does; None if there is none."""
+def steps_in(found: Found, signal: Signal, warm: WarmUp | None = None) -> BiasSteps | None:
+    """The steps that explain a record better than its random walk, or a warm-up of it, does; None if there is none."""
     seen, chosen = found.seen, found.chosen
     walk = np.array([TERMS[s].slope > 0 for s in found.noise] + [False] * (chosen.theta.size - len(found.noise)))
     wandering = (walk & (chosen.theta > 0)).any()
-    if not wandering or seen.pieces is not None or seen.gaps.at.size or not found.used[:SINGLE].all():
+    if not (wandering or warm) or seen.pieces is not None or seen.gaps.at.size or not found.used[:SINGLE].all():
         return None
     # the white noise, which is always there
     white = [TERMS[s].slope == WHITE for s in found.noise]
     base = replace(chosen, free=chosen.free & ~walk | np.array(white + [False] * (chosen.theta.size - len(white))))
     goal = chosen.profiled + PENALTY * float((chosen.free & walk).sum()) - CLEAR
+    if warm:
+        more = float(warm.base.free.sum() - base.free.sum()) + 2 * float(len(warm.base.constants) - len(base.constants))
+        goal = min(goal, warm.at(warm.tau)[0] + PENALTY * more + EVIDENCE - CLEAR)
     at: list[float] = []
     beside = _beside(found, base, at)
     for _ in range(MOST):

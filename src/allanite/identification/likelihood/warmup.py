@@ -27,6 +27,9 @@ from .whittle import with_warm_up
 SHORTEST, LONGEST, STEPS = 1 / 30, 0.37, 9
 """Time constants of the first search, shares of the record: a longer one is a ramp and a parabola, and mimics noise."""
 
+LOWER = 4
+"""Steps below the shortest of these to which the best is looked for: a shorter one is found by them, but not fitted."""
+
 EVIDENCE = 15.0
 """What a warm-up must gain in 2 L over the best of the terms; a weak random walk gains as much in 1 of 100 records."""
 
@@ -131,7 +134,7 @@ def without_warm_up(found: Found, signal: Signal) -> tuple[WarmUp | None, Found]
     step, n = (LONGEST / SHORTEST) ** (1 / (STEPS - 1)), seen.size
     near = minimize_scalar(
         lambda x: _beside(found, base, math.exp(x)).profiled, method="bounded", options={"xatol": 0.02},
-        bounds=(math.log(max(tau / step, SHORTEST * n)), math.log(min(tau * step, LONGEST * n))),
+        bounds=(math.log(tau / (step if tau > SHORTEST * n else step**LOWER)), math.log(min(tau * step, LONGEST * n))),
     )  # fmt: skip
     tau = math.exp(float(near.x))
     part = with_warm_up(base.likelihood, seen, found.used, tau)
