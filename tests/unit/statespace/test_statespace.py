@@ -175,7 +175,7 @@ def test_the_simpler_measurement_is_taken_where_it_does():
         ("B 1 deg/h", {"order": 0}, "between 1 and 40"),
         ("B 1 deg/h", {"ripple": 0.0}, "above 0"),
         ("B 1 deg/h", {"measurement": "median"}, "auto, mean or sample"),
-        ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "not negative"),
+        ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "0 or a positive number"),
     ],
 )
 def test_what_is_refused(text, options, words):

@@ -46,8 +46,8 @@ EVIDENCE = 15.0
 MOVED = 0.1
 """Logarithm of the ratio by which a cut-off may change at a time."""
 
-CLOSE = 0.5
-"""Logarithm of the ratio of frequencies up to which resonances are fitted again beside a new one."""
+CLOSE, NEAREST = 0.5, 6
+"""Logarithm of the ratio of frequencies up to which resonances are fitted again beside a new one, and how many."""
 
 PEAK = 0.3
 """Power of a resonance over that of its highest bin, from which a bin belongs to its peak."""
@@ -136,8 +136,9 @@ def excess(part: Portion, *, smooth: bool = False) -> "tuple[Excess, Tuned | Non
         if len(found) == MOST:
             return None
         found.append(search.started(found, at))
-        near = [i for i, one in enumerate(found) if abs(math.log(one[1] / at)) < CLOSE]
-        search.refine(found, near, shapes=())
+        far = [abs(math.log(omega / at)) for _, omega, _ in found]
+        near = sorted((i for i in range(len(far)) if far[i] < CLOSE), key=far.__getitem__)[:NEAREST]
+        search.refine(found, sorted(near), shapes=())
         if not smooth and min(quality for *_, quality in found) < QUALITIES[0] * (1 + BROAD):
             return None  # nothing narrow: the floor is another one
         search = search.tuned(found)
