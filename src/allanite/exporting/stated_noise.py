@@ -102,7 +102,7 @@ class StatedNoise(Value):
                 say("{sensor}: a filter errs up to {wrong:.2g} times what it predicts with this file",
                     sensor=sensor, wrong=float(wrong.max())),
             )  # fmt: skip
-        loss = 100 * (self.actual / self.best - 1)
+        loss = np.round(100 * (self.actual / self.best - 1))  # its maximum is where it is first, not where rounding is
         return (
             say("{channels}: covers the noise from {low:.4g} to {high:.4g} s, lowest ratio {ratio:.2f} at {at:.4g} s",
                 channels=self.label, low=low, high=high, ratio=ratio, at=at),

@@ -164,7 +164,7 @@ def _concluded(
     warm, found = _steady(plain, signal, rival=rival, choice=choice)
     stepped = steps_in(warm.found, signal, warm) if warm else None
     if warm and stepped:  # a step near the start falls like a warm-up, but at once
-        warm, found = None, warm.found
+        found, warm = warm.found, None
     law = None if warm or stepped else other_law(found, plain)
     stepped = stepped or (None if warm or law else steps_in(found, signal))
     slow = [exponent_finding(law, found, signal)] if law else [each.finding for each in (warm, stepped) if each]

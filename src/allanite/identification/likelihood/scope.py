@@ -135,12 +135,13 @@ def _masked(whole: Portion, rival: bool) -> Iterator[Found]:
     Resonances are looked for above the floor of the terms; behind the filter that describes what falls beside them;
     and above a floor of any shape, then behind the filter that is found beside those.
     """
-    part, best, seen = whole, behind_filter(whole).part, set[tuple[Portion, bool]]()
+    part, best, seen = whole, behind_filter(whole).part, set[tuple[Portion | None, bool]]()
     for smooth, start in ((False, whole), (False, best), (True, whole), (False, None)):
         part = start or part
-        if (part, smooth) in seen or (part.filter is None and part is not whole):
-            continue  # without a filter it was looked at before
-        seen.add((part, smooth))
+        looked = (part if part.filter else None, smooth)  # without a filter they are the same
+        if looked in seen:
+            continue
+        seen.add(looked)
         loud, through = excess(part, smooth=smooth) or (None, None)
         if loud is None or (loud.hidden & part.used).sum() > MASKED * whole.used.size:
             continue
