@@ -88,14 +88,14 @@ def sums(*paths: Path) -> str:
 
 def main() -> None:
     """Make the release."""
-    if lacking := [name for name in ("hatchling", "cyclonedx_py") if not importlib.util.find_spec(name)]:
-        sys.exit(f"{', '.join(lacking)} cannot be imported: run make release, or pip install '.[release]'")
     folder = Path(*sys.argv[1:2] or ("dist",)).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     if any(folder.iterdir()):
         sys.exit(f"{folder} is not empty; give another folder, or remove what is in it")
     if left := unfinished():
         sys.exit("\n".join(left))
+    if lacking := [name for name in ("hatchling", "cyclonedx_py") if not importlib.util.find_spec(name)]:
+        sys.exit(f"{', '.join(lacking)} cannot be imported: run make release, or pip install '.[release]'")
     archive, wheel = built(folder)
     name = archive.name.removesuffix(".tar.gz")
     bill = materials(wheel, folder / f"{name}.cdx.json")
