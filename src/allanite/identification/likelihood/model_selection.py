@@ -144,7 +144,7 @@ class Found(Portable):
         """The column of the noise of the longest memory, which is known from a few coefficients only."""
         return max(range(len(self.noise)), key=lambda i: np.nan_to_num(TERMS[self.noise[i]].slope, nan=-math.inf))
 
-    @property
+    @cached_property
     def akaike(self) -> FloatArray:
         """Penalties in 2 L of the terms, 2 for each number that is fitted, shape (p,).
 
@@ -158,7 +158,7 @@ class Found(Portable):
             found[-1] += EVIDENCE * bool((slower & (self.plain.theta > 0) & (self.markov.theta == 0)).any())
         return found
 
-    @property
+    @cached_property
     def schwarz(self) -> FloatArray:
         """The same, but angle noise must gain ln n, n the coefficients that it could dominate, shape (p,).
 
