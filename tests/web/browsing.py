@@ -14,7 +14,7 @@ SUITE = [needed, pytest.mark.slow("the whole suite of the page in a browser")]
 
 AXE = Path(__file__).with_name("axe.min.js")
 
-PATIENCE = 40_000
+PATIENCE = 120_000
 """Milliseconds that a step may take on a machine that is busy."""
 
 

@@ -216,7 +216,7 @@ def test_no_state_has_a_barrier(page: Any, files: Path, width: int, lang: str, t
 def test_the_first_run_says_that_it_prepares(browser: Any, files: Path, tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))
     one = browser.new_page()
-    one.set_default_timeout(4 * PATIENCE)
+    one.set_default_timeout(2 * PATIENCE)
     with served(tmp_path) as (_, link):
         one.goto(link)
         one.wait_for_selector("body[data-ready=true]")

@@ -64,7 +64,7 @@ def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
 @pytest.fixture
 def start(monkeypatch):
     """Starts ``dask scheduler`` or ``dask worker``, in an environment of its own."""
-    monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 3)
+    monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 6)
     started = []
 
     def starting(*arguments, path=()):
