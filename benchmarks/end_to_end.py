@@ -43,9 +43,8 @@ STAGES = {
     "residuals and their tests": "identification/checks/residuals.py:residuals",
     "limits of curves": "core/curve.py:_limits",
     "other models of the fit (in the stored data)": "identification/likelihood/identify.py:_alternatives",
-    "figures": "reporting/html.py:_picture",
-    "figures: by matplotlib": "reporting/picture.py:picture",
-    "text for the terminal": "reporting/__init__.py:table",
+    "figures": "reporting/matplotlib_svg.py:drawn",
+    "text for the terminal": "reporting/__init__.py:first_screen",
 }
 """Functions whose time is listed: the end of a path, and a name; a stage may contain another."""
 
@@ -109,9 +108,10 @@ def stages(path: Path, page: Path) -> list[tuple[str, str, str]]:
     rows = []
     for stage, place in STAGES.items():
         end, name = place.split(":")
-        for (file, _, function), entry in found.items():
-            if file.endswith(end) and function == name:
-                rows.append((stage, f"{entry[0]}", f"{entry[3] / whole:.0%}"))
+        entries = [entry for (file, _, function), entry in found.items() if file.endswith(end) and function == name]
+        if not entries:
+            raise LookupError(f"{stage}: {place} was not called; name the function that does this now")
+        rows += [(stage, f"{entry[0]}", f"{entry[3] / whole:.0%}") for entry in entries]
     return rows
 
 

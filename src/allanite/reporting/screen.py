@@ -45,6 +45,11 @@ def _printed(lines: Iterable[tuple[str, str]], *, color: bool) -> str:
     return out.getvalue()
 
 
+def _found(axes: Axes) -> Axes:
+    """Without the rows of little weight."""
+    return replace(axes, rows=[row for row in axes.rows if row.rank < 1])
+
+
 class _Screen:
     """Lays out for a width, in lines with their styles."""
 
@@ -196,8 +201,11 @@ class _Screen:
 
     def shortened(self, parts: Sequence[Answer], room: int) -> Iterator[str]:
         """Each channel on a line, and how many there are beside those shown."""
-        tables: list[Answer] = [part.listed() if isinstance(part, Axes) else part for part in parts]
+        tables: list[Answer] = [_found(part).listed() if isinstance(part, Axes) else part for part in parts]
         lines = [line for part in tables for line in self.part(part, 1)]
+        if len(lines) <= room:
+            yield from lines
+            return
         yield from lines[: room - 1]
         left = len(lines) - room + 1
         yield self.text(say_count(left, "and {count} more line: --details", "and {count} more lines: --details"))
