@@ -129,7 +129,7 @@ try:
     main(["info", sys.argv[1], "--rate", "100", "--threads", "1"])
 finally:
     ended, child = used()
-    print("USED", peak() - before + max(0, child - before), ended - begun)
+    print("USED", peak() - before + max(0, child - before), ended - begun, begun)
 """
 
 
@@ -144,9 +144,10 @@ def test_what_it_takes_and_what_is_said(name, tmp_path):
     command = [sys.executable, "-c", PROGRAM, name]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
     shown, _, used = done.stdout.partition("INFO")[2].partition("USED ")
-    memory, seconds = map(float, used.split())  # of the processor, beyond what any file needs
+    # of the processor, beyond what any file needs, and that, which measures how busy the machine is
+    memory, seconds, start = map(float, used.split())
     assert memory * 1024 < 300e6
-    assert seconds < 2
+    assert seconds < 1.7 * start
     assert done.returncode == (0 if refused is None else 2 if "unit" in refused else 3), done.stderr
     assert refused is None or refused in done.stderr
     assert len(shown) + len(done.stderr) < 5000
