@@ -17,12 +17,12 @@ from numba.core.sigutils import normalize_signature
 
 from allanite.kernels.compiling import KEPT
 
-_X, _M, _COLUMNS = "float64[::1]", "int64[::1]", "float64[:, ::1]"
+_X, _M, _FREE, _COLUMNS = "float64[::1]", "int64[::1]", "boolean[::1]", "float64[:, ::1]"
 _DATA = f"Tuple(({_X}, {_X}, float64[:, :, ::1], {_COLUMNS}))"
 
 THERE = {
     "whittle.evaluated": f"({_X}, {_X}, {_COLUMNS}, {_DATA})",
-    "whittle.minimise": f"({_X}, {_X}, {_COLUMNS}, {_DATA})",
+    "whittle.minimise": f"({_X}, {_FREE}, {_X}, {_COLUMNS}, {_DATA})",
 }
 """What the other process compiles: kernel and types of its arguments."""
 

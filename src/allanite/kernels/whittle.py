@@ -207,13 +207,12 @@ def _rate(weight, before, shift):  # type: ignore[no-untyped-def]
     return along / size if size > 0 else 0.0
 
 
-@swift
-def minimise(theta, held, columns, data):  # type: ignore[no-untyped-def]
-    """Theta >= 0 at the least L, and L: Fisher scoring with step halving.
+@swift_part
+def _scored(theta, held, columns, data):  # type: ignore[no-untyped-def]
+    """Theta of the terms that move at the least L, and L; `held` is the expectation of the others.
 
-    `theta` and `columns` are those of the terms that move, `held` is the expectation of the others. Nothing moves where
-    L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: from two of them the sum of all
-    is known.
+    Nothing moves where L is infinite. Where the model is wrong, the steps of Fisher scoring shrink evenly: from two of
+    them the sum of all is known.
     """
     nothing = np.zeros(held.size)
     trial, move, shift, before = theta, theta, nothing, nothing
@@ -239,3 +238,32 @@ def minimise(theta, held, columns, data):  # type: ignore[no-untyped-def]
             step = _stretch(theta, move, _rate(weight, before, shift))
         trial = _moved(theta, move, step)
     return theta, best
+
+
+@swift
+def minimise(theta, moving, held, columns, data):  # type: ignore[no-untyped-def]
+    """Theta >= 0 at the least L, and L: Fisher scoring with step halving; what is not `moving` keeps its theta.
+
+    `held` is the expectation of what is no term.
+    """
+    free = 0
+    for j in range(theta.size):
+        free += moving[j]
+    some, chosen, rest, found = np.zeros(free), np.zeros((free, held.size)), np.zeros(held.size), np.zeros(theta.size)
+    _add(rest, 1.0, held)
+    k = 0
+    for j in range(theta.size):
+        found[j] = theta[j]
+        if moving[j]:
+            some[k] = theta[j]
+            _add(chosen[k], 1.0, columns[j])
+            k += 1
+        elif theta[j] != 0.0:
+            _add(rest, theta[j], columns[j])
+    some, best = _scored(some, rest, chosen, data)
+    k = 0
+    for j in range(theta.size):
+        if moving[j]:
+            found[j] = some[k]
+            k += 1
+    return found, best

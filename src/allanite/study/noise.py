@@ -10,13 +10,16 @@ from allanite.core.fit import REJECTED, Fit
 from allanite.core.limits import Stored, Widened
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
+from allanite.core.threads import one_thread
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Band
 from allanite.identification.checks.contradiction import MeasuredCurve, contradictions, held, measured, not_rounding
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import identify
+from allanite.identification.likelihood.identify import explaining
 from allanite.identification.methods import METHODS, symbols_of
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
+from allanite.prepare.outliers import marked, outliers
 from allanite.terms import TERMS, WHITE
 
 from .keeper import Inspected
@@ -105,7 +108,7 @@ def noise_of(
     """
     row = METHODS.get(recipe.method)
     readable = row is not None and recipe.statistic in row.allowed
-    outliers = recipe.outliers or "mark"
+    choice = recipe.outliers or "mark"
     band = band or recipe.band
     fit = identify(
         record,
@@ -114,7 +117,7 @@ def noise_of(
         statistic=recipe.statistic if readable else None,
         band=band,
         masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
-        outliers=outliers,
+        outliers=choice,
         lines=lines,
         ranges=recipe.ranges,
     )
@@ -128,7 +131,7 @@ def noise_of(
         fit = replace(fit, notes=(*fit.notes, note))
     if fit.goodness is None:
         return Noise(fit)
-    noise = graded(Noise(fit, partial(residuals, record, fit, outliers=outliers)), record)
+    noise = graded(Noise(fit, partial(residuals, record, fit, outliers=choice)), record)
     described = noise.validity != UNEXPLAINED and (noise.fit.scope is None or noise.fit.scope.until is None)
     return noise if described or (terms or recipe.terms) != "auto" else _with_remedy(noise, record, recipe)
 
@@ -139,12 +142,12 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
     Those that explain a record beside all automatic terms must do so without the absent ones, as they are then named.
     """
     kept = [e.symbol for e in noise.fit if e.claimed and not e.shape] if noise.fit.valid else []
+    rest = record if recipe.outliers == "keep" else marked(record, outliers(record))
     for more in REQUESTED:
-        fit = identify(
-            record, terms=[*(kept or symbols_of("auto")), *more], band="all", outliers=recipe.outliers or "mark"
-        )
-        shaped = [e for e in fit if e.claimed and e.shape]
-        if fit.goodness is None or not fit.goodness.explained or len(shaped) < len(more):
+        with one_thread():
+            fit = explaining(rest, symbols_of([*(kept or symbols_of("auto")), *more]))
+        shaped = [e for e in fit or () if e.claimed and e.shape]
+        if fit is None or fit.goodness is None or not fit.goodness.explained or len(shaped) < len(more):
             continue
         if any(_broadens(e.shape, line.frequency) for e in shaped for line in noise.fit.lines):
             continue

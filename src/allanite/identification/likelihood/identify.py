@@ -66,16 +66,36 @@ def whittle(
     rival : bool
         Whether Gauss-Markov noise may replace flicker although it was not requested.
     """
+    plain, taken = _seen(record, symbols, band, masks, lines=lines, rival=rival)
+    return _concluded(plain, (record.name, record.signal), symbols, band, rival=rival, taken=taken)
+
+
+def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
+    """The fit of the terms to all frequencies, as `whittle` makes it; None if they do not explain the record."""
+    plain, taken = _seen(record, symbols, "all", (), lines=True, rival=False)
+    _, found = _steady(plain, record.signal, rival=False, choice="all")
+    if not explains(found):
+        return None
+    return _concluded(plain, (record.name, record.signal), symbols, "all", rival=False, taken=taken)
+
+
+def _seen(
+    record: Record,
+    symbols: Sequence[str],
+    band: Band,
+    masks: Sequence[tuple[float, float]],
+    *,
+    lines: bool,
+    rival: bool,
+) -> tuple[Found, tuple[Line, ...]]:
+    """What every subset of the terms makes of a record without its sinusoids, and those."""
     why = refusal(record)
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
     terms, (_, asked) = _scattering(symbols), _frequencies(band)
     found = look(record, terms, asked, masks, rival=rival)
-    taken: tuple[Line, ...] = ()
-    if lines:
-        taken, left = _without_lines(record, found, asked)
-        found = look(left, terms, asked, masks, rival=rival) if taken else found
-    return _concluded(found, (record.name, record.signal), symbols, band, rival=rival, taken=taken)
+    taken, left = _without_lines(record, found, asked) if lines else ((), record)
+    return (look(left, terms, asked, masks, rival=rival) if taken else found), taken
 
 
 def whittle_of(

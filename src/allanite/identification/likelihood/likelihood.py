@@ -200,9 +200,7 @@ class Likelihood(Portable):
         """Theta >= 0 at the minimum of L, and L; what is not `moving` is held."""
         from allanite.kernels.whittle import minimise
 
-        held = self._held + np.where(moving, 0.0, theta) @ self.columns
-        found = theta.copy()
-        found[moving], best = minimise(theta[moving], held, self.columns[moving], self.data)
+        found, best = minimise(theta, moving, self._held, self.columns, self.data)
         return found, float(best)
 
     @cached_property
