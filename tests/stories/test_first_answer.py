@@ -154,6 +154,9 @@ def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
     assert 240 < start < end < 510
     assert finding("--until", start) is None
     assert finding("--from", end) is None
+    typed = re.search(r"(--from \S+ )?--until [\d.]+", found["remedy"])
+    assert typed or name in ("clipped", "outliers")
+    assert not typed or finding(*typed[0].split()) is None
 
 
 @pytest.mark.usefixtures("details")

@@ -1,6 +1,6 @@
 """Numbers and names of choices in messages."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
@@ -79,6 +79,18 @@ def spelled(option: str, argument: str) -> str:
 def windowing() -> str:
     """The name of the choice of a part of the record."""
     return spelled("--from, --until", "prepare.trim")
+
+
+def longest_without(bad: Iterable[tuple[float, float]], span: tuple[float, float]) -> str:
+    """How to select the longest part of a recording, s, that holds none of these, s, ascending.
+
+    Examples
+    --------
+    >>> longest_without([(10.0, 12.0), (90.0, 91.0)], (0.0, 100.0))
+    'prepare.trim(recording, 12, 90)'
+    """
+    ends = [span[0], *(time for each in bad for time in each), span[1]]
+    return between(*max(zip(ends[::2], ends[1::2], strict=True), key=lambda part: part[1] - part[0]))
 
 
 def between(start: float, end: float) -> str:

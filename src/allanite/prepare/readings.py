@@ -8,7 +8,7 @@ import numpy as np
 from allanite.core.finding import Finding
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say, say_count
-from allanite.phrases.wording import percent, spelled, windowing
+from allanite.phrases.wording import longest_without, percent, spelled, windowing
 
 from .outliers import MOST, TAIL, Outliers
 from .rounding import FEW_CODES, grid, rounding
@@ -44,7 +44,10 @@ def stuck(view: View) -> Finding | None:
             lost=lost,
         ),
         say("repeated values of a sensor or logger make the noise look smaller"),
-        say("choose a window without it ({choice})", choice=windowing()),
+        say(
+            "choose a window without it ({choice})",
+            choice=longest_without(((view.seconds(a), view.seconds(b + 1)) for a, b in bad.tolist()), view.ends),
+        ),
         (view.seconds(first), view.seconds(last)),
     )
 

@@ -10,7 +10,7 @@ from allanite.core.finding import Finding
 from allanite.core.header import Header
 from allanite.core.record import SHORTEST, Record, Recording
 from allanite.phrases.phrase import say
-from allanite.phrases.wording import between, percent, spelled, windowing
+from allanite.phrases.wording import between, longest_without, percent, spelled
 from allanite.statistics.differences import OADEV
 from allanite.statistics.estimator import integrated, windows
 
@@ -150,7 +150,8 @@ def level(view: View) -> Finding | None:
     uneven, ratio = _unequal(view)
     if not uneven.any():
         return None
-    first, last = (view.seconds(at) for at in stretches(uneven)[0] * (view.bends.size // PARTS))
+    parts = [(view.seconds(a), view.seconds(b)) for a, b in stretches(uneven) * (view.bends.size // PARTS)]
+    first, last = parts[0]
     return Finding(
         "level",
         say(
@@ -161,7 +162,7 @@ def level(view: View) -> Finding | None:
             end=last,
         ),
         NEITHER,
-        say("analyze the parts separately ({choice})", choice=windowing()),
+        say("analyze the parts separately ({choice})", choice=longest_without(parts, view.ends)),
         (first, last),
     )
 

@@ -87,6 +87,11 @@ class View:
         """The angle of a pulse, 1, where samples count single ones: the noise is less. Otherwise 0."""
         return float(self.record.kind == "count" and self.fast < 1)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Beginning and end of the record, s after the first sample of the recording."""
+        return self.seconds(0), self.seconds(self.steps.size)
+
     def seconds(self, index: float) -> float:
         """Time of a remaining sample, s after the first sample of the recording."""
         if self.left is None:

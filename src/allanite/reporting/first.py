@@ -15,6 +15,9 @@ from .sheet import Code, Column, Face, Note, Part, Table
 _OPTION = re.compile(r"(?:\(|: )(--[a-z][^);]*)")
 
 
+NAMED = 32
+"""Characters that the names of channels may take in a remark."""
+
 DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
 """What next, after any result."""
 
@@ -217,8 +220,16 @@ def _names(found: Sequence[tuple[str, Finding]], every: int) -> str:
     """The channels that a remark is about: all with the same finding, or the first and those with one of its kind."""
     names = list(dict.fromkeys(name for name, _ in found))
     if len({finding.what for _, finding in found}) == 1:
-        return say("all channels") if len(names) == every > 1 else ", ".join(names)
-    return say("{channel} (also {others})", channel=names[0], others=", ".join(names[1:])) if names[1:] else names[0]
+        return say("all channels") if len(names) == every > 1 else listed(names)
+    return say("{channel} (also {others})", channel=names[0], others=listed(names[1:])) if names[1:] else names[0]
+
+
+def listed(names: Sequence[str]) -> str:
+    """The names, or where they are long the first and how many more."""
+    every = ", ".join(names)
+    if len(every) <= NAMED or len(names) == 1:
+        return every
+    return say("{names} and {count} more", names=names[0], count=len(names) - 1)
 
 
 def plus_minus(value: float, low: float, high: float, *, signed: bool = False) -> str:

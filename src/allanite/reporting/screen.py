@@ -145,10 +145,11 @@ class _Screen:
                 return line
         command = self.text(say(". Try {command}", command=remark.command)) if remark.command else ""
         bare = Remark(remark.about, remark.clauses[:1])
-        return self.cut(self.prose(shown(bare)), self.width - cell_len(command)) + command
+        about = cell_len(self.prose(remark.about)) + 2  # and the colon
+        return self.cut(self.prose(shown(bare)), self.width - cell_len(command), about) + command
 
-    def cut(self, text: str, width: int | None = None) -> str:
-        """The text up to the last sign or word that fits."""
+    def cut(self, text: str, width: int | None = None, least: int = 0) -> str:
+        """The text up to the last sign or word that fits; more than `least` cells of it, if they fit."""
         width = self.width if width is None else width
         line = self.text(text)
         if cell_len(line) <= width:
@@ -156,9 +157,9 @@ class _Screen:
         dots = ".." if self.ascii else "…"
         kept = set_cell_size(line, width - cell_len(dots))
         at = max(kept.rfind(sign) for sign in (" (", ": ", "; ", ", "))
-        if at < width / 2:
+        if at < max(width / 2, least):
             at = kept.rfind(" ")
-        return (kept[:at] if at > width / 3 else kept).rstrip(" ,;:") + dots
+        return (kept[:at] if at > max(width / 3, least) else kept).rstrip(" ,;:") + dots
 
     def answer(self, parts: Sequence[Answer], room: int) -> list[str]:
         """The parts of the answer, of which rows of little weight are left out where there are too many."""

@@ -1,6 +1,7 @@
 """The layout of a first screen."""
 
-from allanite.reporting.first import Axes, First, Quantity, Remark
+from allanite.core.finding import Finding
+from allanite.reporting.first import Axes, First, Quantity, Remark, told_of
 from allanite.reporting.screen import render
 
 REMARKS = [Remark.of("", f"remark {i}") for i in range(9)]
@@ -20,6 +21,15 @@ def test_many_rows_become_a_line_for_each_channel_and_none_is_left_out():
     assert "more line" not in shown
     assert "< 2" not in shown
     assert shown.count("remark ") > 2
+
+
+def test_of_channels_with_long_names_the_first_is_named_and_what_is_wrong_is_told():
+    names = [f"accelerometer_m_s2[{i}]" for i in range(4)]
+    found = Finding("gaps", "2 of 9 samples are missing in 1 gap", "", "the rest: --from 1 --until 2")
+    (about,) = told_of([(name, found) for name in names], 6)
+    assert about.about == "accelerometer_m_s2[0] and 3 more"
+    (shown,) = render(First("", remarks=[about], after=[]), width=75).splitlines()
+    assert shown == "accelerometer_m_s2[0] and 3 more: 2 of 9 samples…. Try --from 1 --until 2"
 
 
 def test_lines_of_channels_beyond_the_screen_are_counted():

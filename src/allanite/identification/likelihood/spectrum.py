@@ -88,6 +88,8 @@ class BinnedSpectrum(Portable):
         With gaps, times of remaining samples, in the middles of equal blocks of them, in samples; otherwise empty.
     detrended : bool
         Whether a ramp is looked for, and with it the steps of a slow noise during long gaps.
+    cut : float
+        Time of the first sample in the recording, s.
     rounding : float
         Power of the rounding of a rate to a known step, 0 if there is none.
     pieces : PieceBins, optional
@@ -111,6 +113,7 @@ class BinnedSpectrum(Portable):
     pieces: PieceBins | None = None
     rounding: float = 0.0
     detrended: bool = False
+    cut: float = 0.0
 
     def frequency(self, k: FloatArray | IntArray) -> FloatArray:
         """Frequency of coefficient k, Hz."""
@@ -234,7 +237,7 @@ def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
     first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
     return BinnedSpectrum(
         n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how,
-        rounding=_rounding(record), detrended=detrend,
+        rounding=_rounding(record), detrended=detrend, cut=record.cut,
     )  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from allanite.core.finding import Finding
 from allanite.core.plain import Portable
 from allanite.core.units import Signal, convert
 from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import windowing
+from allanite.phrases.wording import longest_without
 from allanite.terms import TERMS, WHITE
 
 from .bins import SINGLE
@@ -41,12 +41,13 @@ MOST = 10
 
 @dataclass(frozen=True, eq=False)
 class BiasSteps(Portable):
-    """Steps of the bias: times, s, and sizes with their standard errors, SI."""
+    """Steps of the bias: times, s, and sizes with their standard errors, SI; beginning and end of the record, s."""
 
     signal: Signal
     time: FloatArray
     size: FloatArray
     error: FloatArray
+    span: tuple[float, float]
 
     @property
     def finding(self) -> Finding:
@@ -61,7 +62,10 @@ class BiasSteps(Portable):
             "steps",
             say("the bias steps: {steps}", steps=join(", ", each)),
             say("they explain the record better than a random walk does, and K is no property of the noise"),
-            say("analyze the parts between the steps ({choice})", choice=windowing()),
+            say(
+                "analyze the parts between the steps ({choice})",
+                choice=longest_without(zip(self.time, self.time, strict=True), self.span),
+            ),
             (float(self.time[0]), float(self.time[0])),
         )
 
@@ -87,7 +91,8 @@ def steps_in(found: Found, signal: Signal, warm: WarmUp | None = None) -> BiasSt
         beside = _beside(found, base, at)
         if beside.profiled + EVIDENCE * len(at) < goal:
             size, error = (found.seen.unit_factor * each for each in _sizes(beside, len(at)))
-            return BiasSteps(signal, np.array(sorted(at)) / found.seen.rate, size, error)
+            span = seen.cut, seen.cut + seen.size / seen.rate
+            return BiasSteps(signal, seen.cut + np.array(sorted(at)) / seen.rate, size, error, span)
     return None
 
 
@@ -119,8 +124,8 @@ def _place(found: Found, beside: Subset, at: list[float]) -> float:
     apart, y = seen.size / (PLACES + 1), c / np.sqrt(m)
     places = apart * np.arange(1, PLACES + 1)
     for _ in range(2):  # and then between the neighbors of the best, which the place of a high step needs
-        D = np.array([step_coefficients(seen.size, j)[:k] for j in places]).T / np.sqrt(m)[:, None]
-        D -= Q @ (Q.T @ D)
-        best = places[int(((D.T @ y) ** 2 / np.maximum((D**2).sum(axis=0), 1e-9)).argmax())]
+        D = step_coefficients(seen.size, places)[:, :k] / np.sqrt(m)
+        D -= D @ Q @ Q.T
+        best = places[int(((D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)).argmax())]
         places = best + apart * np.linspace(-1, 1, FINE)[1:-1]
     return float(best)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.terms import TERMS, NoiseTerm
@@ -89,10 +90,10 @@ def _directions(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] 
     return np.einsum("ipb,jpb,pb->bij", D, D, count), np.einsum("ipb,pb->bi", D, sums)
 
 
-def step_coefficients(n: int, at: float) -> FloatArray:
-    """The lowest coefficients of 0 before a sample and 1 from it on."""
-    k = np.arange(1, min(SINGLE, n - 1) + 1)
-    return np.asarray(-np.sqrt(0.5 / n) * np.sin(np.pi * k * at / n) / np.sin(np.pi * k / (2 * n)))
+def step_coefficients(n: int, at: npt.ArrayLike) -> FloatArray:
+    """The lowest coefficients of 0 before a sample and 1 from it on, for each sample of `at` along the last axis."""
+    half = 0.5 * math.pi / n * np.arange(1, min(SINGLE, n - 1) + 1)
+    return np.asarray(np.sin(np.multiply.outer(at, 2 * half)) * (-math.sqrt(0.5 / n) / np.sin(half)))
 
 
 def step_power(spectrum: BinnedSpectrum, at: Sequence[float], size: FloatArray) -> FloatArray:

@@ -17,7 +17,7 @@ from allanite.core.validity import APPROXIMATE, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import FIGURES, Axes, First, Quantity, Remark, plus_minus, told_of
+from allanite.reporting.first import FIGURES, Axes, First, Quantity, Remark, listed, plus_minus, told_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
@@ -34,6 +34,9 @@ MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
 
 MOVED = ("moving", "body moved")
 """Findings of motion, which the minimum of a deviation shows instead of the bias."""
+
+CAUSES = ("terms", *MOVED)
+"""Findings that explain a misfit, the likeliest first."""
 
 LONGER = ("allanite plan FILE", say("how long to record until more is known"))
 
@@ -203,7 +206,7 @@ def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
             name = channel.record.name or say("channel")
             alike.setdefault((str(why.clauses[0]), why.command), []).append((name, why))
     for found in alike.values():
-        names = ", ".join(name for name, _ in found)
+        names = listed([name for name, _ in found])
         about = say_count(len(found), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=names)
         yield replace(found[0][1], about=about)
 
@@ -212,9 +215,15 @@ def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:
     """The likeliest cause why no model explains a channel, and what to type."""
     left = noise.residuals.findings if noise.residuals is not None else ()
     helped = [Remark.about_finding("", finding, grave=True) for finding in (*noise.fit.findings, *left, *warnings)]
-    typed = min((r for r in helped if r.command), key=lambda r: not any(map(str.isdigit, r.command)), default=None)
+    typed = min((r for r in helped if r.command), key=_helps, default=None)
     why = noise.statement.points or (noise.statement.head,)
     return typed or Remark("", why, "allanite deviation FILE", grave=True)
+
+
+def _helps(remark: Remark) -> tuple[bool, int]:
+    """How far down a finding stands among those that explain a misfit: a command with values can be typed as it is."""
+    known = CAUSES.index(remark.name) if remark.name in CAUSES else len(CAUSES)
+    return not any(map(str.isdigit, remark.command)), known
 
 
 def alerts(study: Job[Any]) -> Iterator[Remark]:
