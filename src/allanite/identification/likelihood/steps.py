@@ -58,13 +58,14 @@ class BiasSteps(Portable):
                 time=time)
             for time, size in zip(self.time, self.size, strict=True)
         ]  # fmt: skip
+        apart = (self.span[1] - self.span[0]) / PLACES  # a low step is placed less well
         return Finding(
             "steps",
             say("the bias steps: {steps}", steps=join(", ", each)),
             say("they explain the record better than a random walk does, and K is no property of the noise"),
             say(
                 "analyze the parts between the steps ({choice})",
-                choice=longest_without(zip(self.time, self.time, strict=True), self.span),
+                choice=longest_without(zip(self.time - apart, self.time + apart, strict=True), self.span),
             ),
             (float(self.time[0]), float(self.time[0])),
         )
