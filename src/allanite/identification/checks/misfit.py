@@ -11,7 +11,7 @@ from allanite.core.fit import Fit
 from allanite.core.record import Record
 from allanite.core.residuals import Check, try_band
 from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled, windowing
+from allanite.phrases.wording import longest_without, spelled
 from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.rounding import fast_noise, rounding
 from allanite.prepare.view import stretches
@@ -59,7 +59,8 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     odd = int(np.abs(np.log(level)).argmax())
     runs = stretches(level > math.sqrt(level.max() * level.min()))
     different = check.value > DIFFERENT
-    spans = (say("from {start:.6g} s to {end:.6g} s", start=time[a], end=time[b]) for a, b in runs)
+    loud = [(float(time[a]), float(time[b])) for a, b in runs]
+    spans = (say("from {start:.6g} s to {end:.6g} s", start=start, end=end) for start, end in loud)
     return Finding(
         "level",
         say(
@@ -70,7 +71,7 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
         say("one set of coefficients describes neither part")
         if different
         else say("the coefficients are those of the average"),
-        say("analyze the parts separately ({choice})", choice=windowing()),
+        say("analyze the parts separately ({choice})", choice=longest_without(loud, (float(time[0]), float(time[-1])))),
         (float(time[odd]), float(time[odd + 1])),
         fatal=different,
     )
