@@ -184,6 +184,17 @@ def test_a_server_that_does_not_answer_is_named(tmp_path):
 
 
 @pytest.mark.slow("a server that is stopped, killed, or interrupted")
+def test_ctrl_c_ends_a_server_that_still_compiles(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kernels"))
+    with served(tmp_path) as (process, _):
+        time.sleep(2)
+        begun = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        process.wait(20)
+        assert time.monotonic() - begun < 3 * pace()
+
+
+@pytest.mark.slow("a server that is stopped, killed, or interrupted")
 def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path):
     with served(tmp_path) as (_, link), Client(link) as client:
         workspace, job = long_job(client, tmp_path)

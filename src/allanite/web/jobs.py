@@ -20,6 +20,9 @@ from .workers import ProblemError, Worker, Workers
 WAITING = 0.3
 """Seconds between looks whether what is compiled after an installation is ready."""
 
+WARM = "warm"
+"""The lane of the worker that compiles what is not compiled yet."""
+
 UNFINISHED = ("waiting", "running")
 
 CANCELLED = {"error": "cancelled", "option": None, "exit": 130}
@@ -152,18 +155,17 @@ class Jobs:
         return await asyncio.wrap_future(self.workers.submit(_lane(job), answer))
 
     def warm(self) -> None:
-        """Have the process ready from which workers are started."""
+        """Begin to have the process ready from which workers are started; if that fails, the first job says why."""
 
         def told(_: str, data: dict[str, Any]) -> None:
             self.preparing = data
 
-        self.ready.clear()
-        worker = Worker()
-        try:
-            worker.ask("prepare", {}, told)
-        finally:
-            worker.close()
+        def warmed(_: Future[Any]) -> None:
+            self.workers.close(WARM)
             self.ready.set()
+
+        self.ready.clear()
+        self.workers.submit(WARM, lambda worker: worker.ask("prepare", {}, told)).add_done_callback(warmed)
 
     async def work(self, workspace: str, task: str, **arguments: Any) -> dict[str, Any]:
         """Ask the worker of a workspace for something that is no job."""

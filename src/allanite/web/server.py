@@ -95,8 +95,8 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
     _announce(link, "Ctrl-C ends the server")
     if browser:
         threading.Thread(target=webbrowser.open, args=(link,), daemon=True).start()
-    threading.Thread(target=jobs.warm, daemon=True).start()
     try:
+        jobs.warm()
         server.run(sockets=[listener])
     finally:
         jobs.workers.close()
