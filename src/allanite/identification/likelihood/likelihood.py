@@ -74,8 +74,11 @@ class Likelihood(Portable):
         return self._explained(self.S * gain[:, None], self.W * mean)
 
     def trusted(self, share: FloatArray) -> "Likelihood":
-        """The likelihood in which only a share of each bin's coefficients counts, shape (bins,)."""
-        return replace(self, count=self.count * share)
+        """The likelihood in which only a share of each bin's coefficients counts, shape (bins,).
+
+        The sums of the directions are over them too: else a direction could explain more than all power of a bin.
+        """
+        return replace(self, count=self.count * share, UU=self.UU * share[:, None, None], Uc=self.Uc * share[:, None])
 
     def with_column(self, which: int, S: FloatArray) -> "Likelihood":
         """The likelihood with another column of the bins for one of the terms."""

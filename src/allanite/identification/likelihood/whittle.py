@@ -64,9 +64,11 @@ def with_steps(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, at: 
 def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
     UU, Uc = _directions(spectrum, bool(part.flat.any()), more)
     at = np.full(len(more), np.count_nonzero(~part.flat))
-    return replace(
-        part, UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0), flat=np.insert(part.flat, at, True)
-    )
+    found = replace(
+        part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
+        flat=np.insert(part.flat, at, True),
+    )  # fmt: skip
+    return found.trusted(part.count / found.count)
 
 
 def _directions(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
