@@ -169,6 +169,8 @@ class Fit(Value):
         Slow behaviour that the terms do not describe: a warm-up, or a power law other than that of flicker.
     checked : str
         Grade from the residuals, if they were computed.
+    warm_up : Term or None
+        A warm-up that was found; it is part of the model only where it was asked for.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives", "nodes": "averaged"}
@@ -188,6 +190,7 @@ class Fit(Value):
     findings: tuple[Finding, ...] = ()
     checked: str = ""
     nodes: Callable[[], Averaged] | None = None
+    warm_up: Term | None = None
 
     Q, F, N, B, K, R, W, GM, GML, GMA, GM2, Sine = map(
         _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GML", "GMA", "GM2", "Sine")
@@ -220,6 +223,11 @@ class Fit(Value):
             return None
         sizes = {e.symbol: e.value for e in self if e.value is not None}
         return Model(tuple(replace(term, value=sizes.get(term.symbol, term.value)) for term in kept))
+
+    def complete(self, noise: Model) -> Model:
+        """What the record is made of under a model of its noise: with the warm-up that was found."""
+        there = self.warm_up is None or any(term.row.transient for term in noise)
+        return noise if there or self.warm_up is None else Model((*noise, self.warm_up))
 
     @property
     def advice(self) -> tuple[str, ...]:

@@ -87,7 +87,7 @@ def held(fit: Fit, seen: MeasuredCurve) -> float | None:
     if fit.valid is None:
         return None
     curve = seen.octaves
-    own = np.sqrt(expected(fit.valid, "oadev", curve.tau, rate=curve.rate, size=curve.size))
+    own = np.sqrt(expected(fit.complete(fit.valid), "oadev", curve.tau, rate=curve.rate, size=curve.size))
     # without a term that was struck out, the rest is not to be drawn below the curve
     agrees = STRICT if any(e.status == "not valid" and not TERMS[e.symbol].edge for e in fit) else AGREES
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)

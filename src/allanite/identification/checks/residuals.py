@@ -67,7 +67,7 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
     record = treated(record, outliers)
     # the selected model sets absent terms to zero: the residuals of a weak random walk would correlate
     model = Model((*fit.averaged.model, *(line.term for line in fit.lines))) if fit.nodes else fit.model
-    return checked(whitened(record, model, fit.scope), record, fit, outliers)
+    return checked(whitened(record, fit.complete(model), fit.scope), record, fit, outliers)
 
 
 def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> Residuals:

@@ -213,6 +213,7 @@ def _concluded(
         nodes=Remembered(partial(nodes, found, scale, deterministic)),
         scope=scope,
         findings=tuple(slow),
+        warm_up=warm.term if warm else None,
     )
 
 

@@ -14,6 +14,7 @@ from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
 from allanite.core.finding import Finding
 from allanite.core.limits import Remembered, quantile
+from allanite.core.model import Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal, convert
 from allanite.phrases.phrase import say
@@ -64,6 +65,11 @@ class WarmUp(Portable):
     base: Subset
 
     @property
+    def term(self) -> Term:
+        """It as a term of a model."""
+        return Term("W", -self.amplitude, self.signal, (self.tau,))
+
+    @property
     def until(self) -> float:
         """Seconds after which the remaining warm-up is negligible, rounded up to two digits."""
         needed = self.tau * math.log(max(abs(self.amplitude) / (HARMLESS * self.error), 1.1))
@@ -82,11 +88,11 @@ class WarmUp(Portable):
         """The finding about the warm-up."""
         unit = self.signal.sheet[0]
         size, error = (convert(value, self.signal.unit, unit) for value in (self.amplitude, self.error))
-        usable = self.until <= USABLE * self.duration
+        usable, cut = self.until <= USABLE * self.duration, self.found.seen.cut
         remedy = (
             say(
                 "cut it off ({option})",
-                option=spelled(f"--from {self.until:g}", f"prepare.trim(recording, {self.until:g})"),
+                option=spelled(f"--from {cut + self.until:g}", f"prepare.trim(recording, {cut + self.until:g})"),
             )
             if usable
             else (
@@ -109,7 +115,7 @@ class WarmUp(Portable):
             ),
             say("the coefficients are those of the noise without it; K and R are less certain"),
             remedy,
-            (0.0, min(self.until, self.duration)),
+            (cut, cut + min(self.until, self.duration)),
         )
 
 

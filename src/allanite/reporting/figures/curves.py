@@ -70,7 +70,7 @@ def plot_panels(
             style.plain_ticks(ax.yaxis, most=3000)
             _draw_panel(ax, panel._replace(brief=wide < LEAST_LABELLED), level)
             if titled:
-                draw_titles(ax, (panel.name, panel.facts), panel.fit, before=panel.omitted, room=72 * inches)
+                draw_titles(ax, (panel.name, panel.facts), panel.fit, room=72 * inches)
             ax.tick_params(labelbottom=ax is axes[-1])
         axes[-1].set_xlabel(TIME)
     draw_legend(figure)

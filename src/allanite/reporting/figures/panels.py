@@ -14,7 +14,6 @@ from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
 from allanite.core.units import convert, unit_of
-from allanite.phrases.phrase import say
 from allanite.reporting import words
 from allanite.statistics import STATISTICS, expected
 
@@ -47,13 +46,6 @@ class CurvePanel(NamedTuple):
     def drawn(self) -> Model | None:
         """The model whose terms are drawn; None if there is none, or it explains nothing."""
         return self.fit.valid if self.fit is not None else self.model
-
-    @property
-    def omitted(self) -> str:
-        """What the curve shows beside the model that is drawn."""
-        found = self.fit is not None and any(finding.name == "warm-up" for finding in self.fit.findings)
-        inside = self.drawn is None or any(t.row.transient for t in self.drawn)
-        return say("model without the warm-up") if found and not inside else ""
 
     @property
     def unit(self) -> str:
