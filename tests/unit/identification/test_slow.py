@@ -1,5 +1,6 @@
 """What is slow and no noise: the pieces against literal forms, and each thing named in a record that has it."""
 
+import math
 import re
 
 import numpy as np
@@ -13,6 +14,7 @@ from allanite.identification.likelihood.model_selection import look
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.warmup import without_warm_up
 from allanite.identification.likelihood.whittle import likelihood, with_warm_up
+from allanite.study.noise import noise_of
 
 N, B, K = al.N(0.005, "deg/sqrt(s)"), al.B(0.002, "deg/s"), al.K(3e-4, "deg/s/sqrt(s)")
 RATE, LENGTH = 100.0, 2**15
@@ -133,7 +135,31 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
     assert fit.validity == left.grade == "approximate"
     assert left.verdict.count("the sensor warms up") == 1
     back = al.Fit.from_dict(fit.to_dict())
-    assert back.findings == fit.findings
+    assert (back.findings, back.warm_up) == (fit.findings, fit.warm_up)
+
+
+@pytest.mark.parametrize("terms", ["auto", "N,W"])
+@pytest.mark.parametrize("seed", [3, 4, 31, 32])
+def test_a_strong_warm_up_is_explained_and_so_is_the_record(seed, terms):
+    """Of these seeds three are beside a misfit that is allowed for, whose likelihood had no end; see `trusted`."""
+    y = np.random.default_rng(seed).standard_normal(40_000) - 3 * np.exp(-np.arange(40_000) / 4000)
+    noise = noise_of(al.Record(y, 20.0, "deg/h"), al.Recipe(terms=terms))
+    assert noise.validity == "approximate"
+    assert noise.fit.scope.until is None
+    assert all(check.passed for check in noise.residuals.checks)
+    assert noise.fit.warm_up.value == pytest.approx(math.radians(3 / 3600), rel=0.05)
+    low, high = noise.fit["N"].interval()
+    assert low < math.radians(1 / 3600) / math.sqrt(20) < high
+
+
+def test_a_share_of_the_coefficients_bounds_what_directions_explain():
+    """Where all terms vanish, directions explain no more than the power: the likelihood has no end below."""
+    seen = spectrum(record_of(N + B, 2000, spoil=settling(-1000, 0.15)), detrend=True)
+    part = with_warm_up(likelihood(seen, [*"QN", "R"]), seen, np.ones(seen.first.size, dtype=bool), 300.0)
+    part = part.trusted(np.full(seen.first.size, 0.4))
+    theta = part.minimise(np.array([False, True]))[0]
+    values = [part.value(theta * 10.0**-k) for k in range(0, 40, 4)]
+    assert values == sorted(values)
 
 
 @pytest.mark.parametrize("share", [0.2, 0.04, 0.015])
