@@ -47,6 +47,10 @@ class CurvePanel(NamedTuple):
         """The model whose terms are drawn; None if there is none, or it explains nothing."""
         return self.fit.valid if self.fit is not None else self.model
 
+    def whole(self, model: Model, tau: FloatArray) -> FloatArray:
+        """The deviation expected under the model that is drawn, with the warm-up that was found; see `expected`."""
+        return self.expected(model if self.fit is None else self.fit.complete(model), tau)
+
     @property
     def unit(self) -> str:
         """The unit that is shown."""

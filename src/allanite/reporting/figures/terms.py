@@ -72,8 +72,7 @@ def _lines(ax: Axes, panel: CurvePanel, model: Model) -> ModelLines:
     tau = np.geomspace(*ax.get_xlim(), 300)
     terms = {s: Model(tuple(t for t in model if t.symbol == s)) for s in dict.fromkeys(t.symbol for t in model)}
     parts = {symbol: panel.expected(part, tau) for symbol, part in terms.items()}
-    whole = model if panel.fit is None else panel.fit.complete(model)
-    return ModelLines(tau, panel.expected(whole, tau), parts)
+    return ModelLines(tau, panel.whole(model, tau), parts)
 
 
 def _labels(panel: CurvePanel, model: Model, level: float) -> list[Named]:
