@@ -7,7 +7,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-from tests import ALL, ROOT, examples
+from tests import ROOT, examples
 
 # a machine with other work to do is no failure
 hypothesis.settings.register_profile("unhurried", deadline=None, max_examples=examples(100))
@@ -18,12 +18,28 @@ collect_ignore = ["plugin"]
 
 WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")[2:]
 
+PROCESSORS = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
 
-def pytest_configure():
-    """Give each worker of `make test` a processor of its own: jobs then fork no helpers that wait for each other."""
-    if WORKER and not ALL and hasattr(os, "sched_getaffinity"):
-        there = sorted(os.sched_getaffinity(0))
-        os.sched_setaffinity(0, {there[int(WORKER) % len(there)]})
+LONG = pytest.mark.slow("takes more than half a second")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Leave to `make test-all` what took more than half a second when it was measured: see tools/sets.py."""
+    long = set((ROOT / "tests" / "long.txt").read_text("utf-8").splitlines())
+    for item in items:
+        if item.nodeid.partition("[")[0] in long and not item.get_closest_marker("slow"):
+            item.add_marker(LONG)
+
+
+def pytest_runtest_setup(item):
+    """Give each worker a processor of its own, so that jobs fork no helpers that wait for each other.
+
+    Not so where a test itself says that it is slow: it may be about several processes.
+    """
+    if WORKER and PROCESSORS:
+        alone = item.get_closest_marker("slow") in (None, LONG.mark)
+        os.sched_setaffinity(0, {PROCESSORS[int(WORKER) % len(PROCESSORS)]} if alone else PROCESSORS)
 
 
 def pytest_collection_finish():
