@@ -92,9 +92,11 @@ class Axes:
         return Table(heads, rows)
 
     def listed(self) -> Table:
-        """A row for each channel."""
+        """A row for each channel; where that is too wide, without what is no coefficient and no grade."""
         units = [join(" ", filter(None, (row.label, printed_unit(row.unit)))) for row in self.rows]
-        heads = [Column(say("channel"), "name"), *(Column(unit, "name") for unit in units)]
+        read = [bool(row.unit) and not row.symbol for row in self.rows]
+        columns = (Column(unit, "name", aside) for unit, aside in zip(units, read, strict=True))
+        heads = [Column(say("channel"), "name"), *columns]
         return Table(heads, [[name, *(row.cells[i] for row in self.rows)] for i, name in enumerate(self.names)])
 
     def lines(self) -> list[Phrase]:

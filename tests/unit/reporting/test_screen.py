@@ -32,6 +32,15 @@ def test_of_channels_with_long_names_the_first_is_named_and_what_is_wrong_is_tol
     assert shown == "accelerometer_m_s2[0] and 3 more: 2 of 9 samples…. Try --from 1 --until 2"
 
 
+def test_where_columns_are_too_many_the_grade_is_kept():
+    rows = [Quantity("found", symbol, "deg/h", ["1.2 ± 10 %, weak"] * 3) for symbol in "NBKG"]
+    rows += [Quantity("in-run bias stability", "", "deg/h", ["323 at 10.8 s"] * 3, short="in-run")]
+    rows += [Quantity("model fit", "", "", ["fits, p 0.5"] * 3, short="model")]
+    shown = render(First("file", answer=[Axes([f"channel {i}" for i in range(3)], rows)], after=[]))
+    assert shown.count("fits, p 0.5") == 3
+    assert "in-run" not in shown
+
+
 def test_lines_of_channels_beyond_the_screen_are_counted():
     lines = render(First("file", answer=[Axes([f"c{i}" for i in range(40)], rows(40))])).splitlines()
     (more,) = [line for line in lines if "more line" in line]
