@@ -33,11 +33,11 @@ def test_of_channels_with_long_names_the_first_is_named_and_what_is_wrong_is_tol
 
 
 def test_where_columns_are_too_many_the_grade_is_kept():
-    rows = [Quantity("found", symbol, "deg/h", ["1.2 ± 10 %, weak"] * 3) for symbol in "NBKG"]
-    rows += [Quantity("in-run bias stability", "", "deg/h", ["323 at 10.8 s"] * 3, short="in-run")]
-    rows += [Quantity("model fit", "", "", ["fits, p 0.5"] * 3, short="model")]
-    shown = render(First("file", answer=[Axes([f"channel {i}" for i in range(3)], rows)], after=[]))
-    assert shown.count("fits, p 0.5") == 3
+    rows = [Quantity("found", symbol, "deg/h", ["1.2 ± 10 %, weak"] * 6) for symbol in "NBKG"]
+    rows += [Quantity("in-run bias stability", "", "deg/h", ["323 at 10.8 s"] * 6, short="in-run")]
+    rows += [Quantity("model fit", "", "", ["fits, p 0.5"] * 6, short="model")]
+    shown = render(First("file", answer=[Axes([f"channel {i}" for i in range(6)], rows)], after=[]))
+    assert shown.count("fits, p 0.5") == 6
     assert "in-run" not in shown
 
 
