@@ -85,7 +85,7 @@ def outside_its_band(channel):
     if not channel.noise.explained or channel.fit.valid is None:
         return 1.0
     curve, low, high = curve_of(channel)
-    own, inside = deviation_of(channel.fit.valid, curve), channel.fit.scope.holds(curve.tau)
+    own, inside = deviation_of(channel.fit.complete(channel.fit.valid), curve), channel.fit.scope.holds(curve.tau)
     return float(np.maximum(own / high, low / own)[inside].max(initial=1.0))
 
 
