@@ -5,6 +5,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 
+WORTH = 0.25
+"""Share of a recording that a part of it must have to be worth a proposal."""
+
+
 def plural(count: int, noun: str, many: str = "") -> str:
     """A number and its noun, singular or plural.
 
@@ -82,7 +86,7 @@ def windowing() -> str:
 
 
 def longest_without(bad: Iterable[tuple[float, float]], span: tuple[float, float]) -> str:
-    """How to select the longest part of a recording, s, that holds none of these, s, ascending.
+    """How to select the longest part of a recording, s, that holds none of these, s, ascending, unless it is short.
 
     Examples
     --------
@@ -90,7 +94,8 @@ def longest_without(bad: Iterable[tuple[float, float]], span: tuple[float, float
     'prepare.trim(recording, 12, 90)'
     """
     ends = [span[0], *(time for each in bad for time in each), span[1]]
-    return between(*max(zip(ends[::2], ends[1::2], strict=True), key=lambda part: part[1] - part[0]))
+    start, end = max(zip(ends[::2], ends[1::2], strict=True), key=lambda part: part[1] - part[0])
+    return between(start, end) if end - start > WORTH * (span[1] - span[0]) else windowing()
 
 
 def between(start: float, end: float) -> str:

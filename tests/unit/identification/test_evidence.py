@@ -197,6 +197,16 @@ def test_the_time_of_a_step_is_that_of_the_recording_and_the_cure_leaves_it_out(
     assert not al.identify(al.prepare.trim(recording, start, end)["gx"]).findings
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_slow_cycle_is_no_ramp(seed):
+    """A ramp is told by the lowest coefficients, which are not read here: what leaks from the cycle is none."""
+    y = np.random.default_rng(seed).standard_normal(60_000)
+    fit = al.identify(al.Record(y + np.sin(2 * np.pi * np.arange(y.size) / 20_000), RATE, "deg/s"))
+    assert fit.scope.band[0] > 0
+    assert fit["R"].status == "not observable"
+    assert "the band begins at" in fit["R"].reason
+
+
 def test_the_power_of_steps_is_that_of_their_literal_transform():
     n, at, size = 18_400, [2400.0, 2450.0, 9000.0], np.array([1.0, -0.7, 2.0])
     bounds = edges_of(n)
