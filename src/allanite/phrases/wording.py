@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-
 WORTH = 0.25
 """Share of a recording that a part of it must have to be worth a proposal."""
 
