@@ -38,6 +38,10 @@ LEAST = 1e-3
 """Weight of a model, over that of the heaviest, below which it is omitted."""
 
 
+BEGUN = 0.5
+"""Share of the lowest coefficient of a ramp that must be there, where it is not read."""
+
+
 @dataclass(frozen=True)
 class CoefficientScale:
     """From theta, in the record's unit and per sample, to coefficients in SI."""
@@ -198,8 +202,7 @@ def ramp_estimate(symbol: str, found: Found, scale: CoefficientScale) -> Estimat
     Student's t, and holds where the noise was not seen at all.
     """
     part = found.everything.likelihood
-    # the first coefficient has 98 % of the power of a ramp: without it, what leaks from slower motion would be one
-    if not (part.flat.any() and found.used[0]):
+    if not part.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
     thetas, weight = found.profile(found.slowest).weighted()
     along = [part.directions(theta)[:2] for theta in thetas]
@@ -213,8 +216,20 @@ def ramp_estimate(symbol: str, found: Found, scale: CoefficientScale) -> Estimat
     low, high = limits(0.95)
     if low <= 0 <= high:
         return _absent(symbol, scale, upper, limits, value)
+    if not _begins(found, value / size):
+        return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
     status = "identified" if error <= WEAK * abs(value) else "weak"
     return Estimate(symbol, scale.signal, value, error, status, upper(0.95), "whittle", limits, limits, value)
+
+
+def _begins(found: Found, slope: float) -> bool:
+    """Whether the lowest coefficient, which has 98 % of the power of a ramp, is read, or is half of that of the ramp.
+
+    Else it is what leaks from a cycle or another motion slower than what is read.
+    """
+    seen = found.seen
+    lowest = seen.even[0] + seen.odd[0] + seen.slope * seen.ramp[0]
+    return bool(found.used[0] or lowest / (slope * seen.ramp[0]) > BEGUN)
 
 
 def nodes(found: Found, scale: CoefficientScale, beside: tuple[Term, ...]) -> Averaged:
