@@ -8,7 +8,7 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from allanite.parallel.sharing import Work
 from allanite.phrases.phrase import join, say, say_count
@@ -75,6 +75,18 @@ def pieces(face: Face) -> tuple[str, list[str]]:
 _STYLE = re.compile(r' style="color: var\([^,"]*, (#[0-9A-Fa-f]{6})\)"')
 
 
+_NAME = re.compile(r"--[a-z][a-z-]*")
+"""An option in a sentence, which is not to be broken after its dashes."""
+
+
+def _clean(text: str) -> str:
+    return printable(tr(text)).replace(" .. ", " … ")
+
+
+def _prose(text: str) -> Markup:
+    return Markup(_NAME.sub(r'<span class="option">\g<0></span>', escape(_clean(text))))  # noqa: S704 - escaped
+
+
 @cache
 def _environment() -> Environment:
     env = Environment(
@@ -85,7 +97,8 @@ def _environment() -> Environment:
         lstrip_blocks=True,
         finalize=tr,  # whatever a template shows is translated, here or by a filter
     )
-    env.filters["clean"] = lambda text: printable(tr(text)).replace(" .. ", " … ")
+    env.filters["clean"] = _clean
+    env.filters["prose"] = _prose
     env.filters["heading"] = lambda text: printed_heading(tr(text))
     env.filters["made"] = _made
     env.filters["capital"] = capital

@@ -73,5 +73,4 @@ def _draw_curve(ax: Axes, panel: CurvePanel, label: tuple[int, str], level: floa
     ax.plot(drawn.tau, drawn.deviation, color=color, lw=1.1, marker=marker, ms=size, mew=0, zorder=3, label=text)
     if panel.fit is not None and panel.fit.valid is not None:
         tau = np.geomspace(drawn.tau[0], drawn.tau[-1], 200)
-        expected = panel.expected(panel.fit.valid, tau)
-        ax.plot(tau, expected, color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=EXPECTED)
+        ax.plot(tau, panel.whole(panel.fit.valid, tau), color=color, lw=1.0, ls=(0, (5, 3)), zorder=2.5, label=EXPECTED)
