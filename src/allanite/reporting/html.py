@@ -84,7 +84,7 @@ def _clean(text: str) -> str:
 
 
 def _prose(text: str) -> Markup:
-    return Markup(_NAME.sub(r'<span class="option">\g<0></span>', escape(_clean(text))))  # noqa: S704 - escaped
+    return Markup(_NAME.sub(r'<span class="option">\g<0></span>', str(escape(_clean(text)))))  # noqa: S704 - escaped
 
 
 @cache

@@ -181,3 +181,12 @@ def test_a_unit_of_no_channel_is_refused(tmp_path, unit):
     assert f"no channel has a coefficient in '{unit}' (--to); the channels are in deg/h" in result.output
     with pytest.raises(UsageError, match=r"\(to=\); the channels are in deg/h"):
         analyze(str(file), Recipe(rate=10.0, to=(unit,)))
+
+
+def test_options_are_not_broken_and_names_are_text():
+    from allanite.reporting.html import _prose
+
+    option = '<span class="option">--{}</span>'.format
+    assert _prose("<b>: try --from 1 & --quiet-window") == (
+        f"&lt;b&gt;: try {option('from')} 1 &amp; {option('quiet-window')}"
+    )
