@@ -51,8 +51,8 @@ def warm_up(T: float) -> NoiseTerm:
         "power, and what a statistic shows of it depends on when the record begins and how long it is.",
         advice="It resembles a random walk or a ramp. A warm-up longer than a third of the record is a ramp. Cut it "
         "off rather than model it, and record after it: what is left of it then is below its standard error. It is "
-        "looked for in every record, and said in a finding; with its symbol among the terms that are asked for it "
-        "is estimated too, with its interval, and is part of the model.",
+        "looked for in every record, named in a finding, and accounted for in the residuals and in the curve that is "
+        "drawn. Asked for by its symbol, it has an interval and is part of the model.",
         typical=20.0,
         color="#13042C",
         dark="#8BF08F",
