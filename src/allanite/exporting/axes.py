@@ -50,7 +50,7 @@ def _of_channel(channel: Channel, level: float, known: Mapping[str, str]) -> Ite
     if channel.noise is None:
         return
     fit, doubts = channel.noise.fit, channel.noise.doubts
-    alerts = tuple(alert for alert in channel.alerts if alert not in doubts)
+    alerts = (*channel.noise.omitted, *(alert for alert in channel.alerts if alert not in doubts))
     yield Axis(
         channel.record.name,
         fit,

@@ -91,6 +91,11 @@ class Noise(Portable):
         """A warning to report with every result that uses this noise if the model does not explain the record."""
         return () if self.explained else (self.verdict,)
 
+    @property
+    def omitted(self) -> tuple[str, ...]:
+        """Slow behaviour that is not in a model which explains the record, to report with what follows from it."""
+        return tuple(map(str, self.fit.findings)) if self.explained else ()
+
 
 def rejected(why: str) -> str:
     """Why the coefficients of a model that does not explain its record are not used, and how they are nevertheless."""

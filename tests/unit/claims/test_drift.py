@@ -225,3 +225,10 @@ def test_the_committed_table_agrees_at_all_times():
     assert np.mean(np.square(off)) < 1.6
     for row in intervals:  # the upper limit is right also where a term was not identified
         assert all(float(row[f"{t:g} s"].split(", ")[1]) >= 93 for _, span in script.SPANS for t in span)
+
+
+def test_a_warm_up_that_is_no_part_of_the_drift_is_said():
+    y = np.random.default_rng(1).standard_normal(30_000) + 2 * np.exp(-np.arange(30_000) / 3000)
+    drift = al.drift(al.analyze(al.Record(y, 100.0, "deg/h", name="gx")))
+    (said,) = [note for note in drift.notes if "warms up" in note]
+    assert "the coefficients are those of the noise without it" in said

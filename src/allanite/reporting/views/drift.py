@@ -135,6 +135,7 @@ def _remarks(value: Drift) -> list[Remark]:
                    time=words.duration(min(lost, default=0.0))), ""),
         (last > longest, say("beyond {longest} the record says nothing: there the drift is that of the model alone",
                              longest=words.duration(min(longest, last))), ""),
+        *((True, note, "") for note in value.notes),
         (strapdown and "accelerometer" not in sensors,
          say("velocity and position without the errors of accelerometers, whose noise is not known"), ""),
         (strapdown and "gyro" not in sensors,
@@ -142,9 +143,11 @@ def _remarks(value: Drift) -> list[Remark]:
         (last >= ROUND and not settings.schuler and "velocity" in value.quantities,
          say("after 15 min the curvature of the earth reduces the drift of velocity and position"), "--schuler"),
     )  # fmt: skip
-    limits = [Remark("", (text,), command) for applies, text, command in told if applies]
+    limits = [
+        Remark("", (text,), command) if command else Remark.of("", text) for applies, text, command in told if applies
+    ]
     grave = [Remark.of("", alert, grave=True) for alert in value.alerts]
-    return [*grave, *limits, *(Remark.of("", note) for note in value.notes)]
+    return [*grave, *limits]
 
 
 def _said(value: Drift) -> list[str]:
