@@ -13,7 +13,7 @@ from allanite.phrases.wording import percent, spelled
 
 from .grid import Places, resolution
 
-_CLOCK = ("--time", "time=...")
+_CLOCK = ("--time COLUMN", "time=...")
 
 
 def _use_sensor(option: str) -> str:

@@ -133,7 +133,7 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
                 "{trouble}; {advice}, or {option} for another column",
                 trouble=grid.trouble,
                 advice=_rows(),
-                option=spelled("--time", "time=..."),
+                option=spelled("--time COLUMN", "time=..."),
             )
         )
     if grid.trouble:
