@@ -103,7 +103,7 @@ class Shown(HTMLParser):
     def __init__(self, page):
         super().__init__()
         self.texts, self.inside = [], []
-        self.feed(page)
+        self.feed(re.sub(r'<span class="option">(.*?)</span>', r"\1", page))  # parts of a sentence
 
     def handle_starttag(self, tag, attrs):
         """Collect titles and labels."""

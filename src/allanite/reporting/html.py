@@ -75,8 +75,8 @@ def pieces(face: Face) -> tuple[str, list[str]]:
 _STYLE = re.compile(r' style="color: var\([^,"]*, (#[0-9A-Fa-f]{6})\)"')
 
 
-_NAME = re.compile(r"--[a-z][a-z-]*")
-"""An option in a sentence, which is not to be broken after its dashes."""
+_NAME = re.compile(r"--[a-z][a-z-]*(?: [\w./^-]+)?")
+"""An option in a sentence with its value, which are not to be broken."""
 
 
 def _clean(text: str) -> str:

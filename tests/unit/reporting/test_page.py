@@ -188,5 +188,5 @@ def test_options_are_not_broken_and_names_are_text():
 
     option = '<span class="option">--{}</span>'.format
     assert _prose("<b>: try --from 1 & --quiet-window") == (
-        f"&lt;b&gt;: try {option('from')} 1 &amp; {option('quiet-window')}"
+        f"&lt;b&gt;: try {option('from 1')} &amp; {option('quiet-window')}"
     )
