@@ -59,7 +59,7 @@ def told(process, words):
 
 def ended(process, how=signal.SIGTERM):
     process.send_signal(how)
-    _, err = process.communicate(timeout=120)
+    _, err = process.communicate(timeout=300)
     assert process.returncode == 0, err
     return err
 
