@@ -226,8 +226,9 @@ class Fit(Value):
 
     def complete(self, noise: Model) -> Model:
         """What the record is made of under a model of its noise: with the warm-up that was found."""
-        there = self.warm_up is None or any(term.row.transient for term in noise)
-        return noise if there or self.warm_up is None else Model((*noise, self.warm_up))
+        if self.warm_up is None or any(term.row.transient for term in noise):
+            return noise
+        return Model((*noise, self.warm_up))
 
     @property
     def advice(self) -> tuple[str, ...]:
