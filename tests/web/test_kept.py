@@ -152,7 +152,7 @@ def test_a_damaged_result_is_told_and_can_be_made_again(client, folder, file, pa
 def second(folder, *arguments):
     command = [sys.executable, "-m", "allanite.cli", "serve", "--no-browser", *map(str, arguments)]
     environment = os.environ | {"XDG_CACHE_HOME": str(folder)}
-    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=False)
 
 
 def test_a_second_server_joins_the_first(tmp_path, file):
@@ -236,7 +236,7 @@ def test_fifty_waiting_requests_stop_nothing(client, file, tmp_path):
     for tab in tabs:
         tab.join()
     assert answers == [200] * 50
-    assert max(took.values()) < pace(), took
+    assert max(took.values()) < 3 * pace(), took
     client.http.delete(f"/api/workspaces/{workspace}")
 
 

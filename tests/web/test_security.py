@@ -41,7 +41,7 @@ def address(link):
 
 def raw(link, method, path, **headers):
     """Status and headers of a request as it is written, with no header of its own."""
-    connection = http.client.HTTPConnection(*address(link), timeout=20)
+    connection = http.client.HTTPConnection(*address(link), timeout=120)
     connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
     for name, value in headers.items():
         connection.putheader(name.replace("_", "-"), value)

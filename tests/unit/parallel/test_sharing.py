@@ -155,8 +155,8 @@ def test_no_process_is_left_behind(by):
         assert process.stdout is not None
         workers = {int(process.stdout.readline()) for _ in range(3)}
         process.send_signal(by)
-        assert process.wait(timeout=20) != 0
-    deadline = time.monotonic() + 10
+        assert process.wait(timeout=120) != 0
+    deadline = time.monotonic() + 60
     while (left := [pid for pid in workers if running(pid)]) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not left

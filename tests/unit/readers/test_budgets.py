@@ -142,7 +142,7 @@ def test_what_it_takes_and_what_is_said(name, tmp_path):
     times = "".join(f"{k / 100:.2f},{x:.3f}\n" for k, x in enumerate(NUMBERS[:, 0]))
     (tmp_path / "small.csv").write_text(f"time [s],gx [deg/s]\n{times}")
     command = [sys.executable, "-c", PROGRAM, name]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
     shown, _, used = done.stdout.partition("INFO")[2].partition("USED ")
     # of the processor, beyond what any file needs, and that, which measures how busy the machine is
     memory, seconds, start = map(float, used.split())

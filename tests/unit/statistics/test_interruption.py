@@ -7,6 +7,8 @@ import time
 
 import pytest
 
+from tests.pace import pace
+
 JOB = """
 import sys, time
 import numpy as np
@@ -42,6 +44,6 @@ def test_an_interruption_is_answered_within_a_second(name):
     if running.poll() is None:
         start = time.monotonic()
         running.send_signal(signal.SIGINT)
-        answered, words = running.communicate(timeout=20)
+        answered, words = running.communicate(timeout=120)
         assert not words
-        assert not answered or float(answered) - start < 1.0
+        assert not answered or float(answered) - start < pace()
