@@ -4,7 +4,6 @@ import os
 import socket
 import subprocess
 import sys
-from functools import partial
 
 import numpy as np
 import pytest
@@ -16,12 +15,12 @@ from allanite.batch.cluster import Dask
 from allanite.batch.job import run_batch
 from allanite.cli import main
 
-LocalCluster = pytest.importorskip("distributed").LocalCluster
+distributed = pytest.importorskip("distributed")
 
 
 @pytest.fixture(scope="module")
 def address():
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         yield cluster.scheduler_address
 
 
@@ -82,13 +81,20 @@ def start(monkeypatch):
 
 @pytest.fixture
 def scheduler(start):
-    """The process of a scheduler without workers, its address, and what starts a worker."""
+    """The process of a scheduler without workers, its address, and what starts a worker and waits until it is there."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     at = f"tcp://127.0.0.1:{port}"
     process = start("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
-    return process, at, partial(start, "worker", at, "--nthreads", "1", "--no-dashboard")
+    distributed.Client(at, timeout=120).close()
+
+    def worker(*arguments, path=()):
+        start("worker", at, "--nthreads", "1", "--no-dashboard", *arguments, path=path)
+        with distributed.Client(at, timeout=120) as client:
+            client.wait_for_workers(1, timeout=120)
+
+    return process, at, worker
 
 
 @pytest.mark.slow("a Dask scheduler")

@@ -214,16 +214,20 @@ def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
 def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:
     """The likeliest cause why no model explains a channel, and what to type."""
     left = noise.residuals.findings if noise.residuals is not None else ()
-    helped = [Remark.about_finding("", finding, grave=True) for finding in (*noise.fit.findings, *left, *warnings)]
-    typed = min((r for r in helped if r.command), key=_helps, default=None)
+    told = [(f, Remark.about_finding("", f, grave=True)) for f in (*noise.fit.findings, *left, *warnings)]
+    likeliest = min((pair for pair in told if pair[0].fatal or pair[1].command), key=_rank, default=None)
     why = noise.statement.points or (noise.statement.head,)
-    return typed or Remark("", why, "allanite deviation FILE", grave=True)
+    return likeliest[1] if likeliest else Remark("", why, "allanite deviation FILE", grave=True)
 
 
-def _helps(remark: Remark) -> tuple[bool, int]:
-    """How far down a finding stands among those that explain a misfit: a command with values can be typed as it is."""
-    known = CAUSES.index(remark.name) if remark.name in CAUSES else len(CAUSES)
-    return not any(map(str.isdigit, remark.command)), known
+def _rank(told: tuple[Finding, Remark]) -> tuple[bool, int]:
+    """How far down a finding stands among those that explain a misfit.
+
+    First those that no command cures, and those whose command has values and can be typed as it is.
+    """
+    finding, remark = told
+    known = CAUSES.index(finding.name) if finding.name in CAUSES else len(CAUSES)
+    return bool(remark.command) and not any(map(str.isdigit, remark.command)), known
 
 
 def alerts(study: Job[Any]) -> Iterator[Remark]:
