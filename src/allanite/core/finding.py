@@ -6,6 +6,9 @@ from allanite.phrases.phrase import join
 
 from .plain import Value
 
+MOTION = ("moving", "body moved")
+"""Names of the findings of motion, which is no noise of the sensor."""
+
 
 @dataclass(frozen=True, repr=False)
 class Finding(Value):
@@ -56,6 +59,11 @@ class Quality(Value):
     def names(self) -> tuple[str, ...]:
         """Names of the findings."""
         return tuple(f.name for f in self.findings)
+
+    @property
+    def moved(self) -> bool:
+        """Whether the sensor was not at rest."""
+        return not set(MOTION).isdisjoint(self.names)
 
     def _summary(self) -> str:
         return ", ".join(self.names) or "no findings"

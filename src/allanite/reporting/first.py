@@ -215,13 +215,16 @@ def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
     alike: dict[str, list[tuple[str, Finding]]] = {}
     for name, finding in notes:
         alike.setdefault(finding.name, []).append((name, finding))
-    return [Remark.about_finding(_names(found, every), found[0][1]) for found in alike.values()]
+    return [
+        Remark.about_finding(sharing([(name, finding.what) for name, finding in found], every), found[0][1])
+        for found in alike.values()
+    ]
 
 
-def _names(found: Sequence[tuple[str, Finding]], every: int) -> str:
-    """The channels that a remark is about: all with the same finding, or the first and those with one of its kind."""
+def sharing(found: Sequence[tuple[str, str]], every: int) -> str:
+    """The channels that a remark is about: all of which the same is said, or the first and those with the like."""
     names = list(dict.fromkeys(name for name, _ in found))
-    if len({finding.what for _, finding in found}) == 1:
+    if len({what for _, what in found}) == 1:
         return say("all channels") if len(names) == every > 1 else listed(names)
     return say("{channel} (also {others})", channel=names[0], others=listed(names[1:])) if names[1:] else names[0]
 

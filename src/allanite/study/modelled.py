@@ -232,7 +232,7 @@ def run_model_job(
     assert source is not None  # noqa: S101 - one of them is there
 
     def follow(seen: Inspected) -> Modelled:
-        record, noise = seen.record, noise_of(seen.record, recipe)
+        record, noise = seen.record, noise_of(seen.record, recipe, moved=seen.quality.moved)
         wrong = [e for e in noise.fit if e.status == "not valid"] if noise.explained else []
         missing = (
             say("{symbol} is left out of the model because its coefficient is not valid: {reason}",

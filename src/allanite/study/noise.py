@@ -85,6 +85,7 @@ def noise_of(
     terms: str | None = None,
     band: Band | None = None,
     lines: bool = True,
+    moved: bool = False,
 ) -> Noise:
     """Identify the noise of a channel with the choices of the recipe.
 
@@ -100,6 +101,8 @@ def noise_of(
         Instead of that of the recipe.
     lines : bool
         Whether sinusoids are detected and removed first.
+    moved : bool
+        Whether the sensor was not at rest: what the automatic terms leave is then motion, and no others are tried.
 
     Raises
     ------
@@ -133,7 +136,8 @@ def noise_of(
         return Noise(fit)
     noise = graded(Noise(fit, partial(residuals, record, fit, outliers=choice)), record)
     described = noise.validity != UNEXPLAINED and (noise.fit.scope is None or noise.fit.scope.until is None)
-    return noise if described or (terms or recipe.terms) != "auto" else _with_remedy(noise, record, recipe)
+    enough = described or moved or (terms or recipe.terms) != "auto"
+    return noise if enough else _with_remedy(noise, record, recipe)
 
 
 def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
@@ -182,7 +186,7 @@ def noise_in(seen: Inspected, recipe: Recipe) -> Noise:
     Of a record that is read in parts the curve alone judges the coefficients, so that the model has a reservation.
     """
     if seen.keeper is None:
-        return noise_of(seen.record, recipe)
+        return noise_of(seen.record, recipe, moved=seen.quality.moved)
     fit = seen.keeper.fit(recipe)
     noise, curve = Noise(fit), seen.keeper.measured(fit)
     if noise.validity == UNEXPLAINED:

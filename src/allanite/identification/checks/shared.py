@@ -1,6 +1,6 @@
 """Correlations between channels beyond their models: vibration, temperature, supply voltage."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from allanite.core.fit import Fit
 from allanite.core.record import Recording
 from allanite.core.residuals import Shared
 from allanite.parallel.futures import spread
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.prepare.outliers import demand_choice, treated
 
 from .whitening import whitened
@@ -74,26 +74,34 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
     bounds = np.linspace(0, series[0].size, STRETCHES + 1).astype(np.int64)[:-1]
     means = [np.add.reduceat(u, bounds, dtype=np.float64) for u in series]
     fast, slow = _correlations(series), _correlations(means)
-    # pairs with a significant correlation, fast and slow in one finding
-    found = []
-    for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
-        kinds = {
-            say("sample by sample"): (fast[i, j], series[0].size),
-            say("slowly, over minutes and hours"): (slow[i, j], STRETCHES),
-        }
-        seen = [
-            say("{how} ({correlation:+.2g})", how=what, correlation=r)
-            for what, (r, count) in kinds.items()
-            if abs(r) > MATTERS and abs(np.arctanh(np.clip(r, -0.999999, 0.999999))) * np.sqrt(count - 3) > SIGMAS
-        ]
-        if seen:
-            how = seen[0] if len(seen) == 1 else say("{first} and {second}", first=seen[0], second=seen[1])
-            what = say(
-                "the residuals of {channel} and {other} are correlated {how}", channel=names[i], other=names[j], how=how
-            )
-            remedy = say("look for vibration, temperature, or a common supply, clock or reference")
-            found.append(Finding("shared", what, say("their noises are not independent"), remedy))
-    return Shared(tuple(names), fast, slow, tuple(found))
+    length = series[0].size / recording[names[0]].rate / STRETCHES
+    found = (
+        _finding(names, fast, series[0].size, say("sample by sample")),
+        _finding(names, slow, STRETCHES, say("in means over {length:.3g} s", length=length)),
+    )
+    return Shared(tuple(names), fast, slow, tuple(filter(None, found)))
+
+
+def _finding(names: Sequence[str], correlations: FloatArray, count: int, how: Phrase) -> Finding | None:
+    """The pairs of channels with a significant correlation of so many values."""
+    size = np.abs(np.triu(correlations, 1))
+    z = np.arctanh(np.minimum(size, 0.999999)) * np.sqrt(count - 3)
+    pairs = int(((size > MATTERS) & (z > SIGMAS)).sum())
+    if not pairs:
+        return None
+    i, j = divmod(int(size.argmax()), len(names))
+    what = say_count(
+        pairs,
+        "the residuals of {channel} and {other} are correlated {how} ({correlation:+.2g})",
+        "the residuals of {count} pairs of channels are correlated {how}, most of all those of {channel} and {other} "
+        "({correlation:+.2g})",
+        channel=names[i],
+        other=names[j],
+        how=how,
+        correlation=correlations[i, j],
+    )
+    remedy = say("look for vibration, temperature, or a common supply, clock or reference")
+    return Finding("shared", what, say("their noises are not independent"), remedy)
 
 
 def _correlations(series: list[NDArray[np.float32]] | list[FloatArray]) -> FloatArray:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from allanite.core.estimate import Estimate
-from allanite.core.finding import Finding
+from allanite.core.finding import MOTION, Finding
 from allanite.core.fit import EXPLAINED as LEAST
 from allanite.core.header import Header
 from allanite.core.kinds import KIND_WORDS
@@ -17,7 +17,7 @@ from allanite.core.validity import APPROXIMATE, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import FIGURES, Axes, First, Quantity, Remark, listed, plus_minus, told_of
+from allanite.reporting.first import FIGURES, Axes, First, Quantity, Remark, plus_minus, sharing, told_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
@@ -32,10 +32,7 @@ MEANING = ("--details", say("intervals, densities, meaning"))
 MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
 """Findings that change numbers little, or that the fit takes into account: they are told last."""
 
-MOVED = ("moving", "body moved")
-"""Findings of motion, which the minimum of a deviation shows instead of the bias."""
-
-CAUSES = ("terms", *MOVED)
+CAUSES = ("terms", *MOTION)
 """Findings that explain a misfit, the likeliest first."""
 
 LONGER = ("allanite plan FILE", say("how long to record until more is known"))
@@ -153,7 +150,7 @@ def cell_of(estimate: Estimate, level: float) -> str:
 
 def _minimum(channel: Channel) -> str:
     readings = channel.readings
-    moved = not channel.explained and any(f.name in MOVED for f in channel.quality.warnings)
+    moved = not channel.explained and channel.quality.moved  # which the minimum shows instead of the bias
     if readings is None or readings.minimum is None or moved:
         return ""
     number = digits(convert(readings.minimum.deviation, readings.unit, readings.shown_unit(0)), figures=3).plain()[0]
@@ -194,21 +191,22 @@ def _legend(tables: Iterable[Axes], level: float) -> Iterator[str]:
 
 
 def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
-    """A line for each channel without a result; those that one cause explains share it."""
+    """A line for each channel without a result; those with causes of one kind and one command share it."""
     for channel in channels:
         if channel.refusal:
             name = channel.record.name or say("channel")
             yield Remark.of(join(" ", (name, say("NO RESULT"))), channel.refusal, grave=True)
-    alike: dict[tuple[str, str], list[tuple[str, Remark]]] = {}
+    alike: dict[tuple[Any, str], list[tuple[str, Remark]]] = {}
     for channel in channels:
         if not channel.refusal and channel.noise is not None and not channel.noise.explained:
             why = _cause(channel.noise, channel.quality.warnings)
             name = channel.record.name or say("channel")
-            alike.setdefault((str(why.clauses[0]), why.command), []).append((name, why))
+            kind = why.name or getattr(why.clauses[0], "templates", why.clauses[0])  # of a stored result, the text
+            alike.setdefault((kind, why.command), []).append((name, why))
     for found in alike.values():
-        names = listed([name for name, _ in found])
-        about = say_count(len(found), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=names)
-        yield replace(found[0][1], about=about)
+        named = sharing([(name, str(why.clauses[0])) for name, why in found], len(channels))
+        what = say_count(len(found), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=named)
+        yield replace(found[0][1], about=what)
 
 
 def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:
