@@ -13,7 +13,7 @@ from allanite.core.validity import graded
 from allanite.identification.methods import symbols_of
 from allanite.phrases.phrase import say
 from allanite.prepare.outliers import marked, outliers
-from allanite.study.noise import noise_of
+from allanite.study.noise import noise_of, without_lines
 from allanite.study.recipe import Recipe
 from allanite.study.results import Noise
 from allanite.terms import TERMS
@@ -90,7 +90,7 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     fits = [noise.fit for noise in noises]
     constants = [e.shape[0] for fit in fits for e in fit if e.shape and TERMS[e.symbol].waveform is None]
     constant = math.exp(sum(map(math.log, constants)) / len(constants)) if constants else None
-    quiet = [_without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
+    quiet = [without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
     notes += [
         say(
             "record {number}: sinusoids were removed, at {frequencies} Hz",
@@ -144,12 +144,3 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     if len(shown) > len(symbols):
         noises = tuple(noise_of(record, recipe, terms=",".join(shown), band=band) for record in records)
     return noises, shown
-
-
-def _without_lines(record: Record, fit: Fit) -> Record:
-    rates = record.rate_values
-    for line in fit.lines:
-        wave = line.term.sampled(record.rate).waveform
-        assert wave is not None  # noqa: S101 - a sinusoid has one
-        rates = rates - line.amplitude * wave(record.size)
-    return Record(rates, record.rate, record.signal.unit, record.signal.kind, name=record.name) if fit.lines else record

@@ -146,7 +146,7 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
     Those that explain a record beside all automatic terms must do so without the absent ones, as they are then named.
     """
     kept = [e.symbol for e in noise.fit if e.claimed and not e.shape] if noise.fit.valid else []
-    rest = record if recipe.outliers == "keep" else marked(record, outliers(record))
+    rest = without_lines(record if recipe.outliers == "keep" else marked(record, outliers(record)), noise.fit)
     for more in REQUESTED:
         with one_thread():
             fit = explaining(rest, symbols_of([*(kept or symbols_of("auto")), *more]))
@@ -173,6 +173,16 @@ def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
                 else replace(noise, leftover=Stored(replace(left, findings=(finding, *left.findings))))
             )
     return noise
+
+
+def without_lines(record: Record, fit: Fit) -> Record:
+    """A record without the sinusoids that were removed for a fit of it."""
+    rates = record.rate_values
+    for line in fit.lines:
+        wave = line.term.sampled(record.rate).waveform
+        assert wave is not None  # noqa: S101 - a sinusoid has one
+        rates = rates - line.amplitude * wave(record.size)
+    return Record(rates, record.rate, record.signal.unit, record.signal.kind, name=record.name) if fit.lines else record
 
 
 def _broadens(shape: Sequence[float], line: float) -> bool:

@@ -71,12 +71,10 @@ def whittle(
 
 
 def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
-    """The fit of the terms to all frequencies, as `whittle` makes it; None if they do not explain the record."""
-    plain, taken = _seen(record, symbols, "all", (), lines=True, rival=False)
+    """The fit of the terms to all frequencies of a record without sinusoids; None if they do not explain it."""
+    plain, _ = _seen(record, symbols, "all", (), lines=False, rival=False)
     _, found = _steady(plain, record.signal, rival=False, choice="all")
-    if not explains(found):
-        return None
-    return _concluded(plain, (record.name, record.signal), symbols, "all", rival=False, taken=taken)
+    return _concluded(plain, (record.name, record.signal), symbols, "all", rival=False) if explains(found) else None
 
 
 def _seen(
