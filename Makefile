@@ -15,6 +15,9 @@ BIN     := .venv/bin
 PIP     := $(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt
 THREADS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
 
+# so that the many processes of the tests do not compile the package again
+unexport PYTHONDONTWRITEBYTECODE
+
 # through the environment, so that blanks, quotes and dollars in a name reach the program as they are
 export FILE
 

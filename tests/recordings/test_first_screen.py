@@ -15,6 +15,12 @@ SCREENS = {
     "analyze phone_gyro4.txt --unit rad/s": (
         r"N +angle random walk +°/√h +1\.6\d+ ±", r"the bias steps", r"Try --from 930", r"up to 25\.6 s", "not valid"
     ),
+    "analyze aegiverse_fog_0917.txt --unit deg/h": (
+        r"in-run bias stability", r"fog DOES NOT FIT: quantization errors", r"fog: the output is stuck .* Try --until"
+    ),
+    "analyze vn100_car_idle.bag": (
+        r"in-run bias", r"gx \(also gy, gz, ax, ay, az\) DO NOT FIT: narrow peaks", r"residuals of 14 pairs of channels"
+    ),
     "info psins_lasergyro.imu": (r"mean +°/h +-12\.27", r"the body moved: .* Try --from 1011 --until 1847"),
     "info format_only_vn100_moving.mcap": (r"0 of 6 channels are fit for analysis", r"gz NO RESULT: moves from 0 s"),
     "info cubeorange_sample_log_small.ulg": (r"3 × gyroscope, 3 × accelerometer", r"missing in 1 gap"),

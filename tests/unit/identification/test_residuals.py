@@ -146,7 +146,7 @@ def test_slow_things_in_common_are_named():
     records = [al.Record(rng.standard_normal(2**15) * 30 + warm, 100.0, "deg/h", name=name) for name in "xy"]
     recording = al.Recording(tuple(records))
     found = al.shared(recording, al.identify(recording))
-    assert "slowly" in found.findings[0].what
+    assert "in means over 5.12 s" in found.findings[0].what
 
 
 def test_a_recording_without_a_fit_says_why_of_every_channel():
@@ -155,6 +155,18 @@ def test_a_recording_without_a_fit_says_why_of_every_channel():
     )
     with pytest.raises(al.DataError, match=r"(?s)'a'.*never changes.*b.*too few"):
         al.identify(flat)
+
+
+def test_pairs_are_told_in_one_finding_that_names_the_closest():
+    rng = np.random.default_rng(9)
+    common = rng.normal(size=2**13)
+    noise = {name: al.Record(share * common + rng.normal(size=2**13), 10.0, "deg/h", name=name)
+             for name, share in (("x", 1.0), ("y", 2.0), ("z", 0.5))}  # fmt: skip
+    recording = al.Recording(tuple(noise.values()))
+    (found,) = al.shared(recording, al.identify(recording)).findings
+    assert found.what.startswith(
+        "the residuals of 3 pairs of channels are correlated sample by sample, most of all those of x and y (+0.6"
+    )
 
 
 def test_the_study_says_it_in_words_and_pictures():

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 import allanite as al
 from allanite.cli import main
 from allanite.interpretation.causes import meaning
+from allanite.study.noise import noise_of
 
 RATE, SIZE = 40.0, 72_000
 HUMPS = {
@@ -50,6 +51,10 @@ def test_the_option_that_the_command_names_helps(tmp_path):
     option = re.search(r"ask\s+for\s+them\s+\((--terms\s+\S+)\)", run.output)[1]
     run = CliRunner().invoke(main, ["analyze", str(file), *option.split()])
     assert "  explained (goodness of fit" in run.output
+
+
+def test_of_a_body_that_moved_no_more_terms_are_named():
+    assert noise_of(simulated("two processes"), al.Recipe(), moved=True).fit.findings == ()
 
 
 def test_nothing_is_named_where_nothing_is_missing():
