@@ -1,6 +1,7 @@
 """Which columns are inertial signals, and what their samples are: unit, kind and scale."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
 from operator import attrgetter
@@ -22,6 +23,9 @@ from .column import FileColumn, lookup, some
 from .stated import Stated
 
 T = TypeVar("T")
+
+LEVEL = 0.05
+"""Share by which an accelerometer at rest may miss gravity."""
 
 MOST_DRIVERS = 8
 """Number of columns beside the signals that are kept."""
@@ -101,11 +105,23 @@ def _cure(left: list[Left], options: Options) -> Cure:
         return "", ""
     if options.unit:
         return options.unit, nearest(options.unit, USUAL) or "deg/s"
-    usual = {"gyro": ("gyro", "deg/s"), "accelerometer": ("accel", "m/s^2")}
-    found = [usual[name] for name in usual if name in {headers.sensor_by_name(item.column.name) for item in without}]
-    return "", spelled("--unit ", "unit=") + (
-        ",".join(map("=".join, found)) if len(found) > 1 else found[0][1] if found else "deg/s"
-    )
+    of: dict[str, list[FileColumn]] = {}
+    for item in without:
+        of.setdefault(headers.sensor_by_name(item.column.name) or "", []).append(item.column)
+    usual = {"gyro": ("gyro", "deg/s"), "accelerometer": ("accel", _weighing(of.get("accelerometer", ())) or "m/s^2")}
+    found = [usual[name] for name in usual if name in of]
+    likely = found[0][1] if found else _weighing(of[""]) or "deg/s"
+    return "", spelled("--unit ", "unit=") + (",".join(map("=".join, found)) if len(found) > 1 else likely)
+
+
+def _weighing(columns: Sequence[FileColumn]) -> str:
+    """The unit in which three columns have the length of gravity, as an accelerometer at rest has it; or none."""
+    if len(columns) != 3:
+        return ""
+    with np.errstate(all="ignore"):  # of numbers that are no samples
+        length = math.hypot(*(float(np.mean(column.values)) for column in columns))
+    gravity = unit_of("g").factor
+    return next((unit for unit in ("m/s^2", "g") if abs(length * unit_of(unit).factor / gravity - 1) < LEVEL), "")
 
 
 NO_UNIT = say("no signal unit in the header, used as plain numbers:")
