@@ -22,6 +22,10 @@ DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say
 """What next, after any result."""
 
 
+PLUS_MINUS, MOST = r"±|\+-", "≤|<="
+"""What finds these signs in a line of text."""
+
+
 @dataclass(frozen=True)
 class Remark:
     """A line of what limits an answer: what it is about, the clauses of it, and the command that helps.
@@ -132,8 +136,9 @@ class First:
     answer : sequence of Axes, Section, Table or str
     remarks : sequence of Remark
         One line each, the most important first; what does not fit is counted.
-    legend : sequence of str
-        What the signs mean that were used.
+    legend : sequence of (sign, meaning)
+        A regular expression that finds the sign in the lines of the answer, in any language and in ASCII; an empty
+        one for what is always told.
     read : sequence of str
         How the file was read, the most important first.
     after : sequence of (command, purpose)
@@ -144,7 +149,7 @@ class First:
     verdict: str = ""
     answer: Sequence[Answer] = ()
     remarks: Sequence[Remark] = ()
-    legend: Sequence[str] = ()
+    legend: Sequence[tuple[str, str]] = ()
     read: Sequence[str] = ()
     after: Sequence[tuple[str, str]] = (DETAILS,)
 

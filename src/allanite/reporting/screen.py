@@ -1,6 +1,7 @@
 """The first screen as text: at most 20 lines of at most 100 columns."""
 
 import io
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
@@ -74,6 +75,8 @@ class _Screen:
         wanted = max(min(every, FEWEST), min(grave, 6) + (every > min(grave, 6)))  # and how many more there are
         room = LINES - len(head) - len(foot)
         answer = [(line, "") for line in self.answer(first.answer, room - wanted)]
+        used = [(sign, why) for sign, why in first.legend if any(re.search(sign, line) for line, _ in answer)]
+        first = replace(first, legend=used)
         remarks = [(line, "red" if i < grave else "") for i, line in enumerate(self.remarks(first, room - len(answer)))]
         parts = [part for part in (answer, remarks, [(line, "dim") for line in self.foot(first)]) if part]
         blanks = LINES - len(head) - sum(map(len, parts))
@@ -94,7 +97,8 @@ class _Screen:
     def foot(self, first: First) -> list[str]:
         """The signs, how the file was read, and what next."""
         left = [say("Not found: {symbols}.", symbols=", ".join(self.left))] if self.left else []
-        lines = [self.legend([*left, *first.legend])] if first.legend else []
+        meanings = [*left, *(meaning for _, meaning in first.legend)]
+        lines = [self.legend(meanings)] if meanings else []
         if first.read:
             lines.append(self.clauses(first.read))
         if first.after:

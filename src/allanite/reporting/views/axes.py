@@ -17,7 +17,18 @@ from allanite.core.validity import APPROXIMATE, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import FIGURES, Axes, First, Quantity, Remark, plus_minus, sharing, told_of
+from allanite.reporting.first import (
+    FIGURES,
+    MOST,
+    PLUS_MINUS,
+    Axes,
+    First,
+    Quantity,
+    Remark,
+    plus_minus,
+    sharing,
+    told_of,
+)
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
@@ -51,7 +62,7 @@ def first_of(study: Study, level: float) -> First:
         _verdict(channels),
         tables,
         told_once(doubts(channels), weighed([*alerts(study), *_reservations(channels)])),
-        list(_legend(tables, level)),
+        list(_legend(level).items()),
         how_read(study),
         [FIGURES, MEANING, *([LONGER] if lost else [])],
     )
@@ -180,14 +191,13 @@ def _part(noise: Noise) -> tuple[float | None, float]:
     return (scope.until, scope.within if scope.misfit else 0.0) if scope is not None else (None, 0.0)
 
 
-def _legend(tables: Iterable[Axes], level: float) -> Iterator[str]:
-    """What the signs mean that are in the tables."""
-    cells = [str(cell) for table in tables for row in table.rows for cell in row.cells]
-    meanings = {
-        "±": say("±: {share} half width.", share=words.percent(level)), "<": say("<: limit, not detected."),
-        "*,": say("*: reservation."), "≤": say("≤: still falling."), ", p ": say("p < {least:g}: no fit.", least=LEAST),
+def _legend(level: float) -> dict[str, str]:
+    """What the signs of a table mean, by what finds them; see `First`."""
+    return {
+        PLUS_MINUS: say("±: {share} half width.", share=words.percent(level)), "<(?!=)": say("<: limit, not detected."),
+        "[*][,，]": say("*: reservation."), MOST: say("≤: still falling."),
+        "[,，] ?p ": say("p < {least:g}: no fit.", least=LEAST),
     }  # fmt: skip
-    yield from (meaning for sign, meaning in meanings.items() if any(sign in cell for cell in cells))
 
 
 def doubts(channels: Sequence[Any]) -> Iterator[Remark]:

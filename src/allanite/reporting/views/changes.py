@@ -41,7 +41,7 @@ def first_of_comparison(value: Comparison, level: float) -> First:
     remarks += [Remark.of(pair.name, alert) for pair in value.pairs for alert in pair.alerts]
     title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
     needed = any(c.outcome == "not resolvable" for pair in value.pairs for c in pair.changes)
-    legend = [say("unknown: a change by a factor of 2 is not excluded.")] if needed else []
+    legend = [("", say("unknown: a change by a factor of 2 is not excluded."))] if needed else []
     answer = [_axes([pair for pair in value.pairs if not pair.refusal], level)]
     return First(title, join("; ", said), answer, remarks, legend, list(value.notes), [FIGURES, DETAILS])
 

@@ -74,7 +74,7 @@ def first_of_check(value: ClaimCheck, level: float) -> First:
     answer = [_axes(value, signal) for signal in shown.values()]
     remarks = [Remark(", ".join(cause.channels), (cause.words,), grave=True) for cause in value.causes]
     remarks += [] if value.agrees else doubts(value.checked)
-    legend = [say("Factors are found over claimed; * contradicts the claim, all comparisons considered.")]
+    legend = [("", say("Factors are found over claimed; * contradicts the claim, all comparisons considered."))]
     title = join("   ", (title_of(value), say("against {claim}", claim=value.claim.title)))
     after = [FIGURES, DETAILS, *([] if value.agrees or value.claim.bound else [AT_MOST])]
     return First(title, value.verdict, answer, remarks, legend, how_read(value), after)

@@ -10,7 +10,7 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import DETAILS, FIGURES, Answer, Axes, First, Quantity, Remark
+from allanite.reporting.first import DETAILS, FIGURES, PLUS_MINUS, Answer, Axes, First, Quantity, Remark
 
 from .axes import alerts, by_sensor, doubts, fit_words, how_read, names_of, title_of, warned
 from .rate_experiment import by_time, certain_limits, series_of, told
@@ -30,7 +30,7 @@ def first_of_rates(study: RateStudy, level: float) -> First:
     answer += dict.fromkeys(text for channel in study.channels for text in certain_limits(channel.estimates))
     if study.settings.durations not in (DURATIONS, ()):
         answer += [next(by_time(series_of(c))) for c in study.channels if any(e.start.size > 1 for e in c.by_duration)]
-    legend = [say("±: {share} half width.", share=words.percent(level))]
+    legend = [(PLUS_MINUS, say("±: {share} half width.", share=words.percent(level)))]
     return First(title_of(study), "", answer, [*remarks, *alerts(study)], legend, how_read(study), [FIGURES, DETAILS])
 
 
