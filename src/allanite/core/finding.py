@@ -7,7 +7,7 @@ from allanite.phrases.phrase import join
 from .plain import Value
 
 MOTION = ("moving", "body moved")
-"""Names of the findings of motion, which is no noise of the sensor."""
+"""Names of the findings of motion."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -102,7 +102,7 @@ def noise_of(
     lines : bool
         Whether sinusoids are detected and removed first.
     moved : bool
-        Whether the sensor was not at rest: what the automatic terms leave is then motion, and no others are tried.
+        Whether the sensor moved; then no further terms are tried, since what the automatic ones leave is motion.
 
     Raises
     ------

@@ -193,8 +193,8 @@ def test_a_channel_is_read_again_without_its_readings(job):
 
 
 def test_a_term_that_the_curve_contradicts_is_named_as_left_out(recording, monkeypatch):
-    def contradicted(record, recipe):
-        noise = noise_of(record, recipe)
+    def contradicted(record, recipe, **choices):
+        noise = noise_of(record, recipe, **choices)
         return replace(noise, fit=noise.fit.invalid("it is larger than the curve", ("B",)))
 
     monkeypatch.setattr("allanite.study.modelled.noise_of", contradicted)
