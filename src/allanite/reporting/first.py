@@ -227,7 +227,7 @@ def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
 
 
 def sharing(found: Sequence[tuple[str, str]], every: int) -> str:
-    """The channels that a remark is about: all with the same remark, or the first, and the others with one of its kind."""
+    """The channels that a remark is about: all with the same one, or the first and others with one of its kind."""
     names = list(dict.fromkeys(name for name, _ in found))
     if len({what for _, what in found}) == 1:
         return say("all channels") if len(names) == every > 1 else listed(names)
