@@ -107,10 +107,10 @@ def _cure(left: list[Left], options: Options) -> Cure:
         return options.unit, nearest(options.unit, USUAL) or "deg/s"
     of: dict[str, list[FileColumn]] = {}
     for item in without:
-        of.setdefault(headers.sensor_by_name(item.column.name) or "", []).append(item.column)
+        of.setdefault(headers.sensor_by_name(item.column.name), []).append(item.column)
     usual = {"gyro": ("gyro", "deg/s"), "accelerometer": ("accel", _weighing(of.get("accelerometer", ())) or "m/s^2")}
     found = [usual[name] for name in usual if name in of]
-    likely = found[0][1] if found else _weighing(of[""]) or "deg/s"
+    likely = found[0][1] if found else _weighing(of.get("", ())) or "deg/s"
     return "", spelled("--unit ", "unit=") + (",".join(map("=".join, found)) if len(found) > 1 else likely)
 
 
