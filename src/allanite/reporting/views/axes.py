@@ -2,11 +2,9 @@
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from typing import Any
 
 from allanite.core.estimate import Estimate
-from allanite.core.finding import MOTION, Finding
 from allanite.core.fit import EXPLAINED as LEAST
 from allanite.core.header import Header
 from allanite.core.kinds import KIND_WORDS
@@ -24,10 +22,7 @@ from allanite.reporting.first import (
     Axes,
     First,
     Quantity,
-    Remark,
     plus_minus,
-    sharing,
-    told_of,
 )
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise, Study
@@ -35,17 +30,12 @@ from allanite.terms import TERMS
 
 from .details import mean_and_spread
 from .jobs import source_of
+from .remarks import alerts, doubts, reservations, told_once, weighed
 
 MAIN = ("N", "B", "K")
 """Terms whose limits are told as long as there is room for any."""
 
 MEANING = ("--details", say("intervals, densities, meaning"))
-MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
-"""Findings that change numbers little, or that the fit takes into account: they are told last."""
-
-CAUSES = ("terms", *MOTION)
-"""Findings that explain a misfit, the likeliest first."""
-
 LONGER = ("allanite plan FILE", say("how long to record until more is known"))
 
 
@@ -61,7 +51,7 @@ def first_of(study: Study, level: float) -> First:
         title_of(study),
         _verdict(channels),
         tables,
-        told_once(doubts(channels), weighed([*alerts(study), *_reservations(channels)])),
+        told_once(doubts(channels), weighed([*alerts(study), *reservations(channels)])),
         list(_legend(level).items()),
         how_read(study),
         [FIGURES, MEANING, *([LONGER] if lost else [])],
@@ -198,78 +188,6 @@ def _legend(level: float) -> dict[str, str]:
         "[*][,，]": say("*: reservation."), MOST: say("≤: still falling."),
         "[,，] ?p ": say("p < {least:g}: no fit.", least=LEAST),
     }  # fmt: skip
-
-
-def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
-    """A line for each channel without a result; those with causes of one kind and one command share it."""
-    for channel in channels:
-        if channel.refusal:
-            name = channel.record.name or say("channel")
-            yield Remark.of(join(" ", (name, say("NO RESULT"))), channel.refusal, grave=True)
-    alike: dict[tuple[Any, str], list[tuple[str, Remark]]] = {}
-    for channel in channels:
-        if not channel.refusal and channel.noise is not None and not channel.noise.explained:
-            why = _cause(channel.noise, channel.quality.warnings)
-            name = channel.record.name or say("channel")
-            kind = why.name or getattr(why.clauses[0], "templates", why.clauses[0])  # of a stored result, the text
-            alike.setdefault((kind, why.command), []).append((name, why))
-    for found in alike.values():
-        named = sharing([(name, str(why.clauses[0])) for name, why in found], len(channels))
-        what = say_count(len(found), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=named)
-        yield replace(found[0][1], about=what)
-
-
-def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:
-    """The likeliest cause why no model explains a channel, and what to type."""
-    left = noise.residuals.findings if noise.residuals is not None else ()
-    told = [(f, Remark.about_finding("", f, grave=True)) for f in (*noise.fit.findings, *left, *warnings)]
-    likeliest = min((pair for pair in told if pair[0].fatal or pair[1].command), key=_rank, default=None)
-    why = noise.statement.points or (noise.statement.head,)
-    return likeliest[1] if likeliest else Remark("", why, "allanite deviation FILE", grave=True)
-
-
-def _rank(told: tuple[Finding, Remark]) -> tuple[bool, int]:
-    """How far down a finding stands among those that explain a misfit.
-
-    First those that no command cures, and those whose command has values and can be typed as it is.
-    """
-    finding, remark = told
-    known = CAUSES.index(finding.name) if finding.name in CAUSES else len(CAUSES)
-    return bool(remark.command) and not any(map(str.isdigit, remark.command)), known
-
-
-def alerts(study: Job[Any]) -> Iterator[Remark]:
-    """What of the data makes numbers uncertain: of the file, of its channels, of all together."""
-    yield from (Remark.about_finding("", finding) for finding in study.findings)
-    channels = study.channels
-    yield from told_of([(c.record.name, f) for c in channels if not c.refusal for f in warned(c)], len(channels))
-    shared = getattr(study, "shared", None)
-    yield from (Remark.about_finding("", finding) for finding in (shared.findings if shared is not None else ()))
-
-
-def warned(channel: Any) -> Sequence[Finding]:
-    """The findings about the data of a channel that its model does not settle."""
-    found: Sequence[Finding] = getattr(channel, "warnings", channel.quality.warnings)
-    return found
-
-
-def told_once(first: Iterable[Remark], others: Iterable[Remark]) -> list[Remark]:
-    """Remarks, and those of the others that say anything else."""
-    told = list(first)
-    said = {str(remark.clauses[0]) for remark in told}
-    return [*told, *(remark for remark in others if str(remark.clauses[0]) not in said)]
-
-
-def weighed(remarks: Iterable[Remark]) -> list[Remark]:
-    """Those first that say that numbers are wrong."""
-    return sorted(remarks, key=lambda remark: remark.name in MILD)
-
-
-def _reservations(channels: Sequence[Channel]) -> Iterator[Remark]:
-    """Why a model that explains a channel does so with a reservation."""
-    noises = [(c.record.name, c.noise) for c in channels if c.explained and c.noise is not None]
-    every = [(name, (*n.fit.findings, *(n.residuals.findings if n.residuals else ()))) for name, n in noises]
-    yield from told_of([(name, finding) for name, found in every for finding in found], len(channels))
 
 
 def _seen(study: Study) -> First:

@@ -16,8 +16,9 @@ from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Sheet, T
 from allanite.terms import TERMS
 
 from . import Rows, view
-from .axes import doubts, how_read, title_of
+from .axes import how_read, title_of
 from .jobs import channel_sheet, job_face, source_of
+from .remarks import doubts
 
 TITLES = {
     "T": say("correlation time of the bias"),

@@ -16,7 +16,8 @@ from allanite.reporting.sheet import Column, Table
 from allanite.reporting.text import spread
 from allanite.study.survey import Survey
 
-from .axes import alerts, doubts, how_read, title_of
+from .axes import how_read, title_of
+from .remarks import alerts, doubts
 from .values import FORMS
 
 ROWS = 12

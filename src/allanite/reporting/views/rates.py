@@ -12,8 +12,9 @@ from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
 from allanite.reporting.first import DETAILS, FIGURES, PLUS_MINUS, Answer, Axes, First, Quantity, Remark
 
-from .axes import alerts, by_sensor, doubts, fit_words, how_read, names_of, title_of, warned
+from .axes import by_sensor, fit_words, how_read, names_of, title_of
 from .rate_experiment import by_time, certain_limits, series_of, told
+from .remarks import alerts, doubts, warned
 
 
 def first_of_rates(study: RateStudy, level: float) -> First:
