@@ -1,13 +1,15 @@
 # make demo       the main job on a sample, or on FILE=...
 # make quick      lint, types and the tests of what has changed
 # make test       what must hold after every change
-# make test-all   everything that must hold
+# make ci         what continuous integration runs
+# make nightly    everything that must hold, with all examples
 # make docs       the documentation site
 # Each sets up what it needs in .venv first; python3 (3.11 or later), pip and make are enough.
 
 PYTHON  ?= python3
 FILE    ?= examples/tactical_gyro.csv
 ARGS    ?=
+NIGHT   ?=
 SINCE   ?= HEAD
 PYTHONS ?= $(foreach v,3.11 3.12 3.13 3.14,$(if $(shell command -v python$(v)),python$(v)))
 OUT     := build/demo
@@ -23,19 +25,21 @@ export FILE
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo quick test test-all lint docs catalogues matrix release article setup clean
+.PHONY: help demo quick test ci nightly lint docs pages catalogues matrix release article setup clean
 
 help:
 	@echo "make demo              find the noise of an embedded sample"
 	@echo "make demo FILE=path    ... of your own record; options of 'allanite analyze' go into ARGS='--rate 100 --unit deg/s'"
 	@echo "make quick             lint, types and the tests of the packages that have changed since SINCE=HEAD"
 	@echo "make test              lint, types, layers and the tests that every change has to pass"
-	@echo "make test-all          the same, and then long ensembles, the page in a browser, the site and long processes"
+	@echo "make ci                the same, and long records, processes, the page in a browser and the site"
+	@echo "make nightly           everything, with all examples: hours; NIGHT='browser site' for parts"
 	@echo "make lint              lint, types and layers only"
 	@echo "make docs              build the documentation site into build/site"
 	@echo "make matrix            try the wheel with other Pythons and dependencies: build/environments.md"
 	@echo "make release           sdist, wheel, bill of materials and checksums into dist"
 	@echo "make article           the figure of paper/paper.md"
+	@echo "make pages             bring what README and pages show of commands up to date"
 	@echo "make catalogues        bring the translations of the reports up to date with the source"
 	@echo "make setup             only set up .venv, with everything the tests need"
 	@echo "make clean             remove .venv, build and caches"
@@ -45,22 +49,29 @@ demo: .venv/run
 	@mkdir -p $(OUT)
 	@$(BIN)/allanite analyze --report $(OUT)/report.html --plot $(OUT)/curve.png --force $(ARGS) -- "$$FILE"
 
-PYTEST  := $(THREADS) $(BIN)/python -m pytest -n 2 --dist worksteal -q
+PYTEST  := $(THREADS) $(BIN)/python -m pytest -n auto --dist worksteal -q
 
 LINT    := $(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports --no-cache && \
-  $(BIN)/python tools/catalogues.py --check
+  $(BIN)/python tools/words.py && $(BIN)/python tools/catalogues.py --check
 
+# the kernels are compiled beside the checks
+READY   := $(THREADS) $(BIN)/python tools/kernels.py & made=$$!; { $(LINT); } || { kill $$made; exit 1; }; wait $$made
+
+# a selection that is empty, or has long tests only, is no failure
 quick: lint
-	@$(PYTEST) -m "not slow" $$($(BIN)/python tools/changed.py $(SINCE))
+	@tests=$$($(BIN)/python tools/changed.py $(SINCE)); [ -z "$$tests" ] || \
+	  $(PYTEST) -m "not slow and not nightly" $$tests || [ $$? -eq 5 ]
 
-# the kernels are compiled by two processes beside the checks, which use one processor
 test: .venv/test
-	@$(THREADS) $(BIN)/python tools/kernels.py & made=$$!; { $(LINT); } || { kill $$made; exit 1; }; wait $$made
-	$(PYTEST) -m "not slow"
+	@$(READY)
+	$(PYTEST) -m "not slow and not nightly"
 
-# properties and ensembles are run again, with all their examples
-test-all: test
-	ALLANITE_TESTS=all $(PYTEST) -m "slow or ensemble or hypothesis"
+ci: .venv/test
+	@$(READY)
+	$(PYTEST) -m "not nightly"
+
+nightly: .venv/test
+	$(BIN)/python tools/nightly.py $(NIGHT)
 
 lint: .venv/test
 	@$(LINT)
@@ -68,6 +79,11 @@ lint: .venv/test
 docs: .venv/test
 	@$(THREADS) $(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site
 	@echo "the documentation is in build/site/index.html"
+
+# what is shown of commands, and the figures and tables of papers; the tests only compare
+pages: .venv/test
+	@$(BIN)/python tools/excerpts.py
+	@$(BIN)/python tools/papers.py
 
 catalogues: .venv/test
 	@$(BIN)/python tools/catalogues.py

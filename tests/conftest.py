@@ -88,3 +88,11 @@ def recordings():
 def reference():
     """Folder of published reference values: ALLANITE_REFERENCE, or beside the project."""
     return _folder("ALLANITE_REFERENCE", "reference", "INDEX.md")
+
+
+@pytest.fixture
+def to_the_end(monkeypatch):
+    """A file that is watched ends where it does, not when nothing has come for some time."""
+    from allanite.study.watching import Watch
+
+    monkeypatch.setattr(Watch, "_over", lambda self, _: self.spool.came >= os.path.getsize(self.target))

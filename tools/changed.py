@@ -11,8 +11,6 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parents[1]
-ALWAYS = "tests/unit/test_words.py"
-"""Quick, and about every file."""
 BESIDE = {
     "kernels": ("tests/conformance/test_kernels.py", "tests/unit/statistics"),
     "statistics": ("tests/reference", "tests/conformance/test_statistics.py"),
@@ -38,9 +36,8 @@ def selection(paths: Iterable[str], there: Path = ROOT) -> Iterator[str]:
     Examples
     --------
     >>> sorted(selection(["src/allanite/web/store.py", "tests/reference/allan.py"]))
-    ['tests/conformance/test_statistics.py', 'tests/reference', 'tests/unit/test_words.py', 'tests/web']
+    ['tests/conformance/test_statistics.py', 'tests/reference', 'tests/web']
     """
-    yield ALWAYS
     for path in map(PurePosixPath, paths):
         match path.parts:
             case ("src", "allanite", room, _, *_):

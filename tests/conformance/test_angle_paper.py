@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from tests import ROOT
 from tests.reference.angle import PAPER_SUMS
+from tests.rows import rows
 from tests.shares import binomial_tail
 
 import allanite as al
@@ -71,8 +72,8 @@ def test_speed_and_equality_are_as_demanded():
     assert float(difference) < 1e-9
 
 
-@pytest.mark.parametrize("law", ["linear", "exact"])
-@pytest.mark.parametrize("hour", [0, 2])
+@rows("law", ["linear", "exact"])
+@rows("hour", [0, 2])
 @pytest.mark.slow("a part of a committed table made again")
 def test_a_part_made_again_agrees(law, hour):
     """The first 20 runs: share within one planned deviation against that of normal errors, error probability 1e-5."""
@@ -87,8 +88,8 @@ def test_a_part_made_again_agrees(law, hour):
     assert np.sqrt((errors**2).mean()) == pytest.approx(1.0, abs=0.4)
 
 
-@pytest.mark.parametrize(
-    ("title", "options", "over_best"),
+@rows(
+    "title, options, over_best",
     [
         ("linear q, planned", {}, True),
         ("exact q, planned", {"law": "exact"}, True),
@@ -114,8 +115,8 @@ def test_the_page_quotes_what_planning_gives(title, options, over_best):
     np.testing.assert_allclose(page_row(title), found, atol=0.0051)
 
 
-@pytest.mark.parametrize(
-    ("title", "law", "name"),
+@rows(
+    "title, law, name",
     [("128th of h | 22.6", "exact", "128 h"), ("256th of h | 11.3", "exact", "256 h"),
      ("128th of q, linear |", "linear", "128 q"), ("128th of q, exact |", "exact", "128 q")],
 )  # fmt: skip

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -18,8 +19,7 @@ def record_of(model, n=2000, seed=1):
     return al.simulate(model, n, 1.0, rng=np.random.default_rng(seed))
 
 
-@pytest.mark.parametrize("name", BIASED)
-@pytest.mark.parametrize("symbols", ["Q", "N", "B", "K", "NK"])
+@rows("symbols, name", paired(["Q", "N", "B", "K", "NK"], BIASED))
 def test_the_exact_factor_makes_the_expectation_that_of_the_target(name, symbols):
     model = model_of(**dict.fromkeys(symbols, 1.0))
     curve = al.deviation(record_of(model), name, noise=model, bias="exact")
@@ -33,7 +33,7 @@ def test_the_exact_factor_makes_the_expectation_that_of_the_target(name, symbols
     np.testing.assert_allclose(curve.factor * own, wanted, rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["oadev", "ohdev", "mdev", "pdev"])
+@rows("name", ["oadev", "ohdev", "mdev", "pdev"])
 def test_what_estimates_itself_has_no_bias(name):
     model = model_of(N=1.0)
     assert set(al.deviation(record_of(model), name, noise=model, bias="exact").factor) == {1.0}
@@ -71,8 +71,8 @@ def test_limits_on_one_side_are_those_of_the_wider_interval():
     np.testing.assert_allclose(curve.upper(0.95), high, rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "words"),
+@rows(
+    "name, options, words",
     [
         ("oadev", {"bias": "best"}, "known bias corrections: exact, published, model"),
         ("theo1", {"bias": "model"}, "for theobr, theoh"),
@@ -86,7 +86,7 @@ def test_corrections_that_make_no_sense_are_refused(name, options, words):
         al.deviation(record_of(model_of(N=1.0)), name, **options)
 
 
-@pytest.mark.parametrize("name", [name for name, row in al.STATISTICS.items() if row.order > 1])
+@rows("name", [name for name, row in al.STATISTICS.items() if row.order > 1])
 def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
     model = model_of(K=1.0)
     curve = al.deviation(record_of(model, 1000), name)
@@ -97,7 +97,7 @@ def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
     np.testing.assert_allclose(curve.edf[early], known.edf[early], rtol=0.35)
 
 
-@pytest.mark.parametrize("name", ["mtie", "tierms"])
+@rows("name", ["mtie", "tierms"])
 def test_what_no_noise_gives_limits_to_has_none(name):
     with pytest.raises(al.UsageError, match="confidence"):
         _ = al.deviation(record_of(model_of(N=1.0)), name).edf

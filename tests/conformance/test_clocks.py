@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests import examples
+from tests.rows import paired, rows
 
 from allanite.core.errors import AllaniteError
 from allanite.readers.columns.column import FileColumn
@@ -133,8 +134,7 @@ def planted(clock, fault, seed):
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("clock", list(CLOCKS))
-@pytest.mark.parametrize("fault", list(FAULTS))
+@rows("fault, clock", paired(list(FAULTS), list(CLOCKS)))
 def test_a_fault_is_named_and_the_rate_is_right(clock, fault):
     """In at least 9 of 10 records."""
     named, rates, records = 0, [], examples(10)
@@ -150,23 +150,22 @@ def test_a_fault_is_named_and_the_rate_is_right(clock, fault):
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("clock", list(CLOCKS))
+@rows("clock", list(CLOCKS))
 def test_clean_stamps_are_let_through(clock):
     """At most 2 % of findings are false: 0 or 1 in 60 records."""
     found = [read(clock, *clean(clock, np.random.default_rng(seed))).findings for seed in range(1, 1 + examples(60))]
     assert sum(bool(findings) for findings in found) <= 1, [findings for findings in found if findings]
 
 
-@pytest.mark.parametrize("clock", list(CLOCKS))
-@pytest.mark.parametrize("fault", NO_RATE)
+@rows("clock", list(CLOCKS))
+@rows("fault", NO_RATE)
 def test_stamps_without_a_rate_are_refused(clock, fault):
     with pytest.raises(AllaniteError, match="rate="):
         read(clock, *planted(clock, fault, 1))
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("clock", list(CLOCKS))
-@pytest.mark.parametrize("fault", ["lost", "outage", "half lost"])
+@rows("fault, clock", paired(["lost", "outage", "half lost"], list(CLOCKS)))
 def test_what_was_lost_is_a_gap_in_its_place(clock, fault):
     for seed in range(1, 1 + examples(5)):
         whole = clean(clock, np.random.default_rng(seed))[1]
@@ -178,7 +177,7 @@ def test_what_was_lost_is_a_gap_in_its_place(clock, fault):
         assert any("marked as gaps" in entry for entry in record.history)
 
 
-@pytest.mark.parametrize("fault", ["repeated rows", "swapped rows"])
+@rows("fault", ["repeated rows", "swapped rows"])
 def test_rows_are_put_in_order_and_that_is_said(fault):
     for seed in range(1, 6):
         whole = clean("100 Hz in us", np.random.default_rng(seed))[1]

@@ -9,6 +9,7 @@ from tests import all_but
 from tests.reference.dense import covariance as dense
 from tests.reference.dense import quadratic_form, ramp_weights
 from tests.reference.theo import theobr
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -47,8 +48,7 @@ def correlated(C, wanted):
     return np.abs((C - wanted) / np.outer(root, root)).max()
 
 
-@pytest.mark.parametrize("mixture", MIXTURES, ids="".join)
-@pytest.mark.parametrize("name", ROWS)
+@rows("name, mixture", paired(ROWS, MIXTURES))
 def test_it_equals_the_full_matrix(name, mixture):
     row, model = al.STATISTICS[name], model_of(mixture)
     m = np.unique([row.step, 2, 4, 10, 16, 30, 64])
@@ -60,7 +60,7 @@ def test_it_equals_the_full_matrix(name, mixture):
     assert correlated(C, wanted) < 1e-6
 
 
-@pytest.mark.parametrize("mixture", MIXTURES, ids="".join)
+@rows("mixture", MIXTURES, ids="".join)
 def test_of_two_statistics_it_equals_the_full_matrix(mixture):
     rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "theo1", "oadev", "theo1", "theo1")]
     m, model = np.array([1, 7, 8, 40, 100, 150]), model_of(mixture)
@@ -70,7 +70,7 @@ def test_of_two_statistics_it_equals_the_full_matrix(mixture):
     assert correlated(np.where(np.eye(m.size, dtype=bool), wanted, C), wanted) < 1e-6
 
 
-@pytest.mark.parametrize("name", all_but(["theo1", "pdev", "mtotdev", "htotdev"], ["htotdev"], "full matrices"))
+@rows("name", all_but(["theo1", "pdev", "mtotdev", "htotdev"], ["htotdev"], "full matrices"))
 @pytest.mark.slow("full matrices")
 def test_long_windows_equal_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
@@ -80,7 +80,7 @@ def test_long_windows_equal_the_full_matrix(name):
     assert correlated(covariance(row, model, m, size, 1.0), wanted) < 1e-6
 
 
-@pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev", "htotdev"])
+@rows("name", ["theo1", "pdev", "mtotdev", "htotdev"])
 @pytest.mark.slow("full matrices")
 def test_the_longest_window_is_near_the_full_matrix(name):
     row, model, size = al.STATISTICS[name], model_of(MIXTURES[4]), 1000
@@ -91,7 +91,7 @@ def test_the_longest_window_is_near_the_full_matrix(name):
 
 
 @pytest.mark.slow("full matrices")
-@pytest.mark.parametrize("mixture", [MIXTURES[4], {"N": 1.0, "B": 0.1}], ids="".join)
+@rows("mixture", [MIXTURES[4], {"N": 1.0, "B": 0.1}], ids="".join)
 def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
     """The points of theoh that are fitted, and the longest one."""
     rows = [al.STATISTICS[name] for name in ("oadev", "oadev", "oadev", "theo1", "theo1", "theo1")]
@@ -101,9 +101,10 @@ def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
     assert correlated(covariance_by_term(rows, model, m, size, 1.0).sum(axis=(2, 3)), wanted) < 0.006
 
 
-@pytest.mark.parametrize("size", all_but([1000, 2000], [2000], "full matrices"))
-@pytest.mark.parametrize("noise", ["Q", "N", "B", "K"])
-@pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev"])
+@rows(
+    "name, noise, size",
+    paired(["theo1", "pdev", "mtotdev"], ["Q", "N", "B", "K"], all_but([1000, 2000], [2000], "full matrices")),
+)
 def test_what_a_ramp_and_a_noise_add_equals_the_full_matrix(name, noise, size):
     """Over the roots of its own diagonal."""
     row, model, m = al.STATISTICS[name], model_of({noise: 1.0, "R": 1.0}), np.array([2, 8, 64, 240, size // 3])
@@ -116,7 +117,7 @@ def test_what_a_ramp_and_a_noise_add_equals_the_full_matrix(name, noise, size):
     assert correlated(C[..., 0, 1] + C[..., 1, 0], wanted) < 1e-6
 
 
-@pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev"])
+@rows("name", ["theo1", "pdev", "mtotdev"])
 def test_a_ramp_beside_very_long_windows(name, monkeypatch):
     """Above a length they are summed in a record of fewer samples that last longer."""
     row, size, terms = al.STATISTICS[name], 2**16, [al.TERMS[s] for s in "NBK"]
@@ -129,8 +130,7 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("ramp", all_but([1e-4, 1e-3, 1e-2], [1e-4, 1e-2], "full matrices"))
-@pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev"])
+@rows("name, ramp", paired(["theo1", "pdev", "mtotdev"], all_but([1e-4, 1e-3, 1e-2], [1e-4, 1e-2], "full matrices")))
 def test_beside_a_ramp_reduced_windows_are_near_the_full_matrix(name, ramp):
     row, size, m = al.STATISTICS[name], 1000, np.array([2, 8, 64, 240])
     model = model_of({"N": 1.0, "B": 0.3, "K": 0.02, "R": ramp})
@@ -144,8 +144,8 @@ def modified(m):
     return np.ones(1), np.repeat([1.0, -2.0, 1.0], m)[None, :]
 
 
-@pytest.mark.parametrize(("name", "window"), [("oadev", None), ("mdev", modified)])
-@pytest.mark.parametrize("terms", ["QN", "NB", "NK", "NBK"])
+@rows("name, window", [("oadev", None), ("mdev", modified)])
+@rows("terms", ["QN", "NB", "NK", "NBK"])
 def test_long_windows_are_near_exact_lag_sums(name, window, terms):
     """The rule for any window, applied to differences, of which the exact sums are known up to any length."""
     row, size, m = al.STATISTICS[name], 2**18, 2 ** np.arange(1, 17, 3)
@@ -183,7 +183,7 @@ def test_that_of_a_hybrid_has_the_scatter_of_its_ratio():
     assert C[0, 0] / plain[0, 0] > 1
 
 
-@pytest.mark.parametrize("name", ["totdev", "adev", "mtie"])
+@rows("name", ["totdev", "adev", "mtie"])
 def test_what_is_not_known_is_refused(name):
     with pytest.raises(al.UsageError, match=f"covariance between averaging times of {name} is not known"):
         covariance(al.STATISTICS[name], model_of({"N": 1.0}), np.array([2, 4]), SIZE, 1.0)

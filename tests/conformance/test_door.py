@@ -20,6 +20,7 @@ from allanite.core.declared import misfit, parameters
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "docs"))
 from generate.api import TOPICS, public_names  # the names that the reference of the documentation has
+from tests.rows import paired, rows
 
 
 @cache
@@ -81,7 +82,7 @@ ANYTHING = {("testing.check_reader", "module"), ("run_batch", "executor")}
 PLACES = [(name, one.name) for name, ones in NAMED.items() for one in ones if (name, one.name) not in ANYTHING]
 
 
-@pytest.mark.parametrize(("name", "parameter"), PLACES)
+@rows("name, parameter", PLACES)
 def test_another_type_is_refused_by_name(name, parameter):
     hint = declared(name).get(parameter, Any)
     if typed := misfit(Strange(), hint):
@@ -103,15 +104,13 @@ def cut(size: int, step: int) -> al.Record:
     return al.Record(samples, 10.0, "deg/h")
 
 
-@pytest.mark.parametrize("step", [3, 5, 7])
-@pytest.mark.parametrize("size", [500, 5000])
+@rows("size, step", paired([500, 5000], [3, 5, 7]))
 def test_regular_dropouts_are_no_internal_error(size, step):
     assert al.deviation(cut(size, step)).tau.size
     assert al.identify(cut(size, step)).method
 
 
-@pytest.mark.parametrize("statistic", al.STATISTICS)
-@pytest.mark.parametrize("size", [100, 256])
+@rows("size, statistic", paired([100, 256], al.STATISTICS))
 def test_a_missing_sample_of_a_short_record_is_no_internal_error(statistic, size):
     samples = np.random.default_rng(size).normal(size=size)
     samples[size // 2] = np.nan
@@ -154,7 +153,7 @@ EXTREME: dict[str, tuple[Any, str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", EXTREME)
+@rows("name", EXTREME)
 def test_a_number_out_of_range_is_refused_before_any_work(name):
     call, said = EXTREME[name]
     with pytest.raises(al.AllaniteError, match=re.escape(said)):

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import pytest
 from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -79,7 +80,7 @@ def test_the_table_has_every_extra():
     assert ",".join(EXTRAS) == re.search(r'^all = \["allanite\[(.+)\]"', PROJECT, re.MULTILINE)[1]
 
 
-@pytest.mark.parametrize("extra", EXTRAS)
+@rows("extra", EXTRAS)
 def test_what_needs_a_missing_library_names_the_command_that_installs_it(extra, missing):
     write_files(extra)
     missing(MODULES[extra])
@@ -89,7 +90,7 @@ def test_what_needs_a_missing_library_names_the_command_that_installs_it(extra, 
         assert done.stderr.strip().endswith(f"not installed: {cure(requirements(extra))}"), (command, done.stderr)
 
 
-@pytest.mark.parametrize("extra", [extra for extra, row in EXTRAS.items() if row.files])
+@rows("extra", [extra for extra, row in EXTRAS.items() if row.files])
 def test_a_format_needs_only_the_libraries_of_its_extra(extra, missing):
     write_files(extra)
     missing(set().union(*MODULES.values()) - MODULES[extra])

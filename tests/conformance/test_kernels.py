@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from numba.core.dispatcher import Dispatcher
+from tests.rows import rows
 
 import allanite
 from allanite import kernels
@@ -39,7 +40,7 @@ def reorders(kernel):
     return bool(kernel.targetoptions.get("fastmath")) or any(map(reorders, called(kernel)))
 
 
-@pytest.mark.parametrize("name", KERNELS)
+@rows("name", KERNELS)
 def test_parts_with_sums_in_any_order_are_inlined(name):
     for part in called(KERNELS[name]):
         assert part.targetoptions.get("forceinline") or not reorders(part), part.py_func.__name__

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -56,7 +57,7 @@ def test_its_columns_agree():
     check_term(rate_of_change(6.0))
 
 
-@pytest.mark.parametrize("signal", SIGNALS, ids=lambda signal: signal.name)
+@rows("signal", SIGNALS, ids=lambda signal: signal.name)
 def test_its_units_follow_from_the_power(signal):
     expected = unit_of(signal.unit) * unit_of("s") ** -1.5
     assert unit_of(signal.si[-1.5]) == expected

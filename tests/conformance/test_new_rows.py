@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
@@ -67,7 +68,7 @@ MODEL = "Z 3 arcsec, N 0.01 deg/sqrt(h)"
 
 
 @pytest.fixture(autouse=True)
-def rows(monkeypatch):
+def new_rows(monkeypatch):
     """One line a row."""
     monkeypatch.setitem(STATISTICS, "fdev", FDEV)
     monkeypatch.setitem(STATISTICS, "wdev", WDEV)
@@ -81,7 +82,7 @@ def simulated(model, n=2**13, seed=1):
 # statistics
 
 
-@pytest.mark.parametrize("name", ["fdev", "wdev"])
+@rows("name", ["fdev", "wdev"])
 def test_a_new_statistic_has_its_expectation_and_its_limits(name):
     """Mean and scatter of 60 records, within 5 standard errors of what the row leads one to expect."""
     model = al.N(0.1, "deg/sqrt(h)") + al.Q(3.0, "arcsec") + al.K(5.0, "deg/h/sqrt(h)")
@@ -94,8 +95,8 @@ def test_a_new_statistic_has_its_expectation_and_its_limits(name):
     assert np.all(np.abs(V.var(axis=0) / (2 * expected**2 / freedom) - 1) < 5 * math.sqrt(2 / 59) * 1.5)
 
 
-@pytest.mark.parametrize("name", ["fdev", "wdev"])
-@pytest.mark.parametrize("noise", ["model", "auto"])
+@rows("name", ["fdev", "wdev"])
+@rows("noise", ["model", "auto"])
 def test_a_new_statistic_has_limits(name, noise):
     model = al.N(0.1, "deg/sqrt(h)") + al.K(5.0, "deg/h/sqrt(h)")
     curve = al.deviation(simulated(model), name, noise=model if noise == "model" else "auto")
@@ -104,7 +105,7 @@ def test_a_new_statistic_has_limits(name, noise):
     assert np.all(np.diff(curve.edf) < 0)
 
 
-@pytest.mark.parametrize("name", ["fdev", "wdev"])
+@rows("name", ["fdev", "wdev"])
 def test_a_new_statistic_in_sliding_windows_and_in_parts(name, tmp_path):
     record = simulated(al.N(0.1, "deg/sqrt(h)"), 600)
     surface = al.dynamic(record, name, window=200.0, step=200.0)
@@ -117,8 +118,7 @@ def test_a_new_statistic_in_sliding_windows_and_in_parts(name, tmp_path):
     assert f"no {name!r}: choose one of oadev, mdev" in done.output
 
 
-@pytest.mark.parametrize("method", ["gls", "nnls"])
-@pytest.mark.parametrize("name", ["fdev", "wdev"])
+@rows("name, method", paired(["fdev", "wdev"], ["gls", "nnls"]))
 def test_a_new_statistic_is_read_by_fits(name, method):
     model = al.N(0.1, "deg/sqrt(h)") + al.K(5.0, "deg/h/sqrt(h)")
     fit = al.identify(simulated(model), method, terms="NK", statistic=name)
@@ -135,7 +135,7 @@ def test_what_cannot_read_a_new_statistic_says_so():
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", ["fdev", "wdev"])
+@rows("name", ["fdev", "wdev"])
 def test_a_new_statistic_at_the_command_line_and_in_pictures(name, tmp_path):
     model = al.N(0.1, "deg/sqrt(h)")
     al.write(simulated(model), tmp_path / "z.csv")
@@ -162,7 +162,7 @@ def test_a_new_term_is_made_written_and_read():
         al.Y  # noqa: B018
 
 
-@pytest.mark.parametrize("name", ["oadev", "mdev", "ohdev", "totdev", "fdev"])
+@rows("name", ["oadev", "mdev", "ohdev", "totdev", "fdev"])
 def test_a_new_term_has_expectation_and_limits_in_every_statistic(name):
     model = al.Model(MODEL)
     curves = [al.deviation(simulated(model, 2048, seed), name, m=[1, 8, 64], noise=model) for seed in range(40)]
@@ -180,7 +180,7 @@ def test_the_law_at_each_tau_may_be_that_of_a_new_term(monkeypatch):
     assert al.deviation(simulated(al.Z(3.0, "arcsec")), "oadev").interval(0.95)[0].min() > 0
 
 
-@pytest.mark.parametrize("method", ["whittle", "gls"])
+@rows("method", ["whittle", "gls"])
 def test_a_new_term_is_identified(method):
     model = al.Z(3.0, "arcsec") + al.K(50.0, "deg/h/sqrt(h)")
     statistic = "oadev" if method == "gls" else None
@@ -249,7 +249,7 @@ def test_a_term_and_a_fit_stand_for_a_model():
     assert al.simulate(fit, 64, 1.0, rng=np.random.default_rng(1)).size == 64
 
 
-@pytest.mark.parametrize("noise", ["banana", 3.0, [1], {"N": 1.0}])
+@rows("noise", ["banana", 3.0, [1], {"N": 1.0}])
 def test_what_is_no_model_is_refused_by_name(noise):
     record = simulated(al.N(1.0, "deg/sqrt(h)"), 256)
     calls = [

@@ -1,9 +1,12 @@
 """One way for samples: a whole record, the same one in parts, and watched give the same, or the same refusal."""
 
+import os
 from contextlib import closing
 
 import numpy as np
 import pytest
+from tests import ALL
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.choices import choices_of, named, needing_all
@@ -80,20 +83,15 @@ CHOICES = {
 """A value of each choice."""
 
 
-def test_every_choice_is_in_the_grid():
-    assert list(CHOICES) == list(choices_of(Recipe))
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("pipeline")
 
 
-@pytest.fixture
-def path(request, folder):
-    path = folder / f"{request.param}.csv"
+def written(name, folder):
+    path = folder / f"{name}.csv"
     if not path.exists():
-        path.write_text(FILES[request.param][0])
+        path.write_text(FILES[name][0])
     return path
 
 
@@ -106,8 +104,9 @@ def outcome(job):
 
 
 def watched(path, recipe):
-    watch = Watch(str(path), recipe, WatchSettings(idle=0.05))
+    watch = Watch(str(path), recipe, WatchSettings())
     with closing(watch):
+        watch.stopped = lambda: watch.spool is not None and watch.spool.came >= os.path.getsize(path)
         list(watch.events())
         return watch.study()
 
@@ -158,43 +157,24 @@ def same_noise(one, other):
             assert least <= estimate.value <= most
 
 
-QUICK = ("named", "gap", "angle", "counts", "outliers", "motion")
-"""Files that `make test` looks at."""
+FEW = ("named", "gap", "angle", "counts", "outliers", "motion")
 
 
-@pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("path", QUICK, indirect=True)
-def test_a_file_is_the_same_in_all_ways(path):
-    compare(path, FILES[path.stem][1])
+@pytest.mark.slow("records three times")
+@rows("name", FILES if ALL else FEW)
+def test_a_file_is_the_same_in_all_ways(name, folder):
+    compare(written(name, folder), FILES[name][1])
 
 
-SELECTING = named(Recipe, "selecting")
-"""Choices that `make test` looks at: those that select samples."""
+@pytest.mark.slow("records three times")
+@rows("choice", CHOICES if ALL else [*named(Recipe, "selecting"), "mask", "method"])
+def test_a_choice_is_the_same_in_all_ways(choice, folder):
+    compare(written("stamped", folder), FILES["stamped"][1] | {choice: CHOICES[choice]})
 
 
-@pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("choice", [*SELECTING, "mask", "method"])
-@pytest.mark.parametrize("path", ["stamped"], indirect=True)
-def test_a_choice_is_the_same_in_all_ways(path, choice):
-    compare(path, FILES[path.stem][1] | {choice: CHOICES[choice]})
-
-
-@pytest.mark.slow("choices that select no samples")
-@pytest.mark.parametrize("choice", [name for name in CHOICES if name not in (*SELECTING, "mask", "method")])
-@pytest.mark.parametrize("path", ["stamped"], indirect=True)
-def test_the_other_choices(path, choice):
-    compare(path, FILES[path.stem][1] | {choice: CHOICES[choice]})
-
-
-@pytest.mark.slow("the files that are left")
-@pytest.mark.parametrize("path", [name for name in FILES if name not in QUICK], indirect=True)
-def test_the_other_files(path):
-    compare(path, FILES[path.stem][1])
-
-
-@pytest.mark.slow("every choice of every file")
-@pytest.mark.parametrize("path", FILES, indirect=True)
-def test_every_choice_of_every_file_is_inspected_alike(path):
+@pytest.mark.nightly("every choice of every file")
+@rows("name", FILES)
+def test_every_choice_of_every_file_is_inspected_alike(name, folder):
     """The grid of all choices and files, without the identification, which takes most of the time."""
-    for choice, value in CHOICES.items():
-        in_parts(path, FILES[path.stem][1] | {choice: value}, job=examine)
+    for choice in choices_of(Recipe):
+        in_parts(written(name, folder), FILES[name][1] | {choice: CHOICES[choice]}, job=examine)

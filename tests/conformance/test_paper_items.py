@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from tests.rows import rows
 
 from allanite.papers.paper import AGREES, DIFFERS, PAPERS, VERDICTS, Item, paper
 from allanite.papers.reproduction import compared
@@ -21,13 +22,13 @@ WIDTHS = (32, 16, 24)
 """Letters of an item with its claim, of what the paper prints, and of the first clause of the reason; ours have 22."""
 
 
-@pytest.mark.parametrize("name", PAPERS)
+@rows("name", PAPERS)
 def test_every_table_and_figure_is_there(name):
     listed = " ".join(item.item for item in paper(name).items)
     assert [wanted for wanted in ASKED[name].split("; ") if not re.search(rf"{wanted}\b", listed)] == []
 
 
-@pytest.mark.parametrize("name", PAPERS)
+@rows("name", PAPERS)
 def test_items_are_complete(name):
     for item in paper(name).items:
         assert all((item.claim, item.paper, item.here or item.verdict)), item
@@ -52,7 +53,7 @@ def test_a_verdict_fails_where_the_files_hold_other_numbers(tmp_path):
         compared(Item("eq. 1", "a claim", "7", here=("a.csv: value @ value=9",)), tmp_path)
 
 
-@pytest.mark.parametrize("name", PAPERS)
+@rows("name", PAPERS)
 def test_a_line_of_the_first_screen_is_not_too_wide(name):
     for item in paper(name).items:
         shown = (f"{item.item}: {item.claim}", item.paper, re.split("[:;] ", item.why)[0])

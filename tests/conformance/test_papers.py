@@ -11,6 +11,7 @@ from click.testing import CliRunner
 from tests.conformance.papers import laser, sensors, stabilizer, theoh, torque, vertical
 from tests.conformance.papers.inputs import COMMANDS, WRITTEN
 from tests.conformance.papers.rows import number
+from tests.rows import rows
 
 from allanite.cli import main
 
@@ -21,7 +22,7 @@ SUFFIXES = {"--csv": "csv", "--coefficients": "csv", "--readings": "csv", "--jso
 """Options that write a file."""
 
 
-def rows(table):
+def of_every_paper(table):
     """A parameter for every row of the tables of this name, with the number of its paper."""
     found = ((paper, row) for paper, module in PAPERS.items() for row in getattr(module, table))
     return [pytest.param(row, id=f"{paper} {row.item}") for paper, row in found]
@@ -80,7 +81,7 @@ def written(folder):
     return write
 
 
-@pytest.mark.parametrize("row", rows("ROWS"))
+@rows("row", of_every_paper("ROWS"))
 def test_the_number_is_that_of_the_paper_or_the_one_that_replaces_it(written, row):
     cells = (row.cells,) if isinstance(row.cells, str) else row.cells
     commands = (row.command,) * len(cells) if isinstance(row.command, str) else row.command
@@ -92,6 +93,6 @@ def test_the_number_is_that_of_the_paper_or_the_one_that_replaces_it(written, ro
         assert found == pytest.approx(row.ours, rel=0.01)
 
 
-@pytest.mark.parametrize("row", rows("TOLD"))
+@rows("row", of_every_paper("TOLD"))
 def test_the_sentence_is_said(written, row):
     assert row.words in " ".join(written(row.command, row.code).split())

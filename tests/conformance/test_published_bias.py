@@ -7,6 +7,7 @@ import pytest
 from tests import ROOT
 from tests.reference.dense import moments, quadratic_form
 from tests.reference.laws import LAWS, STRUCTURES
+from tests.rows import rows
 
 import allanite as al
 from allanite.statistics.confidence.bias import published_bias
@@ -42,7 +43,8 @@ def errors(name, alpha):
         yield (min(found), max(found)) if found else None
 
 
-@pytest.mark.parametrize(("name", "alpha"), ROWS)
+@pytest.mark.nightly("errors of formulas that are printed in books")
+@rows("name, alpha", ROWS)
 def test_the_page_states_the_error(name, alpha):
     (row,) = (row for row in PAGE.rows("Bias") if (row["statistic"], row["noise"]) == (name, NAMES[alpha]))
     for cell, found in zip(list(row.values())[2:], errors(name, alpha), strict=True):
@@ -60,7 +62,7 @@ def test_what_is_not_published():
             published_bias(al.STATISTICS[name], alpha, np.array([4, 8]), SIZE)
 
 
-@pytest.mark.parametrize("name", sorted(set(al.STATISTICS) - set(PUBLISHED_BIAS)))
+@rows("name", sorted(set(al.STATISTICS) - set(PUBLISHED_BIAS)))
 def test_other_rows_have_no_bias(name):
     m = np.array([2, 4, 8])
     np.testing.assert_array_equal(published_bias(al.STATISTICS[name], np.array([2, 0, -2]), m, SIZE), 1.0)

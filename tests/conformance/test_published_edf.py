@@ -11,6 +11,7 @@ from scipy.integrate import quad
 from tests import ROOT
 from tests.reference import edf as published
 from tests.reference.laws import LAWS, exact_edf
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.model import term
@@ -45,7 +46,7 @@ FORMULAS = {
 }
 
 
-@pytest.mark.parametrize("heading", [name for name in FORMULAS if not name.startswith("Older")])
+@rows("heading", [name for name in FORMULAS if not name.startswith("Older")])
 def test_the_package_has_the_same_formulas(heading):
     name, formula, alphas, ranges = FORMULAS[heading]
     row = al.STATISTICS[name]
@@ -74,7 +75,8 @@ def page_rows(heading):
     return list(rows[0]), {row["noise"]: row for row in rows}
 
 
-@pytest.mark.parametrize("heading", list(FORMULAS))
+@pytest.mark.nightly("errors of formulas that are printed in books")
+@rows("heading", list(FORMULAS))
 def test_the_page_states_the_error_of_every_formula(heading):
     _, _, alphas, ranges = FORMULAS[heading]
     headings, rows = page_rows(heading)
@@ -86,7 +88,7 @@ def test_the_page_states_the_error_of_every_formula(heading):
             assert stated == pytest.approx(found, abs=0.51)  # rounded to whole percents
 
 
-@pytest.mark.parametrize("heading", list(FORMULAS))
+@rows("heading", list(FORMULAS))
 def test_the_package_has_the_exact_values(heading):
     name, _, alphas, ranges = FORMULAS[heading]
     row = al.STATISTICS[name]
@@ -119,15 +121,15 @@ GOLDEN = [
 ]
 
 
-@pytest.mark.parametrize(("case", "alpha", "m", "value"), GOLDEN)
+@rows("case, alpha, m, value", GOLDEN)
 def test_golden_values(case, alpha, m, value):
     assert published.greenhall_riley(alpha, m=m, N=257, **case) == pytest.approx(value, abs=0.005)
 
 
-@pytest.mark.parametrize("d", [1, 2, 3])
-@pytest.mark.parametrize("alpha", list(LAWS))
-@pytest.mark.parametrize("modified", [False, True])
-@pytest.mark.parametrize("overlapped", [False, True])
+@rows("d", [1, 2, 3])
+@rows("alpha", list(LAWS))
+@rows("modified", [False, True])
+@rows("overlapped", [False, True])
 def test_another_implementation_agrees(d, alpha, modified, overlapped):
     if alpha + 2 * d <= 1:
         with pytest.raises(AssertionError, match="does not exist"):
@@ -151,8 +153,8 @@ def lacking(alpha, d, m, *, modified, overlapped):
     return (alpha == 2 and r <= d) or (alpha == -4 and min(r, d + 1) * (m if overlapped else 1) > 100 and r >= d + 1)
 
 
-@pytest.mark.parametrize("d", [1, 2, 3])
-@pytest.mark.parametrize("alpha", [0, -1, -2, -3, -4])
+@rows("d", [1, 2, 3])
+@rows("alpha", [0, -1, -2, -3, -4])
 def test_table_2_is_an_integral(alpha, d):
     """a0 = int rho^2 dt over (-d-1, d+1), a1 = 2 int t rho^2 dt over (0, d+1) with rho = s_z(t)/s_z(0)."""
     if published.GR_TABLE_2[alpha][d - 1] is None:

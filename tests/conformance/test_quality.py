@@ -5,6 +5,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from tests import examples
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.prepare import inspect
@@ -99,8 +100,7 @@ FAULTS = {
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("name", list(FAULTS))
-@pytest.mark.parametrize("sensor", ["MEMS", "FOG", "RLG"])
+@rows("sensor, name", paired(["MEMS", "FOG", "RLG"], list(FAULTS)))
 def test_a_fault_is_named(sensor, name):
     """In at least 9 of 10 records."""
     named, records = 0, examples(10)
@@ -112,7 +112,7 @@ def test_a_fault_is_named(sensor, name):
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("sensor", list(SENSORS))
+@rows("sensor", list(SENSORS))
 def test_clean_records_are_let_through(sensor):
     """At most 2 % of findings are false: 0 or 1 in 60 records."""
     found = [inspect(al.Record(clean(sensor, seed), RATE, "rad/s")).names for seed in range(1, 1 + examples(60))]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.titles import meaning_of, title_of
@@ -16,8 +17,7 @@ def record(signal, values=VALUES):
     return al.Record(values, 10.0, signal.unit, kind="value", name="x")
 
 
-@pytest.mark.parametrize("signal", OTHERS, ids=lambda signal: signal.name)
-@pytest.mark.parametrize("statistic", al.STATISTICS)
+@rows("statistic, signal", paired(al.STATISTICS, OTHERS))
 def test_a_curve_is_that_of_a_rate(signal, statistic):
     row, as_rate = al.STATISTICS[statistic], al.Record(VALUES, 10.0, "rad/s")
     curve = al.deviation(record(signal), statistic, noise=None)
@@ -26,8 +26,7 @@ def test_a_curve_is_that_of_a_rate(signal, statistic):
     assert curve.unit == signal.si[row.power]
 
 
-@pytest.mark.parametrize("signal", OTHERS, ids=lambda signal: signal.name)
-@pytest.mark.parametrize("symbol", al.TERMS)
+@rows("symbol, signal", paired(al.TERMS, OTHERS))
 def test_a_term_is_that_of_a_rate(signal, symbol):
     row = al.TERMS[symbol]
     shape = tuple(p.typical for p in row.parameters)
@@ -45,7 +44,7 @@ def test_a_term_is_that_of_a_rate(signal, symbol):
     assert np.array_equal(made.values, al.simulate(same, 300, 10.0, rng=np.random.default_rng(1)).values)
 
 
-@pytest.mark.parametrize("signal", OTHERS, ids=lambda signal: signal.name)
+@rows("signal", OTHERS, ids=lambda signal: signal.name)
 def test_no_term_of_another_quantity_is_named(signal):
     said = {symbol: title_of(symbol, signal) for symbol in al.TERMS}
     assert "angle random walk" not in said.values()
@@ -53,7 +52,7 @@ def test_no_term_of_another_quantity_is_named(signal):
     assert not any("angle error" in meaning_of(symbol, signal) for symbol in al.TERMS)
 
 
-@pytest.mark.parametrize("signal", OTHERS, ids=lambda signal: signal.name)
+@rows("signal", OTHERS, ids=lambda signal: signal.name)
 def test_the_density_is_that_of_the_samples(signal):
     spectrum = al.spectrum(record(signal, np.random.default_rng(2).standard_normal(2000)))
     assert spectrum.unit == signal.unit

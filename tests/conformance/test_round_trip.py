@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests import thinned
+from tests.rows import rows
 
 import allanite as al
 from allanite.applications.angle import Solution
@@ -445,7 +447,7 @@ def made(name):
     return MAKERS[name]()
 
 
-@pytest.mark.parametrize("name", MAKERS)
+@rows("name", thinned(MAKERS, 5))
 def test_whatever_is_changed_it_is_read_or_refused_in_words(name):
     """The first mutants of which `benchmarks/fuzz_results.py` tries many more; what is read is exported, too."""
     import fuzz_results as fuzz
@@ -454,7 +456,7 @@ def test_whatever_is_changed_it_is_read_or_refused_in_words(name):
         assert fuzz.outcome(changed, k) in {"read", "exported", "refused"}, k
 
 
-@pytest.mark.parametrize("name", MAKERS)
+@rows("name", MAKERS)
 def test_a_value_travels(name):
     value = made(name)
     text = text_of(value)
@@ -516,8 +518,8 @@ def test_the_outcome_of_a_change_is_read_with_limits_of_any_level():
     assert stored["K"].interval(0.8) == found["K"].interval(0.8)
 
 
-@pytest.mark.parametrize(
-    ("data", "words"),
+@rows(
+    "data, words",
     [
         ({"type": "Kurve"}, "unknown type 'Kurve' of stored data; did you mean Curve"),
         ([], "without a type cannot be read"),

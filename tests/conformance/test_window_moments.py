@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples
 from tests.reference.dense import moments, quadratic_form
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics.moments import folded
@@ -47,14 +48,14 @@ FACTORS = [1, 2, 3, 8, 16, 17, 21, 22, 25, 33, 42, 64, 66, 70, 90, 99, 100, 128,
 def cases():
     for name in ROWS:
         row = al.STATISTICS[name]
-        for n in (128, 200):
+        for n, factors in ((128, FACTORS[::2]), (200, FACTORS[1::2])):
             largest = row.largest(n)
-            for m in sorted({*FACTORS, largest - row.step, largest}):
+            for m in sorted({*factors, largest - row.step, largest}):
                 if m <= largest and m % row.step == 0:
                     yield name, n, m
 
 
-@pytest.mark.parametrize(("name", "n", "m"), list(cases()))
+@rows("name, n, m", list(cases()))
 def test_moments_equal_the_full_matrix(name, n, m):
     row = al.STATISTICS[name]
     E, r = moments(quadratic_form(row, m, n), TERMS)
@@ -68,7 +69,7 @@ def test_moments_equal_the_full_matrix(name, n, m):
 LONGER = {"theo1": [74, 300], "mtotdev": [101], "htotdev": [151, 171], "pdev": [171], "totdev": [255, 511]}
 
 
-@pytest.mark.parametrize(("name", "m"), [(name, m) for name, factors in LONGER.items() for m in factors])
+@rows("name, m", [(name, m) for name, factors in LONGER.items() for m in factors])
 def test_longer_windows(name, m):
     row = al.STATISTICS[name]
     E, r = moments(quadratic_form(row, m, 513), TERMS)
@@ -99,8 +100,7 @@ SENSORS = {
 }
 
 
-@pytest.mark.parametrize("name", ROWS)
-@pytest.mark.parametrize("sensor", list(SENSORS))
+@rows("sensor, name", paired(list(SENSORS), ROWS))
 def test_sensors(name, sensor):
     row, (rate, model) = al.STATISTICS[name], SENSORS[sensor]
     terms = [t.row for t in model]
@@ -123,8 +123,7 @@ def markov(T):
     )
 
 
-@pytest.mark.parametrize("name", ROWS)
-@pytest.mark.parametrize("T", [3.0, 20.0, 200.0])
+@rows("T, name", paired([3.0, 20.0, 200.0], ROWS))
 def test_any_structure_function_will_do(name, T):
     row, terms = al.STATISTICS[name], [markov(T), al.TERMS["N"]]
     for m, n in ((2, 100), (30, 180), (80, 250)):
@@ -153,7 +152,7 @@ SPOTS = {
 WHITE_SPOTS = {("mtotdev", 1): 0.19711, ("mtotdev", 8): 0.06113, ("pdev", 1): 0.33929, ("pdev", 8): 0.07678}
 
 
-@pytest.mark.parametrize(("name", "share"), list(SPOTS))
+@rows("name, share", list(SPOTS))
 def test_ratios_of_infinitely_fine_windows(name, share):
     m = 10_000_000
     row = al.STATISTICS[name]
@@ -164,8 +163,7 @@ def test_ratios_of_infinitely_fine_windows(name, share):
         assert r[0, 0] == pytest.approx(WHITE_SPOTS[name, share], rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["theo1", "mtotdev", "htotdev", "pdev"])
-@pytest.mark.parametrize("m", [66, 96, 128])
+@rows("m, name", paired([66, 96, 128], ["theo1", "mtotdev", "htotdev", "pdev"]))
 def test_an_hour_at_1_khz_against_windows_as_they_are(name, m):
     row = al.STATISTICS[name]
     count = int(row.count(HOUR, np.array([m]))[0])
@@ -175,7 +173,7 @@ def test_an_hour_at_1_khz_against_windows_as_they_are(name, m):
     np.testing.assert_allclose(degrees(p, ours), degrees(p, direct), rtol=0.006)
 
 
-@pytest.mark.parametrize("m", [20, 45, 64])
+@rows("m", [20, 45, 64])
 def test_an_hour_at_1_khz_of_the_total_deviation(m):
     direct = ratios(*folded._products(TERMS, m, HOUR, 1.0), TERMS)
     ours = folded.relative(TERMS, m, HOUR)
@@ -183,7 +181,7 @@ def test_an_hour_at_1_khz_of_the_total_deviation(m):
     np.testing.assert_allclose(degrees(p, ours), degrees(p, direct), rtol=0.006)
 
 
-@pytest.mark.parametrize("n", [20, 31, 60, 89])
+@rows("n", [20, 31, 60, 89])
 def test_white_angle_noise_in_the_total_deviation_is_a_whole_number(n):
     for m in range(1, n):
         if abs(2 * m - n) <= 2 or abs(3 * m - 2 * n) <= 6:
@@ -212,7 +210,7 @@ def test_pdev_closed_forms():
     np.testing.assert_allclose(E, [12, 6 / 5, 2 * (7 - math.log(16)) / (5 * math.pi), 13 / 35, 1 / 2], rtol=3e-6)
 
 
-@pytest.mark.parametrize("m", [64, 1000, 1_000_000])
+@rows("m", [64, 1000, 1_000_000])
 def test_bias_of_the_total_statistics(m):
     """Q, N, B, K: the exact factors of Greenhall's and Howe's tables; m >= 8 there."""
     mvar = np.array([3 / m**3, 1 / (2 * m), (27 / 16 * math.log(3) - math.log(4)) * 2 / math.pi, 11 / 40 * m])
@@ -224,7 +222,7 @@ def test_bias_of_the_total_statistics(m):
     np.testing.assert_allclose(factors, [0.995, 0.851, 0.771], atol=6e-4)
 
 
-@pytest.mark.parametrize("share", [1 / 64, 1 / 8, 1 / 2])
+@rows("share", [1 / 64, 1 / 8, 1 / 2])
 def test_bias_of_the_total_deviation(share):
     n = HOUR
     m = int(n * share)
@@ -234,7 +232,7 @@ def test_bias_of_the_total_deviation(share):
     np.testing.assert_allclose(factors, 1 - slopes * share, rtol=1e-5)
 
 
-@pytest.mark.parametrize("name", ROWS)
+@rows("name", ROWS)
 @given(data=st.data())
 @settings(max_examples=examples(60), deadline=None)
 def test_any_record_has_at_least_one_degree_of_freedom(name, data):

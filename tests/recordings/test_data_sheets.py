@@ -3,13 +3,14 @@
 from table import read
 
 import pytest
+from tests.rows import rows
 
 import allanite as al
 import data_sheets
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", data_sheets.FILES[:1])
+@rows("name", data_sheets.FILES[:1])
 def test_a_channel_is_as_in_the_table(recordings, name):
     channel = "Gyro. X"
     rows = [row for row in read("data_sheets.md").rows() if (row["file"], row["channel"]) == (name, channel)]

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import thinned
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -121,7 +122,7 @@ def test_every_file_has_a_row(recordings):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("file", thinned(FILES, 6, "every recording"), ids=lambda file: file.name)
+@rows("file", thinned(FILES, 6, "every recording"), ids=lambda file: file.name)
 def test_what_the_command_says_of_a_file(recordings, file):
     result = CliRunner().invoke(main, ["analyze", str(recordings / file.name), *file.words])
     said = " ".join((result.stdout + " " + result.stderr).split())
@@ -158,9 +159,7 @@ def as_theirs(record, file, unit):
 COMPARED = [(file, unit) for file in FILES for unit in file.compared]
 
 
-@pytest.mark.parametrize(
-    ("file", "unit"), thinned(COMPARED, 8, "every recording"), ids=lambda value: getattr(value, "name", value)
-)
+@rows("file, unit", thinned(COMPARED, 8, "every recording"), ids=lambda value: getattr(value, "name", value))
 def test_deviations_are_those_that_others_computed(recordings, file, unit):
     channels, name = file.compared[unit], file.reference or file.name.rpartition("/")[2]
     with (recordings / "reference_oadev.csv").open() as table:

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.rows import rows
 
 import allanite as al
 
@@ -30,7 +31,7 @@ def below_the_curve(channel):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", GYROS)
+@rows("name", GYROS)
 def test_gyroscopes_with_a_filter_are_explained_and_N_is_what_the_curve_shows(recordings, name):
     recipe = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
     for channel in al.analyze(recordings / name, recipe).channels:
@@ -41,7 +42,7 @@ def test_gyroscopes_with_a_filter_are_explained_and_N_is_what_the_curve_shows(re
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(("name", "choices"), OTHERS, ids=lambda x: x.split("/")[-1] if isinstance(x, str) else "")
+@rows("name, choices", OTHERS, ids=lambda x: x.split("/")[-1] if isinstance(x, str) else "")
 def test_other_sensors_at_rest_have_a_graded_answer(recordings, name, choices):
     for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
         assert channel.noise.validity in ("explained", "approximate")

@@ -5,6 +5,7 @@ import shlex
 
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 from allanite.cli import main
 
@@ -29,7 +30,7 @@ SCREENS = {
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("line", SCREENS)
+@rows("line", SCREENS)
 def test_the_first_screen_of_a_recording(recordings, line):
     verb, file, *rest = shlex.split(line)
     done = CliRunner().invoke(main, [verb, str(recordings / file), *rest])

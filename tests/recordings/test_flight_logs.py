@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -26,8 +27,8 @@ def test_the_only_long_topic_of_an_autopilot(recordings):
     assert [np.nanstd(r.values) for r in gyros] == pytest.approx(DEVIATIONS, abs=5e-5)
 
 
-@pytest.mark.parametrize(
-    ("options", "code", "words"),
+@rows(
+    "options, code, words",
     [
         ([], 0, "32 samples (2.4 %) missing in 1 gap"),
         (["--channels", "sensor_gyro"], 2, "sensor_gyro/2 (6 rows at 1 Hz)"),

@@ -5,6 +5,7 @@ import shutil
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 from allanite.cli import main
 from allanite.core.errors import UsageError
@@ -12,9 +13,7 @@ from allanite.readers import read
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(
-    ("name", "mean", "std"), [("adis_16405_imu1", 0.4017, 0.3503), ("adis_16405_imu2", 0.3789, 0.3495)]
-)
+@rows("name, mean, std", [("adis_16405_imu1", 0.4017, 0.3503), ("adis_16405_imu2", 0.3789, 0.3495)])
 def test_r_matrix_of_an_imu(recordings, name, mean, std):
     path = recordings / f"{name}.rda"
     with pytest.raises(UsageError, match=r"'Gyro\. X', .*'Accel\. Z': the unit is unknown; pass the unit "):
@@ -66,8 +65,8 @@ def test_a_folder_of_ros_2_with_a_definition_beside_it(recordings, tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(
-    ("name", "options", "code", "words"),
+@rows(
+    "name, options, code, words",
     [
         ("adis_16405_imu1.rda", [], 2, "--unit deg/s"),
         ("adis_16405_imu1.rda", ["--unit", "deg/s"], 0, "1000000 samples, 2.78 h"),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import all_but
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -30,7 +31,7 @@ FIRST = {"gx": 0.1, "gy": 0.1, "gz": 0.1, "ax": 125.0, "ay": 125.0, "az": 125.0}
 """The row of scale factors: the reference took it for the first reading."""
 
 
-@pytest.mark.parametrize("channel", list(FIRST))
+@rows("channel", list(FIRST))
 def test_laser_gyro_deviations(recordings, laser, channel):
     m, deviation, unit = reference(recordings, "psins_lasergyro.imu", channel)
     found = al.deviation(laser[channel], m=m).to(unit).deviation
@@ -42,7 +43,7 @@ def test_laser_gyro_deviations(recordings, laser, channel):
     np.testing.assert_allclose(al.deviation(same, m=m).to(unit).deviation, deviation, rtol=2e-8)
 
 
-@pytest.mark.parametrize("channel", ["gx", "gy", "gz"])
+@rows("channel", ["gx", "gy", "gz"])
 def test_laser_gyro_quiet_window(recordings, laser, channel):
     m, deviation, unit = reference(recordings, "psins_lasergyro.imu[600-900s]", channel)
     window = trim(laser, 600, 900)[channel]
@@ -64,7 +65,7 @@ def test_a_swaying_vehicle_is_no_five_term_model(laser):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("window", all_but([[], ["--from", "600", "--until", "900"]], [[]], "the page of two hours"))
+@rows("window", all_but([[], ["--from", "600", "--until", "900"]], [[]], "the page of two hours"))
 def test_from_the_file_to_the_page(recordings, tmp_path, window):
     page, figure, data = (tmp_path / name for name in ("page.html", "curve.svg", "study.json"))
     command = ["analyze", str(recordings / "psins_lasergyro.imu"), "--channels", "gx,gy,gz", *window]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 from tests import thinned
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.model import Model, Term
@@ -90,7 +91,7 @@ def outside_its_band(channel):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(("name", "choices"), thinned(FILES, 4, "every recording"), ids=lambda x: str(x)[:24])
+@rows("name, choices", thinned(FILES, 4, "every recording"), ids=lambda x: str(x)[:24])
 def test_no_claim_is_contradicted(recordings, name, choices):
     for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
         if channel.noise is None:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 from allanite.readers import read
 
@@ -28,7 +29,7 @@ def test_every_row_is_there(laser):
     assert [int(r.values[-1]) for r in laser] == [2, -4, 7, 0, 2, 80]
 
 
-@pytest.mark.parametrize(("name", "rate"), [("gx", -12.271), ("gy", 0.438), ("gz", 8.357)])
+@rows("name, rate", [("gx", -12.271), ("gy", 0.438), ("gz", 8.357)])
 def test_mean_rates(laser, name, rate):
     assert np.mean(laser[name].rate_values) * DEG_PER_HOUR == pytest.approx(rate, abs=6e-4)
 

@@ -8,6 +8,7 @@ from tests.reference import REFEREES, factors, largest
 from tests.reference.terms import UndefinedError, phase
 from tests.reference.theo import kf
 from tests.reference.windows import WINDOWS, windowed
+from tests.rows import paired, rows
 
 LARGEST = {
     # from the index ranges of the definitions, n intervals
@@ -40,22 +41,21 @@ def test_every_statistic_has_a_referee():
     assert not set(REFEREES) - set(LARGEST), "say in LARGEST of this file which averaging factor is the largest of each"
 
 
-@pytest.mark.parametrize("name", REFEREES)
-@pytest.mark.parametrize("n", [*range(1, 14), 31, 88, 89, 90])
+@rows("n, name", paired([*range(1, 14), 31, 88, 89, 90], REFEREES))
 def test_the_largest_factor_is_that_of_the_index_ranges(name, n):
     assert largest(name, n) == LARGEST[name](n)
 
 
-@pytest.mark.parametrize("name", WINDOWS)
-@pytest.mark.parametrize("n", [3, 12, 31])
+@rows("name", WINDOWS)
+@rows("n", [3, 12, 31])
 def test_windows_of_the_rate_say_the_same_as_the_phase(name, n):
     y = white(n)
     for m in factors(name, n):
         assert windowed(y, m, name)[0] == pytest.approx(REFEREES[name](phase(y), m, 1.0), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", WINDOWS)
-@pytest.mark.parametrize("lost", [[0], [118], [11, 55], [7, 8, 9, 70]])
+@rows("name", WINDOWS)
+@rows("lost", [[0], [118], [11, 55], [7, 8, 9, 70]])
 def test_a_lost_sample_takes_every_window_that_touches_it(name, lost):
     """The mean over the phase referee's values of single windows, of those that no NaN reaches."""
     y = white(120, seed=2)
@@ -77,7 +77,7 @@ def test_adev_keeps_the_blocks_before_and_after_a_gap():
     assert variance == (0**2 + 6**2) / 2 / 2
 
 
-@pytest.mark.parametrize("name", REFEREES)
+@rows("name", REFEREES)
 def test_long_double_is_not_lost(name):
     x = phase(white(96, dtype=np.longdouble))
     for m in factors(name, 96)[:: 1 + len(factors(name, 96)) // 4]:
@@ -89,7 +89,7 @@ def test_long_double_is_not_lost(name):
 CONSTANT_RATE = [name for name in REFEREES if name not in ("mtie", "tierms")]
 
 
-@pytest.mark.parametrize("name", CONSTANT_RATE)
+@rows("name", CONSTANT_RATE)
 def test_a_constant_rate_changes_nothing(name):
     x = phase(white(100, seed=3, dtype=np.longdouble))
     line = 7 - 5 * np.arange(101, dtype=np.longdouble)
@@ -101,7 +101,7 @@ def test_a_constant_rate_changes_nothing(name):
 DRIFT = ("hdev", "ohdev", "htotdev")
 
 
-@pytest.mark.parametrize("name", DRIFT)
+@rows("name", DRIFT)
 def test_a_ramp_is_nothing_to_hadamard(name):
     x = phase(np.arange(30.0))
     for m in factors(name, 30):

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 from allanite.cli import main
 
@@ -125,7 +126,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("file", "options", "code", "words"), CASES, ids=lambda v: str(v)[:40])
+@rows("file, options, code, words", CASES, ids=lambda v: str(v)[:40])
 def test_refused_in_words(inputs, file, options, code, words):
     result = CliRunner().invoke(main, ["analyze", str(inputs / file), *options])
     assert result.exit_code == code, result.output
@@ -138,7 +139,7 @@ def test_refused_in_words(inputs, file, options, code, words):
     assert not (inputs / "executed").exists()
 
 
-@pytest.mark.parametrize("option", ["--report", "--plot", "--json", "--csv"])
+@rows("option", ["--report", "--plot", "--json", "--csv"])
 def test_nothing_is_overwritten_without_force(tmp_path, option):
     csv_of(tmp_path / "one.csv", [noise()])
     target = tmp_path / {"--report": "a.html", "--plot": "a.png", "--json": "a.json", "--csv": "a.csv"}[option]

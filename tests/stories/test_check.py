@@ -9,6 +9,7 @@ import pytest
 import yaml
 from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -36,8 +37,8 @@ def check(folder, monkeypatch, *words):
     return CliRunner().invoke(main, ["check", *words])
 
 
-@pytest.mark.parametrize(
-    ("words", "code", "said"),
+@rows(
+    "words, code, said",
     [
         (["imu.csv", "--rate", "50", "--claims", "right.yaml"], 0, "the record agrees with the claim"),
         (["imu.csv", "--rate", "50", "--claims", "limits.toml"], 0, "the record agrees with the claim"),

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -125,7 +126,7 @@ def files(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("complaint", COMPLAINTS)
+@rows("complaint", COMPLAINTS)
 @pytest.mark.usefixtures("details")
 def test_one_command_answers_a_complaint(complaint, files, monkeypatch):
     answer = COMPLAINTS[complaint]

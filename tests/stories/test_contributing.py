@@ -8,6 +8,7 @@ import sys
 
 import pytest
 from tests import ROOT
+from tests.rows import rows
 
 GUIDE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
 ROWS = re.findall(r"^\| ([^|]+) \| (.+) \|$", GUIDE.partition("## Adding things")[2], re.MULTILINE)
@@ -139,7 +140,7 @@ def test_the_guide_is_short_and_every_path_in_it_exists():
     assert [name for name in named if not any((ROOT / room / name).exists() for room in rooms)] == []
 
 
-@pytest.mark.parametrize("rows", ["statistic", "format", "target of export", "verb, result"])
+@rows("rows", ["statistic", "format", "target of export", "verb, result"])
 def test_what_other_packages_may_add_takes_two_lines_in_a_file_beside_its_own(rows):
     """In one file of the package, and a verb with a result in two."""
     changed = [path for path, _, _ in ADDITIONS[rows][1]]
@@ -148,7 +149,7 @@ def test_what_other_packages_may_add_takes_two_lines_in_a_file_beside_its_own(ro
 
 
 @pytest.mark.slow("additions in copies of the package")
-@pytest.mark.parametrize("rows", ADDITIONS)
+@rows("rows", ADDITIONS)
 def test_an_addition_needs_the_places_of_the_guide_and_no_other(rows, tmp_path):
     (files, lines, use, said), listed = ADDITIONS[rows], [place for row in rows.split(", ") for place in PLACES[row]]
     package, rest = tmp_path / "src" / "allanite", shutil.ignore_patterns("*.pyc")  # compiled kernels are copied too

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -54,7 +55,7 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize("symbol", al.TERMS)
+@rows("symbol", al.TERMS)
 def test_every_term_is_put_into_words(symbol):
     row = al.TERMS[symbol]
     assert len(row.origin) > 80
@@ -85,7 +86,7 @@ def test_the_tutorial_prints_what_it_says(desk):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("command", COMMANDS)
+@rows("command", COMMANDS)
 def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
     monkeypatch.chdir(desk)
     _, *words = shlex.split(command)
@@ -133,7 +134,7 @@ def test_commands_of_the_gyro_vertical(desk, monkeypatch, request):
         assert said in printed[-1]
 
 
-@pytest.mark.parametrize("page", WITH_PYTHON)
+@rows("page", WITH_PYTHON)
 def test_programs_of_a_page_print_what_they_say(desk, page, monkeypatch, capsys):
     """In this process; the tutorial's is started on its own."""
     monkeypatch.chdir(desk)

@@ -6,7 +6,7 @@ import inspect
 from functools import partial
 from pathlib import Path
 
-import pytest
+from tests.rows import rows
 
 import allanite
 
@@ -18,7 +18,7 @@ MODULES = [
 ]
 
 
-@pytest.mark.parametrize("name", MODULES)
+@rows("name", MODULES)
 def test_examples(name):
     module = importlib.import_module(name)
     namespace = vars(module) | {"np": importlib.import_module("numpy")}
@@ -26,7 +26,7 @@ def test_examples(name):
     assert (failed, tried > 0) == (0, True)
 
 
-@pytest.mark.parametrize("name", [n for n in dir(allanite) if not n.startswith("_") and callable(getattr(allanite, n))])
+@rows("name", [n for n in dir(allanite) if not n.startswith("_") and callable(getattr(allanite, n))])
 def test_public_things_are_documented(name):
     assert inspect.getdoc(getattr(allanite, name))
 
@@ -40,12 +40,12 @@ CLASSES = {
 }
 
 
-@pytest.mark.parametrize("name", CLASSES)
+@rows("name", CLASSES)
 def test_a_public_class_lists_its_attributes(name):
     assert "Attributes\n----------" in inspect.getdoc(CLASSES[name])
 
 
-@pytest.mark.parametrize("name", [n for n in dir(allanite) if callable(getattr(allanite, n)) and not n.startswith("_")])
+@rows("name", [n for n in dir(allanite) if callable(getattr(allanite, n)) and not n.startswith("_")])
 def test_examples_of_public_things_import_from_the_package_alone(name):
     imports = [line for line in inspect.getdoc(getattr(allanite, name)).splitlines() if "import" in line]
     assert not [line for line in imports if ">>> from allanite." in line or ">>> from ." in line]

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -214,7 +215,7 @@ def run(command):
     return result
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.command)
+@rows("row", ROWS, ids=lambda row: row.command)
 def test_what_is_wrong_is_said_in_a_few_words_with_what_to_type(row, files, monkeypatch):
     monkeypatch.chdir(files)
     result = run(row.command)
@@ -240,3 +241,14 @@ def test_a_recipe_may_hold_names_of_options_and_a_table_of_facts(files, monkeypa
     assert '"start": 30.0' in result.stdout
     assert "serial=SN 7" in result.stdout
     assert al.Recipe.from_dict({"from": 30.0}).start == 30.0
+
+
+def test_the_same_refusal_in_python_and_at_the_command_line(tmp_path):
+    file = tmp_path / "x.csv"
+    file.write_text("gx [deg/s]\n" + "1.5\n2.5\n" * 200)
+    with pytest.raises(al.UsageError, match="rate=100") as refused:
+        al.read(file)
+    assert "--rate" not in str(refused.value)
+    said = CliRunner().invoke(main, ["info", str(file)]).stderr
+    assert "--rate 100" in said
+    assert "rate=100" not in said

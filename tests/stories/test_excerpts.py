@@ -1,6 +1,7 @@
 """What pages show below a command is what it prints today."""
 
 import pytest
+from tests.rows import rows
 
 import excerpts
 
@@ -8,7 +9,7 @@ PAGES = [page for page in excerpts.pages() if excerpts.BLOCK.search(page.read_te
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@rows("page", PAGES, ids=lambda page: page.stem)
 def test_the_output_on_a_page_is_that_of_its_commands(page):
     text = page.read_text("utf-8")
     assert excerpts.renewed(text) == text, "python tools/excerpts.py renews it"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 from allanite.cli import main
 
@@ -141,7 +142,7 @@ def moved(y):
 PARTIAL = {"stuck": still, "clipped": saturated, "level": louder, "outliers": spiked, "moving": moved}
 
 
-@pytest.mark.parametrize("name", PARTIAL)
+@rows("name", PARTIAL)
 def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
     y = np.random.default_rng(4).standard_normal(20_000)
     PARTIAL[name](y)

@@ -5,6 +5,7 @@ import pickle
 import numpy as np
 import pandas as pd
 import pytest
+from tests.rows import rows
 
 import allanite as al
 
@@ -112,12 +113,12 @@ REFUSED = (
 """What cannot be done as it is typed, and the call that the refusal names."""
 
 
-@pytest.mark.parametrize(("code", "holds"), WORKS, ids=[code for code, _ in WORKS])
+@rows("code, holds", WORKS, ids=[code for code, _ in WORKS])
 def test_it_works_at_first_try(desk, code, holds):
     assert holds(eval(code, {**desk, "SHOWN": SHOWN}))  # noqa: S307 - from the table
 
 
-@pytest.mark.parametrize(("code", "remedy"), REFUSED, ids=[code for code, _ in REFUSED])
+@rows("code, remedy", REFUSED, ids=[code for code, _ in REFUSED])
 def test_it_is_refused_in_one_sentence_that_names_the_call(desk, code, remedy):
     with pytest.raises((al.UsageError, AttributeError)) as refusal:
         eval(code, desk)  # noqa: S307 - from the table

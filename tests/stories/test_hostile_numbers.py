@@ -11,6 +11,7 @@ import pyarrow as pa
 import pytest
 from click.testing import CliRunner
 from pyarrow import parquet
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
@@ -65,8 +66,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("verb", ["analyze", "deviation", "spectrum"])
-@pytest.mark.parametrize("name", CASES)
+@rows("name, verb", paired(CASES, ["analyze", "deviation", "spectrum"]))
 def test_a_result_or_a_sentence(name, verb, tmp_path, monkeypatch):
     make, options, code, words = CASES[name]
     monkeypatch.chdir(tmp_path)

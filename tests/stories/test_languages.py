@@ -1,22 +1,22 @@
 """Nothing that is shown stays English: every result in letters that are not Latin, and the words left over."""
 
+import os
 import re
-import shlex
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
-from click.testing import CliRunner
 from matplotlib.text import Text
+from tests.rows import rows
+from tests.verbs import ROWS, run
 
 import allanite as al
 from allanite.applications.attitude import FILTERS
 from allanite.applications.constant_rate import RATE_ESTIMATORS
-from allanite.cli import VERBS, deliver, main
+from allanite.cli import deliver
 from allanite.core.errors import UndrawnError
 from allanite.exporting.exports import EXPORTS, TEMPERATURE
 from allanite.identification.methods import METHODS
@@ -27,9 +27,10 @@ from allanite.reporting.sheet import Code, Fold
 from allanite.reporting.sketch.limits import Unsketched
 from allanite.reporting.views import level_of, view_of
 from allanite.statistics import STATISTICS
+from allanite.study.watching import Watch
 from allanite.terms import TERMS
 
-pytestmark = pytest.mark.slow("what every verb shows, in other letters: releases ask for translations")
+pytestmark = pytest.mark.nightly("what every verb shows, in other letters: releases ask for translations")
 
 LETTERS = {ord(latin): ord("а") + i for i, latin in enumerate("abcdefghijklmnopqrstuvwxyz")}
 LETTERS |= {ord(chr(latin).upper()): ord(chr(other).upper()) for latin, other in LETTERS.items()}
@@ -162,132 +163,6 @@ def drawings(face):
             yield part
 
 
-def recording(path, seed, n=2000, **more):
-    """A gyroscope at 20 Hz."""
-    rng = np.random.default_rng(seed)
-    model = al.N(0.1, "deg/sqrt(h)") + al.K(20.0, "deg/h/sqrt(h)")
-    rate = np.degrees(al.simulate(model, n, 20.0, rng=rng).values) * 3600
-    temp = 25 + 5 * np.sin(np.arange(n) / 300) + 0.02 * rng.standard_normal(n)
-    columns = {"time [s]": np.arange(n) / 20.0, "gx [deg/h]": rate + 3 * temp, "temp [degC]": temp, **more}
-    head = ",".join(columns)
-    np.savetxt(path, np.column_stack(list(columns.values())), "%.9g", ",", header=head, comments="")
-    return path
-
-
-def six(path, n=4000, rate=20.0):
-    """Three gyros and three accelerometers at rest."""
-    rng = np.random.default_rng(5)
-    gyro = al.N(0.3, "deg/sqrt(h)") + al.K(300.0, "deg/h/sqrt(h)")
-    gyros = [np.degrees(al.simulate(gyro, n, rate, rng=rng).values) for _ in range(3)]
-    tilts = [al.simulate(al.N(100, "ug/sqrt(Hz)"), n, rate, rng=rng).values for _ in range(3)]
-    columns = np.column_stack([np.arange(n) / rate, *gyros, *tilts[:2], tilts[2] + 9.80665])
-    head = "time [s],gx [deg/s],gy [deg/s],gz [deg/s],ax [m/s^2],ay [m/s^2],az [m/s^2]"
-    np.savetxt(path, columns, "%.9g", ",", header=head, comments="")
-    return path
-
-
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    """Small inputs, by name."""
-    folder = tmp_path_factory.mktemp("in")
-    rng = np.random.default_rng(3)
-    found = {"a": recording(folder / "a.csv", 1), "b": recording(folder / "b.csv", 2)}
-    found["short"] = recording(folder / "short.csv", 3, n=40)
-    wild = {"gy [deg/h]": 90 * rng.standard_normal(2000).cumsum(), "gz [deg/h]": np.zeros(2000)}
-    found["wild"] = recording(folder / "wild.csv", 4, **wild)
-    found["limits"] = folder / "limits.toml"
-    found["limits"].write_text('[limits]\nN = { max = "0.01 deg/sqrt(h)" }\nB = { max = "90 deg/h" }\n')
-    volts = np.round(rng.standard_normal(4000) * 100) * 0.01
-    found["current"] = folder / "current.csv"
-    np.savetxt(found["current"], np.column_stack([np.arange(4000) / 1000, volts]), "%.9g", ",",
-               header="time [s],ux [V]", comments="")  # fmt: skip
-    true = np.linspace(0, 12.5, 2000)
-    measured = true + 1e-4 * np.sin(128 * true) + 1e-5 * rng.standard_normal(2000)
-    found["encoder"] = folder / "encoder.csv"
-    np.savetxt(found["encoder"], np.degrees(np.column_stack([measured, true])), "%.10g", ",",
-               header="enc [deg],ref [deg]", comments="")  # fmt: skip
-    found["six"], found["kalibr"] = six(folder / "six.csv"), folder / "imu.yaml"
-    run("convert '1 deg/sqrt(h)' 'K 9 deg/h/sqrt(h)' '90 ug/sqrt(Hz)' 'K 10 ug/sqrt(h)' --to kalibr --rate 100 "
-        "-o {kalibr}", found)  # fmt: skip
-    found["lot"] = lot(folder, found)
-    found["hour"], found["made"] = folder / "hour.csv", folder / "made.csv"
-    run("angle simulate {hour} --latitude 60 --duration 3600 --start 7200 --error h:128=3,-1.5", found)
-    return found
-
-
-def lot(folder, files):
-    """Stored results of eight units, of which one is noisy and one too short."""
-    lines = ["file,temperature,date"]
-    for i, size in enumerate((0.1, 0.11, 0.12, 0.13, 0.14, 5.0)):
-        record = al.simulate(al.N(size, "deg/sqrt(h)"), 2000, 20.0, rng=np.random.default_rng(i), name="gx")
-        al.write(record, folder / f"unit{i}.csv")
-        lines.append(f"unit{i}.csv,{20 + i},2024-05-{10 + i}")
-    (folder / "units.csv").write_text("\n".join([*lines, "a.csv,,", "short.csv,,"]) + "\n")
-    run(f"batch {folder / 'units.csv'} --out {folder / 'lot'} --workers 1 --channels gx", files)
-    return folder / "lot"
-
-
-TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
-GIVEN = "--model 'N 0.3 deg/sqrt(h), K 10 deg/h/sqrt(h)' --model 'N 100 ug/sqrt(Hz), K 50 ug/sqrt(h)'"
-NOISE = "--gyro 'N 0.3 deg/sqrt(h), B 10 deg/h' --accelerometer 'N 100 ug/sqrt(Hz), B 50 ug'"
-RUNS = {
-    "info": ["{a}", "{short}", "{wild}"],
-    "analyze": [
-        "{a} --channels gx --device fog --about operator=x", "{wild} --channels gx,gy,gz",
-        "{a} --channels gx --method slopes", "{a} {b} --channels gx --limits {limits}",
-        "{a} {b} --channels gx --device fog",
-    ],
-    "lot": ["{lot}", "{lot} --limits {limits}"],
-    "deviation": ["{a} --channels gx --statistic oadev,hdev"],
-    "spectrum": ["{a} --channels gx"],
-    "dynamic": ["{a} --channels gx"],
-    "compare": [
-        "{a} {b} --channels gx", "{a} {b} {wild} --channels gx", "{a} --channels gx --part 60",
-        "{a} --channels gx --datasheet adis16470",
-    ],
-    "check": [
-        "{six} --claims 'N 0.3 deg/sqrt(h), K 20 deg/h/sqrt(h); 60 ug/sqrt(Hz)'", "{a} --channels gx --claims {limits}",
-        "{six} --claims adis16470", "{a} --channels gx --claims 'N 1 deg/sqrt(h), GM 30 deg/h 20 s, R 3 deg/h^2'",
-    ],
-    "watch": ["{a} --channels gx --idle 0.1"],
-    "rate": ["{a} --channels gx --interval 20"],
-    "angle": [
-        "calibrate {encoder} --measured enc --reference ref",
-        "estimate {hour} --difference difference --latitude 60 --rho rho",
-        "plan --latitude 60 --duration 3600", "plan --latitude 60 --duration 3600 --start 0",
-    ],
-    "simulate": ["{made} --sensor mems --rate 20 --samples 2000 --force"],
-    "plan": ["--sensor fog --rate 10", "{a} --channels gx"],
-    "drift": [
-        "--sensor fog --require '1 deg in 10 min'", "{six} --from-curve", GIVEN + " --times 3600 --turn-on '9 deg/h'",
-        "{a} --channels gx --calibration 0 --platform level",
-    ],
-    "selfcheck": ["--sensor mems --rate 20 --samples 1000 --records 3"],
-    "statespace": ["--sensor fog --rate 10"],
-    "export": [
-        "{six} --to vins-mono", "{six} --to gazebo --axis each --inflate 2", "{wild} {six} --to kalibr --unexplained",
-        "{six} --to datasheet", "--to px4 " + GIVEN, "{six} --to statespace",
-    ],
-    "convert": ["'1 deg/sqrt(h)' --to gtsam", "{kalibr} --from kalibr", "{kalibr} --from kalibr --to vins-mono"],
-    "explain": ["", *EXPORTS, "px4-tc", "theo1", "hdev --samples 100", "adis16470"],
-    "budget": ["{current} --unit V {stage} --torquer " + TORQUER + " --sense 5"],
-    "compensate": ["{a} --regressors temp --channels gx", "{a} --regressors temp --to px4 -o {a}.params --force"],
-    "vertical": [
-        "{six}", "{six} --filter bortz", "{six} --filter kalman --time-constant 5 --keep-bias",
-        NOISE + " --gyro-bias '10 deg/h'", NOISE + " --scenarios --rate 10", "{six} --gate 0.001",
-    ],
-}  # fmt: skip
-"""Arguments of each verb, which between them show most of what it can say."""
-
-
-def run(line, files):
-    """Run a command line."""
-    words = [word.format(**files, stage="--stage=ADC 12 5V") for word in shlex.split(line)]
-    done = CliRunner().invoke(main, words)
-    assert done.exit_code in (0, 3, 4, 5), (line, done.output)
-    return done
-
-
 @pytest.fixture
 def pseudo(monkeypatch):
     """The language "xx"."""
@@ -297,38 +172,41 @@ def pseudo(monkeypatch):
     )
 
 
-def test_every_verb_is_run():
-    # example runs the others, batch shows nothing
-    assert {verb for verb in VERBS if verb not in ("example", "batch", "serve")} == set(RUNS)
-
-
-@pytest.fixture(scope="module", params=RUNS)
-def verb(request):
-    """A verb; the tests of one come one after the other."""
-    return request.param
+RUNS = {verb: row.runs for verb, row in ROWS.items() if row.runs}
 
 
 @pytest.fixture(scope="module")
-def values(verb, files):
-    """What a verb shows, without names of papers."""
-    found = []
+def values(furnished):
+    """What a verb shows, without names of papers: a function of its name."""
+    found = {}
     with pytest.MonkeyPatch.context() as patch:
-        for table, name, row in [(t, *item) for t in (EXPORTS, TEMPERATURE) for item in t.items()]:
-            patch.setitem(table, name, replace(row, source=""))
-        if verb == "explain":
-            for name, statistic in STATISTICS.items():
-                patch.setitem(STATISTICS, name, replace(statistic, reference=""))
-        patch.setattr(deliver, "text_of", lambda value, *_: found.append(value) or "")
-        for line in RUNS[verb]:
-            run(f"{verb} {line}", files)
-        assert len(found) == len(RUNS[verb])
-        yield found
+        patch.chdir(furnished)
+        for table in (EXPORTS, TEMPERATURE):
+            for name, row in table.items():
+                patch.setitem(table, name, replace(row, source=""))
+        patch.setattr(Watch, "_over", lambda self, _: self.spool.came >= os.path.getsize(self.target))
+
+        def values_of(verb):
+            if verb not in found:
+                found[verb] = []
+                with pytest.MonkeyPatch.context() as own:
+                    if verb == "explain":
+                        for name, statistic in STATISTICS.items():
+                            own.setitem(STATISTICS, name, replace(statistic, reference=""))
+                    own.setattr(deliver, "text_of", lambda value, *_: found[verb].append(value) or "")
+                    for line in RUNS[verb]:
+                        run(f"{verb} {line}", 3, 4, 5)
+                assert len(found[verb]) == len(RUNS[verb])
+            return found[verb]
+
+        yield values_of
 
 
+@rows("verb", RUNS)
 def test_nothing_that_a_verb_shows_is_left_in_english(verb, values, pseudo, monkeypatch):
     found = left(
         part
-        for one, line in zip(values, RUNS[verb], strict=True)
+        for one, line in zip(values(verb), RUNS[verb], strict=True)
         for part in shown(one, monkeypatch, verb != "info" and "--start" not in line)
     )
     assert not found, f"{verb}: {len(found)} lines have words that are not translated:\n" + "\n".join(found)
@@ -341,20 +219,22 @@ TYPED = r"(?<!\w)'[^']*'(?!\w)|\"[^\"]*\"|--\S+ \S+|^(time|enc|ref|g[xyz]|a[xyz]
 """Where they may be."""
 
 
-@pytest.mark.parametrize("lang", language.LANGUAGES)
+@rows("verb", RUNS)
+@rows("lang", language.LANGUAGES)
 @pytest.mark.filterwarnings("ignore::allanite.reporting.fonts.FontWarning")
 def test_units_are_shown_with_their_signs(verb, values, lang, monkeypatch):
     found = [
         line
-        for one in values
+        for one in values(verb)
         for line in shown(one, monkeypatch, drawn=False, lang=lang)
         if re.search(PLAIN, re.sub(TYPED, "", line))
     ]
     assert not found, "\n".join(found)
 
 
+@rows("verb", RUNS)
 def test_a_terminal_without_signs_has_letters_of_ascii(verb, values):
-    for one in values:
+    for one in values(verb):
         face = view_of(one).face(one, level_of(one))
         odd = [line for line in text.render(face, ascii=True).splitlines() if not line.isascii()]
         assert not odd, "\n".join(odd)
@@ -373,8 +253,9 @@ def printed_words(figure):
     return {line.strip() for text in texts for line in text.get_text().splitlines()} - {""}
 
 
+@rows("verb", RUNS)
 def test_a_figure_on_a_page_has_the_words_of_that_for_print(verb, values):
-    for value in values:
+    for value in values(verb):
         for drawing in drawings(view_of(value).face(value, level_of(value))):
             try:
                 page = ElementTree.fromstring(drawing.draw().sketched().svg())

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import click
 import pytest
 from tests import ROOT
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import Verb
@@ -127,8 +128,8 @@ def test_a_verb_from_outside_stands_below_its_heading(used):
     assert "least greatest" in shown["verb"]
 
 
-@pytest.mark.parametrize(
-    ("where", "words"),
+@rows(
+    "where, words",
     [
         ("info", "rate 50.0 Hz from its first line"),
         ("unknown", "; tones of a recorder; "),
@@ -237,8 +238,8 @@ except al.AllaniteError as error:
 """
 
 
-@pytest.mark.parametrize(
-    ("body", "why"),
+@rows(
+    "body, why",
     [
         ("return 3", "read returned a int instead of a Recording"),
         ("return 1 / 0", "read failed: ZeroDivisionError: division by zero"),
@@ -288,8 +289,8 @@ def silent(path):
     Path(path).write_text('{"type": "Unheard of"}', "utf-8")
 
 
-@pytest.mark.parametrize(
-    ("check", "row", "words"),
+@rows(
+    "check, row, words",
     [
         (check_statistic, replace(ADEV, meaning=""), "statistic 'adev': meaning is empty"),
         (check_statistic, replace(ADEV, sums=lambda x, m: 2 * ADEV.sums(x, m)), "but those of its windows"),

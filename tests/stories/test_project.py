@@ -15,9 +15,12 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 import allanite
+from allanite.cli import VERBS, main
 
 BIN = Path(sys.executable).parent
 MAKE = shutil.which("make")
@@ -75,26 +78,10 @@ def test_starting_imports_nothing_heavy():
         assert said.strip() == "[]"
 
 
-def test_continuous_integration_makes_every_test():
-    script = ROOT / ".ci" / "run"
-    assert script.read_text().splitlines()[-1].startswith("make test test-all")
-    assert os.access(script, os.X_OK)
-
-
 def test_make_alone_says_what_there_is():
     said = make().stdout
-    for target in ("make demo", "make quick", "make test", "make test-all", "make lint", "make setup", "make clean"):
-        assert target in said
-
-
-def test_the_last_words_of_make_test_are_those_of_pytest_and_no_test_is_in_neither_set():
-    """What `make test` leaves out, and what it does with fewer examples, `make test-all` runs."""
-    recipe = make("-n", "test", "test-all", "-o", ".venv/test").stdout.splitlines()
-    assert all(tool in "\n".join(recipe) for tool in ("ruff check", "ruff format --check", "mypy", "lint-imports"))
-    assert [line.partition(" -q ")[2] for line in recipe if "-m pytest" in line] == [
-        '-m "not slow"', '-m "slow or ensemble or hypothesis"'
-    ]  # fmt: skip
-    assert recipe[-1].startswith("ALLANITE_TESTS=all ")
+    targets = ("demo", "quick", "test", "nightly", "lint", "setup", "clean")
+    assert all(f"make {target}" in said for target in targets)
 
 
 def test_the_tests_of_a_change_are_those_of_its_packages():
@@ -104,7 +91,7 @@ def test_the_tests_of_a_change_are_those_of_its_packages():
         changed.selection(["src/allanite/web/store.py", "src/allanite/kernels/sums.py", "docs/plan.md", "LICENSE"])
     )
     assert found == [
-        "tests/unit/test_words.py", "tests/web", "tests/conformance/test_kernels.py", "tests/unit/statistics",
+        "tests/web", "tests/conformance/test_kernels.py", "tests/unit/statistics",
         "tests/stories/test_docs.py",
     ]  # fmt: skip
     assert all((ROOT / path).exists() for path in found)
@@ -126,8 +113,8 @@ def test_the_demo_takes_any_file_name(tmp_path):
     assert (out / "curve.png").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize(
-    ("can", "words"),
+@rows(
+    "can, words",
     [("nothing", "Python 3.11 or later"), ("version", "apt install python3-venv")],
     ids=["an old python", "a python without venv"],
 )
@@ -235,3 +222,26 @@ def test_every_promise_about_security_names_a_test_that_is_there():
     assert len(named) > 10
     for path, name in named:
         assert f"def {name}(" in (ROOT / path).read_text("utf-8"), f"{path}::{name}"
+
+
+def test_every_verb_is_listed_in_one_group_and_its_summary_is_not_cut():
+    import words
+
+    shown = CliRunner().invoke(main, ["--help"]).stdout
+    assert shown.count("...") == 1  # of the usage
+    assert all(shown.count(f"{heading}:") == 1 for heading in {verb.group for verb in VERBS.values()})
+    for verb in VERBS:
+        assert f"\n  {verb} " in shown
+        text = CliRunner().invoke(main, [verb, "--help"]).stdout
+        summary = text.split("\n\n")[1].strip()
+        assert len(summary) <= 45, (verb, summary)
+        assert not any(re.search(phrase, " ".join(text.split())) for phrase in words.BANNED), verb
+
+
+def test_a_phrase_of_the_list_is_found(tmp_path):
+    import words
+
+    file = tmp_path / "x.py"
+    file.write_text('"""The overlapped Allan deviation."""\nx = f"{3} lost readings"  # an honest interval\n')
+    said = [text for _, text in words.texts(file)]
+    assert sum(bool(re.search(phrase, text)) for phrase in words.BANNED for text in said) == 3

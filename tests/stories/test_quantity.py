@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -71,7 +72,7 @@ def test_a_study_of_values_is_read_again(study):
     assert again.to_dict()["channels"] == study["channels"]
 
 
-@pytest.mark.parametrize("method", ["nnls", "gls"])
+@rows("method", ["nnls", "gls"])
 @pytest.mark.usefixtures("details")
 def test_what_a_statistic_does_not_see_is_named_by_the_quantity(folder, method):
     said = run("analyze", folder / "run1.csv", "--kind", "value", "--method", method, "--statistic", "ohdev").stdout
@@ -90,8 +91,8 @@ def test_a_voltage_has_no_angle(folder):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(
-    ("verb", "more", "unit"),
+@rows(
+    "verb, more, unit",
     [
         ("deviation", ("--no-intervals", "--statistic", "oadev,mdev,ohdev"), "arcsec"),
         ("dynamic", (), "arcsec"),

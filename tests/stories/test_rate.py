@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -206,7 +207,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("what", BAD)
+@rows("what", BAD)
 def test_bad_choices_end_with_a_sentence(brief, what):
     options, code, words = BAD[what]
     noise = () if "--noise" in options else NOISE
@@ -282,7 +283,7 @@ def test_a_noise_that_explains_nothing_is_not_used(folder):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("width", [80, 120])
+@rows("width", [80, 120])
 def test_text_keeps_to_its_width(brief, width):
     study = al.measure_rates(brief, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795))
     assert max(map(len, table(study, width=width).splitlines())) <= width

@@ -9,6 +9,7 @@ import sys
 import pytest
 from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 from allanite.cli import main
 
@@ -39,7 +40,7 @@ def run(command, desk):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("block", PYTHON, ids=range(len(PYTHON)))
+@rows("block", PYTHON, ids=range(len(PYTHON)))
 def test_python_blocks_run_and_print_what_they_say(desk, block):
     done = run([sys.executable, "-c", block], desk)
     assert done.returncode == 0, done.stderr
@@ -48,7 +49,7 @@ def test_python_blocks_run_and_print_what_they_say(desk, block):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("command", COMMANDS)
+@rows("command", COMMANDS)
 def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
     """In this process; the program itself is started for the excerpt below."""
     monkeypatch.chdir(desk)

@@ -6,6 +6,7 @@ from datetime import date
 import pytest
 import yaml
 from tests import ROOT
+from tests.rows import rows
 
 import allanite
 import changes
@@ -40,8 +41,8 @@ def test_every_fragment_is_taken():
     assert all(text.split("\n\n", 1)[1] in grown for text in texts)
 
 
-@pytest.mark.parametrize(
-    ("version", "texts", "expected"),
+@rows(
+    "version, texts, expected",
     [
         ("1.0", ["### Read\n\n- C\n  D.\n"], BEGUN.replace("- A.\n", "- A.\n- C\n  D.\n")),
         ("1.0", ["### New\n\n- C.\n", "### Draw\n\n- D.\n"], f"{BEGUN}- D.\n\n### New\n\n- C.\n"),
@@ -53,7 +54,7 @@ def test_fragments_join_the_section_of_the_version(version, texts, expected):
     assert changes.joined(BEGUN, texts, version, DAY) == expected
 
 
-@pytest.mark.parametrize("text", ["- C.\n", "### Read\n- C.\n", "### Read\n\nC.\n", ""])
+@rows("text", ["- C.\n", "### Read\n- C.\n", "### Read\n\nC.\n", ""])
 def test_a_fragment_of_another_form_is_refused(text):
     with pytest.raises(ValueError, match="a fragment is"):
         changes.joined(BEGUN, [text], "1.0", DAY)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -47,7 +48,7 @@ def desk(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("block", blocks("python"), ids=range(len(blocks("python"))))
+@rows("block", blocks("python"), ids=range(len(blocks("python"))))
 def test_python_prints_what_it_says(block, capsys):
     exec(block, {"__name__": "__main__"})  # noqa: S102 - our own page
     said = re.findall(r"^print\(.*\)  # (.*)$", block, re.MULTILINE)

@@ -11,6 +11,7 @@ from urllib.parse import urlencode
 
 import pytest
 from tests import ROOT
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import VERBS
@@ -146,7 +147,7 @@ def indexed(site):
     return set(index["terms"]) | set(index["titleterms"])
 
 
-@pytest.mark.parametrize("words", WORDS)
+@rows("words", WORDS)
 def test_the_search_knows_the_fields_words(site, words):
     snowballstemmer = pytest.importorskip("snowballstemmer")
     stem, known = snowballstemmer.stemmer("porter").stemWord, indexed(site)
@@ -162,7 +163,7 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
-@pytest.mark.parametrize("words", ["ARW", "in-run bias stability", "kalibr", "citation", "RRW"])
+@rows("words", ["ARW", "in-run bias stability", "kalibr", "citation", "RRW"])
 def test_the_search_finds_them_in_a_browser(site, tmp_path, words):
     """The page of results as the browser has it after its scripts ran."""
     address = f"{(site / 'search.html').as_uri()}?{urlencode({'q': words})}"

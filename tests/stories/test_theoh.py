@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -18,7 +19,7 @@ def run(*arguments):
     return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
-def rows(*arguments):
+def cells(*arguments):
     result = run(*arguments, "--csv", "-")
     assert result.exit_code == 0, result.output
     return list(csv.DictReader(io.StringIO(result.stdout)))
@@ -45,8 +46,8 @@ def test_a_jump_is_told_and_its_cure_works(file):
     assert cured.exit_code == 0
     assert "jumps" not in cured.stdout
     assert "jumps" not in run("deviation", file, "--statistic", "theoh").stdout  # it is the default
-    late = [float(r["deviation"]) for r in rows("deviation", file, "--statistic", "theoh", "--bias", "plain")][-2:]
-    right = [float(r["deviation"]) for r in rows("deviation", file, "--statistic", "theoh", "--bias", "model")][-2:]
+    late = [float(r["deviation"]) for r in cells("deviation", file, "--statistic", "theoh", "--bias", "plain")][-2:]
+    right = [float(r["deviation"]) for r in cells("deviation", file, "--statistic", "theoh", "--bias", "model")][-2:]
     assert all(b > 1.1 * a for a, b in zip(late, right, strict=True))
 
 
@@ -65,7 +66,7 @@ def test_options_are_those_of_the_library(file):
         (("--join", "0.05"), {"join": 0.05, "bias": "plain"}),
         (("--divisor", "6"), {"divisor": 6, "bias": "plain"}),
     ):
-        found = rows("deviation", file, "--statistic", "theoh", "--no-intervals", "--bias", "plain", *option)
+        found = cells("deviation", file, "--statistic", "theoh", "--no-intervals", "--bias", "plain", *option)
         curve = al.deviation(record, "theoh", noise=None, **choice).to("deg/h")
         np.testing.assert_allclose([float(r["deviation"]) for r in found], curve.deviation, rtol=1e-12)
         assert [int(r["m"]) for r in found] == curve.m.tolist()
@@ -73,7 +74,7 @@ def test_options_are_those_of_the_library(file):
 
 def test_a_published_bias_and_the_exact_one_differ_a_little(file):
     exact, published, plain = (
-        np.array([float(r["deviation"]) for r in rows("deviation", file, "--statistic", "theo1", "--bias", bias)])
+        np.array([float(r["deviation"]) for r in cells("deviation", file, "--statistic", "theo1", "--bias", bias)])
         for bias in ("exact", "published", "plain")
     )
     assert np.abs(published / plain - 1).max() > 0.2
@@ -82,7 +83,7 @@ def test_a_published_bias_and_the_exact_one_differ_a_little(file):
 
 
 def test_a_bias_is_for_the_statistics_that_have_it(file):
-    both = rows("deviation", file, "--statistic", "oadev,theoh", "--bias", "model", "--no-intervals")
+    both = cells("deviation", file, "--statistic", "oadev,theoh", "--bias", "model", "--no-intervals")
     assert {r["statistic"] for r in both} == {"oadev", "theoh"}
     assert {r["low"] for r in both} == {""}
 
@@ -90,8 +91,16 @@ def test_a_bias_is_for_the_statistics_that_have_it(file):
 def test_published_degrees_of_freedom(tmp_path):
     path = tmp_path / "white.csv"
     run("simulate", path, "--model", "N 0.1 deg/sqrt(h)", "--samples", "7200", "--rate", "1")
-    found = rows(
-        "deviation", path, "--statistic", "theo1", "--edf", "published", "--m", "10,100,720,3600", "--power-law"
+    found = cells(
+        "deviation",
+        path,
+        "--statistic",
+        "theo1",
+        "--edf",
+        "published",
+        "--m",
+        "10,100,720,3600",
+        "--power-law",
     )
     white = {int(r["m"]): float(r["edf"]) for r in found if r["alpha"] == "0"}
     table = {10: 3139, 100: 387, 720: 51.6, 3600: 7.8}
@@ -102,11 +111,11 @@ def test_published_degrees_of_freedom(tmp_path):
 
 @pytest.mark.usefixtures("details")
 def test_the_power_law_is_a_column(file):
-    found = rows("deviation", file, "--power-law")
+    found = cells("deviation", file, "--power-law")
     laws = [int(r["alpha"]) for r in found]
     assert laws[:3] == [0, 0, 0]
     assert laws[-1] == -2
-    assert {r["alpha"] for r in rows("deviation", file)} == {""}
+    assert {r["alpha"] for r in cells("deviation", file)} == {""}
     text = run("deviation", file, "--power-law").stdout
     assert "power law, less a ramp" in text
     assert "f^-2" in text
@@ -116,7 +125,7 @@ def test_the_power_law_is_a_column(file):
 
 def test_means_come_before_anything_else(file):
     record = al.read(file)["gx"]
-    found = rows("deviation", file, "--average", "10", "--from", "100", "--no-intervals", "--m", "1,2,4")
+    found = cells("deviation", file, "--average", "10", "--from", "100", "--no-intervals", "--m", "1,2,4")
     means = record.values[:7200].reshape(-1, 10).mean(axis=1)[10:]
     wanted = al.deviation(al.Record(means, rate=0.1, unit="deg/h", kind="rate"), m=[1, 2, 4], noise=None).to("deg/h")
     np.testing.assert_allclose([float(r["deviation"]) for r in found], wanted.deviation, rtol=1e-9)
@@ -131,8 +140,8 @@ def test_theoh_is_fitted_by_the_exact_expectation(file):
     assert terms["R"]["status"] == "identified"
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
+@rows(
+    "options, words",
     [
         (
             ("--bias", "banana"),

@@ -2,9 +2,9 @@
 
 import re
 
-import pytest
 import yaml
 from tests import ROOT
+from tests.rows import rows
 
 FILES = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
 
@@ -14,7 +14,7 @@ def steps(path):
         yield from job.get("steps", [job])
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+@rows("path", FILES, ids=lambda path: path.stem)
 def test_a_workflow_runs_what_exists_and_uses_what_is_pinned(path):
     targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text("utf-8"), re.MULTILINE)
     for step in steps(path):

@@ -1,27 +1,22 @@
-"""The language of messages, help, docstrings and pages: one vocabulary, and no phrase that is on the list."""
+"""The language of messages, help, docstrings and pages: one vocabulary, and no phrase that is on the list.
+
+    python tools/words.py
+
+Name each phrase of the list that source, README or docs have, and each message of the package that writes an option as
+it is typed at the command line alone; the exit code is 1 if there is one.
+"""
 
 import ast
 import io
 import re
+import sys
 import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-from click.testing import CliRunner
-from tests import ROOT
-
-from allanite.cli import VERBS, main
-
+ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "allanite"
-
-ROOTS = (
-    "src/allanite/**/*.py",
-    "src/allanite/**/*.j2",
-    "README.md",
-    "docs/*.md",
-)
-"""What is read."""
+READ = ("src/allanite/**/*.py", "src/allanite/**/*.j2", "README.md", "docs/*.md")
 
 BANNED = (
     # the field's words
@@ -89,20 +84,13 @@ def texts(path: Path) -> Iterator[tuple[int, str]]:
             yield token.start[0], token.string
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_no_phrase_of_the_list_is_used():
-    paths = [path for pattern in ROOTS for path in sorted(ROOT.glob(pattern))]
-    lines = [(path.relative_to(ROOT).as_posix(), line, text) for path in paths for line, text in texts(path)]
+def phrases() -> Iterator[str]:
+    """Where a phrase of the list is used."""
     banned = [re.compile(phrase) for phrase in BANNED]
-    found = [f"{p}:{line}: {b.pattern}: {t[:90]}" for p, line, t in lines for b in banned if b.search(t)]
-    assert not found, "\n".join(found)
-
-
-def test_the_list_finds_what_it_names(tmp_path):
-    file = tmp_path / "x.py"
-    file.write_text('"""The overlapped Allan deviation."""\nx = f"{3} lost readings"  # an honest interval\n')
-    said = [text for _, text in texts(file)]
-    assert sum(bool(re.search(phrase, text)) for phrase in BANNED for text in said) == 3
+    for path in (path for pattern in READ for path in sorted(ROOT.glob(pattern))):
+        for line, text in texts(path):
+            name = f"{path.relative_to(ROOT).as_posix()}:{line}"
+            yield from (f"{name}: {phrase.pattern}: {text[:90]}" for phrase in banned if phrase.search(text))
 
 
 def options_in(tree: ast.AST) -> list[str]:
@@ -120,35 +108,16 @@ def options_in(tree: ast.AST) -> list[str]:
     return [text for text in left if re.search(r"(^|[\s('])--[a-z]", text)]
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_messages_name_options_at_the_command_line_and_arguments_in_python():
+def options() -> Iterator[str]:
+    """Where a message names an option of the command line, which Python does not have."""
     for path in sorted(PACKAGE.rglob("*.py")):
         name = path.relative_to(PACKAGE).as_posix()
-        if name in COMMANDS or name.startswith(("cli/", "reporting/", "testing/")):
-            continue
-        assert not options_in(ast.parse(path.read_text(encoding="utf-8"))), name
+        if name not in COMMANDS and not name.startswith(("cli/", "reporting/", "testing/")):
+            written = options_in(ast.parse(path.read_text(encoding="utf-8")))
+            yield from (f"src/allanite/{name}: an option: {text[:90]}" for text in written)
 
 
-def test_the_same_refusal_in_python_and_at_the_command_line(tmp_path):
-    import allanite as al
-
-    file = tmp_path / "x.csv"
-    file.write_text("gx [deg/s]\n" + "1.5\n2.5\n" * 200)
-    with pytest.raises(al.UsageError, match="rate=100") as refused:
-        al.read(file)
-    assert "--rate" not in str(refused.value)
-    said = CliRunner().invoke(main, ["info", str(file)]).stderr
-    assert "--rate 100" in said
-    assert "rate=100" not in said
-
-
-def test_every_verb_is_listed_in_one_group_and_its_summary_is_not_cut():
-    shown = CliRunner().invoke(main, ["--help"]).stdout
-    assert shown.count("...") == 1  # of the usage
-    assert all(shown.count(f"{heading}:") == 1 for heading in {verb.group for verb in VERBS.values()})
-    for verb in VERBS:
-        assert f"\n  {verb} " in shown
-        text = CliRunner().invoke(main, [verb, "--help"]).stdout
-        summary = text.split("\n\n")[1].strip()
-        assert len(summary) <= 45, (verb, summary)
-        assert not any(re.search(phrase, " ".join(text.split())) for phrase in BANNED), verb
+if __name__ == "__main__":
+    used = [*phrases(), *options()]
+    print(*used, sep="\n", end="\n" if used else "")
+    sys.exit(bool(used))
