@@ -37,6 +37,10 @@ def rows(names, values, *, ids=None):
         more = [] if own else [inspect.Parameter("subtests", WHERE)]
         each.__signature__ = signature.replace(parameters=[*taken, *more])
         each.row_count = len(table) * getattr(test, "row_count", 1)
+        if "is_hypothesis_test" in vars(each):  # each row is one; their loop is none, and may have any fixtures
+            for name in [name for name in vars(each) if "hypothesis" in name]:
+                delattr(each, name)
+            return pytest.mark.hypothesis(each)
         return each
 
     return decorate

@@ -248,6 +248,6 @@ def _lot(folder):
         al.write(record, folder / f"unit{i}.csv")
         lines.append(f"unit{i}.csv,{20 + i},2024-05-{10 + i}")
     (folder / "units.csv").write_text("\n".join([*lines, "a.csv,,", "short.csv,,"]) + "\n")
-    run(f"batch '{folder}/units.csv' --out '{folder}/lot' --workers 1 --channels gx", 3)
+    run(f"batch '{folder}/units.csv' --out '{folder}/lot' --workers 1 --channels gx", 5)
     (folder / "pair.csv").write_text("\n".join(lines[:3]) + "\n")
     run(f"batch '{folder}/pair.csv' --out '{folder}/pair' --workers 1 --channels gx")

@@ -1,7 +1,6 @@
 """Each extra by itself: what needs a missing library names the command that installs it, and all else goes on."""
 
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -53,19 +52,13 @@ PLAIN = [name for name in SEEDS if Path(name).suffix not in SUFFIXES and name no
 PROGRAM = "import allanite as al; import sys; print(len(al.analyze(sys.argv[1]).channels))"
 
 
-@pytest.fixture
-def missing(monkeypatch, tmp_path):
+def take_away(modules, monkeypatch, folder):
     """Take modules away from this process and from those that it starts."""
-    monkeypatch.chdir(tmp_path)
-    Path("sitecustomize.py").write_text(BLOCK, "utf-8")
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
-
-    def block(modules):
-        monkeypatch.setenv("ALLANITE_MISSING", " ".join(modules))
-        for module in modules:
-            monkeypatch.setitem(sys.modules, module, None)
-
-    return block
+    (folder / "sitecustomize.py").write_text(BLOCK, "utf-8")
+    monkeypatch.setenv("PYTHONPATH", str(folder), prepend=os.pathsep)
+    monkeypatch.setenv("ALLANITE_MISSING", " ".join(modules))
+    for module in modules:
+        monkeypatch.setitem(sys.modules, module, None)
 
 
 def write_files(extra):
@@ -76,14 +69,11 @@ def write_files(extra):
         Path(name).write_bytes(SEEDS[name].make())
 
 
-def test_the_table_has_every_extra():
-    assert ",".join(EXTRAS) == re.search(r'^all = \["allanite\[(.+)\]"', PROJECT, re.MULTILINE)[1]
-
-
 @rows("extra", EXTRAS)
-def test_what_needs_a_missing_library_names_the_command_that_installs_it(extra, missing):
+def test_what_needs_a_missing_library_names_the_command_that_installs_it(extra, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     write_files(extra)
-    missing(MODULES[extra])
+    take_away(MODULES[extra], monkeypatch, tmp_path)
     for command in (*(f"info {name}" for name in EXTRAS[extra].files), *EXTRAS[extra].commands):
         done = CliRunner().invoke(main, command.split())
         assert done.exit_code == 2, (command, done.output)
@@ -91,18 +81,20 @@ def test_what_needs_a_missing_library_names_the_command_that_installs_it(extra, 
 
 
 @rows("extra", [extra for extra, row in EXTRAS.items() if row.files])
-def test_a_format_needs_only_the_libraries_of_its_extra(extra, missing):
+def test_a_format_needs_only_the_libraries_of_its_extra(extra, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     write_files(extra)
-    missing(set().union(*MODULES.values()) - MODULES[extra])
+    take_away(set().union(*MODULES.values()) - MODULES[extra], monkeypatch, tmp_path)
     for name in EXTRAS[extra].files:
         assert len(al.read(name, **SEEDS[name].options)) >= 1
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_everything_else_needs_no_extra(missing):
+def test_everything_else_needs_no_extra(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
     for name in PLAIN:
         Path(name).write_bytes(SEEDS[name].make())
-    missing(set().union(*MODULES.values()))
+    take_away(set().union(*MODULES.values()), monkeypatch, tmp_path)
     done = subprocess.run([sys.executable, "-c", PROGRAM, SAMPLE], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (0, "3\n", "")
     for name in PLAIN:

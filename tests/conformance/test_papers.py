@@ -22,10 +22,7 @@ SUFFIXES = {"--csv": "csv", "--coefficients": "csv", "--readings": "csv", "--jso
 """Options that write a file."""
 
 
-def of_every_paper(table):
-    """A parameter for every row of the tables of this name, with the number of its paper."""
-    found = ((paper, row) for paper, module in PAPERS.items() for row in getattr(module, table))
-    return [pytest.param(row, id=f"{paper} {row.item}") for paper, row in found]
+ROWS = [pytest.param(row, id=f"{paper} {row.item}") for paper, module in PAPERS.items() for row in module.ROWS]
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +54,7 @@ def wanted():
     """What is wanted of each job, so that it runs once: the options that write files, and the text where it is said."""
     found = {}
     for module in PAPERS.values():
-        for row in (*module.ROWS, *module.TOLD):
+        for row in module.ROWS:
             for command in (row.command,) if isinstance(row.command, str) else row.command:
                 job, option = parted(command)
                 found.setdefault(job, set()).add(option)
@@ -81,7 +78,8 @@ def written(folder):
     return write
 
 
-@rows("row", of_every_paper("ROWS"))
+@pytest.mark.slow("the examples of all papers")
+@rows("row", ROWS)
 def test_the_number_is_that_of_the_paper_or_the_one_that_replaces_it(written, row):
     cells = (row.cells,) if isinstance(row.cells, str) else row.cells
     commands = (row.command,) * len(cells) if isinstance(row.command, str) else row.command
@@ -91,8 +89,3 @@ def test_the_number_is_that_of_the_paper_or_the_one_that_replaces_it(written, ro
     assert (found == near) is not row.wrong
     if row.ours is not None:
         assert found == pytest.approx(row.ours, rel=0.01)
-
-
-@rows("row", of_every_paper("TOLD"))
-def test_the_sentence_is_said(written, row):
-    assert row.words in " ".join(written(row.command, row.code).split())

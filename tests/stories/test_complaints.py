@@ -126,6 +126,7 @@ def files(tmp_path_factory):
     return folder
 
 
+@pytest.mark.nightly("sentences about many kinds of records")
 @rows("complaint", COMPLAINTS)
 @pytest.mark.usefixtures("details")
 def test_one_command_answers_a_complaint(complaint, files, monkeypatch):

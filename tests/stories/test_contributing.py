@@ -148,7 +148,7 @@ def test_what_other_packages_may_add_takes_two_lines_in_a_file_beside_its_own(ro
     assert len(changed) <= 2
 
 
-@pytest.mark.slow("additions in copies of the package")
+@pytest.mark.nightly("additions in copies of the package")
 @rows("rows", ADDITIONS)
 def test_an_addition_needs_the_places_of_the_guide_and_no_other(rows, tmp_path):
     (files, lines, use, said), listed = ADDITIONS[rows], [place for row in rows.split(", ") for place in PLACES[row]]

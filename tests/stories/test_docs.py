@@ -134,6 +134,7 @@ def test_commands_of_the_gyro_vertical(desk, monkeypatch, request):
         assert said in printed[-1]
 
 
+@pytest.mark.slow("programs of all pages")
 @rows("page", WITH_PYTHON)
 def test_programs_of_a_page_print_what_they_say(desk, page, monkeypatch, capsys):
     """In this process; the tutorial's is started on its own."""
@@ -143,8 +144,3 @@ def test_programs_of_a_page_print_what_they_say(desk, page, monkeypatch, capsys)
     printed = capsys.readouterr().out.splitlines()
     for said in re.findall(r"^print\(.*\)  # (.*)$", script, re.MULTILINE):
         assert any(line.startswith(said) for line in printed), said
-
-
-def test_make_builds_it():
-    assert "-m sphinx -W" in (ROOT / "Makefile").read_text("utf-8")
-    assert "docs/generated/" in (ROOT / ".gitignore").read_text("utf-8").splitlines()

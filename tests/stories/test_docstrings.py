@@ -6,6 +6,7 @@ import inspect
 from functools import partial
 from pathlib import Path
 
+import pytest
 from tests.rows import rows
 
 import allanite
@@ -18,17 +19,13 @@ MODULES = [
 ]
 
 
+@pytest.mark.slow("every example of every docstring")
 @rows("name", MODULES)
 def test_examples(name):
     module = importlib.import_module(name)
     namespace = vars(module) | {"np": importlib.import_module("numpy")}
     failed, tried = doctest.testmod(module, extraglobs=namespace, optionflags=doctest.NORMALIZE_WHITESPACE)
     assert (failed, tried > 0) == (0, True)
-
-
-@rows("name", [n for n in dir(allanite) if not n.startswith("_") and callable(getattr(allanite, n))])
-def test_public_things_are_documented(name):
-    assert inspect.getdoc(getattr(allanite, name))
 
 
 PLACES = (allanite, *map(partial(getattr, allanite), ("angle", "attitude", "compensation", "constant_rate", "faults")))

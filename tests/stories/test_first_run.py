@@ -11,7 +11,7 @@ import pytest
 from allanite.kernels.ahead import HERE, THERE
 from allanite.parallel.processors import PREPARING
 
-pytestmark = pytest.mark.slow("compiles the kernels in three processes")
+pytestmark = pytest.mark.nightly("compiles the kernels in three processes")
 
 SAMPLE = Path(__file__).parents[2] / "examples" / "tactical_gyro.csv"
 

@@ -1,6 +1,6 @@
 """003, Enin, Saneev: the rate of a laser gyro in minutes."""
 
-from tests.conformance.papers.rows import Row, Told, arcsec
+from tests.conformance.papers.rows import Row, arcsec
 
 GL1 = "--latitude 55.7936 --noise 'N 0.000291797 deg/sqrt(h), Q 0.254442 arcsec' --no-times"
 TURNED = f"rate turned1.npz --second turned2.npz --horizontal --near 60 --methods optimal {GL1} --json -"
@@ -18,11 +18,4 @@ ROWS = (
         read=lambda certified, found: certified - found),
     Row("a staircase without noise: its rate is certain",
         "rate quiet.npz --methods staircase --noise 'Q 0.0237 arcsec' --no-times --csv -", "rate", 12.4392, 1e-8),
-)  # fmt: skip
-
-TOLD = (
-    Told("where averaging is right", "rate walk.npz --noise 'K 1 deg/h/sqrt(h)' --no-times --methods mean",
-         "under this model the rate is measured without error"),
-    Told("the best of the methods", f"rate gl1.npz --bias -0.0948 --methods mean,regression,optimal {GL1}",
-         "use optimal: 2.11 times better than averaging"),
 )  # fmt: skip

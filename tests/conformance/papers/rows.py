@@ -30,19 +30,6 @@ class Row:
         return self.item
 
 
-@dataclass(frozen=True)
-class Told:
-    """A sentence that a command says; with an exit `code`, why it refuses."""
-
-    item: str
-    command: str
-    words: str
-    code: int = 0
-
-    def __str__(self):
-        return self.item
-
-
 def number(path, cell):
     """The number of a cell in a CSV or JSON file; those of all rows if the cell begins with ``all``."""
     text = path.read_text(encoding="utf-8")

@@ -1,6 +1,6 @@
 """002: harmonic errors of the angle sensors of a gimbal."""
 
-from tests.conformance.papers.rows import Row, Told, arcsec, minutes
+from tests.conformance.papers.rows import Row, arcsec, minutes
 
 HOURS = "angle plan --latitude 60 --duration 3600 --q-law linear --start 0,3600,7200,10800,14400,18000 --csv -"
 HALF = "angle plan --latitude 60 --duration 1800 --q-law linear --sway 1,60 --start 4500,8100,11700 --csv -"
@@ -23,9 +23,4 @@ ROWS = (
           ((8.43, 0.1), (3.70, 0.25), (2.52, 0.1), (2.86, 0.1), (4.72, 0.2), (14.4, 0.25)))),
     *(Row(f"Fourier of computed minus measured angle: {name}", CALIBRATE, f"value @ constant={name}", true, 0.01,
           read=arcsec) for name, true in (("S128", 4.1253), ("C256", 2.0626))),
-)  # fmt: skip
-
-TOLD = (
-    Told("eqs. 2, 3: the polar gyro", "angle estimate hour.csv --difference difference --latitude 60 --rho rho "
-         "--angles h,q,h_polar", "its sensors can be estimated under sway only", 3),
 )  # fmt: skip

@@ -2,7 +2,7 @@
 
 import numpy as np
 from tests.conformance.papers.direct import allan, hadamard, overlapping, values
-from tests.conformance.papers.rows import Row, Told, arcsec, of_degree_per_hour, ratio
+from tests.conformance.papers.rows import Row, arcsec, of_degree_per_hour, ratio
 
 COEFFICIENTS = "analyze run1.csv --coefficients -"
 MEANING = "analyze run2.csv --device stabilizer"
@@ -48,17 +48,4 @@ ROWS = (
     Row("the angle taken for increments, which gives wrong numbers that look right: N",
         "analyze run1.csv --kind increment --coefficients -", "si_value @ term=N", 0.28458, 0.03, 2.830, wrong=True,
         read=arcsec),
-)  # fmt: skip
-
-TOLD = (
-    Told("table of slopes", MEANING, "random component of the angular stabilization error"),
-    Told("conclusions 1, 2: white noise", MEANING, "White noise (white noise of the angle) dominates up to 0.4"),
-    Told("conclusions 1, 2: drift", MEANING, "Drift (ramp) dominates from 1.9"),
-    Told("conclusion 4", MEANING, "A Gauss-Markov process with a time constant of 1.9"),
-    Told("conclusion 5", MEANING, "The drift is systematic"),
-    Told("truncated run", "compare run1.csv --part 1800", "no change of the noise is detected"),
-    Told("second run", "compare run1.csv run2.csv", "no change of the noise is detected"),
-    Told("the angle as a rate", "analyze run1.csv --kind rate",
-         "--kind value: the quantity itself, whose own noise is wanted", 2),
-    Told("sine without cosine", "analyze resolver.csv --sincos az_sin", "pairs of columns, the sine first", 2),
 )  # fmt: skip

@@ -1,7 +1,7 @@
 """001, Tang, Cheng, Gao: Theo1, TheoBR and TheoH."""
 
 from tests.conformance.papers.direct import allan, kf, stability, theo1
-from tests.conformance.papers.rows import Row, Told, percent, ratio, rms
+from tests.conformance.papers.rows import Row, percent, ratio, rms
 
 
 def over_the_variance(long, short):
@@ -49,8 +49,3 @@ ROWS = (
          "deviation bump.npz --statistic oadev --m 1,450 --no-intervals --csv -"),
         ("all deviation", "all deviation @ m=1"), 1.2, 0.02, read=over_the_variance),
 )  # fmt: skip
-
-TOLD = (
-    Told("the jump of TheoH", "deviation fog.npz --statistic theoh --taus octave --bias plain", "theoh jumps there"),
-    Told("Fig. 6", "analyze step.npz", "the noise level changes by a factor of 3"),
-)

@@ -1,7 +1,7 @@
 """004, Geng et al.: a magnetically suspended gyro."""
 
 from tests.conformance.papers.direct import stability
-from tests.conformance.papers.rows import Row, Told, arcsec
+from tests.conformance.papers.rows import Row, arcsec
 
 ADC = "budget volts.npz --sense 5 --scale-factor 0.2 --stage 'ADC 12 5V' --stage 'ADC 8 5V' --csv -"
 COIL = "budget coil.npz --torquer turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
@@ -21,12 +21,4 @@ ROWS = (
         "value @ name=10 s stability", lambda: stability("turned1.npz", 4000) * 0.32795 * 400, 1e-6),
     *(Row(f"compensation: {name}", COMPENSATE, f"/channels/0/regression/effects/{i}/value", true, 0.15, read=arcsec)
       for i, (name, true) in enumerate((("by displacement", 40.0), ("by temperature", 20.0)))),
-)  # fmt: skip
-
-TOLD = (
-    Told("3.1 sources", "analyze before.npz --device mscsg", "the analogue-to-digital converter of the coil current"),
-    Told("3.2 remedies", "analyze before.npz --device mscsg", "a controller that suppresses vibration"),
-    Told("how long for B, K and R", "compare before.npz after.npz",
-         "not resolvable in these records, but in longer ones: B (at"),
-    Told("a line that has gone", "compare line.npz clean.npz", "Sine at 0.02005 Hz -100 % (-100 to"),
 )  # fmt: skip

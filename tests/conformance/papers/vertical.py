@@ -1,6 +1,6 @@
 """000, its end: Matveev's gyro-vertical, of which the abstract survives."""
 
-from tests.conformance.papers.rows import Row, Told, arcsec, ratio
+from tests.conformance.papers.rows import Row, arcsec, ratio
 
 VERTICAL = "vertical --gyro 'N 0.3 deg/sqrt(h)' --accelerometer 'N 100 ug/sqrt(Hz)'"
 COLOURED = (
@@ -34,9 +34,3 @@ ROWS = (
     Row("no filter is better than the bound", f"{VERTICAL} --json -", ("/optimum/bound", "/optimum/first/rms"), 1.0,
         0.001, read=ratio),
 )  # fmt: skip
-
-TOLD = (
-    Told("what no time constant removes", HOUR, "floor: 15.9 arcsec from flicker and bias of the accelerometer"),
-    Told("random walk of the rate wants a second order", HOUR, "use the filter of second order"),
-    Told("structure: the error by source", HOUR, "accelerometer B = 50 µg"),
-)
