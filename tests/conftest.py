@@ -91,6 +91,16 @@ def reference():
 
 
 @pytest.fixture
+def refusals(monkeypatch):
+    """The errors with which commands of this process end, in order: their type and `code`."""
+    from allanite.cli import front
+
+    errors, usual = [], front._failure
+    monkeypatch.setattr(front, "_failure", lambda error, ctx: errors.append(error) or usual(error, ctx))
+    return errors
+
+
+@pytest.fixture
 def to_the_end(monkeypatch):
     """A file that is watched ends where it does, not when nothing has come for some time."""
     from allanite.study.watching import Watch

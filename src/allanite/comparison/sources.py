@@ -11,7 +11,7 @@ from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
-from allanite.study.channels import Inspected, Progress, Source, demand_result, each_channel, open_recording
+from allanite.study.channels import Inspected, Progress, Source, each_channel, open_recording
 from allanite.study.job import Job
 from allanite.study.provenance import provenance_of
 from allanite.study.recipe import Recipe
@@ -62,8 +62,9 @@ def run_together(
         No channel supports the job.
     """
     findings = sources.findings
-    results = each_channel(sources.channels, work, refused, findings=findings, doing=doing, progress=progress)
-    demand_result([name for name, _ in sources.channels], results)
+    results = each_channel(
+        sources.channels, work, refused, findings=findings, doing=doing, demand=True, progress=progress
+    )
     notes = dict.fromkeys((*(note for one in sources.recordings for note in one.notes), *sources.notes))
     return kind(results, recipe, findings, tuple(notes), provenance_of(*sources.recordings), sources.names)
 

@@ -20,14 +20,15 @@ class AllaniteError(ValueError):
     """The input cannot be used; the message says what to do. `exit_code` is that of the command line.
 
     `choice` is the name of the choice that cures it, as it stands in a recipe or settings; empty if none does alone.
-    `cure` is what to type, from which the command line makes a command that can be copied.
+    `cure` is what to type, from which the command line makes a command that can be copied. `code` is a fixed keyword
+    for programs, such as the name of the finding that refuses a record; empty if there is none.
     """
 
     exit_code = 3
 
-    def __init__(self, *words: object, choice: str = "", cure: Cure = ("", "")) -> None:
+    def __init__(self, *words: object, choice: str = "", cure: Cure = ("", ""), code: str = "") -> None:
         super().__init__(*words)
-        self.choice, self.cure = choice, cure
+        self.choice, self.cure, self.code = choice, cure, code
 
     def __str__(self) -> str:
         words = super().__str__()  # the phrase, which can be translated
@@ -37,7 +38,7 @@ class AllaniteError(ValueError):
 
     def within(self, where: str) -> Self:
         """The same error, whose message begins with where it is."""
-        return type(self)(join(": ", (where, str(self))), choice=self.choice, cure=self.cure)
+        return type(self)(join(": ", (where, str(self))), choice=self.choice, cure=self.cure, code=self.code)
 
 
 class UsageError(AllaniteError):

@@ -79,7 +79,6 @@ from allanite.statistics.moments.gls import Covariance as Covariance
 from allanite.study.channels import Inspected as Inspected
 from allanite.study.channels import Progress as Progress
 from allanite.study.channels import Source as Source
-from allanite.study.channels import demand_result as demand_result
 from allanite.study.channels import each_channel as each_channel
 from allanite.study.channels import open_recording as open_recording
 from allanite.study.channels import run as run

@@ -97,6 +97,7 @@ def each_channel(
     findings: Sequence[Finding] = (),
     look: Callable[[Record], Quality] = inspect,
     doing: str = "analyzing",
+    demand: bool = False,
     progress: Progress | None = None,
 ) -> tuple[Result, ...]:
     """Inspect every channel, and process those that can support the job.
@@ -114,8 +115,15 @@ def each_channel(
         Function that checks a record, instead of `inspect`.
     doing : str
         Progress message, placed before the name.
+    demand : bool
+        Whether it is an error if no channel can be processed.
     progress : callable, optional
         Called with a description of the current step and the fraction completed.
+
+    Raises
+    ------
+    DataError
+        No channel can be processed; its code is the name of the finding that refuses the first one.
     """
     tell = progress or (lambda what, fraction: None)
     fatal = Quality(tuple(findings)).refusal
@@ -133,6 +141,8 @@ def each_channel(
     with one_thread():
         seen = _on_bodies(shared(inspected, channels, count=count, known=every))
         results = shared(lambda one: _result(one, work, refused, fatal), seen, count=count, known=every, begun=begun)
+    if demand:
+        _demand_result(seen, results)
     tell("done", 1.0)
     return tuple(results)
 
@@ -203,29 +213,26 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
             seen, findings, notes, provenance = passed(reader, recipe, keeping, progress)
             results = tuple(_result(one, work, refused, Quality(findings).refusal) for one in seen)
             if demand:
-                demand_result([one.name for one in seen], results)
+                _demand_result(seen, results)
             if progress is not None:
                 progress("done", 1.0)
             return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
     recording = open_recording(source, recipe, progress=progress)
     channels = [(one.name, (one,)) for one in recording]
-    results = each_channel(channels, work, refused, findings=recording.findings, doing=doing, progress=progress)
-    if demand:
-        demand_result(recording.channels, results)
+    results = each_channel(
+        channels, work, refused, findings=recording.findings, doing=doing, demand=demand, progress=progress
+    )
     named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
     findings = (*recording.findings, *drift_findings(recording, recipe, named))
     return kind(results, recipe, findings, recording.notes, provenance_of(recording))
 
 
-def demand_result(names: Sequence[str], results: Sequence[Any]) -> None:
+def _demand_result(channels: Sequence[Inspected], results: Sequence[Any]) -> None:
     """Raise DataError, with the reason of each channel, if none has a result."""
     if all(result.refusal for result in results):
         reasons: dict[str, list[str]] = {}
-        for name, result in zip(names, results, strict=True):
-            reasons.setdefault(result.refusal, []).append(name or "the record")
-        raise DataError(
-            join(
-                "; ",
-                (say("{channels}: {reason}", channels=", ".join(which), reason=why) for why, which in reasons.items()),
-            )
-        )
+        for channel, result in zip(channels, results, strict=True):
+            reasons.setdefault(result.refusal, []).append(channel.name or "the record")
+        each = (say("{channels}: {reason}", channels=", ".join(which), reason=why) for why, which in reasons.items())
+        fatal = (finding.name for one in channels for q in one.qualities for finding in q.findings if finding.fatal)
+        raise DataError(join("; ", each), code=next(fatal, ""))

@@ -19,7 +19,6 @@ from allanite.extending import (
     Record,
     Recording,
     Source,
-    demand_result,
     deviation,
     each_channel,
     inspect,
@@ -128,8 +127,7 @@ def compensate_file(
         return replace(done, orders=tuple(orders))
 
     parts = 1 if apply_to is None else 2
-    channels = _each(here, saved or fitted, recipe, further=further, progress=_part(progress, 0, parts))
-    demand_result(here.signals.channels, channels)
+    channels = _each(here, saved or fitted, recipe, further=further, demand=True, progress=_part(progress, 0, parts))
     provenance = provenance_of(here.signals)
     if settings.beside is not None:
         provenance |= {"regressors": here.along.source, "sha256 regressors": here.along.digest}
@@ -175,6 +173,7 @@ def _each(
     recipe: Recipe,
     *,
     further: Callable[[Record, Compensated], Compensated] = lambda _, done: done,
+    demand: bool = False,
     progress: Progress | None,
 ) -> tuple[Compensated, ...]:
     """Every channel corrected by the regression of its name, or by one that is fitted to it.
@@ -210,7 +209,8 @@ def _each(
 
     return each_channel(
         [(record.name, (record,)) for record in source.signals], work, refused,
-        findings=source.findings, look=look, doing="correcting" if held else "fitting", progress=progress,
+        findings=source.findings, look=look, doing="correcting" if held else "fitting", demand=demand,
+        progress=progress,
     )  # fmt: skip
 
 

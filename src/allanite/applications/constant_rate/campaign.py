@@ -32,7 +32,6 @@ from allanite.extending import (
     Source,
     UsageError,
     Value,
-    demand_result,
     each_channel,
     open_recording,
     provenance_of,
@@ -221,8 +220,9 @@ def measure_rates(
     groups = [(name, tuple(recording[name] for recording in recordings)) for name in first.channels]
     findings = tuple(finding for recording in recordings for finding in recording.findings)
     work = partial(_measured, recipe=recipe, settings=settings)
-    channels = each_channel(groups, work, RateChannel.refused, findings=findings, doing="measuring", progress=progress)
-    demand_result(first.channels, channels)
+    channels = each_channel(
+        groups, work, RateChannel.refused, findings=findings, doing="measuring", demand=True, progress=progress
+    )
     notes = tuple(dict.fromkeys(note for recording in recordings for note in recording.notes))
     return RateStudy(channels, recipe, findings, notes, provenance_of(*recordings), settings)
 
