@@ -99,5 +99,5 @@ def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
 
 @rows("name", ["mtie", "tierms"])
 def test_what_no_noise_gives_limits_to_has_none(name):
-    with pytest.raises(al.UsageError, match="confidence"):
+    with pytest.raises(al.UsageError):
         _ = al.deviation(record_of(model_of(N=1.0)), name).edf

@@ -160,7 +160,7 @@ def test_clean_stamps_are_let_through(clock):
 @rows("clock", list(CLOCKS))
 @rows("fault", NO_RATE)
 def test_stamps_without_a_rate_are_refused(clock, fault):
-    with pytest.raises(AllaniteError, match="rate="):
+    with pytest.raises(AllaniteError):
         read(clock, *planted(clock, fault, 1))
 
 

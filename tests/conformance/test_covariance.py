@@ -185,5 +185,5 @@ def test_that_of_a_hybrid_has_the_scatter_of_its_ratio():
 
 @rows("name", ["totdev", "adev", "mtie"])
 def test_what_is_not_known_is_refused(name):
-    with pytest.raises(al.UsageError, match=f"covariance between averaging times of {name} is not known"):
+    with pytest.raises(al.UsageError):
         covariance(al.STATISTICS[name], model_of({"N": 1.0}), np.array([2, 4]), SIZE, 1.0)

@@ -533,7 +533,7 @@ def test_what_cannot_be_read_is_said(data, words):
 
 
 def test_a_value_is_not_read_as_another():
-    with pytest.raises(al.UsageError, match="a Model, not a Curve"):
+    with pytest.raises(al.UsageError):
         al.Curve.from_dict(MODEL.to_dict())
 
 

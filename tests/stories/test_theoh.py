@@ -170,5 +170,5 @@ def test_published_degrees_of_freedom_are_for_one_power_law(file):
     )
     assert "with published degrees of freedom" in one.supposed
     mixed = al.N(1.0, "deg/sqrt(h)") + al.B(1.0, "deg/h")
-    with pytest.raises(al.UsageError, match="assume a power law at each tau"):
+    with pytest.raises(al.UsageError):
         al.deviation(record, "oadev", m=[8], noise=mixed, edf="published").interval()
