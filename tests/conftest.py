@@ -34,10 +34,14 @@ def pytest_runtest_setup(item):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport():
-    """Take a skip for a failure where what is missing should be there."""
+    """Take a skip for a failure where what is missing should be there; tell of a missing folder in one line."""
     report = yield
-    if report.skipped and isinstance(report.longrepr, tuple) and any(word in report.longrepr[2] for word in NEEDED):
-        report.outcome, report.longrepr = "failed", f"ALLANITE_CI is set, but: {report.longrepr[2]}"
+    if report.skipped and isinstance(report.longrepr, tuple):
+        reason = report.longrepr[2]
+        if any(word in reason for word in NEEDED):
+            report.outcome, report.longrepr = "failed", f"ALLANITE_CI is set, but: {reason}"
+        elif "set ALLANITE_" in reason:
+            report.longrepr = (__file__, None, reason)
     return report
 
 
