@@ -63,15 +63,15 @@ def test_every_term_is_put_into_words(symbol):
     assert row.density or row.waveform is not None
 
 
-@pytest.fixture
-def desk(tmp_path):
+def furnish(tmp_path):
     (tmp_path / "examples").mkdir()
     shutil.copy(ROOT / SAMPLE, tmp_path / SAMPLE)
     return tmp_path
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_the_tutorial_prints_what_it_says(desk):
+def test_the_tutorial_prints_what_it_says(tmp_path):
+    desk = furnish(tmp_path)
     script = "".join(blocks("tutorial.md", "python"))
     done = subprocess.run([sys.executable, "-c", script], cwd=desk, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -87,7 +87,8 @@ def test_the_tutorial_prints_what_it_says(desk):
 
 @pytest.mark.slow("takes more than half a second")
 @rows("command", COMMANDS)
-def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
+def test_commands_run_and_leave_what_they_name(tmp_path, monkeypatch, command):
+    desk = furnish(tmp_path)
     monkeypatch.chdir(desk)
     _, *words = shlex.split(command)
     done = CliRunner().invoke(main, words)
@@ -98,7 +99,8 @@ def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_commands_of_a_page_that_follow_each_other(desk, monkeypatch):
+def test_commands_of_a_page_that_follow_each_other(tmp_path, monkeypatch):
+    desk = furnish(tmp_path)
     monkeypatch.chdir(desk)
     every = commands((DOCS / "log_to_filter.md").read_text("utf-8"))
     assert len(every) == 8
@@ -115,7 +117,8 @@ ADIS = "adis_16405_imu1.rda"
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_commands_of_the_gyro_vertical(desk, monkeypatch, request):
+def test_commands_of_the_gyro_vertical(tmp_path, monkeypatch, request):
+    desk = furnish(tmp_path)
     monkeypatch.chdir(desk)
     exec("".join(blocks("vertical.md", "python")), {})  # noqa: S102 - our own page
     every = [c for page in ("vertical.md", "vertical_recording.md") for c in commands((DOCS / page).read_text("utf-8"))]
@@ -136,8 +139,9 @@ def test_commands_of_the_gyro_vertical(desk, monkeypatch, request):
 
 @pytest.mark.slow("programs of all pages")
 @rows("page", WITH_PYTHON)
-def test_programs_of_a_page_print_what_they_say(desk, page, monkeypatch, capsys):
+def test_programs_of_a_page_print_what_they_say(tmp_path, page, monkeypatch, capsys):
     """In this process; the tutorial's is started on its own."""
+    desk = furnish(tmp_path)
     monkeypatch.chdir(desk)
     script = "".join(blocks(page, "python"))
     exec(script, {"__name__": "__main__"})  # noqa: S102 - our own page

@@ -25,8 +25,7 @@ PYTHON = blocks("python")
 COMMANDS = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("allanite ")]
 
 
-@pytest.fixture
-def desk(tmp_path):
+def furnish(tmp_path):
     """A folder as somebody who follows the README has it: the sample, and a plain column of numbers."""
     (tmp_path / "examples").mkdir()
     shutil.copy(ROOT / SAMPLE, tmp_path / SAMPLE)
@@ -41,7 +40,8 @@ def run(command, desk):
 
 @pytest.mark.slow("takes more than half a second")
 @rows("block", PYTHON, ids=range(len(PYTHON)))
-def test_python_blocks_run_and_print_what_they_say(desk, block):
+def test_python_blocks_run_and_print_what_they_say(tmp_path, block):
+    desk = furnish(tmp_path)
     done = run([sys.executable, "-c", block], desk)
     assert done.returncode == 0, done.stderr
     for said in re.findall(r"^print\(.*\)  # (.*)$", block, re.MULTILINE):
@@ -50,8 +50,9 @@ def test_python_blocks_run_and_print_what_they_say(desk, block):
 
 @pytest.mark.slow("takes more than half a second")
 @rows("command", COMMANDS)
-def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
+def test_commands_run_and_leave_what_they_name(tmp_path, monkeypatch, command):
     """In this process; the program itself is started for the excerpt below."""
+    desk = furnish(tmp_path)
     monkeypatch.chdir(desk)
     _, *words = shlex.split(command)
     done = CliRunner().invoke(main, words)
