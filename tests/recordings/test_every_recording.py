@@ -116,11 +116,6 @@ FILES = [
 ]  # fmt: skip
 
 
-def test_every_file_has_a_row(recordings):
-    there = {path.relative_to(recordings).as_posix() for path in recordings.rglob("*") if path.is_file()}
-    assert sorted(there) == sorted(file.name for file in FILES)
-
-
 @pytest.mark.slow("takes more than half a second")
 @rows("file", thinned(FILES, 6, "every recording"), ids=lambda file: file.name)
 def test_what_the_command_says_of_a_file(recordings, file):
@@ -171,16 +166,3 @@ def test_deviations_are_those_that_others_computed(recordings, file, unit):
         curve = al.deviation(as_theirs(record, file, unit), m=[int(row["m"]) for row in rows]).to(unit)
         np.testing.assert_allclose(curve.deviation, [float(row["oadev"]) for row in rows], rtol=1e-6)
         assert curve.count.tolist() == [int(row["n_terms"]) for row in rows]
-
-
-def test_every_reference_is_compared(recordings):
-    """Those of the first thousand seconds or so of a file are compared in `test_main_job`."""
-    with (recordings / "reference_oadev.csv").open() as table:
-        there = {(row["file"], row["channel"]) for row in csv.DictReader(table)}
-    compared = {
-        (file.reference or file.name.rpartition("/")[2], channel)
-        for file, unit in COMPARED
-        for channel in file.compared[unit]
-    }
-    windows = {(name, channel) for name, channel in there if name.startswith("psins_lasergyro.imu[")}
-    assert there == compared | windows

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import pytest
 from click.testing import CliRunner
 from tests import thinned
+from tests.rows import rows
 
 from allanite.cli import main
 from allanite.readers.formats.registry import READERS
@@ -103,9 +104,7 @@ TABLE = [
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(
-    "row", thinned(TABLE, 10, "every recording"), ids=lambda row: f"{row.file}-{row.verb}-{row.options}"
-)
+@rows("row", thinned(TABLE, 10, "every recording"), ids=lambda row: f"{row.file}-{row.verb}-{row.options}")
 def test_what_is_said_of_a_recording(recordings, row):
     if row.reader not in READERS:
         pytest.skip(f"no reader {row.reader!r}")

