@@ -37,6 +37,7 @@ def check(folder, monkeypatch, *words):
     return CliRunner().invoke(main, ["check", *words])
 
 
+@pytest.mark.slow("a dozen analyses")
 @rows(
     "words, code, said",
     [

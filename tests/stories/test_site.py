@@ -18,8 +18,6 @@ from allanite.cli import VERBS
 from allanite.core.spellings import SPELLINGS
 from allanite.core.units import ATOMS
 
-pytestmark = pytest.mark.slow("builds the documentation site")
-
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")
 RESULTS = Path("benchmarks", "results")
@@ -46,6 +44,7 @@ def text(site, page):
     return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", (site / page).read_text("utf-8")))
 
 
+@pytest.mark.nightly("pages of the documentation site")
 def test_every_row_has_its_page(site):
     for symbol, row in al.TERMS.items():
         page = text(site, f"generated/terms/{symbol}.html")
@@ -60,6 +59,7 @@ def test_every_row_has_its_page(site):
         assert all(row.title in text(site, f"generated/{index}/index.html") for row in table.values())
 
 
+@pytest.mark.nightly("pages of the documentation site")
 def test_every_verb_and_public_name_is_there(site):
     command = text(site, "command.html")
     names = "".join(page.read_text("utf-8") for page in (site / "generated/api").glob("*.html"))
@@ -86,6 +86,7 @@ def public_names(package):
     return found
 
 
+@pytest.mark.nightly("pages of the documentation site")
 def test_every_method_has_its_values_and_its_efficiency(site):
     page = text(site, "methods.html")
     for name, row in al.METHODS.items():
@@ -94,6 +95,7 @@ def test_every_method_has_its_values_and_its_efficiency(site):
     assert (site / "_images" / "methods.svg").stat().st_size > 5000
 
 
+@pytest.mark.nightly("pages of the documentation site")
 def test_units_are_those_of_the_table(site):
     page = text(site, "generated/units.html")
     for name in (*ATOMS, *SPELLINGS):
@@ -116,6 +118,7 @@ class Links(HTMLParser):
             self.led.append(found["href"])
 
 
+@pytest.mark.slow("builds the documentation site")
 def test_nothing_is_loaded_from_a_network_and_every_link_leads_somewhere(site):
     for page in site.rglob("*.html"):
         links = Links()
@@ -125,6 +128,7 @@ def test_nothing_is_loaded_from_a_network_and_every_link_leads_somewhere(site):
         assert not [url for url in inner if url and not (page.parent / url).exists()], page
 
 
+@pytest.mark.nightly("pages of the documentation site")
 def test_formulas_are_drawn_by_the_browser(site):
     page = (site / "generated/statistics/oadev.html").read_text("utf-8")
     assert "<math " in page
@@ -147,6 +151,7 @@ def indexed(site):
     return set(index["terms"]) | set(index["titleterms"])
 
 
+@pytest.mark.nightly("pages of the documentation site")
 @rows("words", WORDS)
 def test_the_search_knows_the_fields_words(site, words):
     snowballstemmer = pytest.importorskip("snowballstemmer")
@@ -162,6 +167,7 @@ STOP = {"in"}
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
+@pytest.mark.nightly("pages of the documentation site")
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")
 @rows("words", ["ARW", "in-run bias stability", "kalibr", "citation", "RRW"])
 def test_the_search_finds_them_in_a_browser(site, tmp_path, words):
