@@ -456,6 +456,7 @@ def test_whatever_is_changed_it_is_read_or_refused_in_words(name):
         assert fuzz.outcome(changed, k) in {"read", "exported", "refused"}, k
 
 
+@pytest.mark.slow("makes a result of every kind")
 @rows("name", MAKERS)
 def test_a_value_travels(name):
     value = made(name)
