@@ -1,6 +1,7 @@
 """What is typed or recorded wrongly is refused in a few plain words, and what the message says to type works."""
 
 import gzip
+import pickle
 import re
 import shlex
 import zipfile
@@ -252,3 +253,8 @@ def test_the_same_refusal_in_python_and_at_the_command_line(tmp_path):
     said = CliRunner().invoke(main, ["info", str(file)]).stderr
     assert "--rate 100" in said
     assert "rate=100" not in said
+
+
+def test_an_error_keeps_its_code_where_it_is_named_and_in_a_pickle():
+    error = pickle.loads(pickle.dumps(al.DataError("too loud", code="moving").within("a.csv")))
+    assert (type(error), str(error), error.code) == (al.DataError, "a.csv: too loud", "moving")
