@@ -79,7 +79,7 @@ def test_a_batch_that_was_killed_goes_on_and_leaves_no_draft(units, plain, tmp_p
 
 def test_a_batch_whose_disk_is_full_says_so_and_goes_on(units, plain, tmp_path):
     results = tmp_path / "r"
-    sizes = {row["key"]: (plain / "parts" / f"{row['key']}.parquet").stat().st_size for row in rows(plain, "files")}
+    sizes = {row["key"]: (plain / "parts" / f"{row['key']}.parquet").stat().st_size for row in stored(plain, "files")}
     most = max(list(sizes.values())[2:])  # of the first two both fit, or the test says so
     process = command(units, results, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most - 1, most)))
     _, told = process.communicate()
@@ -90,7 +90,7 @@ def test_a_batch_whose_disk_is_full_says_so_and_goes_on(units, plain, tmp_path):
     assert contents(results) == contents(plain)
 
 
-def rows(results, name):
+def stored(results, name):
     return pl.read_parquet(results / f"{name}.parquet").to_dicts()
 
 
@@ -113,4 +113,4 @@ def test_duckdb_answers_a_question_over_two_tables(plain):
         where c.symbol = 'N' and f.status = 'done' order by c.value desc limit 1"""  # noqa: S608 - our own path
     ).fetchall()
     assert Path(found[0]).name == f"u{COUNT - 2}.csv"
-    assert found[1] == max(row["value"] for row in rows(plain, "coefficients") if row["symbol"] == "N")
+    assert found[1] == max(row["value"] for row in stored(plain, "coefficients") if row["symbol"] == "N")

@@ -349,10 +349,10 @@ def test_a_counter_in_the_header_shows_what_is_missing(tmp_path):
 def test_a_bag_of_several_files_is_one_recording(tmp_path):
     topic = imu_topic("db3", VALUES)
     parts = []
-    for i, rows in enumerate((topic.messages[:150], topic.messages[150:])):
+    for i, half in enumerate((topic.messages[:150], topic.messages[150:])):
         folder = tmp_path / str(i)
         folder.mkdir()
-        parts.append(write(folder, "db3", [topic._replace(messages=rows)]))
+        parts.append(write(folder, "db3", [topic._replace(messages=half)]))
     whole = tmp_path / "whole"
     shutil.copytree(parts[0], whole)
     shutil.copy(file_of(parts[1]), whole / "run_2.db3")

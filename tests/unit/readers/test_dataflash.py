@@ -91,9 +91,9 @@ def test_the_samples_are_those_of_pymavlink(flight):
     reader.data_map.close()
     reader.filehandle.close()
     assert set(expected) == {"IMU/0", "IMU/1", "GYR/0"}
-    for name, rows in expected.items():
+    for name, table in expected.items():
         recording = al.read(flight[0], channels=[name])
-        assert all(np.array_equal(r.values, [row[r.name] for row in rows]) for r in recording)
+        assert all(np.array_equal(r.values, [row[r.name] for row in table]) for r in recording)
 
 
 def batch(number, counts, start, *, sensor=1, rate=1000.0, missing=()):

@@ -124,11 +124,11 @@ def short_head(monkeypatch):
     assert head.HEAD > 5000
 
 
-def gathered(path, rows, choices):
+def gathered(path, size, choices):
     """The samples of each channel, the beat, notes and findings of a file read in parts."""
     with opened(path, "1kB", choices) as reader:
         found = [[np.empty(0)] for _ in reader.heads]
-        for lost, columns in reader.pieces(rows):
+        for lost, columns in reader.pieces(size):
             for parts, values in zip(found, columns, strict=True):
                 parts += [np.full(lost, np.nan), values]
         beat = reader.clock.beat()
@@ -140,8 +140,8 @@ def test_parts_are_the_whole(case, tmp_path):
     make, choices = CASES[case]
     path = make(tmp_path)
     whole = al.read(path, **choices)
-    for rows in (4096, 7777):
-        found, beat, notes, findings = gathered(path, rows, choices)
+    for size in (4096, 7777):
+        found, beat, notes, findings = gathered(path, size, choices)
         for values, record in zip(found, whole, strict=True):
             np.testing.assert_array_equal(values, record.values)
         assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
@@ -162,11 +162,11 @@ def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path)
 
 @settings(max_examples=examples(25), deadline=None)
 @given(st.lists(st.tuples(st.integers(6000, N - 10), st.integers(1, 400)), max_size=5), st.integers(1100, 12_000))
-def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, rows):
+def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, size):
     path = fields(tmp_path_factory.mktemp("gaps"), [(begin, begin + length) for begin, length in holes])
     choices = {"unit": "deg/s", "time": "time_s"}
     whole = al.read(path, **choices)
-    found, beat, _, findings = gathered(path, rows, choices)
+    found, beat, _, findings = gathered(path, size, choices)
     for values, record in zip(found, whole, strict=True):
         np.testing.assert_array_equal(values, record.values)
     assert beat.rate == pytest.approx(whole[0].rate, rel=1e-9)
@@ -208,9 +208,9 @@ def test_a_clock_that_is_set_back_is_refused_unless_the_rate_is_given(tmp_path):
     time[20_000:] -= 150.0
     path = npy(tmp_path, np.rec.fromarrays([time, noise()[:, 0]], names=["time_s", "gx"]))
     choices = {"unit": "deg/s", "time": "time_s"}
-    for rows, row in ((7000, 14_001), (5000, 20_001)):
+    for size, row in ((7000, 14_001), (5000, 20_001)):
         with pytest.raises(DataError, match=f"from row {row} on: rows are out of order"):
-            gathered(path, rows, choices)
+            gathered(path, size, choices)
     found, beat, notes, _ = gathered(path, 5000, choices | {"rate": RATE})
     np.testing.assert_array_equal(found[0], noise()[:, 0])
     assert beat.rate == RATE

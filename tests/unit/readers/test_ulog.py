@@ -31,9 +31,9 @@ def ulog(path, *topics, before=b""):
 
     data = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0) + before
     data += b"".join(message("F", f"{n}:{f}".encode()) for n, f in {t[0]: t[2] for t in topics}.items())
-    for i, (name, instance, _, rows) in enumerate(topics):
+    for i, (name, instance, _, packed) in enumerate(topics):
         data += message("A", struct.pack("<BH", instance, i) + name.encode())
-        data += b"".join(message("D", struct.pack("<H", i) + row) for row in rows)
+        data += b"".join(message("D", struct.pack("<H", i) + row) for row in packed)
     path.write_bytes(data)
     return path
 

@@ -19,9 +19,9 @@ START = datetime.datetime(2026, 1, 2, 3, 4, 5)
 def workbook(path, **sheets):
     book = openpyxl.Workbook()
     book.remove(book.active)
-    for name, rows in sheets.items():
+    for name, table in sheets.items():
         sheet = book.create_sheet(name.replace("_", " "))
-        for row in rows:
+        for row in table:
             sheet.append(row)
     book.save(path)
     return path

@@ -34,14 +34,14 @@ def run(*arguments):
     return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
-def rows(text):
+def cells(text):
     return list(csv.DictReader(io.StringIO(text)))
 
 
 def test_deviation_is_that_of_the_library(file):
     result = run("deviation", file, "--channels", "x", "--statistic", "adev,oadev", "--m", "1,10,100", "--csv", "-")
     assert result.exit_code == 0, result.stderr
-    found = rows(result.stdout)
+    found = cells(result.stdout)
     record = al.read(file)["x"]
     fit = al.identify(record)
     for name, part in (("adev", found[:3]), ("oadev", found[3:])):
@@ -58,7 +58,7 @@ def test_limits_can_be_left_out_and_the_unit_chosen(file):
     result = run(
         "deviation", file, "--channels", "x", "--no-intervals", "--to", "rad/s", "--taus", "0.1,1", "--csv", "-"
     )
-    found = rows(result.stdout)
+    found = cells(result.stdout)
     assert [row["tau_s"] for row in found] == ["0.1", "1.0"]
     assert found[0]["low"] == found[0]["edf"] == ""
     assert float(found[0]["deviation"]) == pytest.approx(np.radians(1 / 3600), rel=0.1)
@@ -70,8 +70,8 @@ def test_channels_of_several_files_are_side_by_side(verb, file, tmp_path):
     other = tmp_path / "run2.csv"
     shutil.copy(file, other)
     form = ("--channels", "x", *(("--no-intervals",) if verb == "deviation" else ()))
-    one = rows(run(verb, file, *form, "--csv", "-").stdout)
-    both = rows(run(verb, file, other, *form, "--csv", "-", "--plot", tmp_path / "a.png").stdout)
+    one = cells(run(verb, file, *form, "--csv", "-").stdout)
+    both = cells(run(verb, file, other, *form, "--csv", "-", "--plot", tmp_path / "a.png").stdout)
     assert [row | {"channel": "x"} for row in both] == one * 2
     assert [*dict.fromkeys(row["channel"] for row in both)] == [Path(file).stem, "run2"]
     several = run(verb, file, other, "--channels", "x,y", *form[2:], "--json", "-").stdout
@@ -82,9 +82,9 @@ def test_channels_of_several_files_are_side_by_side(verb, file, tmp_path):
 def test_several_models_are_side_by_side(tmp_path):
     models = ["Sine 1 arcsec 0.5 Hz", "GM 1 arcsec 5 s"]
     form = ("--rate", "40", "--duration", "60", "--csv", "-")
-    each = [rows(run("deviation", "--model", model, *form).stdout) for model in models]
+    each = [cells(run("deviation", "--model", model, *form).stdout) for model in models]
     given = (part for model in models for part in ("--model", model))
-    both = rows(run("deviation", *given, *form, "--plot", tmp_path / "{channel}.svg").stdout)
+    both = cells(run("deviation", *given, *form, "--plot", tmp_path / "{channel}.svg").stdout)
     assert len(list(tmp_path.iterdir())) == 2
     assert [row["deviation"] for row in both] == [row["deviation"] for found in each for row in found]
     assert [*dict.fromkeys(row["model"] for row in both)] == [str(al.Model(model)) for model in models]
@@ -95,7 +95,7 @@ def test_several_models_are_side_by_side(tmp_path):
 
 def test_spectrum_is_that_of_the_library(file):
     options = ["--sides", "two", "--bins", "5", "--segment", "40", "--window", "blackman", "--level", "0.9"]
-    found = rows(run("spectrum", file, "--channels", "y", *options, "--csv", "-").stdout)
+    found = cells(run("spectrum", file, "--channels", "y", *options, "--csv", "-").stdout)
     expected = al.spectrum(al.read(file)["y"], al.Welch(40.0, "blackman"), sides="two", bins=5).to("deg/h")
     low, _ = expected.interval(0.9)
     assert [float(row["density"]) for row in found] == pytest.approx(expected.density.tolist())
@@ -103,7 +103,7 @@ def test_spectrum_is_that_of_the_library(file):
     assert {(row["unit"], row["amplitude_unit"], row["sides"]) for row in found} == {
         ("(deg/h)^2/Hz", "deg/h/sqrt(Hz)", "two")
     }
-    found = rows(
+    found = cells(
         run("spectrum", file, "--channels", "y", "--estimator", "multitaper", "--bins", "0", "--csv", "-").stdout
     )
     assert len(found) == al.spectrum(al.read(file)["y"], "multitaper").frequency.size
@@ -111,7 +111,7 @@ def test_spectrum_is_that_of_the_library(file):
 
 def test_dynamic_is_that_of_the_library(file):
     options = ["--window", "60", "--step", "20", "--statistic", "adev"]
-    found = rows(run("dynamic", file, "--channels", "x", *options, "--csv", "-").stdout)
+    found = cells(run("dynamic", file, "--channels", "x", *options, "--csv", "-").stdout)
     expected = al.dynamic(al.read(file)["x"], "adev", window=60.0, step=20.0).to("deg/h")
     assert [float(row["deviation"]) for row in found] == pytest.approx(expected.deviation.ravel().tolist())
     assert [float(row["time_s"]) for row in found[:: expected.tau.size]] == pytest.approx(expected.time.tolist())
@@ -131,7 +131,7 @@ def test_files_table_and_json(verb, file, tmp_path):
     assert data["type"] == "Survey"
     values = [value for channel in data["channels"] for value in channel["values"]]
     assert [(value["type"], value["name"]) for value in values] == [(VERBS[verb], n) for n in ("x", "y", "a")]
-    assert {row["channel"] for row in rows(paths["csv"].read_text(encoding="utf-8"))} == {"x", "y", "a"}
+    assert {row["channel"] for row in cells(paths["csv"].read_text(encoding="utf-8"))} == {"x", "y", "a"}
     again = run(*arguments)
     assert again.exit_code == 2
     assert "--force" in again.stderr
@@ -140,7 +140,7 @@ def test_files_table_and_json(verb, file, tmp_path):
 
 def test_a_long_table_is_cut_on_the_terminal_only(file):
     result = run("deviation", file, "--channels", "x", "--taus", "log", "--no-intervals")
-    whole = rows(run("deviation", file, "--channels", "x", "--taus", "log", "--csv", "-").stdout)
+    whole = cells(run("deviation", file, "--channels", "x", "--taus", "log", "--csv", "-").stdout)
     assert f"28 of {len(whole)} rows; --csv writes all" in result.stdout
     lines = [line.split() for line in result.stdout.splitlines()]
     assert ["1", "0.1"] in [line[:2] for line in lines]
