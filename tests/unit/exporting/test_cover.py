@@ -36,7 +36,7 @@ def covered(target, noise, span=(1, 1000), **more):
 
 
 @pytest.mark.parametrize("target", DRIFTING)
-@pytest.mark.parametrize("noise", NOISES.values(), ids=NOISES)
+@pytest.mark.parametrize("noise", NOISES.values(), ids=[*NOISES])
 def test_a_file_lies_above_the_noise_and_predicts_no_less_than_it_errs(target, noise):
     """As read back from the file, whatever its units and its rate."""
     found = covered(target, noise)

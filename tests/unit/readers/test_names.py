@@ -54,7 +54,7 @@ KNOWN = {
 }
 
 
-@pytest.mark.parametrize("names", KNOWN.values(), ids=KNOWN)
+@pytest.mark.parametrize("names", KNOWN.values(), ids=[*KNOWN])
 def test_known_names(write, names):
     recording = read(write([CLOCK[0], *names], [CLOCK[1], *vector(0, 6)]))
     assert [record.signal.name for record in recording] == ["gyro"] * 3 + ["accelerometer"] * 3
