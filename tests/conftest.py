@@ -1,4 +1,4 @@
-"""Where real recordings and published tables are, for the tests that use them."""
+"""Where real recordings and published tables are, for the tests that use them, and what all tests share."""
 
 import gc
 import os
@@ -8,6 +8,7 @@ from pathlib import Path
 import hypothesis
 import pytest
 
+from allanite.parallel import processors
 from tests import ROOT, examples
 
 # a machine with other work to do is no failure
@@ -20,30 +21,24 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in the background; test
 collect_ignore = ["plugin"]
 """A package of its own, whose tests are run where it is installed: `stories/test_plugins.py`."""
 
-WORKER = os.environ.get("PYTEST_XDIST_WORKER", "")[2:]
+NEEDED = ("Chromium", "Chinese characters") if os.environ.get("ALLANITE_CI") else ()
+"""What continuous integration installs: a test that is skipped for want of it has failed."""
 
-PROCESSORS = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-
-LONG = pytest.mark.slow("takes more than half a second")
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
-    """Leave to `make test-all` what took more than half a second when it was measured: see tools/sets.py."""
-    long = set((ROOT / "tests" / "long.txt").read_text("utf-8").splitlines())
-    for item in items:
-        if item.nodeid.partition("[")[0] in long and not item.get_closest_marker("slow"):
-            item.add_marker(LONG)
+COUNTED = processors.processors
 
 
 def pytest_runtest_setup(item):
-    """Give each worker a processor of its own, so that jobs fork no helpers that wait for each other.
+    """Let jobs work in one process each, of which as many run as there are processors."""
+    processors.processors = COUNTED if item.get_closest_marker("all_processors") else lambda: 1
 
-    Not so where a test itself says that it is slow: it may be about several processes.
-    """
-    if WORKER and PROCESSORS:
-        alone = item.get_closest_marker("slow") in (None, LONG.mark)
-        os.sched_setaffinity(0, {PROCESSORS[int(WORKER) % len(PROCESSORS)]} if alone else PROCESSORS)
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport():
+    """Take a skip for a failure where what is missing should be there."""
+    report = yield
+    if report.skipped and isinstance(report.longrepr, tuple) and any(word in report.longrepr[2] for word in NEEDED):
+        report.outcome, report.longrepr = "failed", f"ALLANITE_CI is set, but: {report.longrepr[2]}"
+    return report
 
 
 def pytest_collection_finish():

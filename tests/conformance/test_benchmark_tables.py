@@ -52,6 +52,7 @@ def test_every_sensor_length_and_term_is_there():
     assert found == {(s, n, t) for s in ("MEMS", "FOG", "RLG") for n in sizes for t in "QNBKR"}
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("terms", ["auto", "known"])
 @pytest.mark.parametrize("sensor", thinned(["MEMS", "FOG", "RLG"], 1, "a part of a committed table made again"))
 def test_a_part_made_again_agrees(sensor, terms):
@@ -89,6 +90,7 @@ def test_selection_meets_its_demands():
     assert {(row["what"], row["model"]) for row in rows if not met(row)} == set(UNMET)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_part_of_the_selection_made_again_agrees():
     """False claims in the first 20 records of white noise: more than 5 of 3.5 % each have a probability of 1e-4."""
     found = [fitted((PURE[0], seed)) for seed in range(1, 21)]

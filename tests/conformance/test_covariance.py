@@ -128,6 +128,7 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
         assert 0 < correlated(found[..., k], wanted[..., k]) < 2e-3
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("ramp", all_but([1e-4, 1e-3, 1e-2], [1e-4, 1e-2], "full matrices"))
 @pytest.mark.parametrize("name", ["theo1", "pdev", "mtotdev"])
 def test_beside_a_ramp_reduced_windows_are_near_the_full_matrix(name, ramp):

@@ -97,6 +97,7 @@ def test_a_format_needs_only_the_libraries_of_its_extra(extra, missing):
         assert len(al.read(name, **SEEDS[name].options)) >= 1
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_everything_else_needs_no_extra(missing):
     for name in PLAIN:
         Path(name).write_bytes(SEEDS[name].make())

@@ -55,6 +55,7 @@ def imported():
                 yield from ((file.name, f"{node.module.rpartition('.')[2]}.{one.name}") for one in node.names)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_python_calls_has_a_wrapper():
     """Without one, the process ends."""
     names = [pair for pair in imported() if pair[1] in KERNELS]
@@ -70,6 +71,7 @@ print(binned(c, np.array([0, 3, 10, 107, 1200, 5000])).tobytes().hex())
 """
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_compiled_and_loaded_code_give_the_same_bits(tmp_path):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     command = [sys.executable, "-c", PROGRAM]

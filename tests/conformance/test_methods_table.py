@@ -64,6 +64,7 @@ def test_the_efficiency_of_a_method_is_that_of_the_table():
         assert [float(v) for v in found.groups()] == pytest.approx([min(rmse), max(rmse)], rel=0.01), name
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("sensor", thinned(["MEMS", "FOG", "RLG"], 1, "a part of a committed table made again"))
 def test_a_part_made_again_agrees(sensor):
     """The first 10 records of well determined terms.

@@ -89,6 +89,7 @@ def test_it_is_identified():
         al.identify(record(), "gls", terms="N,RR", statistic="oadev")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_everything_that_takes_a_model_takes_it(tmp_path):
     assert al.bound(model(), 2**13, 1.0)["RR"] < 0.2
     space = al.state_space(model(), 1.0)
@@ -100,6 +101,7 @@ def test_everything_that_takes_a_model_takes_it(tmp_path):
     assert al.from_dict(study.to_dict()).channels[0].fit["RR"].shape == study.channels[0].fit["RR"].shape
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_it_is_known_at_the_command_line(tmp_path):
     path = str(tmp_path / "z.csv")
     for line in (

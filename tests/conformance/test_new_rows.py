@@ -134,6 +134,7 @@ def test_what_cannot_read_a_new_statistic_says_so():
         al.identify(simulated(al.N(1.0, "deg/sqrt(h)")), "ls", statistic="fdev")
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", ["fdev", "wdev"])
 def test_a_new_statistic_at_the_command_line_and_in_pictures(name, tmp_path):
     model = al.N(0.1, "deg/sqrt(h)")
@@ -203,6 +204,7 @@ def test_a_new_term_with_a_block_is_a_state(monkeypatch):
     assert both.Qd[0, 0] == pytest.approx(0.25 * 0.5)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_new_term_in_pictures_and_at_the_command_line(tmp_path):
     record = simulated(al.Z(3.0, "arcsec") + al.K(50.0, "deg/h/sqrt(h)"))
     study = al.analyze(record, al.Recipe(terms="Z,K"))
@@ -214,6 +216,7 @@ def test_a_new_term_in_pictures_and_at_the_command_line(tmp_path):
     assert "wander of the angle" in run.output or "Z" in run.output
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_new_rows_have_their_pages(tmp_path, monkeypatch):
     from pathlib import Path
 

@@ -104,6 +104,7 @@ def test_stamps_that_scatter_are_said_once(verb, folder):
     assert words(result).count("scatter by 0.11 intervals RMS") == 1
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("verb", READ)
 def test_outliers_are_said_and_the_option_is_taken(verb, folder):
     result = run(verb, folder / "spikes.csv")
@@ -130,6 +131,7 @@ def test_raw_binary_is_read(verb, folder):
         assert result.exit_code == 0, words(result)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("verb", READ)
 def test_pieces_are_left_out_and_said(verb, folder, tmp_path):
     gaps = ("--split-gaps",) if verb in ("rate", "compensate") else ()
@@ -142,6 +144,7 @@ def test_pieces_are_left_out_and_said(verb, folder, tmp_path):
     assert "begins at 0 s or later and ends after that, unlike 70..60" in words(refused)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("verb", READ)
 def test_a_window_is_taken(verb, folder):
     result = run(verb, folder / "quiet.csv", "--from", "60", "--until", "500")

@@ -162,6 +162,7 @@ QUICK = ("named", "gap", "angle", "counts", "outliers", "motion")
 """Files that `make test` looks at."""
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("path", QUICK, indirect=True)
 def test_a_file_is_the_same_in_all_ways(path):
     compare(path, FILES[path.stem][1])
@@ -171,6 +172,7 @@ SELECTING = named(Recipe, "selecting")
 """Choices that `make test` looks at: those that select samples."""
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("choice", [*SELECTING, "mask", "method"])
 @pytest.mark.parametrize("path", ["stamped"], indirect=True)
 def test_a_choice_is_the_same_in_all_ways(path, choice):

@@ -72,6 +72,7 @@ def test_only_what_is_in_a_function_runs_when_it_is_called(planted):
     assert {fault.lines.start for fault, _ in planted if not fault.called} == {8, 11}
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_rooms_and_kinds_take_turns():
     first, again = (list(drawn(4, 1)) for _ in range(2))
     assert first == again

@@ -5,6 +5,7 @@ from table import read
 import math
 from collections import Counter
 
+import pytest
 from tests.shares import chance, records
 
 import real_sensors
@@ -64,6 +65,7 @@ def test_gyroscopes_of_both_units_have_n_right_and_no_flicker_lies_above_its_cur
         assert math.isnan(floor) or floor <= 1
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_part_is_made_again():
     answers = [real_sensors.simulated(("MEMS", "2nd-order filter, fs/6", 2**15, i)) for i in range(4)]
     assert all(a.filtered for a in answers)

@@ -59,6 +59,7 @@ def test_faults_made_again_are_named(fault, sensor):
     assert sum(robustness.named((fault, sensor, seed))[0] for seed in range(1, 11)) >= 9
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_sizes_made_again_agree():
     """15 records: four p values of a check below 0.05 have a probability of 0.005, and 5 checks are asked."""
     p = np.array([robustness.asked_of(("RLG", 2**14, seed)) for seed in range(1, 16)])

@@ -493,6 +493,7 @@ def test_every_class_that_is_written_can_be_read():
         assert cls.__repr__ is Value.__repr__ or issubclass(cls, Correction)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_type_is_found_before_its_module_is_imported():
     names = {name.split()[0] for name in MAKERS}
     for order in (sorted(names), sorted(names, reverse=True)):

@@ -122,6 +122,7 @@ def test_libraries_for_linear_algebra_may_have_any_number_of_threads():
     assert len(said) == 1
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_no_channel_depends_on_its_neighbours():
     one, other = (al.Record(BASE[::step], rate=RATE, unit="rad/s", name=f"x{step}") for step in (1, -1))
     there, back, alone = (al.analyze(al.Recording(order)) for order in ((one, other), (other, one), (one,)))

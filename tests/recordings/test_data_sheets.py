@@ -8,6 +8,7 @@ import allanite as al
 import data_sheets
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", data_sheets.FILES[:1])
 def test_a_channel_is_as_in_the_table(recordings, name):
     channel = "Gyro. X"

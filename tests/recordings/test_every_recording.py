@@ -120,6 +120,7 @@ def test_every_file_has_a_row(recordings):
     assert sorted(there) == sorted(file.name for file in FILES)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("file", thinned(FILES, 6, "every recording"), ids=lambda file: file.name)
 def test_what_the_command_says_of_a_file(recordings, file):
     result = CliRunner().invoke(main, ["analyze", str(recordings / file.name), *file.words])

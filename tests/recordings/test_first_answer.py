@@ -29,6 +29,7 @@ def below_the_curve(channel):
     return 0.664 * flicker.value <= float(curve.to(channel.record.signal.unit).upper(0.95).min())
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", GYROS)
 def test_gyroscopes_with_a_filter_are_explained_and_N_is_what_the_curve_shows(recordings, name):
     recipe = al.Recipe(unit="deg/s", channels=("1", "2", "3"))
@@ -39,6 +40,7 @@ def test_gyroscopes_with_a_filter_are_explained_and_N_is_what_the_curve_shows(re
         assert below_the_curve(channel)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(("name", "choices"), OTHERS, ids=lambda x: x.split("/")[-1] if isinstance(x, str) else "")
 def test_other_sensors_at_rest_have_a_graded_answer(recordings, name, choices):
     for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
@@ -47,6 +49,7 @@ def test_other_sensors_at_rest_have_a_graded_answer(recordings, name, choices):
         assert below_the_curve(channel)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_swaying_gyroscope_has_no_result(recordings):
     for channel in al.analyze(recordings / "psins_lasergyro.imu").channels:
         assert channel.noise.validity == "unexplained"

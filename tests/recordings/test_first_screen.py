@@ -28,6 +28,7 @@ SCREENS = {
 """Commands; what the first five lines have, and what else is there."""
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("line", SCREENS)
 def test_the_first_screen_of_a_recording(recordings, line):
     verb, file, *rest = shlex.split(line)

@@ -11,6 +11,7 @@ from allanite.core.errors import UsageError
 from allanite.readers import read
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("name", "mean", "std"), [("adis_16405_imu1", 0.4017, 0.3503), ("adis_16405_imu2", 0.3789, 0.3495)]
 )
@@ -27,6 +28,7 @@ def test_r_matrix_of_an_imu(recordings, name, mean, std):
     assert read(path, unit="g").channels == ("Accel. X", "Accel. Y", "Accel. Z")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_matlab_73(recordings):
     folder = recordings / "mpu6050_static10min"
     with pytest.raises(UsageError, match=r"sampling rate.*'gyroBuffer 1'"):
@@ -63,6 +65,7 @@ def test_a_folder_of_ros_2_with_a_definition_beside_it(recordings, tmp_path):
     assert any("'imu.header.stamp' is constant" in note for note in recording.notes)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("name", "options", "code", "words"),
     [

@@ -54,6 +54,7 @@ def test_laser_gyro_quiet_window(recordings, laser, channel):
     np.testing.assert_allclose(al.deviation(same, m=m).to(unit).deviation, deviation, rtol=2e-8)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_swaying_vehicle_is_no_five_term_model(laser):
     for channel in ("gx", "gy", "gz"):
         goodness = al.identify(laser[channel]).goodness
@@ -62,6 +63,7 @@ def test_a_swaying_vehicle_is_no_five_term_model(laser):
         assert "motion" in goodness.verdict or "sway" in goodness.verdict
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("window", all_but([[], ["--from", "600", "--until", "900"]], [[]], "the page of two hours"))
 def test_from_the_file_to_the_page(recordings, tmp_path, window):
     page, figure, data = (tmp_path / name for name in ("page.html", "curve.svg", "study.json"))
@@ -96,6 +98,7 @@ def adis(recordings, tmp_path_factory):
     return path
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_filter_is_found_or_left_out(recordings, adis):
     recording = al.read(adis, rate=100.0, unit="deg/s", kind="rate")
     for record, channel in zip(recording, ("gx", "gy", "gz"), strict=True):
@@ -116,6 +119,7 @@ def test_a_filter_is_found_or_left_out(recordings, adis):
         assert below["N"].status == "identified"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_band_is_an_option(adis):
     result = CliRunner().invoke(main, ["analyze", str(adis), "--rate", "100", "--unit", "deg/s", "--band", "0,5"])
     assert result.exit_code == 0, result.output

@@ -89,6 +89,7 @@ def outside_its_band(channel):
     return float(np.maximum(own / high, low / own)[inside].max(initial=1.0))
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(("name", "choices"), thinned(FILES, 4, "every recording"), ids=lambda x: str(x)[:24])
 def test_no_claim_is_contradicted(recordings, name, choices):
     for channel in al.analyze(recordings / name, al.Recipe(**choices)).channels:
@@ -101,6 +102,7 @@ def test_no_claim_is_contradicted(recordings, name, choices):
         assert outside_its_band(channel) <= OUTSIDE, who
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_vibration_of_an_engine_is_no_noise_of_the_sensor(recordings):
     """A sinusoid at 10 Hz that was removed is not proposed again as a damped oscillation."""
     study = al.analyze(recordings / "vn100_car_idle.bag")

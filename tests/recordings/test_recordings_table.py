@@ -102,6 +102,7 @@ TABLE = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     "row", thinned(TABLE, 10, "every recording"), ids=lambda row: f"{row.file}-{row.verb}-{row.options}"
 )

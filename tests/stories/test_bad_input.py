@@ -195,6 +195,7 @@ def test_raw_binary_from_the_command_line(tmp_path):
     assert "not a multiple of the 4 bytes of a row" in " ".join(wrong.output.split())
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_gaps_and_outliers_are_dealt_with_and_said(tmp_path):
     y = noise(20_000)
     y[[500, 9000]] += 40

@@ -60,6 +60,7 @@ def test_the_exit_code_is_the_answer(folder, monkeypatch, words, code, said):
     assert said in " ".join(done.output.replace("\n", " ").split()) or said in done.output
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_is_written_says_the_same(folder, monkeypatch, tmp_path):
     outputs = {"report": "page.html", "plot": "curve.svg", "json": "noise.json", "csv": "noise.csv"}
     options = [word for name, file in outputs.items() for word in (f"--{name}", str(tmp_path / file))]

@@ -69,6 +69,7 @@ def desk(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_tutorial_prints_what_it_says(desk):
     script = "".join(blocks("tutorial.md", "python"))
     done = subprocess.run([sys.executable, "-c", script], cwd=desk, capture_output=True, text=True, check=False)
@@ -83,6 +84,7 @@ def test_the_tutorial_prints_what_it_says(desk):
     assert sorted(shown) == sorted(path.name for path in desk.iterdir() if path.is_file())
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
     monkeypatch.chdir(desk)
@@ -94,6 +96,7 @@ def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
             assert (desk / words[words.index(option) + 1]).stat().st_size > 1000
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_commands_of_a_page_that_follow_each_other(desk, monkeypatch):
     monkeypatch.chdir(desk)
     every = commands((DOCS / "log_to_filter.md").read_text("utf-8"))
@@ -110,6 +113,7 @@ def test_commands_of_a_page_that_follow_each_other(desk, monkeypatch):
 ADIS = "adis_16405_imu1.rda"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_commands_of_the_gyro_vertical(desk, monkeypatch, request):
     monkeypatch.chdir(desk)
     exec("".join(blocks("vertical.md", "python")), {})  # noqa: S102 - our own page

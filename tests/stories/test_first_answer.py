@@ -52,6 +52,7 @@ def shaken(tmp_path_factory):
     return write(tmp_path_factory.mktemp("data") / "shaken.csv", columns)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_motion_of_one_axis_is_told_once_and_the_cure_works(shaken):
     said = run("analyze", shaken)
@@ -73,6 +74,7 @@ def warm(follow, seed=3):
     return {"gx [deg/h]": gyro[0], "gy [deg/h]": gyro[1], "temp [degC]": np.round(temp, 3)}
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tmp_path):
     file = write(tmp_path / "my day.csv", warm(True))
@@ -86,10 +88,12 @@ def test_a_temperature_that_explains_the_drift_is_named_with_the_line_to_type(tm
     assert "follows temp" in run("info", file)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_drift_of_its_own_is_not_blamed_on_the_temperature(tmp_path):
     assert "follows" not in run("analyze", write(tmp_path / "day.csv", warm(False)))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_raw_and_corrected_readings_of_one_file_are_compared_as_a_pair(tmp_path):
     file = write(tmp_path / "day.csv", {k: v for k, v in warm(True).items() if k != "gy [deg/h]"})
     corrected = tmp_path / "corrected.csv"
@@ -100,6 +104,7 @@ def test_raw_and_corrected_readings_of_one_file_are_compared_as_a_pair(tmp_path)
     assert re.search(r"likelihood ratio \S+ for \d+ octaves of frequency", said)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_hum_that_grew_is_in_the_verdict_of_a_comparison(tmp_path):
     rng = np.random.default_rng(1)
     hum = np.sin(2 * np.pi * 3.1 * np.arange(20_000) / RATE)
@@ -159,6 +164,7 @@ def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
     assert not typed or finding(*typed[0].split()) is None
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_outliers_that_are_marked_are_in_no_curve(tmp_path):
     y = np.random.default_rng(4).standard_normal(20_000)
@@ -172,6 +178,7 @@ def test_outliers_that_are_marked_are_in_no_curve(tmp_path):
     assert first[0] > 1.1 * first[1]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_where_nearly_all_is_lost_a_window_of_what_is_left_is_analysed(tmp_path):
     y = np.random.default_rng(4).standard_normal(20_000)
     y[:18_500] = np.nan

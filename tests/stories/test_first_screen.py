@@ -102,6 +102,7 @@ def made(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("line", MADE)
 def test_the_first_screen_of_files_that_are_made(line, made, monkeypatch):
     monkeypatch.chdir(made)

@@ -86,6 +86,7 @@ def test_a_stage_named_like_a_formula(tmp_path):
     assert result.exit_code == 0, result.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_backend_that_does_not_exist(tmp_path):
     text("gx [deg/s]")(tmp_path / "a.csv")
     command = [sys.executable, "-m", "allanite.cli", "analyze", tmp_path / "a.csv", "--plot", tmp_path / "a.png"]

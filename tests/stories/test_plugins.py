@@ -73,6 +73,7 @@ sys.exit(pytest.main(["-q", "-c", "/dev/null", "--noconftest", "-p", "no:cachepr
 """
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_sample_passes_the_public_checks(sample, tmp_path):
     out, _ = run(PASSING.replace("sys.argv[1]", repr(str(SAMPLE / "test_rows.py"))), *sample, cwd=tmp_path)
     assert "6 passed" in out
@@ -119,6 +120,7 @@ def used(sample, tmp_path_factory):
     return json.loads(out), folder
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_verb_from_outside_stands_below_its_heading(used):
     shown, _ = used
     assert "in the browser. extent Show the least and the greatest sample. Simulate and plan:" in shown["help"]
@@ -172,6 +174,7 @@ def test_the_page_offers_what_comes_from_outside(used):
 # what is broken
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_plugin_that_is_broken_is_named_and_left_out(sample, tmp_path):
     lines = ("from allanite.cli import Verb", "from allanite_sample.command import extent", "ROW = object()",
              'VERB = Verb("extent", "Learn", extent)', "def sniff(head, suffix): return 1 / 0")  # fmt: skip
@@ -198,6 +201,7 @@ def test_a_plugin_that_is_broken_is_named_and_left_out(sample, tmp_path):
         assert f"the {plugin} of the package 'their_package' is broken ({why}){SAID}" in said, said
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_name_that_exists_is_refused(tmp_path):
     """A row, a format, a verb and the type of a result of the package itself."""
     text = """

@@ -110,6 +110,7 @@ def test_the_tests_of_a_change_are_those_of_its_packages():
     assert all((ROOT / path).exists() for path in found)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_demo_takes_any_file_name(tmp_path):
     """A set-up .venv is stood in for by this test's own."""
     path = tmp_path / "my gyro's $1 file.csv"
@@ -141,6 +142,7 @@ def test_make_says_what_to_install(tmp_path, can, words):
     assert not (tmp_path / ".venv").exists()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_wheel_of_the_sdist_holds_what_the_package_needs(tmp_path):
     pytest.importorskip("hatchling", reason="the build backend is not installed here")
     import release

@@ -45,6 +45,7 @@ def study(folder):
     return json.loads((folder / "a.json").read_text())
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_coefficients_are_those_of_the_angle(study):
     terms = {term["symbol"]: term for term in study["channels"][0]["fit"]["terms"]}
     assert terms["N"]["shown"]["unit"] == "arcsec*sqrt(s)"
@@ -88,6 +89,7 @@ def test_a_voltage_has_no_angle(folder):
     assert "V*√s" in said
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("verb", "more", "unit"),
     [

@@ -47,6 +47,7 @@ def run(*arguments):
     return CliRunner().invoke(main, ["rate", *map(str, arguments)])
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_counts_are_analyzed_over_a_second(vertical):
     said = [CliRunner().invoke(main, ["analyze", vertical, *HOW, *more]).stdout for more in ((), ("--average", "1"))]
     assert "quantization errors are not white" in said[0]
@@ -55,6 +56,7 @@ def test_counts_are_analyzed_over_a_second(vertical):
     assert "Try" not in said[1]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_an_ideal_staircase_is_certain(folder):
     # the example of the paper: 6 deg/h in pulses of 1 arcsec, 720 in two minutes
     angle = np.floor(6.0 * np.arange(48_001) / 400 + 0.3013)
@@ -80,6 +82,7 @@ def test_which_method(vertical):
     assert max(map(len, result.stdout.splitlines())) <= 120
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_the_noise_is_identified_where_none_is_given(vertical):
     result = run(vertical, *HOW, "--interval", "60", "--methods", "mean,regression")
@@ -87,6 +90,7 @@ def test_the_noise_is_identified_where_none_is_given(vertical):
     assert "Q = 0.2" in result.stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_everything_is_written(vertical, tmp_path):
     paths = {
         name: tmp_path / f"out.{suffix}"
@@ -131,11 +135,13 @@ def test_the_scatter_against_the_measuring_time_is_a_table(vertical, tmp_path):
     assert page.read_text(encoding="utf-8").count("td against the measuring time") == 2
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_json_alone_on_standard_output(brief):
     result = run(brief, *HOW, *NOISE, "--methods", "mean", "--no-times", "--json", "-")
     assert json.loads(result.stdout)["type"] == "RateStudy"
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_one_short_record_gives_estimates(folder):
     path = counts(folder / "short.csv", 12.4392, 120, seed=3)
@@ -157,6 +163,7 @@ def test_a_staircase_without_noise_has_certain_limits(folder):
     assert high - low < 2e-5
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_reversal_and_north(folder):
     horizontal = al.constant_rate.earth_rate(55.8, "north") * 206264.806247
@@ -224,6 +231,7 @@ def test_lost_readings_are_named_or_split(folder):
     assert "1 sample missing" in split.stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_recipe_repeats_the_run(brief, tmp_path):
     """Whatever was chosen stands in the recipe, under the names of the command line."""
     own = (
@@ -273,12 +281,14 @@ def test_a_noise_that_explains_nothing_is_not_used(folder):
     assert (stored["validity"], {term["status"] for term in stored["fit"]["terms"]}) == ("unexplained", {"not valid"})
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("width", [80, 120])
 def test_text_keeps_to_its_width(brief, width):
     study = al.measure_rates(brief, al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795))
     assert max(map(len, table(study, width=width).splitlines())) <= width
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_results_travel(brief):
     recipe = al.Recipe(rate=400.0, unit="arcsec", kind="count", scale=0.32795)
     study = pickle.loads(pickle.dumps(al.measure_rates(brief, recipe)))

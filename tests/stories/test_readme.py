@@ -38,6 +38,7 @@ def run(command, desk):
     return subprocess.run(command, cwd=desk, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("block", PYTHON, ids=range(len(PYTHON)))
 def test_python_blocks_run_and_print_what_they_say(desk, block):
     done = run([sys.executable, "-c", block], desk)
@@ -46,6 +47,7 @@ def test_python_blocks_run_and_print_what_they_say(desk, block):
         assert said in done.stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run_and_leave_what_they_name(desk, monkeypatch, command):
     """In this process; the program itself is started for the excerpt below."""
@@ -91,6 +93,7 @@ def test_links_lead_somewhere():
     assert [link for link in links if not (ROOT / link).exists()] == []
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_sample_is_what_its_script_makes():
     sys.path.insert(0, str(ROOT / "examples"))
     try:
@@ -105,6 +108,7 @@ def test_the_sample_is_what_its_script_makes():
         assert [float(v) for v in a.split(",")] == pytest.approx([float(v) for v in b.split(",")], abs=0.0101)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_sample_teaches_what_it_should():
     """Every channel's terms are found, no other is, and every interval holds its truth."""
     import allanite as al

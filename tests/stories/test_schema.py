@@ -114,6 +114,7 @@ def test_every_verb_is_tried():
     assert set(VERBS) - {"example", "batch", "lot", "serve"} <= set(RUNS)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("run", RUNS)
 def test_output_is_what_the_schema_says(desk, run):
     verb, *arguments = shlex.split(RUNS[run])

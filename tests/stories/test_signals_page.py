@@ -55,6 +55,7 @@ def test_python_prints_what_it_says(block, capsys):
     assert capsys.readouterr().out.splitlines() == said
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_commands_run_one_after_the_other(desk, monkeypatch):
     monkeypatch.chdir(desk)
     assert len(COMMANDS) == 10
@@ -71,6 +72,7 @@ TURNED = [line for line in COMMANDS if "up." in line or "down." in line]
 """From two currents in each of two positions to rates without bias."""
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_two_positions_remove_the_bias_of_both_axes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -32,6 +32,7 @@ def file(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.usefixtures("details")
 def test_a_jump_is_told_and_its_cure_works(file):
     plain = run("deviation", file, "--statistic", "theoh", "--bias", "plain")
@@ -122,6 +123,7 @@ def test_means_come_before_anything_else(file):
     assert [float(r["tau_s"]) for r in found] == [10.0, 20.0, 40.0]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_theoh_is_fitted_by_the_exact_expectation(file):
     data = json.loads(run("analyze", file, "--method", "gls", "--statistic", "theoh", "--json", "-").stdout)
     terms = {t["symbol"]: t for t in data["channels"][0]["fit"]["terms"]}

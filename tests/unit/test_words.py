@@ -89,6 +89,7 @@ def texts(path: Path) -> Iterator[tuple[int, str]]:
             yield token.start[0], token.string
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_no_phrase_of_the_list_is_used():
     paths = [path for pattern in ROOTS for path in sorted(ROOT.glob(pattern))]
     lines = [(path.relative_to(ROOT).as_posix(), line, text) for path in paths for line, text in texts(path)]
@@ -119,6 +120,7 @@ def options_in(tree: ast.AST) -> list[str]:
     return [text for text in left if re.search(r"(^|[\s('])--[a-z]", text)]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_messages_name_options_at_the_command_line_and_arguments_in_python():
     for path in sorted(PACKAGE.rglob("*.py")):
         name = path.relative_to(PACKAGE).as_posix()

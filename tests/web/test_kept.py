@@ -48,6 +48,7 @@ def slowly(megabytes):
         time.sleep(0.002)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("stated", [True, False], ids=["stated", "streamed"])
 def test_uploads_side_by_side_stay_within_the_quota(client, folder, stated):
     workspace = client.workspace()
@@ -109,6 +110,7 @@ def damage(place, how):
 HOW = ["empty", "cut", "list", "NaN", "surrogate", "deep", "another id", "no jobs", "a foreign file", "binary"]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_damaged_state_is_set_aside_and_the_rest_is_served(tmp_path, file):
     with served(tmp_path) as (_, link), Client(link) as client:
         names = [client.workspace() for _ in range(len(HOW) + 1)]
@@ -133,6 +135,7 @@ def test_a_damaged_state_is_set_aside_and_the_rest_is_served(tmp_path, file):
 PARTS = ["value.json", "shown.json", "meta.json", "0.0.npy"]
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("part", thinned(PARTS, 1, "every file of a result, damaged"))
 def test_a_damaged_result_is_told_and_can_be_made_again(client, folder, file, part):
     workspace = client.workspace()
@@ -155,6 +158,7 @@ def second(folder, *arguments):
     return subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300, check=False)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_second_server_joins_the_first(tmp_path, file):
     with served(tmp_path) as (process, link), Client(link) as client:
         said = second(tmp_path, "--port", client.base.rpartition(":")[2], file)
@@ -204,6 +208,7 @@ def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path):
         assert list(client.events(job))[-1][1]["error"] == "cancelled"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_name_that_is_not_utf_8_is_refused_in_words(tmp_path):
     path = os.fsencode(tmp_path) + b"/gyro\xff.csv"
     with open(path, "wb") as out:
@@ -213,6 +218,7 @@ def test_a_name_that_is_not_utf_8_is_refused_in_words(tmp_path):
     assert "is not UTF-8, which the page needs: rename the file" in said.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_fifty_waiting_requests_stop_nothing(client, file, tmp_path):
     workspace = client.workspace()
     done, _ = client.run(workspace, "analyze", [client.upload(workspace, file)], {"rate": 100})
@@ -240,6 +246,7 @@ def test_fifty_waiting_requests_stop_nothing(client, file, tmp_path):
     client.http.delete(f"/api/workspaces/{workspace}")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_cancelling_a_job_that_waits_leaves_the_one_before_it(client, file, tmp_path):
     workspace, job = long_job(client, tmp_path)
     waiting = client.begin(workspace, "info", [client.upload(workspace, file)], {"rate": 100})
@@ -261,6 +268,7 @@ def test_reports_of_a_long_job_are_bounded():
     assert live.events[-1] == (10_000, "done", {"exit": 0})
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root can become another user")
 def test_another_user_of_the_machine_gets_nothing():
     """By the port, by the folder, or with a cookie of their own."""
@@ -283,6 +291,7 @@ def test_another_user_of_the_machine_gets_nothing():
                 os.setegid(0)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_cookie_of_one_user_is_none_of_another(client, tmp_path):
     with served(tmp_path) as (_, link), Client(link) as other:
         mine, theirs = next(iter(client.http.cookies.jar)), next(iter(other.http.cookies.jar))

@@ -57,6 +57,7 @@ def entered(client):
     return "; ".join(f"{cookie.name}={cookie.value}" for cookie in client.http.cookies.jar)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_it_listens_at_this_machine_alone(client, link):
     _, port = address(link)
     with open("/proc/net/tcp", encoding="ascii") as file:
@@ -198,6 +199,7 @@ HOSTILE = ["../../evil.csv", "/etc/passwd", "a\0b.csv", "<script>alert(1)</scrip
            "\u202egpj.csv", "a" * 5000 + ".csv", "..", "", "x\r\nSet-Cookie: a=b.csv", "--report=x.csv"]  # fmt: skip
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", thinned(HOSTILE, 2, "every hostile name"))
 def test_names_of_files_are_words(client, folder, name):
     workspace = client.workspace()
@@ -257,6 +259,7 @@ def test_requests_that_are_no_requests_are_refused(client, body):
     assert "internal error" not in answer.text
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_hostile_files_are_refused_in_a_sentence(client, tmp_path):
     import zipfile
 
@@ -293,6 +296,7 @@ def words(text, name):
     return printable(re.sub(rf"\S*{re.escape(name)}", name, text).strip())
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", thinned(DAMAGED, 1, "every damaged file"))
 def test_a_damaged_file_is_answered_in_the_words_of_the_command_line(client, tmp_path, name):
     workspace, seed = client.workspace(), damaged.SEEDS[name]

@@ -75,6 +75,7 @@ def test_the_saved_recipe_gives_the_same(client, analyzed, file, tmp_path):
     assert saved["channels"] == data["channels"]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_words_are_those_of_the_report(client, analyzed):
     one = client.get(f"/api/jobs/{analyzed}").json()["channels"][0]
     assert "angle random walk" in one["html"]
@@ -137,6 +138,7 @@ def test_the_trace_has_every_extreme(client, analyzed, file):
     assert client.get(f"/api/files/{uploaded}/trace", channel="gz").json()["error"].startswith("no channel 'gz'")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_first_curve_comes_before_the_result(client, file):
     workspace = client.workspace()
     job = client.begin(workspace, "analyze", [client.upload(workspace, file)], {"rate": RATE, "channels": ["gy"]})
@@ -148,6 +150,7 @@ def test_the_first_curve_comes_before_the_result(client, file):
     assert first["deviation"][0] == pytest.approx(stored["deviation"][0], rel=1e-12)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_file_for_a_filter_is_that_of_the_command_line(client, analyzed, file):
     found = client.post(f"/api/jobs/{analyzed}/export", {"channels": ["gy"], "target": "datasheet"}).json()
     options = ("--rate", "100", "--exclude", "40..60", "--channels", "gy", "--to", "datasheet", "--output", "-")
@@ -167,6 +170,7 @@ def test_results_are_saved(client, analyzed, form, begins):
     assert answer.content.startswith(begins)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("recipe", "option"),
     thinned(
@@ -257,6 +261,7 @@ def long_job(client, tmp_path, workspace=None):
     return None
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_job_is_cancelled_at_once_and_the_next_one_runs(client, file, tmp_path):
     workspace, job = long_job(client, tmp_path)
     begun = time.monotonic()

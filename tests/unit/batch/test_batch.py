@@ -111,6 +111,7 @@ def test_a_limit_of_another_kind_of_sensor_is_named(folder, tmp_path):
     assert "the limit of N for the channel 'gz' is in m/s/sqrt(h)" in result.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_limits_of_two_kinds_of_sensors_stand_beside_each_other(tmp_path):
     text = '[limits]\nN = [{ max = "0.15 deg/sqrt(h)" }, { max = "0.01 m/s/sqrt(h)" }]\n'
     files = [unit(tmp_path / "g.csv", 0.1, 0), unit(tmp_path / "a.csv", 0.1, 0, "ax")]
@@ -145,6 +146,7 @@ def test_an_interval_that_holds_the_limit_is_said():
     assert near.reason == "1.9 deg/h (1.7 .. 2.1), the interval contains the limit"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_size_of_a_ramp_is_judged(tmp_path):
     model = al.N(0.01, "deg/sqrt(h)") + al.R(2000.0, "deg/h^2")
     record = al.simulate(model, 3000, 10.0, rng=np.random.default_rng(0), name="gz")
@@ -166,6 +168,7 @@ def test_a_channel_that_is_missing_and_a_term_that_was_not_asked_for_are_not_sho
     assert batch[0].outcome == "not shown"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
     limits = spec(tmp_path, '[limits]\nN = { max = "1 m/s/sqrt(h)" }\n')
     result = run(folder / "u0.csv", "--limits", limits)
@@ -201,12 +204,14 @@ def test_where_the_mistake_is_that_of_the_command_it_is_said_once(folder):
     assert "u0.csv" in result.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_one_file_is_shown_as_before(folder):
     alone = run(folder / "u0.csv", "--json", "-")
     assert json.loads(alone.stdout)["type"] == "Study"
     assert json.loads(alone.stdout) == al.analyze(folder / "u0.csv").to_dict()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_standard_input_is_a_file(folder, tmp_path):
     data = (folder / "u0.csv").read_bytes()
     alone = run("-", "--json", "-", input=data)
@@ -224,6 +229,7 @@ def test_standard_input_is_a_file(folder, tmp_path):
     assert "standard input: no rows of numbers" in wrong.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_table_of_coefficients_has_a_row_for_everything(folder, tmp_path):
     result = run(folder, folder / "missing.csv", "--limits", spec(tmp_path, N_ONLY), "--table", "-")
     rows = list(csv.DictReader(io.StringIO(result.stdout)))
@@ -240,6 +246,7 @@ def test_the_table_of_coefficients_has_a_row_for_everything(folder, tmp_path):
     assert alone.startswith("channel,term,")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_outputs_in_the_folder_are_no_units(folder, tmp_path):
     unit(tmp_path / "u0.csv", 0.1, 0)
     for _ in range(2):
@@ -248,6 +255,7 @@ def test_outputs_in_the_folder_are_no_units(folder, tmp_path):
         assert "1 of 1 unit analyzed" in result.stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_mean_spread_and_worst_are_over_the_values(folder):
     batch = al.analyze_files(folder)
     found = {one.symbol: one for one in batch.across}
@@ -260,11 +268,13 @@ def test_mean_spread_and_worst_are_over_the_values(folder):
     assert np.isnan(found["K"].mean)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_device_is_said_once_for_all_units(folder):
     result = run(folder, "--device", "mems")
     assert result.stdout.count("N in a micromechanical (MEMS) gyroscope: angle random walk\n") == 1
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_batch_holds_no_samples(folder):
     batch = al.analyze_files(folder)
     record = batch[0].study["gz"].record

@@ -46,6 +46,7 @@ def test_dask_gives_the_same_bytes(units, tmp_path, address):
         assert path.read_bytes() == (other / path.relative_to(one)).read_bytes(), path.name
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_an_error_and_a_lost_worker_belong_to_their_item(address, tmp_path):
     found = {done.item["x"]: done for done in Dask(address).run(doubled, [{"x": x} for x in (1, 3)])}
     assert (found[1].result, found[3].error) == ({"y": 2}, "internal error (RuntimeError: three)")

@@ -9,6 +9,7 @@ import allanite as al
 from allanite.batch.executor import Processes, Serial
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("executor", [Serial(), Processes(2)])
 def test_an_error_belongs_to_its_item(executor):
     found = {done.item["x"]: done for done in executor.run(doubled, [{"x": x} for x in range(6)])}

@@ -77,6 +77,7 @@ def test_a_batch_that_was_killed_goes_on_and_leaves_no_draft(units, plain, tmp_p
     assert contents(results) == contents(plain)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_batch_whose_disk_is_full_says_so_and_goes_on(units, plain, tmp_path):
     results = tmp_path / "r"
     sizes = {row["key"]: (plain / "parts" / f"{row['key']}.parquet").stat().st_size for row in stored(plain, "files")}

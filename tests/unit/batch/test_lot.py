@@ -45,6 +45,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_lot_is_what_the_analysis_of_the_files_gives(folder):
     files = [folder / name for name in ("bad.csv", "u0.csv", "u1.csv")]
     batch, lot = al.analyze_files(files, al.Recipe(terms="N"), limits=LIMITS), read_lot(folder / "few", LIMITS)
@@ -101,6 +102,7 @@ def test_the_verb_shows_it_in_other_languages(folder):
     assert "bad.csv" in shown.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_few_units_are_tested_or_said_not_to_be(folder, tmp_path):
     few = table(read_lot(folder / "few"))
     assert "Not tested for outlying units: no coefficient has values of 4 units." in few

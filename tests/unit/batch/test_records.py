@@ -61,6 +61,7 @@ def counted(monkeypatch, *, until=10**9):
     return seen
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_one_bad_file_is_named_and_the_others_have_their_rows(units, serial):
     found, results = serial
     assert [(Path(f.file).name, f.error[:30]) for f in found.failed] == [("bad.csv", "no rows of numbers were found ")]
@@ -99,6 +100,7 @@ def test_processes_give_the_same_bytes_even_if_one_is_killed(units, serial, tmp_
     assert contents(tmp_path / "r") == contents(serial[1])
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_an_interrupted_batch_does_what_is_missing(units, serial, tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         first = counted(patch, until=3)
@@ -115,6 +117,7 @@ def test_an_interrupted_batch_does_what_is_missing(units, serial, tmp_path, monk
     assert second == second[:4]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_changed_is_done_again(units, serial, tmp_path, monkeypatch):
     results, own = tmp_path / "r", tmp_path / "own"
     shutil.copytree(serial[1], results)
@@ -183,6 +186,7 @@ def test_a_failure_that_another_run_may_not_have_is_not_kept(units, tmp_path, mo
     assert not run_batch(entry, tmp_path / "r").failed
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_full_disk_ends_the_batch_in_words_and_keeps_what_is_stored(units, tmp_path, monkeypatch):
     real, calls = os.fsync, []
 
@@ -279,6 +283,7 @@ def test_an_option_that_fits_no_file_is_a_wrong_usage(units, tmp_path):
     assert "guess" in done.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_is_stored_does_not_depend_on_who_started_it(units, tmp_path):
     values = np.random.default_rng(0).standard_normal(4000)
     values[[500, 1500]] = 60

@@ -26,6 +26,7 @@ def outcomes(found, channel):
     return {row.quantity: row.outcome for row in found.terms if row.channel == channel}
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_is_claimed_rightly_agrees(recording):
     found = al.check(recording, f"{GYRO}; {ACCELEROMETER}")
     assert found.agrees
@@ -51,6 +52,7 @@ def test_the_factor_of_white_noise_is_found_and_named(recording, factor, name):
     assert cause.words.startswith("N is ")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_noise_that_is_not_claimed_is_found(recording):
     found = al.check(recording, "N 1 deg/sqrt(h)")
     assert {c.record.name for c in found.checked} == {"gx", "gy"}
@@ -82,6 +84,7 @@ def test_bounds_and_tolerance(recording, claim, options, expected):
     assert found.agrees == (not any(row.outcome in CONTRADICTS for row in found.terms))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_limits_and_data_sheets_are_held_against_each_channel(recording, tmp_path):
     file = tmp_path / "limits.toml"
     file.write_text('[limits]\nN = { max = "1.2 deg/sqrt(h)" }\nminimum = { max = "1000 deg/h" }\n[channels.ax]\n'
@@ -106,6 +109,7 @@ def markov(time, seed, drive=None):
 SAME = "N 1.414214e-4 rad/s/sqrt(Hz), GM 1e-3 rad/s {} s; N 1 ug/sqrt(Hz), GM 1 ug 4 s"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_correlation_time_is_found():
     names = "xy"
     right = al.Recording(tuple(al.Record(markov(20.0, i), RATE, "rad/s", name=names[i]) for i in range(2)))
@@ -135,6 +139,7 @@ def test_uniform_numbers_are_found(draw, sentence):
     assert any(sentence in cause.words for cause in found.causes)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_bias_that_is_driven_by_rand_is_found():
     record = al.Record(markov(20.0, 5, lambda rng: rng.random), RATE, "rad/s", name="gx")
     found = al.check(record, SAME.format(20))

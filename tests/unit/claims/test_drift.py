@@ -31,6 +31,7 @@ def study():
     return al.analyze(al.Recording(tuple(records)))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_share_of_each_cause_adds_up(study):
     found = al.drift(study)
     for name in found.quantities:
@@ -200,6 +201,7 @@ def test_a_share_is_typed_in_three_ways():
     assert "scale factor" in tails[0]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_part_of_the_benchmark_made_again():
     """100 runs: within 4.5 standard errors of the closed form, strapdown and on the round earth."""
     runs = 100

@@ -57,6 +57,7 @@ def test_estimate_prints_what_was_simulated(gimbal):
     assert all(len(line) <= 120 for line in done.stdout.splitlines() if not line.startswith("file"))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_everything_is_written(gimbal, tmp_path):
     names = {"report": "a.html", "plot": "a.png", "json": "a.json", "csv": "a.csv", "corrected": "b.csv"}
     done = estimate(gimbal, *(part for k, v in names.items() for part in (f"--{k}", tmp_path / v)))
@@ -102,6 +103,7 @@ def test_an_encoder(encoder, tmp_path):
     assert "Harmonic errors of enc" in (tmp_path / "e.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_plan_finds_the_window_of_the_paper(tmp_path):
     done = run("plan", *EXPERIMENT, "--q-law", "linear", "--report", tmp_path / "p.html", "--plot", tmp_path / "p.svg")
     assert done.exit_code == 0, done.stderr

@@ -40,6 +40,7 @@ def run(*arguments, **options):
     return CliRunner().invoke(main, [str(a) for a in arguments], **options)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_table_is_printed(file):
     result = run("analyze", file)
     assert result.exit_code == 0, result.stderr
@@ -48,6 +49,7 @@ def test_the_table_is_printed(file):
     assert result.stderr == ""
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_everything_is_written_and_named(file, tmp_path):
     paths = {name: tmp_path / file_name for name, file_name in OUTPUTS.items()}
     result = run("analyze", file, *(part for name, path in paths.items() for part in (f"--{name}", path)))
@@ -63,6 +65,7 @@ def test_everything_is_written_and_named(file, tmp_path):
     }
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_json_on_standard_output_is_alone_there(file, tmp_path):
     result = run("analyze", file, "--json", "-", "--csv", tmp_path / "a.csv")
     data = json.loads(result.stdout, parse_constant=pytest.fail)
@@ -70,6 +73,7 @@ def test_json_on_standard_output_is_alone_there(file, tmp_path):
     assert "a.csv" in result.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_quiet_prints_nothing(file, tmp_path):
     result = run("analyze", file, "--quiet", "--plot", tmp_path / "a.svg")
     assert (result.exit_code, result.output) == (0, "")
@@ -153,6 +157,7 @@ def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, mon
     assert path.read_text() == "old"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_force_overwrites(file, tmp_path):
     path = tmp_path / "a.json"
     path.write_text("old")
@@ -219,6 +224,7 @@ def test_a_reader_that_has_seen_enough_is_no_error(file):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_files_are_written_although_nobody_reads_the_table(file, tmp_path):
     read, wrote = os.pipe()
     os.close(read)
@@ -232,6 +238,7 @@ def test_files_are_written_although_nobody_reads_the_table(file, tmp_path):
     assert paths[1].read_text(encoding="utf-8").startswith("channel,")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_terminal_without_the_letters_gets_the_table(file, tmp_path):
     path = tmp_path / "gÿro.csv"
     path.write_bytes(Path(file).read_bytes())
@@ -269,6 +276,7 @@ def test_each_option_is_declared_in_one_file():
     assert {name: files for name, files in declared.items() if len(files) > 1} == {}
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_is_read_off_the_curve_is_said_everywhere(file, tmp_path):
     paths = [tmp_path / name for name in ("a.html", "a.json", "a.csv")]
     result = run("analyze", file, "--report", paths[0], "--json", paths[1], "--coefficients", paths[2])
@@ -285,6 +293,7 @@ def test_what_is_read_off_the_curve_is_said_everywhere(file, tmp_path):
     assert float(of_x["N"]["si_value"]) == x["fit"]["terms"][1]["value"]
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("other", [("--statistic", "mdev"), ("--taus", "1,10")])
 def test_readings_do_not_depend_on_the_curve_that_is_shown(file, other):
     found = [run("analyze", file, "--coefficients", "-", *options).stdout for options in ((), other)]
@@ -293,6 +302,7 @@ def test_readings_do_not_depend_on_the_curve_that_is_shown(file, other):
     assert len(kept[0]) > 10
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_method_that_cannot_know_the_sign_of_a_ramp_prints_its_size(tmp_path):
     sample, paths = ROOT / "examples" / "tactical_gyro.csv", [tmp_path / "a.html", tmp_path / "a.svg"]
     result = run("analyze", sample, "--channels", "gz", "--method", "gls", "--report", paths[0], "--plot", paths[1])

@@ -40,6 +40,7 @@ def folder(tmp_path_factory):
     return place
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_before_and_after(folder, tmp_path):
     ends = {"report": "html", "plot": "svg", "json": "json", "csv": "csv"}
     paths = {name: tmp_path / f"out.{end}" for name, end in ends.items()}
@@ -72,6 +73,7 @@ def test_before_and_after(folder, tmp_path):
     assert "--force" in again.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_channels_of_one_file_and_of_two(folder):
     alone = run(folder / "before.csv", "--json", "-")
     assert json.loads(alone.stdout)["channels"][0]["name"] == "x / y"
@@ -81,6 +83,7 @@ def test_channels_of_one_file_and_of_two(folder):
     assert [channel["name"] for channel in json.loads(both.stdout)["channels"]] == ["x", "y"]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_several_files_are_pooled(folder, tmp_path):
     files = [folder / f"{name}.csv" for name in ("before", "after", "third")]
     paths = tmp_path / "pool.html", tmp_path / "pool.png", tmp_path / "pool.csv"
@@ -129,6 +132,7 @@ def test_bad_input(folder, monkeypatch, arguments, code, words):
     assert "Traceback" not in result.output
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_python_shows_is_what_the_command_prints(folder):
     one, two = (al.read(folder / f"{name}.csv", channels=["x"]) for name in ("before", "after"))
     found = al.compare(one, two)
@@ -141,6 +145,7 @@ def test_what_python_shows_is_what_the_command_prints(folder):
         al.plot(al.compare(*map(al.identify, (one[0], two[0]))))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
     record = al.read(folder / "before.csv")["x"]
     other = al.read(folder / "after.csv")["x"]
@@ -172,6 +177,7 @@ def test_the_recipe_that_is_told_repeats_the_result(folder, tmp_path, monkeypatc
     assert json.loads(run(*files, "--recipe", path, "--json", "-").stdout) == first
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_travels_is_shown_alike(folder):
     files = [folder / f"{name}.csv" for name in ("before", "after", "third")]
     recipe = al.Recipe(taus="octave", channels=("x",))
@@ -193,6 +199,7 @@ def test_what_travels_is_shown_alike(folder):
     assert al.pool(files, recipe).provenance["source 3"] == str(files[2])
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_every_file_is_read_with_the_options(folder, tmp_path):
     paths = []
     for name in ("before", "after"):
@@ -205,6 +212,7 @@ def test_every_file_is_read_with_the_options(folder, tmp_path):
     assert terms[0] == pytest.approx(terms[1], abs=0.01)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_doubtful_clock_is_said_with_the_name_of_its_file(folder, tmp_path):
     x = al.read(folder / "before.csv")["x"]
     time = (np.arange(x.size) + 0.3 * np.random.default_rng(1).standard_normal(x.size)) / 100
@@ -217,6 +225,7 @@ def test_a_doubtful_clock_is_said_with_the_name_of_its_file(folder, tmp_path):
     assert run(folder / "after.csv", path, "--channels", "x").stdout.count("jittered.csv: ") == 2
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_model_that_does_not_explain_its_record_is_not_passed_over():
     rng = np.random.default_rng(1)
     plain, other = (al.simulate(MODEL, 20_000, 100.0, rng=rng, name="z") for _ in range(2))

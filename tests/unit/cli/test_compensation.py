@@ -56,6 +56,7 @@ def current(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_everything_of_a_compensation_is_written(days, tmp_path):
     names = {
         "save": "r.json",
@@ -108,6 +109,7 @@ def soak(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("autopilot", ["px4", "ardupilot"])
 def test_an_autopilot_corrects_as_the_corrected_record(soak, autopilot, tmp_path):
     path, corrected = tmp_path / "tc.params", tmp_path / "c.csv"
@@ -133,6 +135,7 @@ def test_an_autopilot_corrects_as_the_corrected_record(soak, autopilot, tmp_path
         np.testing.assert_allclose(found, removed[::37], rtol=0, atol=2e-4 * np.ptp(removed))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_recipe_of_a_compensation_repeats_it(days, tmp_path):
     asked = ("--regressors", "temp", "--channels", "gx", "--degree", 2, "--lags", 60, "--from", 200, "--apply", days[1])
     first = run("compensate", days[0], *asked, "--outliers", "mark", "--split-gaps", "--level", 0.9, "--json", "-")
@@ -142,6 +145,7 @@ def test_the_recipe_of_a_compensation_repeats_it(days, tmp_path):
     assert json.loads(run("compensate", days[0], "--recipe", recipe, "--json", "-").stdout) == data
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_compensation_is_shown_everywhere(days, tmp_path):
     settings = CompensationSettings(("temp",))
     found = al.compensate_file(days[0], al.Recipe(channels=("gx", "gy")), settings)
@@ -170,6 +174,7 @@ def test_a_channel_that_moves_is_refused(days, tmp_path):
     assert run("compensate", path, "--regressors", "temp", "--channels", "gx").exit_code == 3
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_warm_up_is_no_motion(tmp_path):
     """Its slope is large beside the noise, but it has no sudden step."""
     path = day(tmp_path / "warm.csv", 5)
@@ -186,6 +191,7 @@ def test_a_warm_up_is_no_motion(tmp_path):
     assert "gx depends on temp" in done.stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_regressors_of_another_file_are_cut_with_the_record(days, tmp_path):
     beside = tmp_path / "beside.csv"
     rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[:, [0, 3]]
@@ -226,6 +232,7 @@ def test_a_channel_that_does_not_follow_is_said_to(days):
     assert "absent" in done.stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_was_saved_is_used(days, tmp_path):
     saved = tmp_path / "r.json"
     run("compensate", days[0], "--regressors", "temp", "--channels", "gx", "--save", saved, "--quiet")
@@ -239,6 +246,7 @@ def test_what_was_saved_is_used(days, tmp_path):
     assert run("compensate", days[1], "--use", saved, "--json", saved, "--force").exit_code == 2
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_regressors_of_another_file_are_interpolated_only_if_asked(days, tmp_path):
     slow = tmp_path / "slow.csv"
     rows = np.loadtxt(days[0], delimiter=",", skiprows=1)[::10, [0, 3]]
@@ -272,6 +280,7 @@ def test_wrong_usage_of_compensate(days, options, code, words):
     assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_everything_of_a_budget_is_written(current, tmp_path):
     names = {"rates": "rates.csv", "report": "p.html", "plot": "f.png", "json": "a.json", "csv": "t.csv"}
     paths = {name: tmp_path / file for name, file in names.items()}
@@ -316,6 +325,7 @@ def test_the_recipe_of_a_budget_repeats_it(current, tmp_path):
         assert json.loads(run("budget", current, "--recipe", recipe, "--json", "-").stdout) == data
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_budget_is_shown_everywhere(current, tmp_path):
     settings = PathSettings((al.Stage.parse(STAGE), al.Stage.parse("output 16 500deg/s")), 0.2, 5.0)
     found = al.budget_file(current, al.Recipe(unit="V", terms="QN"), settings)
@@ -331,6 +341,7 @@ def test_a_budget_is_shown_everywhere(current, tmp_path):
         assert "adds N" in table(value)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_model_that_does_not_explain_the_record_is_said_in_its_budget(tmp_path):
     rng = np.random.default_rng(1)
     t = np.arange(20_000) / 100

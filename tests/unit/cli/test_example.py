@@ -32,6 +32,7 @@ def test_the_commands_are_verbs(name):
     assert all(line.split()[0] == "allanite" and line.split()[1] in VERBS for line in lines)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", thinned(PAPERS, 1, "every example whole"))
 def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, monkeypatch):
     monkeypatch.delenv("ALLANITE_DETAILS")

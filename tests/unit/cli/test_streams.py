@@ -46,6 +46,7 @@ def said(*words):
 PROGRAM = " ".join(COMMAND)
 
 
+@pytest.mark.slow("takes more than half a second")
 @linux
 @pytest.mark.parametrize(("stream", "reason"), [(">/dev/full", "No space left on device"), (">&-", "it is closed")])
 def test_a_stream_that_takes_nothing_is_named_and_the_other_output_is_written(file, tmp_path, stream, reason):
@@ -64,6 +65,7 @@ def test_too_small_an_address_space_is_named_before_the_work(file, megabytes):
     assert done.stdout == ""
 
 
+@pytest.mark.slow("takes more than half a second")
 @linux
 def test_a_file_that_does_not_fit_is_refused_before_it_is_read(tmp_path):
     large = tmp_path / "large.npy"
@@ -73,12 +75,14 @@ def test_a_file_that_does_not_fit_is_refused_before_it_is_read(tmp_path):
     assert re.search(r"the record may take 7\.73 GB of memory, of which [\d.]+ [GM]B may be used", done.stderr)
 
 
+@pytest.mark.slow("takes more than half a second")
 @linux
 @pytest.mark.parametrize("stream", ["2>/dev/full", "2>&-"])
 def test_without_standard_error_the_exit_code_says_it(stream, tmp_path):
     assert shell(f"{PROGRAM} info {tmp_path}/none.csv {stream}").returncode == 3
 
 
+@pytest.mark.slow("takes more than half a second")
 @linux
 def test_a_reader_that_leaves_is_no_failure(file, tmp_path):
     done = shell(f"{PROGRAM} info {file} --json {tmp_path}/o.json | head -1; exit ${{PIPESTATUS[0]}}")
@@ -86,6 +90,7 @@ def test_a_reader_that_leaves_is_no_failure(file, tmp_path):
     assert (tmp_path / "o.json").exists()
 
 
+@pytest.mark.slow("takes more than half a second")
 @linux
 def test_a_full_folder_for_copies_is_not_blamed_on_the_file(file, tmp_path):
     packed = tmp_path / "a.csv.gz"
@@ -96,6 +101,7 @@ def test_a_full_folder_for_copies_is_not_blamed_on_the_file(file, tmp_path):
     assert "TMPDIR" in done.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 @linux
 @pytest.mark.parametrize("suffix", thinned(["csv", "npz", "parquet", "h5", "mat"], 2, "a process each"))
 def test_a_file_that_may_not_become_so_large_is_named(tmp_path, suffix):
@@ -130,6 +136,7 @@ def test_a_recipe_is_a_regular_file(file, tmp_path):
     assert "not a regular file" in words
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_names_do_not_drive_the_terminal(tmp_path):
     code, words = said("info", tmp_path / "a\x1b[31m\x9bb.csv")
     assert code == 3

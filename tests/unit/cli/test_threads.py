@@ -50,6 +50,7 @@ def test_a_wrong_number_is_refused(wrong, file):
     assert f"expected a number of processors, at least 1, or auto, not '{wrong}'" in result.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_recipe_may_hold_it(file, tmp_path):
     (tmp_path / "two.toml").write_text("threads = 2\n", encoding="utf-8")
     assert output("analyze", file, "--recipe", tmp_path / "two.toml") == output("analyze", file)

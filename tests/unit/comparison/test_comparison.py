@@ -78,6 +78,7 @@ def test_drawn_powers_have_the_likelihoods_own_law(pair):
     assert np.abs(slopes.mean(axis=0) / (slopes.std(axis=0) / 20)).max() < 4.5
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_draws_gain_what_simulated_pairs_gain():
     """Mean of the likelihood ratio over 150 pairs and 150 draws: within 4 standard errors."""
     real = []
@@ -116,6 +117,7 @@ def test_exchanged_and_scaled_records_have_exchanged_and_scaled_ratios(symbol):
     assert louder.ratio == pytest.approx(1.3 * there.ratio, rel=1e-2)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_unit_kind_and_rate_do_not_matter(pair):
     a, b = pair
     arcsec = np.degrees(b.values) * 3600
@@ -150,6 +152,7 @@ def test_the_ratio_of_two_chi_squares_is_fishers_f(first, second):
         assert law.quantile(p)[0] == pytest.approx(wanted, rel=0.01)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_ratio_at_few_degrees_of_freedom():
     """Shares of 800 equal pairs below the 2.5, 50 and 97.5 % points, at all octaves: 4.5 standard errors."""
     record = simulated(NK, 1, n=512)
@@ -202,6 +205,7 @@ def test_a_ramp_keeps_its_sign():
     assert same.limits(0.95)[0] < 1 < same.limits(0.95)[1]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_gauss_markov_noise_is_compared_at_one_time_constant():
     model = al.N(0.3, "deg/sqrt(h)") + al.GM(60, "deg/h", time_constant=5.0)
     found = al.compare(simulated(model, 1, n=40_000), scaled(simulated(model, 2, n=40_000), 1.3))
@@ -211,6 +215,7 @@ def test_gauss_markov_noise_is_compared_at_one_time_constant():
     assert any("a common time constant" in alert for alert in found.pairs[0].alerts)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_sinusoids_are_taken_out_of_the_comparison():
     noise = [simulated(NK, seed, n=20_000) for seed in (1, 2)]
     sines = [al.Sine(size, "deg/h", frequency=7.3) for size in (200.0, 80.0)]
@@ -221,6 +226,7 @@ def test_sinusoids_are_taken_out_of_the_comparison():
     assert sum("sinusoids were removed, at 7.3" in alert for alert in found.alerts) == 2
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_lost_readings_and_outliers_change_nothing():
     one, two = simulated(NK, 1), simulated(NK, 2)
     wanted = al.compare(one, two)
@@ -235,6 +241,7 @@ def test_lost_readings_and_outliers_change_nothing():
     assert kept["N"].outcome == "smaller"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_fits_alone_say_nearly_the_same_of_strong_terms():
     records = [simulated(NK, 1, n=8192), scaled(simulated(NK, 2, n=8192), 1.1)]
     whole, fits = al.compare(*records), al.compare(*map(al.identify, records))
@@ -252,10 +259,12 @@ def test_holm():
     assert holm([]) == []
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_same_records_have_the_same_verdict(pair):
     assert al.compare(*pair).to_dict() == al.compare(*pair).to_dict()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_channels_are_paired_by_name_or_in_order():
     x, y = simulated(NK, 1, name="x"), simulated(NK, 2, name="y")
     u, v = simulated(NK, 3, name="u"), simulated(NK, 4, name="v")
@@ -315,6 +324,7 @@ def test_a_fit_with_a_term_that_the_other_lacks():
     assert 0 < contrast.p < 0.05
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_records_of_unequal_length_share_noise_of_a_few_samples():
     model = al.N(0.5, "deg/sqrt(h)") + al.GM(0.1, "deg/s", time_constant=2.0)
     records = [al.simulate(model, n, 10.0, rng=np.random.default_rng(n), name="z") for n in (2**14, 2**13)]

@@ -30,6 +30,7 @@ def lines(found):
     return [change for change in found.terms if change.frequency is not None]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_an_amplitude_that_grows_is_a_row_and_in_the_verdict():
     found = al.compare(simulated(1, hum(60)), simulated(2, hum(90)))
     (line,) = lines(found)
@@ -135,6 +136,7 @@ def test_equal_members_of_a_pair_are_found_different_as_often_as_they_should():
     assert np.all((held > 0.84) & (held < 0.96))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_raw_and_corrected_readings_are_compared_as_a_pair():
     """A little noise that independent records would hide, and that their difference shows."""
     both, own = np.random.default_rng(1).standard_normal((2, 4096))
@@ -150,6 +152,7 @@ def test_raw_and_corrected_readings_are_compared_as_a_pair():
     assert alone.p > 0.01
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_length_that_would_do_hardly_depends_on_chance():
     """It was that of the estimates, of which some are nearly zero: from twice to thousands of times these records."""
     model = al.N(0.3, "deg/sqrt(h)") + al.B(3, "deg/h") + al.K(50, "deg/h/sqrt(h)") + al.R(3e3, "deg/h^2")

@@ -24,6 +24,7 @@ def equal():
     return al.pool([run(seed) for seed in range(1, 6)])
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_equal_runs_have_one_noise(equal):
     channel = equal["z"]
     assert channel.alike
@@ -65,6 +66,7 @@ def test_degrees_of_freedom_add_up(equal):
     assert (channel.p > 0.001).all()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_run_that_lies_apart_is_named():
     found = al.pool([run(1), run(2), run(3, factor=1.3), run(4)])
     channel = found["z"]
@@ -77,6 +79,7 @@ def test_the_run_that_lies_apart_is_named():
     assert channel.p[0] < 1e-6
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_ramps_that_differ_are_named():
     """Each run has a ramp of its own, which no noise model contains."""
     ramps = [al.R(size, "deg/h^2") for size in (5e5, -2e5, 5e5)]
@@ -99,11 +102,13 @@ def test_ramps_that_differ_are_named():
     assert low < ramps[0].value < high
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_two_that_lie_apart_do_not_hide_each_other():
     found = al.pool([run(1), run(2, factor=1.5), run(3), run(4, factor=0.7), run(5)])["z"]
     assert set(found.apart) == {"run 2", "run 4"}
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_runs_of_unlike_lengths_and_rates():
     found = al.pool([run(1), run(2, n=9000), run(3, n=8192, rate=200.0)])["z"]
     assert found.band[1] == 50.0
@@ -117,6 +122,7 @@ def test_bartlett_is_scipys():
     assert bartlett(variance, np.full((4, 1), 11.0))[0] == pytest.approx(wanted, rel=1e-9)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_beginning_of_a_record_agrees_with_the_whole():
     found = al.truncation(run(7, n=12_000), 60.0)
     (pair,) = found.pairs
@@ -130,6 +136,7 @@ def test_the_beginning_of_a_record_agrees_with_the_whole():
         al.truncation(run(1), 500.0)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_cannot_be_pooled():
     with pytest.raises(al.UsageError, match="at least two runs, not 1"):
         al.pool([run(1)])

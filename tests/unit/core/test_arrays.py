@@ -20,6 +20,7 @@ def test_infinite_samples_of_both_signs(job, dtype, kind):
         job(record)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("scale", [np.nan, 0.0, 1e-300, 1e200, 1e306, np.inf])
 def test_a_channel_that_cannot_be_analyzed_stands_beside_one_that_can(scale, tmp_path):
     good = np.random.default_rng(1).standard_normal(3000)

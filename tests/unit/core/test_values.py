@@ -147,6 +147,7 @@ def test_confidence_needs_the_noise():
         al.deviation(record(), noise=MODEL).interval(95)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_intervals_are_chi_square():
     """68.3 % of 400 records hold the truth at every octave: 400 trials, 4.5 standard errors, error probability 1e-4."""
     curves = [
@@ -250,6 +251,7 @@ def test_recipes_are_plain_data(tmp_path):
         al.Recipe.load(path)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_study_is_the_documented_json():
     study = al.analyze(al.Recording((record(20_000, name="x"), record(20_000, name="y"))), al.Recipe(taus="octave"))
     data = json.loads(json.dumps(study.to_dict(), allow_nan=False))

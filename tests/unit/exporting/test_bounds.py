@@ -49,6 +49,7 @@ def run(*arguments):
     return CliRunner().invoke(main, list(map(str, arguments)))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_refusal_names_what_writes_a_file(file, tmp_path):
     refused = run("export", file, "--to", "kalibr")
     assert (refused.exit_code, refused.stdout) == (3, "")

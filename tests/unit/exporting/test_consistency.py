@@ -67,6 +67,7 @@ def test_filters_of_the_benchmark_are_those_of_the_referee(time, truth):
     assert aided.truth(GYRO).errors(found, AID)[0] == pytest.approx(actual, rel=1e-9)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_simulated_errors_are_those_of_the_covariance():
     """Of 1 000 runs within four standard errors, for a drift, a stationary noise, and an accurate aid."""
     model = GYRO + al.GM(10, "deg/h", time_constant=100.0)

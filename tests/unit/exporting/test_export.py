@@ -174,6 +174,7 @@ def test_a_process_replaces_a_walk_only_where_a_correlation_time_is_written():
     assert one.time == 50.0
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", list(al.EXPORTS))
 def test_the_same_input_gives_the_same_bytes_and_every_form(name):
     for form in al.EXPORTS[name].forms:
@@ -237,6 +238,7 @@ def files(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_file_for_kalibr_from_two_recordings(files):
     import yaml
 
@@ -253,6 +255,7 @@ def test_a_file_for_kalibr_from_two_recordings(files):
     assert "already exists" in again.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_results_of_analyze_are_taken_as_they_are(files):
     for name in ("gyro", "acc"):
         assert run("analyze", files / f"{name}.csv", "--json", files / f"{name}.json", "--quiet").exit_code == 0
@@ -263,6 +266,7 @@ def test_results_of_analyze_are_taken_as_they_are(files):
     assert "sha256" in stored.stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_other_sensor_as_a_model_and_json(files):
     done = run(
         "export", files / "gyro.csv", "--model", "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)", "--to", "px4", "--json", "-"
@@ -335,6 +339,7 @@ def test_every_target_is_explained(name):
     assert json.loads(run("explain", name, "--json", "-").stdout)["targets"][0]["name"] == name
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_flicker_without_a_field_is_said_with_what_it_costs():
     """N and a limit of K were once called more cautious than need be."""
     noise = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")

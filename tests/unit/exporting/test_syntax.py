@@ -149,6 +149,7 @@ def test_nothing_of_a_name_is_read_back(tactical, target):
     assert noise_in(hostile.text, row, 100.0).models == noise_in(plain.text, row, 100.0).models
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_line_break_in_a_member_is_no_key_of_kalibr(tmp_path):
     rng, file = np.random.default_rng(1), tmp_path / "i.npz"
     names = ("gx\nevil: x # [deg/s]", "gy", "gz", "ax", "ay", "az")

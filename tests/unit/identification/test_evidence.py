@@ -89,6 +89,7 @@ def test_moving_averages_are_named_and_their_lobes_are_no_lines(count):
 LONG = "N 0.1 deg/sqrt(h), K 12 deg/h/sqrt(h)"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_long_gap_makes_no_ramp():
     """A ramp was claimed in 14 of 20: what a random walk does during the gap is one step."""
 
@@ -104,12 +105,14 @@ def test_a_long_gap_makes_no_ramp():
 BESIDE = "N 0.1 deg/sqrt(h), B 3 deg/h, GM 3 deg/h 60 s"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_limits_of_flicker_know_of_gauss_markov_noise_that_was_not_selected():
     """They held it in 13 of 20."""
     held_in = [holds(al.identify(made(BESIDE, 2**16, 20.0, seed)), BESIDE, "B") for seed in range(12)]
     assert sum(held_in) >= 10
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_resonances_are_left_out_with_their_skirts_and_not_the_band_above():
     rng = np.random.default_rng(5)
     quiet = al.simulate(al.Model(WHITE), 200_000, RATE, rng=rng)
@@ -142,6 +145,7 @@ def test_masks_that_leave_nothing_are_refused():
     assert (first, last, second, end) == pytest.approx((1, 2, 19, 20), rel=0.1)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_angle_noise_beyond_the_rounding_is_not_valid():
     record = made("Q 2 arcsec, N 0.003 deg/sqrt(h)", 2**14, RATE, 1)
     step = 1e-2 * record.values.std()
@@ -152,6 +156,7 @@ def test_angle_noise_beyond_the_rounding_is_not_valid():
     assert not_rounding(al.identify(record), record) == {}  # no known step
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_hump_near_half_the_rate_is_no_angle_noise():
     rng = np.random.default_rng(3)
     y = rng.standard_normal(200_000)
@@ -159,6 +164,7 @@ def test_a_hump_near_half_the_rate_is_no_angle_noise():
     assert not noise.fit["Q"].claimed
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_steps_of_the_bias_are_no_random_walk():
     found = []
     for seed in range(6):
@@ -218,6 +224,7 @@ def test_the_power_of_steps_is_that_of_their_literal_transform():
     assert not step_power(bins, at, size)[~above].any()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_random_walk_is_no_steps():
     walk = "N 0.1 deg/sqrt(h), K 12 deg/h/sqrt(h)"
     fits = [al.identify(made(walk, 2**14, 20.0, seed)) for seed in range(15)]

@@ -52,6 +52,7 @@ def test_the_other_slow_term_is_integrated_over():
 FOG = al.Model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("seed", [7, 14])
 def test_a_random_walk_beside_a_ramp_is_not_bounded_too_low(seed):
     """With the square of R at its maximum, K was below 0.85 and 0.9 deg/h/sqrt(h) here."""

@@ -54,6 +54,7 @@ def test_a_ramp_is_taken_out_in_place():
     np.testing.assert_allclose(y, expected, atol=1e-13)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_logarithms():
     x = np.concatenate((10.0 ** np.random.default_rng(4).uniform(-300, 300, 10_000), np.linspace(0.7, 1.5, 1001)))
     logarithms = njit(_logarithms.py_func)  # a part has no wrapper for Python

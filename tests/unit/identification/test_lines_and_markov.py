@@ -39,6 +39,7 @@ def test_gauss_markov_takes_the_place_of_flicker_where_the_record_says_so():
     assert flicker.aic > 8
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_flicker_stays_where_it_is_true():
     """About 1 % of records say otherwise: none of 10 but with a probability of 10 %, more than 3 with 2e-6."""
     fits = [al.identify(record_of(N + B + K, 2**16, seed)) for seed in range(1, 11)]
@@ -101,6 +102,7 @@ def test_a_wave_is_a_sine(n):
     np.testing.assert_allclose(wave.values(n), 2 * np.sin(2 * np.pi * 0.1234 * (np.arange(n) + 0.5) + 0.7), atol=1e-9)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(("frequency", "ratio"), [(12.0, 100.0), (0.5, 100.0), (3.3, 1000.0)])
 def test_sinusoids_are_found_and_taken_out(frequency, ratio):
     """At a peak 100 times the noise a line is missed in fewer than 1 of 1e6 records."""
@@ -160,6 +162,7 @@ def test_false_lines_are_rare():
     assert sum(bool(fit.lines) for fit in fits) <= 5
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize("n", [1000, 1024, 16384])
 @pytest.mark.parametrize("pattern", [[1, -1], [0, 1, 0, -1], [1, 1, -1, -1], [0, 1, 2, 3, 4, 3, 2, 1], [0] * 15 + [1]])

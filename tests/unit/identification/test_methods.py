@@ -52,6 +52,7 @@ def test_the_table_is_complete():
         assert not row.allowed or row.statistic in row.allowed
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("method", "statistic"), thinned([r for r in READING if r[0] in ("gls", "nnls", "ls")], 6, "every statistic")
 )
@@ -94,6 +95,7 @@ def test_the_solution_is_that_of_the_normal_equations_and_never_negative():
     assert wanted.min() >= 0
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_bias_ratio_of_a_hybrid_is_divided_out():
     """Whichever ratio the curve carries, its own or that of a model, and whatever the share up to which it is oadev."""
     model = model_of(N=1.0, K=0.02)
@@ -125,6 +127,7 @@ def test_standard_errors_of_gls_are_those_of_simulation():
         assert sum(low <= value <= high for low, high in (fit[symbol].interval() for fit in fits)) >= 48
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_gls_says_what_it_is_sure_of():
     fit = al.identify(record_of(model_of(N=1.0)), "gls", terms="QNBKR")
     assert fit["N"].status == "identified"
@@ -144,6 +147,7 @@ def test_gls_says_what_it_is_sure_of():
     assert al.Fit.to_dict(fit)["method"] == "gls"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_claim_is_a_rise_of_four():
     """An absent term is claimed in about 2.3 % of records: more than 12 of 100 with a probability below 1e-5."""
     model = model_of(N=1.0)
@@ -158,6 +162,7 @@ def test_the_ramp_of_a_curve_has_no_sign():
     assert any("R is given without its sign" in note for note in fit.notes)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_dense_curve_is_read_at_octaves():
     record = record_of(model_of(**TRUTH))
     dense, sparse = al.deviation(record, taus="log"), al.deviation(record, taus="octave")
@@ -194,6 +199,7 @@ def test_gls_of_a_curve_with_gaps_scatters_more():
     assert 1.1 < lost["N"].standard_error / whole["N"].standard_error < 1.4
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_corrected_bias_is_taken_back():
     record = record_of(model_of(N=1.0, B=0.5))
     plain, corrected = (al.deviation(record, "theo1", bias=bias) for bias in (None, "published"))
@@ -203,6 +209,7 @@ def test_a_corrected_bias_is_taken_back():
         assert a == pytest.approx(b, rel=1e-9)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_statistics_may_be_chosen():
     record = record_of(model_of(N=1.0, B=0.5))
     for statistic in al.METHODS["gls"].allowed:
@@ -364,6 +371,7 @@ def test_drift_is_the_ramp_of_exact_curves():
     assert note.endswith("the R of the fit is no evidence of a ramp")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_recipe_has_its_statistic_read():
     record = record_of(model_of(N=1.0, B=0.5))
     for statistic, read in (("theo1", "theo1"), ("oadev", "oadev"), ("totdev", "oadev")):

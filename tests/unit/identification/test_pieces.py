@@ -130,6 +130,7 @@ def test_without_gaps_or_noise_of_the_angle_the_joined_record_is_read():
     assert spectrum(lossy(al.sensor("rlg"), 1, 0.01), detrend=True).pieces is not None
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_spectrum_is_that_expected():
     model, total, told = al.Model("Q 0.5 arcsec, N 0.18 arcsec/sqrt(s)"), 0.0, 0.0
     for seed in range(8):

@@ -56,6 +56,7 @@ def test_every_kind_of_record_leaves_the_same(kind):
     np.testing.assert_allclose(al.whitened(forms[kind], SENSORS["FOG"]), expected, atol=2e-3)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", ["MEMS", "FOG", "RLG"])
 def test_clean_records_are_explained(name):
     """Anything is said against two in a hundred: 2 of 5 are with probability 0.004."""
@@ -75,6 +76,7 @@ def test_a_dithered_quantizer_is_explained():
     assert al.residuals(record, fit).explained
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_residuals_are_plain_data_and_a_figure(tmp_path):
     record = al.Record(record_of("FOG", 1).values, 100.0, "rad/s", name="gx")
     left = al.residuals(record, al.identify(record))
@@ -169,6 +171,7 @@ def test_pairs_are_told_in_one_finding_that_names_the_closest():
     )
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_study_says_it_in_words_and_pictures():
     recording = both(0.5)
     y = recording["y"].values.copy()

@@ -41,6 +41,7 @@ def test_all_frequencies_are_read_where_that_is_asked():
     assert fit.validity == "unexplained"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_no_filter_describes_ends_the_band_with_a_margin():
     """White noise that steps up fourfold at 10 Hz: the band ends an octave or more below."""
     rng = np.random.default_rng(3)
@@ -123,6 +124,7 @@ def test_a_coefficient_above_the_curve_is_not_valid():
     assert after["N"].status == fit["N"].status
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_record_that_nothing_explains_has_no_valid_coefficient():
     n = 2**15
     rng = np.random.default_rng(1)

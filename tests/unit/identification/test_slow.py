@@ -180,6 +180,7 @@ def test_the_window_that_a_warm_up_advises_is_free_of_it():
     assert rest.goodness.explained
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_warm_up_that_fills_the_record_is_to_be_waited_for():
     text = str(al.identify(record_of(N + B, 2**16, 2, settling(200, 0.3))).findings[0])
     assert "record again, starting at least" in text

@@ -96,6 +96,7 @@ def test_work_within_work_is_not_shared_again():
     assert how_many(5) == 1
 
 
+@pytest.mark.all_processors
 def test_as_many_processes_as_the_samples_allow():
     with processes(None):
         assert how_many(100, samples=2**30) == 1
@@ -119,12 +120,14 @@ def test_a_study_and_its_page_are_the_same_bit_for_bit(recording):
         assert page_of == whole
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_study_keeps_the_records(recording):
     with processes(2):
         study = al.analyze(recording)
     assert all(channel.record is record for channel, record in zip(study.channels, recording, strict=True))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_refused_channel_is_refused_in_any_process(recording):
     bad = al.Record(np.zeros(N), rate=50.0, unit="deg/h", name="dead")
     mixed = al.Recording((*recording.records, bad))

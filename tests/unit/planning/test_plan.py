@@ -72,6 +72,7 @@ def test_a_ramp_in_white_noise():
     assert found["R"] == pytest.approx(found.ramp / 1e-3)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_sinusoid_in_white_noise():
     """The textbook: 2 sigma^2 / n for the amplitude; scatter of least squares over 200 records, within 25 %."""
     n, f, A = 512, 0.123, 0.7
@@ -158,6 +159,7 @@ def test_the_verb_plans_for_a_sensor():
     assert "looked for" not in whole
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_verb_plans_from_a_first_recording(tmp_path):
     record = al.simulate(al.sensor("mems"), 60_000, 100.0, rng=np.random.default_rng(1), unit="deg/h", name="gz")
     al.write(record, tmp_path / "first.npz")

@@ -20,6 +20,7 @@ def check():
     return al.selfcheck(MODEL, 4000, 10.0, records=40, rng=np.random.default_rng(1), terms="NBK")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_bound_is_reached(check):
     """40 records: spread within 5 standard errors, the mean error too (false alarms below 1e-5)."""
     assert [c.symbol for c in check.terms] == ["N", "B", "K"]
@@ -33,6 +34,7 @@ def test_the_bound_is_reached(check):
     assert check["B"].found[0] <= 0.25
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_same_seed_gives_the_same_and_a_fit_stands_for_its_model(check):
     fit = al.Fit((), "", MODEL.signal, MODEL)
     again = al.selfcheck(fit, 4000, 10.0, records=40, rng=np.random.default_rng(1), terms="NBK")
@@ -119,6 +121,7 @@ def test_the_verb_ends_with_4_where_a_limit_is_exceeded():
     assert 0.5 > channel["terms"][0]["found_error"] > 0
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_another_method_can_be_checked():
     """It reads no evidence off the curve, so that no term counts as found, and no record as unexplained."""
     check = al.selfcheck(MODEL, 2000, 10.0, records=4, rng=np.random.default_rng(1), method="nnls")
@@ -131,6 +134,7 @@ def test_another_method_can_be_checked():
     assert json.loads(result.stdout)["recipe"]["method"] == "gls"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_verb_takes_the_length_of_a_recording(tmp_path):
     record = al.simulate(MODEL, 3000, 10.0, rng=np.random.default_rng(1), unit="deg/h", name="gx")
     al.write(record, tmp_path / "one.npz")

@@ -72,6 +72,7 @@ def test_they_are_looked_for_once(monkeypatch):
         outliers(record.with_values(record.values, "again"))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_clean_records_have_none():
     """3 million readings of three sensors: two of 45 records have one with probability 0.001."""
     found = [outliers(record_of(values_of(sensor, seed))) for sensor in SENSORS for seed in range(1, 16)]
@@ -230,6 +231,7 @@ def test_a_ramp_is_found_at_its_true_times():
     )
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("sensor", "count", "length"),
     all_but([("MEMS", 20, 160), ("FOG", 500, 5), ("RLG", 20, 160)], [("FOG", 500, 5), ("RLG", 20, 160)], "ensemble"),

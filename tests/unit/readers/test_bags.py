@@ -53,6 +53,7 @@ def theirs(path):
     return np.array([row[:2] for row in rows]), np.array([row[2:] for row in rows])
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(("form", "compression"), thinned(EVERY, 4, "every compression of every form"))
 def test_samples_are_those_of_rosbags(tmp_path, form, compression):
     frames = ["imu", "imu_link", "a", "", "base"]
@@ -201,6 +202,7 @@ def test_several_topics_are_listed_with_type_count_and_rate(several):
     assert "/mag" not in said
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_topic_and_its_channels_are_named(several):
     assert np.array_equal(samples(al.read(several, channels=["/right/imu"])), 2 * VALUES[:200])
     assert al.read(several, channels=["right/imu"])[0].rate == 50.0
@@ -346,6 +348,7 @@ def test_a_counter_in_the_header_shows_what_is_missing(tmp_path):
 # folders, packings
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_bag_of_several_files_is_one_recording(tmp_path):
     topic = imu_topic("db3", VALUES)
     parts = []

@@ -154,6 +154,7 @@ def test_what_it_takes_and_what_is_said(name, tmp_path):
     assert max(len(line) for line in (shown + done.stderr).splitlines()) < 700
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_samples_are_those_of_the_file(tmp_path):
     archive_of_64_bits(tmp_path / "a.zip")
     chunks_of_one_sample(tmp_path / "a.h5")

@@ -129,6 +129,7 @@ def test_missing_stamps(stamped):
         read(stamped(stamps))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_drifting_clock_is_no_gap(stamped):
     k = np.arange(100_000)
     recording = read(stamped((k + 3e-10 * k**2) * 0.01 + 0.001))  # 60 ppm over the record

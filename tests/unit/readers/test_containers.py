@@ -32,6 +32,7 @@ def two_sensors(tmp_path):
     return tmp_path / "a.h5"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_several_sensors_are_listed_and_chosen(two_sensors):
     with pytest.raises(
         UsageError, match=r"2 recordings.*imu0/gyro \(60 x 3\); imu1/acc \(40 x 3\), imu1/time \(40\).*channels="
@@ -128,6 +129,7 @@ def test_a_dataset_that_claims_more_than_its_file(tmp_path):
         al.read(tmp_path / "b.h5", rate=1.0, unit="deg/s")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch, tmp_path):
     from allanite.readers.sandbox import process
 
@@ -227,6 +229,7 @@ def test_sizes_that_a_mat_file_claims_are_not_believed(tmp_path, old, new):
         al.read(tmp_path / "a.mat", rate=1, unit="deg/s")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_of_a_bomb_in_a_mat_file_no_more_is_unpacked_than_it_may(tmp_path):
     path = savemat(tmp_path / "a.mat", {"gyro": np.zeros(30_000_000)}, do_compression=True)
     with pytest.raises(DataError, match=r"claims more than the \S+ MB that a file of this size may unpack to"):
@@ -299,6 +302,7 @@ def test_sequences_of_a_small_r_file_do_not_take_gigabytes(tmp_path):
         al.read(r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 300) + 300 * sequence), rate=1, unit="deg/s")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_million_empty_entries_do_not_take_long(tmp_path):
     import struct
     import time
@@ -386,6 +390,7 @@ def test_an_archive_with_several_asks(tmp_path):
         al.read(f"{tmp_path / 'a.csv'}::a", rate=1)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_bombs_are_refused(tmp_path):
     import bz2
     import gzip
@@ -424,6 +429,7 @@ def test_bombs_in_bombs_do_not_multiply(tmp_path):
         al.read(tmp_path / "a.zip", rate=1, unit="deg/s")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_archives_that_hold_nothing_to_read(tmp_path):
     def archive_of(**members):
         with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
@@ -500,6 +506,7 @@ def test_every_reader_tells_its_title():
     assert all(len(reader.TITLE) > 3 for reader in map(reader_named, READERS))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_column_of_texts_in_r_is_passed_over(tmp_path):
     """300000 stamps as texts beside 300000 numbers, as a data frame has them."""
     import struct

@@ -202,6 +202,7 @@ def test_damaged_lines_of_a_log_as_text(tmp_path):
         al.read(path)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_mutations_of_a_log_as_text_are_read_or_refused(tmp_path):
     path, (imu, rate) = tmp_path / "flight.log", flown(40)
     data, found = as_text(*UNITS, *imu, *rate).encode(), set()

@@ -21,6 +21,7 @@ fuzz = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(fuzz)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.ensemble
 @pytest.mark.parametrize("name", thinned(fuzz.SEEDS, 13, "damaged files of every format"))
 def test_damaged_files_are_read_or_refused(tmp_path, name):

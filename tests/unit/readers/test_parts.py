@@ -173,6 +173,7 @@ def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, size):
     assert [f.what for f in findings] == [f.what for f in whole.findings]
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("form", ["bag", "db3", "mcap"])
 def test_a_bag_is_read_in_parts(tmp_path, form):
     bag_files = pytest.importorskip("bag_files", reason="pip install 'allanite[ros]'")

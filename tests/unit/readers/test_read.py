@@ -111,6 +111,7 @@ def test_useless_content_is_refused_in_words(write, name, content):
     assert len(str(caught.value)) > 40
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_rows_of_thousands_of_numbers_are_refused(write):
     row = b"1.5," * 1500
     with pytest.raises(DataError, match="one row per sample"):

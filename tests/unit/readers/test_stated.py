@@ -102,6 +102,7 @@ def test_one_scale_for_several_units_is_refused(write):
         read(path, unit="gyro=deg/s", scale="0.1deg/h")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_recipe_command_line_and_python_agree(write, tmp_path):
     path = str(write("time [s],wx,wy,ax"))
     (tmp_path / "text.toml").write_text('unit = "gyro=deg/s,accel=g"\n')
@@ -144,6 +145,7 @@ def test_a_rate_against_the_stamps_is_refused_or_a_warning_that_names_both(write
     assert again.exit_code == 0, again.output
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_both_warnings_are_shown_by_the_report(write, tmp_path):
     page = tmp_path / "page.html"
     path = write("time [s],wx [rad/s],wy [rad/s],ax [g]")

@@ -30,6 +30,7 @@ def runs(tmp_path):
     return tdms(tmp_path / "a.tdms", *channels)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_groups_are_listed_and_chosen(runs):
     words = r"2 tables.*\(Run 1/1 \(500 rows at 100 Hz\), Run 2 \(300 rows at 500 Hz\)\).*channels='Run 1/1'"
     with pytest.raises(UsageError, match=words):
@@ -68,6 +69,7 @@ def test_several_segments_and_an_index_of_another_file(tmp_path):
     assert np.array_equal(al.read(tmp_path / "a.tdms")[0].values, GYRO[:, 0])
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_damaged_files(runs, tmp_path):
     whole = runs.read_bytes()
     for data, words in (

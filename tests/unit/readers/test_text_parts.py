@@ -225,6 +225,7 @@ os._exit(0)
 """tracemalloc is not stopped safely while another thread gets memory: it ends with a process of its own."""
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_memory_is_that_of_a_few_parts(tmp_path):
     path = tmp_path / "long.csv"
     with path.open("w") as file:

@@ -52,6 +52,7 @@ def log(tmp_path):
     return ulog(tmp_path / "a.ulg", *topics, ("cpuload", 0, "uint64_t timestamp;float load;", [])), first, second
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_several_topics_are_listed_with_rate_and_count_and_chosen(log):
     path, _, second = log
     words = (

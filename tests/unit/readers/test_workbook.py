@@ -57,6 +57,7 @@ def test_dates_empty_cells_and_units_in_a_row_of_their_own(tmp_path):
     assert np.allclose(recording[1].values, GYRO[:, 1], rtol=1e-15)  # written with 16 digits
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_several_sheets_are_listed_and_chosen(tmp_path):
     path = workbook(tmp_path / "a.xlsx", Run_1=timed(), Run_2=timed(250))
     with pytest.raises(UsageError, match=r"2 tables .*\(Run 1 \(300 rows\), Run 2 \(250 rows\)\).*channels='Run 1'"):
@@ -107,6 +108,7 @@ def replaced(folder, sheet):
     return folder / "b.xlsx"
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     "sheet",
     [

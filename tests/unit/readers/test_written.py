@@ -81,6 +81,7 @@ CONTAINED = (".hdf5", ".h5", ".mat")
 COMMON = {"deadline": None, "suppress_health_check": [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]}
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("suffix", [suffix for suffix in WRITERS if suffix not in CONTAINED])
 @settings(max_examples=examples(150), **COMMON)
 @given(recording=recordings())
@@ -89,6 +90,7 @@ def test_written_and_read_back(tmp_path, suffix, recording):
     assert_same(al.read(tmp_path / f"a{suffix}"), recording)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("suffix", CONTAINED[1:])
 @settings(max_examples=examples(10), **COMMON)
 @given(recording=recordings())
@@ -225,6 +227,7 @@ def test_packed_in_an_archive(tmp_path, values):
     )
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("compress", [False, True])
 @settings(max_examples=examples(4), **COMMON)
 @given(values=VALUES, rate=POSITIVE)
@@ -260,6 +263,7 @@ def test_matlab_73(tmp_path, values, rate):
     assert recording[0].rate == rate
 
 
+@pytest.mark.slow("takes more than half a second")
 @settings(max_examples=examples(4), **COMMON)
 @given(values=VALUES, rate=POSITIVE)
 def test_r_matrices_and_frames(tmp_path, values, rate):

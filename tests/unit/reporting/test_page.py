@@ -171,6 +171,7 @@ def test_the_command_line_takes_units_and_facts(tmp_path):
     assert "no noise coefficient has the unit 'deg/s^3'" in result.output
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("unit", ["V", "m/s^2"])
 def test_a_unit_of_no_channel_is_refused(tmp_path, unit):
     rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))

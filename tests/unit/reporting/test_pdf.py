@@ -47,6 +47,7 @@ def written(monkeypatch, study):
     return pages
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_text_and_figures_have_the_order_of_the_page(study, written):
     words = "\n".join(line for lines, _ in written for line in lines)
     order = (
@@ -59,6 +60,7 @@ def test_text_and_figures_have_the_order_of_the_page(study, written):
     assert sum(len(figures) for _, figures in written) * 2 == page(study).count('<svg role="img"')
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_nothing_lies_on_something_else_nor_beyond_the_paper(written):
     for _, figures in written:
         boxes = sorted((figure.bbox_inches.y0, figure.bbox_inches.y1) for figure in figures)
@@ -80,6 +82,7 @@ def test_the_same_result_makes_the_same_bytes(study, made):
     assert b"/CreationDate" not in made
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_suffix_says_that_it_is_one(study, tmp_path):
     curve = study.channels[0].curve
     report(curve, tmp_path / "page.PDF")
@@ -88,6 +91,7 @@ def test_the_suffix_says_that_it_is_one(study, tmp_path):
         report(curve, tmp_path / "page.PDF")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_command_line_writes_one(tmp_path):
     out = tmp_path / "plan.pdf"
     words = ["plan", "--sensor", "mems", "--rate", "10", "--report", str(out)]

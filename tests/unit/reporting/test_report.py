@@ -212,6 +212,7 @@ def test_a_page_says_nothing_twice():
 # figures
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_each_channel_has_a_figure_of_its_own_where_the_path_says_so(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     study = study_of(channel_of("Gyro. X"), channel_of("../y"), channel_of("..:y"), refused())
@@ -257,6 +258,7 @@ def test_few_degrees_of_freedom_and_doubt_are_said(study):
     assert plot(study).axes[0].get_title("right") == "explained, p = 0.4"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_model_that_is_drawn_has_the_warm_up_that_was_found():
     y = np.random.default_rng(3).standard_normal(40_000) - 3 * np.exp(-np.arange(40_000) / 4000)
     study = al.analyze(al.Record(y, 20.0, "deg/h", name="gx"))
@@ -280,6 +282,7 @@ def test_what_cannot_be_drawn_is_said():
         plot(type(study_of(refused())).from_dict(study_of(refused()).to_dict()))
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_a_saved_figure_is_the_same_every_time(study, tmp_path, suffix):
     for name in ("a", "b"):
@@ -289,6 +292,7 @@ def test_a_saved_figure_is_the_same_every_time(study, tmp_path, suffix):
     assert len(first) > 5000
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_figure_is_refused_before_it_is_drawn(study, tmp_path):
     with pytest.raises(UsageError, match="png, svg, pdf"):
         plot(study, path=tmp_path / "a.jpg")
@@ -298,6 +302,7 @@ def test_a_figure_is_refused_before_it_is_drawn(study, tmp_path):
     plot(study, path=tmp_path / "a.png", force=True)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("least", [1e-9, 0.0, 0.9])
 def test_a_cell_without_power_does_not_spoil_the_strips(least):
     z = np.linspace(-4, 1.5, 24)
@@ -408,6 +413,7 @@ def test_flicker_has_the_level_of_the_statistic(statistic, share):
     assert any(text.get_text().startswith(f"{share} = ") for text in figure.axes[0].texts)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_labels_of_tall_figures_are_inside():
     figure = new_figure(6.6, 14.837)
     for ax in figure.subplots(3, 1):

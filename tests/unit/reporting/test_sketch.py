@@ -79,6 +79,7 @@ def study():
     return al.analyze(al.Recording((*made, other)))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_every_figure_of_an_analysis_is_sketched(study):
     face = view_of(study).face(study, 0.95)
     found = list(drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]))

@@ -187,6 +187,7 @@ def run(*arguments):
     return CliRunner().invoke(main, ["statespace", *map(str, arguments)])
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
     result = run("--sensor", "mems", "--rate", 50, "--turn-on", "30 deg/h", "--plot", tmp_path / "a.png")
     assert result.exit_code == 0, result.stderr
@@ -200,6 +201,7 @@ def test_the_verb_prints_matrices_that_can_be_pasted(tmp_path):
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_verb_takes_a_recording(tmp_path):
     record = al.simulate(al.sensor("mems"), 40_000, 20.0, rng=np.random.default_rng(1), unit="deg/h", name="gz")
     al.write(record, tmp_path / "one.npz")

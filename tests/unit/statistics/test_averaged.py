@@ -31,6 +31,7 @@ def points(statistic):
     return CurvePoints.of(statistic, np.array(FACTORS), [(1024, 1)], 1024, 1.0, 0.2)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("statistic", ["oadev", "hdev", "totdev", "theo1"])
 def test_limits_are_those_of_the_mixture_of_the_laws(statistic):
     at = points(statistic)

@@ -128,6 +128,7 @@ def test_bias_of_many_points_is_that_of_each():
     np.testing.assert_allclose(curve.factor[some], few.factor, rtol=1e-3)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_curve_of_every_tau_has_its_limits_and_figure_in_seconds():
     record = record_of(rate("flicker", 300_000))
     start = time.process_time()

@@ -66,6 +66,7 @@ def test_a_single_term_can_be_drawn_and_several_models_beside_each_other():
     )
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_everything_of_a_model_is_written(tmp_path):
     names = {"plot": "a.png", "csv": "a.csv", "json": "a.json", "report": "a.html"}
     asked = [part for option, name in names.items() for part in (f"--{option}", tmp_path / name)]

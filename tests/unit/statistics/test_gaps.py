@@ -19,6 +19,7 @@ def with_losses(seed, share, size=4096):
     return al.Record(y, rate=1.0, unit=record.unit, kind="rate")
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("share", thinned([0.01, 0.05, 0.2], 1, "ensemble"))
 def test_every_point_that_has_a_window_has_limits(share):
     for seed in range(6):

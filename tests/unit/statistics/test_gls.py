@@ -60,6 +60,7 @@ def test_solve_is_the_dense_solution(symbols, n):
     np.testing.assert_allclose(v, wanted, atol=1e-7 * np.abs(wanted).max())
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("symbols", "n"),
     thinned([*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)], 2, "long records"),

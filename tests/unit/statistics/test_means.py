@@ -87,6 +87,7 @@ def test_white_noise_is_met_at_every_tau():
     assert np.all(np.abs(np.mean(ratio, axis=0) - 1) < 3.3 * error)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_limits_hold_where_no_window_is_complete():
     model, inside = al.N(1, "deg/sqrt(h)") + al.K(60, "deg/h/sqrt(h)"), []
     for seed in range(60):

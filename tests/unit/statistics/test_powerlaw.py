@@ -99,6 +99,7 @@ def test_gaps_cost_little(alpha):
     assert hits >= 17
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("alpha", list(NOISE))
 @pytest.mark.parametrize("samples", thinned([3, 5, 10, 20], 1, "ensemble"))
 def test_very_short_pieces_still_say_it(alpha, samples):

@@ -22,6 +22,7 @@ def angle(kind, n, seed=1):
     return np.concatenate(([0.0], np.cumsum(y - y[0])))
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("kind", thinned(KINDS, 2, "the definition, at every factor"))
 def test_every_even_averaging_factor_equals_its_definition(kind):
     x = angle(kind, 4500)
@@ -29,6 +30,7 @@ def test_every_even_averaging_factor_equals_its_definition(kind):
     np.testing.assert_allclose(theo1_sums(x, m), theo1(x, m), rtol=1e-9)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("kind", list(KINDS))
 def test_a_few_large_factors_equal_their_definition(kind):
     """With many frames, two and one; the seams count."""

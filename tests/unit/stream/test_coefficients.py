@@ -21,6 +21,7 @@ def stream_of(record, parts=1):
     return stream
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("name", "rate", "terms"), thinned([("mems", 100.0, "NBK"), ("fog", 1.0, "QNBKR")], 1, "ensemble")
 )

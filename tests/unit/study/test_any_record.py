@@ -20,6 +20,7 @@ fuzz = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(fuzz)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("first", thinned(range(0, 200, 20), 3, "200 records"))
 def test_each_job_has_a_result_or_refuses_in_words(first):
     found = set()
@@ -78,6 +79,7 @@ def test_equal_records_with_gaps_are_not_compared():
         al.compare(quantized(1), quantized(1))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_angles_alone_between_gaps_are_no_pieces():
     angle = np.cumsum(np.random.default_rng(3).standard_cauchy(3000))
     angle[np.random.default_rng(4).random(3000) < 0.3] = np.nan

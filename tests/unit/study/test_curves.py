@@ -78,6 +78,7 @@ def test_a_curve_says_what_its_limits_suppose(noise, words):
     assert al.deviation(simulated(), noise=noise).supposed == words
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_fit_that_explains_nothing_is_named_as_such():
     record = simulated()
     wandering = record.with_values(record.values + 1e-3 * np.sin(np.arange(4096) ** 1.4 / 40), "shaken")

@@ -18,6 +18,7 @@ def dropped(size, k, seed=2):
     return al.Record(values, 10.0, "deg/h", name="z")
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(("size", "k"), [(500, 5), (500, 7), (1000, 3), (1000, 5), (5000, 3), (5000, 7), (30000, 3)])
 def test_white_noise_is_read_between_regular_dropouts(size, k):
     record = dropped(size, k)
@@ -61,6 +62,7 @@ def test_a_log_of_two_rates_is_read_at_the_rate_of_the_channel(tmp_path):
     assert any(note.startswith("rate 50 Hz, since only one row in 2 has samples of gz") for note in recording.notes)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("seed", [11, 16])
 def test_what_gaps_leave_unreadable_contradicts_nothing(seed):
     rng = np.random.default_rng(seed)

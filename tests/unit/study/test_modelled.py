@@ -59,6 +59,7 @@ def run(*arguments):
     return CliRunner().invoke(main, [str(a) for a in arguments])
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_every_form_shows_every_channel_and_the_doubt(job):
     assert [channel.name for channel in job.channels] == ["gx", "gy", "gz"]
     shown = page(job)
@@ -83,6 +84,7 @@ def test_every_form_shows_every_channel_and_the_doubt(job):
     assert {row["channel"] for row in rows} == {"gx", "gy"}
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("verb", ["plan", "statespace"])
 def test_no_number_follows_from_a_rejected_model_unless_it_is_asked_for(verb, file):
     """K = 6944 deg/h/sqrt(h) was planned for a ring laser gyro, and its matrices printed."""
@@ -103,6 +105,7 @@ def test_it_travels(job):
     assert str(again.to_dict()) == str(job.to_dict())
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("kind", ["plan", "statespace"])
 def test_figures(kind, recording, tmp_path):
     job = run_model_job(recording, SETTINGS[kind], Recipe())
@@ -158,12 +161,14 @@ def test_what_a_channel_cannot_support_is_said_and_the_others_go_on(tmp_path):
         run_model_job(white, StateSpaceSettings(), Recipe(terms="N"))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_check_says_which_limit_it_exceeds(recording):
     job = run_model_job(recording, SETTINGS["selfcheck"])
     assert any(sentence.startswith("gx ") for sentence in job.exceeded)
     assert f"Limit exceeded: {job.exceeded[0].split('+-')[0].strip()}" in page(job)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_single_results_have_their_forms(recording):
     model = al.sensor("fog")
     rng = np.random.default_rng(1)
@@ -192,6 +197,7 @@ def test_a_channel_is_read_again_without_its_readings(job):
         assert again.noise.explained == channel.noise.explained
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_term_that_the_curve_contradicts_is_named_as_left_out(recording, monkeypatch):
     def contradicted(record, recipe, **choices):
         noise = noise_of(record, recipe, **choices)

@@ -28,6 +28,7 @@ def channel_of(record, **choices):
     return al.analyze(record, al.Recipe(**choices)).channels[0]
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("name", HUMPS)
 def test_what_is_named_describes_the_record(name):
     text, terms, _ = HUMPS[name]
@@ -45,6 +46,7 @@ def test_what_is_named_describes_the_record(name):
     assert sum("was identified: look for a" in said for said in meant.sentences) == len(shaped)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_option_that_the_command_names_helps(tmp_path):
     al.write(simulated("weakly damped"), file := tmp_path / "record.npz")
     run = CliRunner().invoke(main, ["analyze", str(file)])
@@ -57,11 +59,13 @@ def test_of_a_body_that_moved_no_more_terms_are_named():
     assert noise_of(simulated("two processes"), al.Recipe(), moved=True).fit.findings == ()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_nothing_is_named_where_nothing_is_missing():
     record = al.simulate(al.Model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s"), SIZE, RATE, rng=np.random.default_rng(1))
     assert channel_of(record).fit.findings == ()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_an_oscillation_that_is_modeled_is_no_motion():
     """The curve falls more steeply beyond the hump than before it, which five terms never do."""
     model = al.Model("N 0.3 arcsec*sqrt(s), GM2 1.2 arcsec 0.3 Hz 0.15")

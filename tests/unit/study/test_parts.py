@@ -81,6 +81,7 @@ def test_spectra_are_those_of_the_whole(file):
         np.testing.assert_allclose(one.dof, other.dof, rtol=1e-9)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_study_has_the_coefficients_of_the_whole(file):
     mine, whole = (al.analyze(file, recipe) for recipe in (PARTS, WHOLE))
     for one, other in zip(mine, whole, strict=True):
@@ -94,6 +95,7 @@ def test_the_study_has_the_coefficients_of_the_whole(file):
     assert mine.provenance["sha256"] == whole.provenance["sha256"]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_coefficient_that_the_curve_contradicts_is_no_result_in_parts(tmp_path):
     """Pulses of the bias are K by the likelihood of the octaves, but the curve falls again."""
     values = np.random.default_rng(1).normal(size=N)
@@ -105,6 +107,7 @@ def test_a_coefficient_that_the_curve_contradicts_is_no_result_in_parts(tmp_path
     assert mine.fit.scope.until < 10.0
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_nothing_is_claimed_by_a_model_that_does_not_explain_a_record_in_parts(tmp_path):
     """Two damped oscillations, of 2 and 60 s; a model has one."""
     values, *excited = np.random.default_rng(1).normal(size=(3, N))
@@ -118,6 +121,7 @@ def test_nothing_is_claimed_by_a_model_that_does_not_explain_a_record_in_parts(t
     assert {e.status for e in mine.fit} == {"not valid"}
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_nothing_is_done_in_silence(file):
     study = al.analyze(file, PARTS)
     said = " ".join(table(study).split())
@@ -158,6 +162,7 @@ def test_a_window_is_cut(file):
     assert mine.values[2].variance == pytest.approx(whole.values[2].variance, rel=1e-9)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
     rng = np.random.default_rng(7)
     values = rng.normal(size=(N, 3))

@@ -65,6 +65,7 @@ def test_limits_can_be_left_out_and_the_unit_chosen(file):
     assert "edf" not in run("deviation", file, "--channels", "x", "--no-intervals").stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("verb", ["deviation", "spectrum"])
 def test_channels_of_several_files_are_side_by_side(verb, file, tmp_path):
     other = tmp_path / "run2.csv"
@@ -79,6 +80,7 @@ def test_channels_of_several_files_are_side_by_side(verb, file, tmp_path):
     assert names == [f"{stem} {name}" for stem in (Path(file).stem, "run2") for name in "xy"]
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_several_models_are_side_by_side(tmp_path):
     models = ["Sine 1 arcsec 0.5 Hz", "GM 1 arcsec 5 s"]
     form = ("--rate", "40", "--duration", "60", "--csv", "-")
@@ -117,6 +119,7 @@ def test_dynamic_is_that_of_the_library(file):
     assert [float(row["time_s"]) for row in found[:: expected.tau.size]] == pytest.approx(expected.time.tolist())
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("verb", VERBS)
 def test_files_table_and_json(verb, file, tmp_path):
     paths = {"plot": tmp_path / "a.png", "json": tmp_path / "a.json", "csv": tmp_path / "a.csv"}
@@ -183,6 +186,7 @@ def test_a_channel_that_does_not_support_the_job_says_why(file):
     assert "edf" in result.stdout
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_recipe_repeats_the_run(file, tmp_path):
     first = run("deviation", file, "--channels", "x,y", "--statistic", "adev,totdev", "--m", "1,10", "--json", "-")
     done = json.loads(first.stdout)
@@ -242,6 +246,7 @@ def test_statistics_of_one_channel_share_a_panel_with_the_model(record, fit):
     np.testing.assert_allclose(drawn["Allan deviation"], curves[0].to("deg/h").deviation)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_units_stand_side_by_side_and_channels_below_each_other(file):
     recording = al.read(file, channels=["x", "y", "a"])
     curves = [al.deviation(record, name) for record in recording for name in ("adev", "oadev")]
@@ -283,11 +288,13 @@ def test_a_surface(record):
         plot(al.dynamic(record.with_values(np.zeros(1000), ""), window=10.0))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_pictures_are_the_same_each_time(record):
     for value in (al.spectrum(record), al.dynamic(record), [al.deviation(record, n) for n in ("adev", "oadev")]):
         assert encode(plot(value), "svg") == encode(plot(value), "svg")
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("names", [["oadev", "ohdev", "mdev", "theoh"], ["oadev", "mtie"], ["oadev"]])
 def test_the_legend_stays_within_the_figure(record, fit, names):
     figure = plot([al.deviation(record, name) for name in names if name in al.STATISTICS], fit)

@@ -55,6 +55,7 @@ def run(*arguments):
 GRADES = {"good": "explained", "fair": "approximate", "bad": "unexplained"}
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_grade_is_the_same_in_every_form(study):
     data = study.to_dict()
     assert {c["name"]: c["validity"] for c in data["channels"]} == GRADES
@@ -135,6 +136,7 @@ def test_a_band_is_shaded_in_both_figures():
         assert len(inner) == 2
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(("channels", "code"), [("good,fair", 0), ("good,bad", 3)])
 def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     result = run("analyze", file, "--channels", channels, "--strict", "--quiet", "--json", tmp_path / "a.json")
@@ -248,6 +250,7 @@ def test_the_recipe_says_what_was_used(file, verb, expected):
     assert ("method" in found) == (verb[0] == "deviation")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_model_whose_deviation_is_nowhere_that_of_the_record_explains_nothing(monkeypatch):
     """It was "explained up to 0 s"."""
     record = al.simulate(al.N(0.1, "deg/sqrt(h)"), 20_000, 10.0, rng=np.random.default_rng(1))

@@ -91,6 +91,7 @@ def test_a_line_without_an_other_end_is_gone(monkeypatch):
     tap.close()
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.skipif(os.name == "nt", reason="a pseudo-terminal")
 def test_through_a_terminal_moved_unplugged_and_ended(tmp_path):
     pytest.importorskip("serial", reason="the extra 'live'")
@@ -193,6 +194,7 @@ def test_a_file_that_grows_gives_what_analyze_gives(tmp_path):
     assert "3000 of 23000" in study["x"].quality.findings[0].what
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(("kind", "outliers"), [("rate", None), ("angle", "mark"), ("rate", "keep")])
 def test_watch_is_analyze_of_what_came(tmp_path, kind, outliers):
     values = np.random.default_rng(3).normal(size=20_000)
@@ -243,6 +245,7 @@ def test_it_foretells_when_more_is_known(tmp_path):
     assert f"about {lasting(left)} more until B" in words
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_motion_is_left_out_by_default_and_refused_if_asked(tmp_path):
     values = np.random.default_rng(6).normal(size=30_000)
     values[10_000:13_000] *= 300.0
@@ -258,6 +261,7 @@ def test_motion_is_left_out_by_default_and_refused_if_asked(tmp_path):
             job()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_what_came_is_kept_if_asked(tmp_path):
     path, kept = tmp_path / "log.csv", tmp_path / "kept.csv"
     path.write_text("gx [deg/h]\n" + "".join(f"{v:.4f}\n" for v in np.random.default_rng(1).normal(size=2000)))
@@ -281,6 +285,7 @@ def test_the_page_names_no_file_to_write():
         Request.of("watch", {"record": "lines.txt"})
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_full_disk_ends_the_stream_with_what_came(tmp_path, monkeypatch):
     path = tmp_path / "log.txt"
     path.write_bytes(lines_of(np.random.default_rng(3).normal(size=30_000)))
@@ -309,6 +314,7 @@ def test_a_full_disk_ends_the_stream_with_what_came(tmp_path, monkeypatch):
     assert study[0].fit["N"].status == "identified"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_time_without_a_port_is_a_gap_from_the_first_second_on(monkeypatch):
     """A device that is gone before anything was looked at: the rate is found then."""
     watch = Watch("port", al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=5.0))
@@ -323,6 +329,7 @@ def test_the_time_without_a_port_is_a_gap_from_the_first_second_on(monkeypatch):
     assert 50 <= lost == rows.count(b"nan")
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize("settings", [WatchSettings(duration=0.5), WatchSettings(idle=0.5)], ids=["for", "idle"])
 def test_a_watch_ends_in_time_while_its_port_is_gone(monkeypatch, settings):
     def gone(*_):
@@ -342,6 +349,7 @@ def test_a_watch_ends_in_time_while_its_port_is_gone(monkeypatch, settings):
     assert time.monotonic() - begun < 5 * pace()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_time_of_a_report_is_no_silence(monkeypatch):
     """Lines that come while something is computed end no watch that waits for a short time only."""
     lines = (lines_of(np.random.default_rng(i).normal(size=100)) for i in range(40))
@@ -396,6 +404,7 @@ def watch_of(recipe=None, **settings):
     return closing(watch)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(
     ("jump", "words"),
     [
@@ -441,6 +450,7 @@ def test_a_long_watch_takes_no_more_memory_than_a_short_one(monkeypatch):
     assert sizes[2] < sizes[1] + 30_000, sizes
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_an_analysis_that_failed_is_not_replaced_by_the_one_before(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("t,x\n" + "".join(f"{i / 100:.2f},{i % 7}\n" for i in range(1000)))
@@ -453,6 +463,7 @@ def test_an_analysis_that_failed_is_not_replaced_by_the_one_before(tmp_path):
                 watch.study()
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_port_that_comes_and_goes_is_one_finding(monkeypatch):
     source = Clock(monkeypatch, 1000)
     take, due = source.take, [20.0, 40.0, 60.0]
@@ -485,6 +496,7 @@ def test_other_sources_are_refused(target, says):
     assert says in done.stderr
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_choices_are_refused_in_the_words_of_analyze(tmp_path):
     path = tmp_path / "log.txt"
     path.write_text("1 2\n3 4\n" * 500)
@@ -530,6 +542,7 @@ def test_the_last_rows_are_read_below_the_headings():
     assert spool.tail(2) == (b"t,gx\n98,98\n99,99\n", 98)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_file_that_is_no_text_is_named_for_what_it_is(tmp_path):
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(lines_of(np.random.default_rng(3).normal(size=2000)), mtime=0))

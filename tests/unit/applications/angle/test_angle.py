@@ -377,6 +377,7 @@ def test_caveats_of_a_plan(options, name, words):
     assert re.search(words, str(finding))
 
 
+@pytest.mark.slow("takes more than half a second")
 @still
 def test_planning_predicts_the_spread(law):
     """Ratio of simulated to planned deviation, 60 runs, seeds 1 to 60, 8 amplitudes: 4.5 standard errors (9 %)."""

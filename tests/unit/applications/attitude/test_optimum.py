@@ -46,6 +46,7 @@ def test_the_filter_of_first_order_is_the_steady_kalman_filter_of_white_noises()
     assert sampled.first.rms == pytest.approx(math.sqrt(P), rel=1e-9)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_gains_of_second_order_solve_the_riccati_equation():
     P = solve_continuous_are(np.array([[0.0, -1.0], [0.0, 0.0]]).T, np.array([[1.0], [0.0]]),
                              np.diag([N**2, K**2]), np.array([[A**2]]))  # fmt: skip

@@ -80,6 +80,7 @@ def test_given_noise_is_not_identified(still):
     assert kalman.loop.k2 == pytest.approx(0.016160, rel=1e-4)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_z_may_point_down(still):
     turned = [replace(r, values=-r.values) if r.name in ("gy", "gz", "ay", "az") else r for r in still]
     up, down = vertical(still, time_constant=1.0), vertical(al.Recording(tuple(turned)), time_constant=1.0)
@@ -175,6 +176,7 @@ def test_wrong_axes(wrong):
         VerticalSettings(axes=wrong)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_mean_rates_are_subtracted_or_kept(still):
     biased = changed(still, "gx", lambda v: v + 1e-4)
     free, kept = (vertical(biased, settings=VerticalSettings(time_constant=2.0, keep_bias=k)) for k in (False, True))
@@ -210,6 +212,7 @@ def test_a_given_time_constant_needs_no_best_one(swaying):
         vertical(recorded(swaying), settings=replace(silent, time_constant=None))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_noise_that_no_model_explains_is_never_used_without_a_warning(still):
     stepped = changed(still, "ay", lambda v: np.resize(1e-3 * np.array([0, 1, 2, 3, 4, 3, 2, 1]), v.size))
     study = vertical(stepped, settings=replace(KNOWN, accelerometer=None))
@@ -224,6 +227,7 @@ def test_noise_that_no_model_explains_is_never_used_without_a_warning(still):
         assert re.search("[nN]o model explains the noise of ay", shown)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_terms_that_are_not_valid_are_left_out_and_what_they_would_do_is_said(still):
     slow = al.simulate(TILT + al.B(300, "ug"), 20_000, 50.0, rng=np.random.default_rng(5))
     plain = vertical(changed(still, "ay", lambda _: slow.values))
@@ -298,6 +302,7 @@ def run(*words):
     return CliRunner().invoke(main, ["vertical", *words])
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_command(desk):
     done = run("six.csv", "--report", "page.html", "--csv", "angles.csv", "--json", "out.json", "--plot", "roll.svg")
     assert done.exit_code == 0, done.output
@@ -311,6 +316,7 @@ def test_the_command(desk):
     assert "Roll and pitch of six.csv" in page
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_file_without_units(desk, still):
     rows = np.stack([record.values for record in still], axis=1)
     np.savetxt(desk / "bare.csv", rows, "%.17g", ",", header=",".join(NAMES), comments="")
@@ -325,6 +331,7 @@ def test_a_file_without_units(desk, still):
     assert "--unit gyro=deg/s,accel=g" in " ".join(refused.output.split())
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_matrices_are_those_of_the_filter(desk, still):
     done = run("six.csv", "--time-constant", "2", "--quiet", "--json", "-")
     k1 = json.loads(done.output)["loop"]["k1"]

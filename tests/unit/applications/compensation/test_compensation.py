@@ -201,6 +201,7 @@ def test_powers_and_lags_enter_where_held_back_blocks_gain():
     assert lagged["temp, 60 s before"].regressor.column_unit == "degC"
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_nothing_is_added_to_a_straight_line_but_seldom():
     """Each of two columns enters with a probability of about a sixth; more than 7 of 20 has one of 1 in 1000."""
     temp = channel(cycles(period=400.0))
@@ -360,6 +361,7 @@ def test_too_few_effective_samples_are_refused():
         compensate(gyro(1, model=walk, n=300), short, ["temp"], settings=FitSettings(least=300))
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_cycle_under_a_dominant_walk_is_found():
     """A thermostat: generalised least squares sees it, whatever the walk does between its cycles."""
     t = np.arange(3600.0)

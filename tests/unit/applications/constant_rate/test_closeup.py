@@ -65,6 +65,7 @@ def test_an_interval_outside_is_refused(start, record):
         closeup(record, SETTINGS, start=start)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_every_interval_is_written(record, tmp_path):
     al.write(record, tmp_path / "gz.npz")
     table, figure, page = (tmp_path / name for name in ("all.csv", "closeup.svg", "page.html"))

@@ -181,6 +181,7 @@ def test_two_positions_find_north_whatever_the_bias(heading, turned):
     assert found.standard_error == pytest.approx(math.sqrt(2) * 1e-3 * DEG_H / slope, rel=1e-3)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_interval_of_the_heading_covers():
     """2000 draws near north, where the cosine bends: 95 % within 1.5 % (three standard errors)."""
     rng = np.random.default_rng(1)
@@ -279,6 +280,7 @@ def test_a_ring_laser_is_sampled_faster_than_its_residual():
 # ---- all of it
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_study_identifies_the_noise_where_dither_hides_it():
     record = al.simulate_ring_laser(GL1, 12.4392, 600_000, 400.0, rng=np.random.default_rng(2))
     settings = RateSettings(
@@ -295,6 +297,7 @@ def test_the_study_identifies_the_noise_where_dither_hides_it():
     assert study.to_dict()["channels"][0]["experiment"]["ranking"]["verdict"].startswith("use optimal")
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_a_record_too_short_for_its_noise_is_measured_with_care():
     record = al.simulate_ring_laser(GL1, 12.4392, 48_000, 400.0, rng=np.random.default_rng(1))
     (channel,) = measure_rates(record).channels

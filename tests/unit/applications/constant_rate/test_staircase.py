@@ -116,6 +116,7 @@ def least_time(job):
     return min(times)
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_the_default_search_is_fast():
     record = record_of(noisy(48_000, 0.094, 0.7, 1))
     estimate(record, "staircase")  # compiled
@@ -140,6 +141,7 @@ def test_what_cannot_be_predicted_is_not():
     assert math.isnan(without)
 
 
+@pytest.mark.slow("takes more than half a second")
 @pytest.mark.parametrize(("n", "sigma"), [(1000, 0.5), (1000, 2.0), (4000, 1.0)])
 def test_the_excess_over_regression_is_the_cube_root_law(n, sigma):
     """100 records, seeds 1 to 100: 25 %, three and a half standard errors."""

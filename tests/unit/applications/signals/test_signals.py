@@ -109,6 +109,7 @@ def test_twelve_bits_were_not_the_limit(scale, wanted):
     assert found.matters is False
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_bits_enough_are_the_fewest_below_one_percent():
     for bits in (4, 8, 12, 16):
         found = al.budget(rates(), [al.Stage("ADC", bits, 500.0, "deg/s")]).stages[0]
@@ -197,6 +198,7 @@ def test_both_ends_of_a_converter_count_as_clipped(unit):
     assert rate_from_current(inner, 1.0, sense=1.0, stage=stage).size == 12
 
 
+@pytest.mark.slow("takes more than half a second")
 def test_no_dither_is_said():
     stage = al.Stage("output", 8, 1280.0, "deg/s")  # steps of 10 deg/s, noise of 1.3
     values = stage.step * np.round(np.degrees(rates(7).values) / stage.step + 0.45)
