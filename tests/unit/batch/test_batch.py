@@ -8,6 +8,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.batch.judgement import Seen, judge
@@ -68,7 +69,7 @@ def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
     assert expand([path]).files == (str(path),)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "words"),
     [
         ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; known terms: Q, F, N, B"),
@@ -122,7 +123,7 @@ def test_limits_of_two_kinds_of_sensors_stand_beside_each_other(tmp_path):
 LIMIT = al.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
 
 
-@pytest.mark.parametrize(
+@rows(
     ("seen", "value", "upper"),
     [
         (Seen(1.0, 0.8, 1.2), "pass", "pass"),
@@ -177,7 +178,7 @@ def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
     assert run(folder / "u0.csv", "--limits", limits, "--strict").exit_code == 3
 
 
-@pytest.mark.parametrize(
+@rows(
     ("files", "limits", "code"),
     [
         (["u0.csv", "u1.csv"], None, 0),

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 from tests.unit.batch.tasks import deadly, doubled, waiting
 
 import allanite as al
@@ -100,7 +101,7 @@ def scheduler(start):
 
 @pytest.mark.slow("a Dask scheduler")
 @pytest.mark.filterwarnings("ignore:Mismatched")
-@pytest.mark.parametrize("name", ["allanite", "numpy"])
+@rows("name", ["allanite", "numpy"])
 def test_workers_of_other_versions_are_refused_before_any_work(scheduler, tmp_path, name):
     _, at, worker = scheduler
     (tmp_path / f"{name}-0.0.7.dist-info").mkdir()

@@ -1,13 +1,14 @@
 """What breaks a batch, really: its process is killed, its disk is full, another run is at the same folder."""
 
 import resource
+import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.batch.job import run_batch
@@ -47,8 +48,24 @@ def parts(results):
     return len(list(results.glob("parts/*.parquet")))
 
 
-def command(units, results, **choices):
-    words = [sys.executable, "-m", "allanite.cli", "batch", str(units), "--out", str(results), "--workers", "1"]
+KILLED = """
+import os, signal
+from allanite.batch.store import Store
+from allanite.cli import main
+put = Store.put
+
+def third(store, key, result):
+    put(store, key, result)
+    if len(list(store.folder.glob("parts/*.parquet"))) == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+Store.put = third
+main()
+"""
+
+
+def command(units, results, program=("-m", "allanite.cli"), **choices):
+    words = [sys.executable, *program, "batch", str(units), "--out", str(results), "--workers", "1"]
     return subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, **choices)
 
 
@@ -64,12 +81,10 @@ def resumed(units, results):
 @pytest.mark.slow("processes that are killed")
 def test_a_batch_that_was_killed_goes_on_and_leaves_no_draft(units, plain, tmp_path):
     results = tmp_path / "r"
-    process = command(units, results)
-    while parts(results) < 3:
-        assert process.poll() is None
-        time.sleep(0.01)
-    process.kill()
-    process.communicate()
+    killed = command(units, results, program=("-c", KILLED))
+    killed.communicate()
+    assert killed.returncode == -signal.SIGKILL
+    assert parts(results) == 3
     drafts = [results / ".allanite-0123456789ab.part", results / "parts" / ".allanite-ba9876543210.part"]
     for draft in drafts:  # what it may have been writing
         draft.write_bytes(b"PAR1")
@@ -101,7 +116,7 @@ def test_two_runs_do_not_write_to_the_same_folder(units, tmp_path):
     assert parts(tmp_path / "r") == 0
 
 
-@pytest.mark.parametrize("name", ["files", "coefficients", "curves", "findings"])
+@rows("name", ["files", "coefficients", "curves", "findings"])
 def test_duckdb_pandas_and_polars_open_the_tables(plain, name):
     path = str(plain / f"{name}.parquet")
     ((count,),) = duckdb.sql(f"select count(*) from '{path}'").fetchall()  # noqa: S608 - our own path

@@ -11,6 +11,7 @@ import pyarrow as pa
 import pytest
 from click.testing import CliRunner
 from pyarrow import parquet
+from tests.rows import rows
 
 import allanite as al
 from allanite.batch import job, store
@@ -135,7 +136,7 @@ def test_what_changed_is_done_again(units, serial, tmp_path, monkeypatch):
     assert len(seen) == 6
 
 
-@pytest.mark.parametrize("content", [None, "{", "1", "[" * 10_000, b"x", 2.5])
+@rows("content", [None, "{", "1", "[" * 10_000, b"x", 2.5])
 def test_a_part_whose_content_is_not_what_was_stored_is_done_again(serial, units, tmp_path, monkeypatch, content):
     results = tmp_path / "r"
     shutil.copytree(serial[1], results)
@@ -164,7 +165,7 @@ FOREIGN = {
 }
 
 
-@pytest.mark.parametrize("name", FOREIGN)
+@rows("name", FOREIGN)
 def test_a_lot_of_a_foreign_table_is_refused(serial, tmp_path, name):
     table = parquet.read_table(serial[1] / "files.parquet")
     parquet.write_table(FOREIGN[name](table), tmp_path / "files.parquet")
@@ -222,7 +223,7 @@ def test_a_manifest_lists_files_and_what_is_known_of_them(units, tmp_path):
     assert got["SN9"]["status"] == "failed"
 
 
-@pytest.mark.parametrize(
+@rows(
     ("name", "text", "words"),
     [
         ("m.csv", "path,unit_id\na.csv,1\n", "has no column 'file' but"),

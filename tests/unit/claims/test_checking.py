@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.claims.result import AGREES, CONTRADICTS, DIFFERS, EXCEEDS, NOT_SHOWN, UNCLAIMED
@@ -39,7 +40,7 @@ def test_what_is_claimed_rightly_agrees(recording):
         assert row.quantity == "kurtosis" or row.low < row.ratio < row.high
 
 
-@pytest.mark.parametrize(
+@rows(
     ("factor", "name"),
     [(2**0.5, "sqrt(2)"), (2**-0.5, "1/sqrt(2)"), (RATE**0.5, "sqrt(rate)"), (1 / RATE, "1/rate"), (60, "60"),
      (57.29578, "57.3"), (9.80665, "9.81"), (300, ""), (1.05, "")],
@@ -67,7 +68,7 @@ def test_a_bias_that_is_missing_is_said(recording):
     assert "the bias is not added to the samples" in cause.words
 
 
-@pytest.mark.parametrize(
+@rows(
     ("claim", "options", "expected"),
     [
         ("N 1.5 deg/sqrt(h)", {"at_most": True}, {"N": AGREES, "curve": EXCEEDS}),
@@ -123,7 +124,7 @@ def test_the_correlation_time_is_found():
     assert cause.sentences == ("the correlation time of the other kind of sensor",)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("draw", "sentence"),
     [
         (lambda rng, n: rng.random(n) - 0.5, "rand() instead of randn(): uniform over an interval of length 1"),

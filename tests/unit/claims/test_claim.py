@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.claims.claim import claim_of
@@ -21,8 +22,8 @@ def written(folder, target):
     return path
 
 
-@pytest.mark.parametrize("named", [False, True])
-@pytest.mark.parametrize("target", FIELDED)
+@rows("named", [False, True])
+@rows("target", FIELDED)
 def test_file_of_every_target_is_recognized(target, named, tmp_path):
     found = claim_of(written(tmp_path, target), target if named else "", rate=100.0)
     assert found.kind == target or not named
@@ -33,7 +34,7 @@ def test_file_of_every_target_is_recognized(target, named, tmp_path):
     assert found.of(GYRO.signal) is found.models[0]
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "models", "bound"),
     [
         ("N 0.3 deg/sqrt(h)", ["N = 0.3 deg/sqrt(h)"], False),
@@ -68,7 +69,7 @@ def test_limits_are_bounds(tmp_path):
     assert not found.limits_of("ax", ACCELEROMETER.signal)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("content", "origin", "kind", "words"),
     [
         ("arw: 0.2\nvrw: 0.1\n", "", UsageError, "navego or kf-gins|kf-gins or navego"),
@@ -85,14 +86,14 @@ def test_a_file_that_says_nothing_is_refused(content, origin, kind, words, tmp_p
         claim_of(tmp_path / "imu.yaml", origin)
 
 
-@pytest.mark.parametrize("name", ["adis16470", "ADIS 16470", "adis16470 gyro"])
+@rows("name", ["adis16470", "ADIS 16470", "adis16470 gyro"])
 def test_data_sheets_are_bounds(name):
     found = claim_of(name)
     assert (found.kind, found.bound, len(found.models)) == ("data sheet", True, 1 if "gyro" in name else 2)
     assert found.models[0]["N"].to("deg/sqrt(h)") == pytest.approx(0.34)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "kind", "words"),
     [
         ("imu.yaml", DataError, "'imu.yaml' cannot be read: no such file"),

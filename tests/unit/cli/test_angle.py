@@ -9,6 +9,7 @@ import pickle
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -164,7 +165,7 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("arguments", "code", "words"), REFUSED)
+@rows(("arguments", "code", "words"), REFUSED)
 def test_refused(arguments, code, words, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = run(*arguments)
@@ -173,7 +174,7 @@ def test_refused(arguments, code, words, tmp_path, monkeypatch):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize(
+@rows(
     ("options", "code", "words"),
     [
         (["--difference", "z", "--latitude", 60], 2, "no column 'z'"),
@@ -249,7 +250,7 @@ def results():
     }
 
 
-@pytest.mark.parametrize("name", ["plan", "scan", "calibration"])
+@rows("name", ["plan", "scan", "calibration"])
 def test_results_are_shown_everywhere_and_travel(results, name):
     value = pickle.loads(pickle.dumps(results[name]))
     assert page(value).count("<h1>") == 1

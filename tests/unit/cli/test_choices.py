@@ -4,6 +4,7 @@ import shlex
 
 import click
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -34,7 +35,7 @@ REQUESTS = [
 ]
 
 
-@pytest.mark.parametrize(("verb", "data"), REQUESTS)
+@rows(("verb", "data"), REQUESTS)
 def test_the_line_of_a_request_is_parsed_back_to_equal_values(verb, data):
     request = Request.of(verb, data)
     _, *words = shlex.split(request.line(["-my file.csv"], "ru"))
@@ -49,12 +50,12 @@ def test_the_line_of_a_request_is_parsed_back_to_equal_values(verb, data):
     assert "-my file.csv" in str(context.params.values())
 
 
-@pytest.mark.parametrize("verb", jobs())
+@rows("verb", jobs())
 def test_what_is_usual_is_not_said(verb):
     assert Request.of(verb, dict.fromkeys(accepted(verb), "")).line(["x.csv"]) == f"allanite {verb} x.csv"
 
 
-@pytest.mark.parametrize(
+@rows(
     ("data", "option", "words"),
     [
         ({"rate": "fast"}, "rate", "Invalid value for '--rate' / '--fs': expected a number, not 'fast'"),

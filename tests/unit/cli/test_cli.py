@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 import allanite.study.analysis
 from allanite.cli import main
@@ -116,7 +117,7 @@ def test_the_choices_reach_the_recipe(monkeypatch):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
+@rows(
     ("arguments", "code", "words"),
     [
         (["analyze", "{file}", "--unit", "parsec"], 2, "unknown unit 'parsec'"),
@@ -146,7 +147,7 @@ def test_what_goes_wrong_is_said_in_a_line_with_its_exit_code(arguments, code, w
     assert os.listdir(folder) == []
 
 
-@pytest.mark.parametrize("name", OUTPUTS)
+@rows("name", OUTPUTS)
 def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, monkeypatch):
     path = tmp_path / OUTPUTS[name]
     path.write_text("old")
@@ -200,7 +201,7 @@ def test_version_and_help():
 HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "rich", "jinja2")
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["analyze", "--help"], ["spectrum", "--help"], ["--version"]])
+@rows("arguments", [["--help"], ["analyze", "--help"], ["spectrum", "--help"], ["--version"]])
 def test_help_imports_nothing_heavy(arguments):
     code = (
         "import sys\nfrom allanite.cli import main\n"
@@ -294,7 +295,7 @@ def test_what_is_read_off_the_curve_is_said_everywhere(file, tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("other", [("--statistic", "mdev"), ("--taus", "1,10")])
+@rows("other", [("--statistic", "mdev"), ("--taus", "1,10")])
 def test_readings_do_not_depend_on_the_curve_that_is_shown(file, other):
     found = [run("analyze", file, "--coefficients", "-", *options).stdout for options in ((), other)]
     kept = [[line for line in text.splitlines() if ",reading," in line] for text in found]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import thinned
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -107,7 +108,7 @@ def test_a_part_against_the_rest(folder):
     assert "whole" in result.stdout
 
 
-@pytest.mark.parametrize(
+@rows(
     ("arguments", "code", "words"),
     [
         ((), 2, ["FILE"]),
@@ -156,7 +157,7 @@ def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
     assert "\x1b" not in table(found)
 
 
-@pytest.mark.parametrize(
+@rows(
     "arguments",
     thinned(
         [

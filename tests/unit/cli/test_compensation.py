@@ -9,6 +9,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 from tests.unit.exporting import parsers
 
 import allanite as al
@@ -110,7 +111,7 @@ def soak(tmp_path_factory):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("autopilot", ["px4", "ardupilot"])
+@rows("autopilot", ["px4", "ardupilot"])
 def test_an_autopilot_corrects_as_the_corrected_record(soak, autopilot, tmp_path):
     path, corrected = tmp_path / "tc.params", tmp_path / "c.csv"
     asked = ("--regressors", "temp", "--corrected", corrected)
@@ -274,7 +275,7 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("options", "code", "words"), REFUSED)
+@rows(("options", "code", "words"), REFUSED)
 def test_wrong_usage_of_compensate(days, options, code, words):
     done = run("compensate", days[0], *options)
     assert (done.exit_code, words in done.stderr) == (code, True), done.stderr
@@ -367,7 +368,7 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("options", "code", "words"), WRONG)
+@rows(("options", "code", "words"), WRONG)
 def test_wrong_usage_of_budget(current, options, code, words):
     done = run("budget", current, "--unit", "V", *options)
     assert (done.exit_code, words in done.stderr) == (code, True), done.stderr

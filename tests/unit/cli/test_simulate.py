@@ -4,8 +4,8 @@ import contextlib
 import json
 
 import numpy as np
-import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -16,7 +16,7 @@ def run(*arguments):
     return CliRunner().invoke(main, ["simulate", *map(str, arguments)])
 
 
-@pytest.mark.parametrize("suffix", list(WRITERS))
+@rows("suffix", list(WRITERS))
 def test_every_format_is_written_and_read_again(tmp_path, suffix):
     path = tmp_path / f"out{suffix}"
     result = run(path, "--sensor", "fog", "--rate", 100, "--duration", "10 s", "--channels", 2, "--seed", 3)
@@ -114,7 +114,7 @@ def test_accelerometers_have_their_names_and_units(tmp_path):
 USUAL = ("--sensor", "rlg", "--rate", "100")
 
 
-@pytest.mark.parametrize(
+@rows(
     ("arguments", "words"),
     [
         (("out.npz", *USUAL), "by --duration or by --samples"),

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 from allanite.cli import main
 
@@ -23,7 +24,7 @@ def output(*arguments):
     return result.stdout
 
 
-@pytest.mark.parametrize(
+@rows(
     "verb",
     ["analyze", "info", "deviation", "spectrum"],
 )
@@ -43,7 +44,7 @@ def test_the_page_is_the_same(file, tmp_path):
     assert len(found) == 1
 
 
-@pytest.mark.parametrize("wrong", ["0", "-1", "many", "1.5"])
+@rows("wrong", ["0", "-1", "many", "1.5"])
 def test_a_wrong_number_is_refused(wrong, file):
     result = CliRunner().invoke(main, ["analyze", file, "--threads", wrong])
     assert result.exit_code == 2

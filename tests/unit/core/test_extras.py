@@ -5,6 +5,7 @@ import tomllib
 
 import pytest
 from tests import ROOT
+from tests.rows import rows
 
 from allanite.core.errors import UsageError
 from allanite.core.extras import cure, demand_extra, requirements
@@ -12,13 +13,13 @@ from allanite.core.extras import cure, demand_extra, requirements
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
 
 
-@pytest.mark.parametrize("extra", sorted(set(EXTRAS) - {"all", "dev", "test", "docs", "release"}))
+@rows("extra", sorted(set(EXTRAS) - {"all", "dev", "test", "docs", "release"}))
 def test_requirements_are_those_of_the_project(extra):
     assert requirements(extra) == [re.match(r"[\w.-]+", line)[0].lower() for line in EXTRAS[extra]]
     assert re.search(rf"\b{extra}\b", EXTRAS["all"][0])
 
 
-@pytest.mark.parametrize(
+@rows(
     ("folder", "made", "typed"),
     [
         (".venv", "home = /usr/bin\n", "pip install fastapi uvicorn"),

@@ -1,11 +1,12 @@
 """Models as text."""
 
 import pytest
+from tests.rows import rows
 
 import allanite as al
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "model"),
     [
         ("N 0.003 deg/sqrt(h)", al.Model((al.N(0.003, "deg/sqrt(h)"),))),
@@ -28,7 +29,7 @@ def test_what_is_printed_is_understood():
     assert al.Model(str(model)) == model
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "words"),
     [
         ("", "there is no term in ''"),

@@ -1,6 +1,6 @@
 """Names of noise terms by the type of sensor."""
 
-import pytest
+from tests.rows import rows
 
 from allanite.core.titles import title_of
 from allanite.core.units import SIGNALS, signal_named
@@ -8,7 +8,7 @@ from allanite.phrases.phrase import Phrase
 from allanite.terms import TERMS
 
 
-@pytest.mark.parametrize(
+@rows(
     ("symbol", "signal", "title"),
     [
         ("N", "gyro", "angle random walk"),

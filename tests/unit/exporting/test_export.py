@@ -12,6 +12,7 @@ from html import unescape
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
@@ -41,7 +42,7 @@ def six(**more):
     return gyros + [fit(f"a{axis}", ACCELEROMETER, n=1e-3, k=1e-5) for axis in "xyz"]
 
 
-@pytest.mark.parametrize(
+@rows(
     ("axis", "channel", "value"), [("worst", "gy", 3e-4), ("median", "gz", 2e-4), ("x", "gx", 1e-4), ("z", "gz", 2e-4)]
 )
 def test_axis_policies(axis, channel, value):
@@ -83,7 +84,7 @@ def test_an_upper_limit_stands_for_what_was_not_identified_and_says_so():
     assert al.export(source, "kalibr", rate=100.0)["gyroscope_random_walk"] == 1e-7
 
 
-@pytest.mark.parametrize("status", ["not observable", "not valid", "absent"])
+@rows("status", ["not observable", "not valid", "absent"])
 def test_nothing_is_never_written_as_zero(status):
     value = 1e-6 if status == "not valid" else None
     source = [replace(one, estimates=(one["N"], replace(one["K"], value=value, status=status, reason="too short")))
@@ -175,7 +176,7 @@ def test_a_process_replaces_a_walk_only_where_a_correlation_time_is_written():
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", list(al.EXPORTS))
+@rows("name", list(al.EXPORTS))
 def test_the_same_input_gives_the_same_bytes_and_every_form(name):
     for form in al.EXPORTS[name].forms:
         made = [al.export(noise(), name, rate=100.0, form=form) for _ in range(2)]
@@ -277,7 +278,7 @@ def test_the_other_sensor_as_a_model_and_json(files):
     assert json.loads(done.stdout)["recipe"]["terms"] == "auto"
 
 
-@pytest.mark.parametrize(
+@rows(
     ("arguments", "code", "words"),
     [
         (("export", "{gyro}", "--to", "kalibr"), 3, "kalibr needs an accelerometer, and there is only gx (gyro)"),
@@ -329,7 +330,7 @@ def test_from_one_target_to_another(tmp_path):
             assert one.value == pytest.approx(other.value, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", list(al.EXPORTS))
+@rows("name", list(al.EXPORTS))
 def test_every_target_is_explained(name):
     done = run("explain", name)
     assert done.exit_code == 0, done.output

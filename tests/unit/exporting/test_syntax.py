@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests import ROOT
+from tests.rows import rows
 from tests.unit.exporting.syntaxes import PARSERS
 from tests.unit.exporting.test_export import six
 
@@ -95,7 +96,7 @@ def variables(live, comments):
     return text, [line for line in comments if not re.match(r"variable\d: channel ", line)], found
 
 
-@pytest.mark.parametrize(("target", "suffix"), FORMS)
+@rows(("target", "suffix"), FORMS)
 def test_a_parser_sees_the_same_keys_whatever_the_names(contents, target, suffix):
     content, parse = contents[target, suffix], PARSERS[suffix]
     plain, remarks = parse(written(called(content, FIRST, SECOND), target, suffix))
@@ -137,7 +138,7 @@ def tactical():
     return al.analyze(ROOT / "examples" / "tactical_gyro.csv")
 
 
-@pytest.mark.parametrize("target", [name for name, row in al.EXPORTS.items() if row.fields])
+@rows("target", [name for name, row in al.EXPORTS.items() if row.fields])
 def test_nothing_of_a_name_is_read_back(tactical, target):
     """A comment once held the value of a field that the file lacks, and the rest of a long one was a parameter."""
     evil = [f"{field.name}: 9 {field.section}" for field in al.EXPORTS[target].fields]
@@ -162,9 +163,7 @@ def test_a_line_break_in_a_member_is_no_key_of_kalibr(tmp_path):
     assert set(held) == {"rostopic", "update_rate", *(field.name for field in al.EXPORTS["kalibr"].fields)}
 
 
-@pytest.mark.parametrize(
-    "path", ["x\nimport os\n.npz", "a\u2028import os", "coding=utf-7 +AAo-import os+AAo-", "\x0cimport os\x0c"]
-)
+@rows("path", ["x\nimport os\n.npz", "a\u2028import os", "coding=utf-7 +AAo-import os+AAo-", "\x0cimport os\x0c"])
 def test_a_path_is_no_line_of_a_script(tactical, path):
     """That of the encoding is the second line, where Python looks for it."""
     hostile = replace(tactical, provenance=tactical.provenance | {"source": path})
@@ -173,7 +172,7 @@ def test_a_path_is_no_line_of_a_script(tactical, path):
     assert comments[1].startswith(f"source: {path}, sha256")
 
 
-@pytest.mark.parametrize("autopilot", list(TEMPERATURE))
+@rows("autopilot", list(TEMPERATURE))
 def test_names_are_no_parameters_of_a_temperature_calibration(autopilot):
     row = TEMPERATURE[autopilot]
     layout = row.forms[row_suffix := next(iter(row.forms))]
@@ -224,7 +223,7 @@ def test_a_recording_is_read_back_with_its_names(tmp_path_factory, first, second
 DEEP = "[" * 100_000 + "]" * 100_000
 
 
-@pytest.mark.parametrize(
+@rows(
     ("key", "value", "words"),
     [
         ("limits", "5", r"channels\[0\].fit.terms\[0\].limits: a table is expected, not 5"),

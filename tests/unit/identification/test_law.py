@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.identification.likelihood.law import law, traces
@@ -26,7 +27,7 @@ def by_force(found, which, penalty, root):
     return below / below[-1]
 
 
-@pytest.mark.parametrize("symbol", ["Q", "N", "B", "K"])
+@rows("symbol", ["Q", "N", "B", "K"])
 def test_it_is_that_of_all_subsets_on_a_fine_grid(found, symbol):
     which = found.noise.index(symbol)
     ours = law(traces(found.fitted, which, [found.akaike]), found.akaike)
@@ -87,7 +88,7 @@ def test_estimates_are_correlated_as_the_fit_says():
     assert np.isnan(al.identify(al.simulate(model, 4096, 1.0, rng=np.random.default_rng(8))).correlation).any()
 
 
-@pytest.mark.parametrize("level", [0.3, 0.68, 0.95])
+@rows("level", [0.3, 0.68, 0.95])
 def test_an_interval_holds_its_value(level):
     # here a third term is weak: some of the models that are possible have it, and N differs between them
     model = al.N(0.1, "deg/sqrt(h)") + al.B(1, "deg/h")

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from tests import ROOT
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
@@ -32,7 +33,7 @@ FORMULAS = {
 CLAIMS = [(sheet, claim) for sheet in al.DATASHEETS.values() for claim in sheet.claims]
 
 
-@pytest.mark.parametrize("name", al.DATASHEETS)
+@rows("name", al.DATASHEETS)
 def test_a_sheet_of_the_table_keeps_what_every_sheet_must(name):
     check_data_sheet(al.DATASHEETS[name])
 
@@ -58,7 +59,7 @@ def test_every_conversion_of_the_table_is_that_of_its_formula():
         assert claim.term.value == pytest.approx(value, rel=1e-12), (sheet.name, claim)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("quantity", "value", "unit", "bandwidth", "text"),
     [
         ("noise density", 0.008, "deg/s/sqrt(Hz)", None, "N = 0.3394 deg/sqrt(h)"),
@@ -124,7 +125,7 @@ DENSITY = Claim("gyro", "noise density", "Density", 0.01, "deg/s/sqrt(Hz)", plac
 NOISE = Claim("gyro", "rms noise", "Noise", 0.1, "deg/s", place="page 1", bandwidth=50.0)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("claims", "used"),
     [
         ((NOISE, DENSITY, WALK), WALK),
@@ -148,12 +149,12 @@ def test_noise_without_a_bandwidth_makes_no_coefficient():
     assert sheet.models == ()
 
 
-@pytest.mark.parametrize("name", ["ADIS16470", "adis16470", "ADIS-16470", "adis 16470", "Adis_16470"])
+@rows("name", ["ADIS16470", "adis16470", "ADIS-16470", "adis 16470", "Adis_16470"])
 def test_a_name_is_found_as_it_is_typed(name):
     assert al.data_sheet_named(name).name == "ADIS16470"
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "said"),
     [
         ("adis1647", "unknown data sheet 'adis1647'; did you mean ADIS16470?"),
@@ -176,7 +177,7 @@ def test_texts_of_a_conversion_may_be_names_of_data_sheets():
     ]
 
 
-@pytest.mark.parametrize("sensor", SENSORS)
+@rows("sensor", SENSORS)
 def test_what_was_measured_is_given_as_the_sheet_would_say_it(sensor):
     """A record of exactly the random walk of a sheet: its density is what the sheet should have printed."""
     sheet = al.data_sheet_named("adis16470")

@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 import bound as script
@@ -21,7 +22,7 @@ MODELS = {
 }
 
 
-@pytest.mark.parametrize(
+@rows(
     ("name", "n", "rate", "ramp"),
     [
         ("mems", 600, 1.0, False), ("fog", 900, 1.0, True), ("rlg", 600, 100.0, True), ("NBK", 600, 1.0, True),
@@ -52,7 +53,7 @@ KNOWN = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", list(KNOWN))
+@rows("name", list(KNOWN))
 def test_known_accuracies_by_length(name):
     found = al.plan(al.sensor(name), 100.0, ramp=False)
     for symbol, wanted in KNOWN[name].items():
@@ -89,7 +90,7 @@ def test_a_sinusoid_in_white_noise():
     assert frequency / f == pytest.approx(found["Sine frequency"], rel=0.25)
 
 
-@pytest.mark.parametrize("n", [10**4, 10**7, 10**11])
+@rows("n", [10**4, 10**7, 10**11])
 def test_the_nodes_are_enough(monkeypatch, n):
     model = al.sensor("fog") + al.GM(3.0, "deg/h", time_constant=10.0)
     found = al.bound(model, n, 100.0)
@@ -135,7 +136,7 @@ def test_two_processes_are_told_apart_by_their_time_constants():
     assert names == ("N", "GM(10 s)", "GM(10 s) time constant", "GM(100 s)", "GM(100 s) time constant")
 
 
-@pytest.mark.parametrize("wrong", [{"rate": 0.0}, {"rate": 1.0, "accuracy": 0.0}, {"rate": 1.0, "durations": (-1.0,)}])
+@rows("wrong", [{"rate": 0.0}, {"rate": 1.0, "accuracy": 0.0}, {"rate": 1.0, "durations": (-1.0,)}])
 def test_a_plan_of_nothing_is_refused(wrong):
     with pytest.raises(al.UsageError, match=r"above 0|between 1e-09"):
         al.plan(al.sensor("rlg"), **wrong)
@@ -173,7 +174,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     assert "not taken into account: " in run(tmp_path / "first.npz").stdout
 
 
-@pytest.mark.parametrize(
+@rows(
     ("arguments", "words"),
     [
         ((), "either a recording, or the noise"),

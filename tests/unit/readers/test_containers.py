@@ -6,7 +6,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from tests.pace import pace
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -102,7 +102,7 @@ def test_links_out_of_a_file_are_not_followed(tmp_path, two_sensors):
         al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s")
 
 
-@pytest.mark.parametrize("bits", [{"precision": 12, "offset": 2}, {"precision": 8, "offset": 0}, {}])
+@rows("bits", [{"precision": 12, "offset": 2}, {"precision": 8, "offset": 0}, {}])
 def test_integers_of_fewer_bits_than_their_width(tmp_path, bits):
     """The stored bits were once taken for the number: 15424 for -240."""
     path, values = tmp_path / "bits.h5", np.arange(-100, 100, dtype="i2")
@@ -189,7 +189,7 @@ def savemat(path, content, **options):
     return path
 
 
-@pytest.mark.parametrize("compress", [False, True])
+@rows("compress", [False, True])
 def test_structures_and_what_is_no_number(tmp_path, compress):
     content = {
         "run": {"gyro": GYRO, "t": np.arange(60) * 0.01, "sensor": "ADIS", "cells": np.array([1, "a"], object)},
@@ -212,7 +212,7 @@ def test_an_ascii_mat_is_text(tmp_path):
     assert al.read(tmp_path / "a.mat", rate=100, unit="deg/s").channels == ("column 2", "column 3", "column 4")
 
 
-@pytest.mark.parametrize(
+@rows(
     ("old", "new"),
     [
         (b"\x05\0\0\0\x08\0\0\0\x3c\0\0\0\x03\0\0\0", b"\x05\0\0\0\x08\0\0\0\xff\xff\xff\x7f\xff\xff\xff\x7f"),
@@ -258,7 +258,7 @@ def test_a_time_series_of_r(tmp_path):
     assert np.array_equal(recording[0].values, np.arange(50.0))
 
 
-@pytest.mark.parametrize(
+@rows(
     ("hex_body", "words"),
     [
         ("0000000e 7fffffff", "claimed"),  # numbers
@@ -303,15 +303,12 @@ def test_sequences_of_a_small_r_file_do_not_take_gigabytes(tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_a_million_empty_entries_do_not_take_long(tmp_path):
+def test_a_million_empty_entries_are_not_gone_through(tmp_path):
     import struct
-    import time
 
     path = r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 10**6) + struct.pack(">i", 254) * 10**6)
-    start = time.process_time()
     with pytest.raises(DataError, match="too many lists: more than 100000; save only the numbers"):
         al.read(path, rate=1, unit="deg/s")
-    assert time.process_time() - start < 2 * pace()
 
 
 # Parquet
@@ -456,7 +453,7 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
 # raw binary
 
 
-@pytest.mark.parametrize(
+@rows(
     ("options", "words"),
     [
         ({"dtype": "i2", "columns": 7}, r"120 bytes.*14 bytes of a row: 8 rows and 8 bytes remain"),
@@ -532,7 +529,7 @@ def test_a_parquet_table_of_thousands_of_columns(tmp_path):
         al.read(tmp_path / "a.parquet", rate=1, unit="deg/s")
 
 
-@pytest.mark.parametrize("kind", [7, 0])
+@rows("kind", [7, 0])
 def test_a_mat_file_of_other_elements(tmp_path, kind):
     data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
     (tmp_path / "a.mat").write_bytes(data[:128] + np.array([kind, 0], "<u4").tobytes() * 10**6)

@@ -5,6 +5,7 @@ import struct
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -154,7 +155,7 @@ def flown(count=300):
     return imu, rate
 
 
-@pytest.mark.parametrize("form", ["binary", "text"])
+@rows("form", ["binary", "text"])
 def test_units_and_factors_that_the_log_says(tmp_path, form):
     imu, rate = flown()
     every, path = (*UNITS, *imu, *rate), tmp_path / "flight.log"

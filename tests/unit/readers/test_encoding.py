@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 from allanite.core.errors import DataError, UnitError
 from allanite.core.units import unit_of
@@ -24,7 +25,7 @@ RUSSIAN_1251 = [RUSSIAN[0], RUSSIAN[1].replace("м/с²", "м/с2")]
 CHINESE = ["操作员：张三", "时间(秒);陀螺X（度/秒）;角速度Y(度/小时);加速度X(米/秒^2);温度(度)"]
 
 
-@pytest.mark.parametrize(
+@rows(
     ("lines", "encoding", "note"),
     [
         (RUSSIAN, "utf-8", ""),
@@ -36,7 +37,7 @@ CHINESE = ["操作员：张三", "时间(秒);陀螺X（度/秒）;角速度Y(�
         (CHINESE, "gb18030", "read as GB18030"),
     ],
 )
-@pytest.mark.parametrize("comma", [False, True])
+@rows("comma", [False, True])
 def test_names_and_units(tmp_path, lines, encoding, note, comma):
     recording = read(written(tmp_path, lines, encoding, comma))
     wanted = ("deg/s", "deg/h", "m/s^2")
@@ -48,7 +49,7 @@ def test_names_and_units(tmp_path, lines, encoding, note, comma):
     assert any("not an inertial signal by its name" in said for said in recording.notes)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "encoding", "name"),
     [
         ("gx [°/s]", "latin-1", "Latin-1"), ("ax [µg]", "latin-1", "Latin-1"), ("m/s²", "latin-1", "Latin-1"),
@@ -66,7 +67,7 @@ def test_each_encoding_is_told_from_the_others(text, encoding, name):
     assert note.endswith(name)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("data", "words"),
     [
         ("ПУСК".encode("cp1251"), "may be GB18030 or cp1251"),
@@ -91,7 +92,7 @@ def test_utf8_is_tested_in_blocks_that_may_cut_a_letter():
     assert in_utf8(data) == (data, ())
 
 
-@pytest.mark.parametrize(
+@rows(
     ("unit", "same"),
     [
         ("°/с", "deg/s"), ("°/ч", "deg/h"), ("°/час", "deg/h"), ("град/с", "deg/s"), ("рад/с", "rad/s"),
@@ -106,7 +107,7 @@ def test_units_in_russian_and_chinese(unit, same):
     assert unit_of(unit) == unit_of(same)
 
 
-@pytest.mark.parametrize("unit", ["мг", "мкг", "г", "千克", "сч", "курсор"])
+@rows("unit", ["мг", "мкг", "г", "千克", "сч", "курсор"])
 def test_other_words_are_no_units(unit):
     with pytest.raises(UnitError, match=unit):
         unit_of(unit)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -40,7 +41,7 @@ def in_g_at_10_hz():
     return made
 
 
-@pytest.mark.parametrize(
+@rows(
     "data",
     [samples(), samples() * [1, 50, 50, 50, 1, 1, 1], in_g_at_10_hz()],
     ids=["its own", "degrees", "rates and g"],
@@ -66,7 +67,7 @@ def test_rows_of_another_width_are_refused(tmp_path):
         al.read(tmp_path / "imu.bin", dtype="kfgins")
 
 
-@pytest.mark.parametrize(
+@rows(
     "change",
     [
         lambda r: r[:, :6],

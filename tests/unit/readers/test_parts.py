@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet
 from tests import examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -135,7 +136,7 @@ def gathered(path, size, choices):
         return [np.concatenate(parts) for parts in found], beat, reader.sense.notes(beat), whole_findings(reader)
 
 
-@pytest.mark.parametrize("case", CASES)
+@rows("case", CASES)
 def test_parts_are_the_whole(case, tmp_path):
     make, choices = CASES[case]
     path = make(tmp_path)
@@ -150,7 +151,7 @@ def test_parts_are_the_whole(case, tmp_path):
         assert [(f.name, f.what) for f in findings] == [(f.name, f.what) for f in whole.findings]
 
 
-@pytest.mark.parametrize("case", ["one column", "columns one after the other", "raw"])
+@rows("case", ["one column", "columns one after the other", "raw"])
 def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path):
     make, choices = CASES[case]
     path = make(tmp_path)
@@ -174,7 +175,7 @@ def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, size):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("form", ["bag", "db3", "mcap"])
+@rows("form", ["bag", "db3", "mcap"])
 def test_a_bag_is_read_in_parts(tmp_path, form):
     bag_files = pytest.importorskip("bag_files", reason="pip install 'allanite[ros]'")
     start, many = 1_700_000_000_999_999_990, 9000
@@ -255,7 +256,7 @@ def test_every_format_with_parts_is_tried_here():
     assert having == {"numpy", "parquet", "hdf5", "bag", "raw", "text"}
 
 
-@pytest.mark.parametrize("text", ["much", "0", "-1GB", "GB", ""])
+@rows("text", ["much", "0", "-1GB", "GB", ""])
 def test_a_size_is_a_number_of_bytes(text):
     with pytest.raises(UsageError, match="a size such as 1GB or 500MB"):
         bytes_of(text)
@@ -290,7 +291,7 @@ def test_a_thread_ends_when_nobody_waits():
     assert closed == [True]
 
 
-@pytest.mark.parametrize("size", [0, 1, (1 << 20) - 1, 1 << 20, (1 << 21) + 5])
+@rows("size", [0, 1, (1 << 20) - 1, 1 << 20, (1 << 21) + 5])
 def test_digest_is_that_of_the_whole_file(size, tmp_path):
     content = np.random.default_rng(size).bytes(size)
     (tmp_path / "file").write_bytes(content)

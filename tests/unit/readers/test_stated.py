@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import translated
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -35,7 +36,7 @@ def found(recording, name):
     return [finding for finding in recording.findings if finding.name == name]
 
 
-@pytest.mark.parametrize(
+@rows(
     "unit",
     [
         "gyro=deg/s,accel=g",
@@ -59,7 +60,7 @@ def test_a_column_by_name_wins_over_its_sensor_and_over_its_name(write):
     assert units(read(path, unit="wx=deg/h,gyro=deg/s")) == {"wx": "deg/h"}
 
 
-@pytest.mark.parametrize("unit", ["gyro=deg/h,temp=degC", "wx=deg/h,3=degC"])
+@rows("unit", ["gyro=deg/h,temp=degC", "wx=deg/h,3=degC"])
 def test_columns_beside_the_signals_have_the_unit_that_is_given_for_them(write, unit):
     found = read(write("time [s],wx,temp"), along=["temp"], unit=unit)
     assert units(found) == {"wx": "deg/h", "temp": "degC"}
@@ -72,7 +73,7 @@ def test_other_columns_keep_their_header_or_are_left_out(write):
     assert not recording.findings
 
 
-@pytest.mark.parametrize(
+@rows(
     ("unit", "words"),
     [
         ("gyro=deg/s,accel=g", ["unit g", "accelerometer", "no column", "wx (gyro)", "omit it"]),

@@ -9,6 +9,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import AllaniteError, DataError
@@ -117,7 +118,7 @@ def joined(parts, wanted, at_once):
     return [np.concatenate([piece[i] for piece in pieces]) for i in range(len(wanted))]
 
 
-@pytest.mark.parametrize("case", CASES)
+@rows("case", CASES)
 def test_columns_in_parts_are_those_of_the_whole(case, tmp_path):
     content, choices = CASES[case]
     path = str(file_of(tmp_path, content))
@@ -137,7 +138,7 @@ def test_columns_in_parts_are_those_of_the_whole(case, tmp_path):
             assert values.tobytes() == columns[i].values.tobytes()
 
 
-@pytest.mark.parametrize("case", [c for c in CASES if c not in ("midnight every hundred rows",)])
+@rows("case", [c for c in CASES if c not in ("midnight every hundred rows",)])
 def test_records_in_parts_are_those_of_the_whole(case, tmp_path):
     content, choices = CASES[case]
     path = file_of(tmp_path, content)
@@ -178,7 +179,7 @@ def packed(folder, suffix, content):
     return path
 
 
-@pytest.mark.parametrize("suffix", [".gz", ".bz2", ".xz", ".zip"])
+@rows("suffix", [".gz", ".bz2", ".xz", ".zip"])
 def test_a_packed_text_is_read_in_parts(suffix, tmp_path):
     path = packed(tmp_path, suffix, PLAIN.encode())
     member = f"{path}::b.csv.gz" if suffix == ".zip" else path

@@ -5,6 +5,7 @@ import struct
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -110,7 +111,7 @@ def test_batches_are_unrolled(tmp_path):
     assert not recording.findings
 
 
-@pytest.mark.parametrize(("over", "kind", "unit"), [(5000, "increment", "rad"), (1000, "rate", "rad/s")])
+@rows(("over", "kind", "unit"), [(5000, "increment", "rad"), (1000, "rate", "rad/s")])
 def test_integrals_are_increments_if_they_cover_the_time_step(tmp_path, over, kind, unit):
     angles = RNG.normal(size=(300, 6)).astype("f4")
     rows = [struct.pack("<QQ6f2I", i * 5000, i * 5000, *v, over, over) for i, v in enumerate(angles)]

@@ -6,6 +6,7 @@ import zipfile
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -109,7 +110,7 @@ def replaced(folder, sheet):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(
+@rows(
     "sheet",
     [
         '<worksheet><sheetData><row r="99999999999"><c r="A1"><v>1</v></c></row></sheetData></worksheet>',

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
@@ -18,7 +19,7 @@ def record(size=100_000, rate=100.0, **form):
     return al.Record(values, rate, form.pop("unit", "deg/s"), name="gz", **form)
 
 
-@pytest.mark.parametrize("count", [1, 7, STRETCHES, 200_000])
+@rows("count", [1, 7, STRETCHES, 200_000])
 def test_stretches_hold_every_extreme_and_every_mean(count):
     whole = record()
     seen, values = envelope(whole, count), whole.values
@@ -33,7 +34,7 @@ def test_stretches_hold_every_extreme_and_every_mean(count):
     assert seen.broken.sum() * len(values) / len(seen.at) == pytest.approx(6000, abs=2 * len(values) / len(seen.at) + 1)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("made", "unit", "time", "ends"),
     [
         (record(), "°/s", "min", (0, 100_000 / 6000)),

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator
 from tests import examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.reporting import style
@@ -161,7 +162,7 @@ def test_what_only_matplotlib_draws_is_left_to_it():
     assert "<path" in drawn(Drawing(draw, "points")).text
 
 
-@pytest.mark.parametrize(
+@rows(
     "ask",
     [
         lambda panel: panel.scatter([1], [1]),
@@ -200,8 +201,8 @@ def test_ticks_are_within_the_view_and_named(ends, log, across):
     assert not set(found.major) & set(found.minor)
 
 
-@pytest.mark.parametrize("scale", ["linear", "log"])
-@pytest.mark.parametrize(("low", "high"), [(0.13, 7.9), (1.0, 1000.0), (3e-5, 8e4), (12.0, 13.5), (0.9, 1.3)])
+@rows("scale", ["linear", "log"])
+@rows(("low", "high"), [(0.13, 7.9), (1.0, 1000.0), (3e-5, 8e4), (12.0, 13.5), (0.9, 1.3)])
 def test_ticks_are_those_of_matplotlib(scale, low, high):
     figure = Figure(figsize=(5.0, 3.0))
     axes = figure.subplots()
@@ -216,7 +217,7 @@ def test_ticks_are_those_of_matplotlib(scale, low, high):
     assert side.ticks(length, 10.0).minor == pytest.approx(fine)
 
 
-@pytest.mark.parametrize("scale", ["linear", "log"])
+@rows("scale", ["linear", "log"])
 def test_points_are_where_matplotlib_has_them(scale):
     x, y = np.array([1.0, 3.0, 20.0]), np.array([2.0, 50.0, 7.0])
     panel = chart().subplots()
@@ -282,7 +283,7 @@ def test_labels_at_ticks_read_as_those_of_matplotlib():
     assert "−0.4" in found
 
 
-@pytest.mark.parametrize(
+@rows(
     ("places", "labels", "beside"),
     [
         ([0.0, 0.5, 1.0], ["0.0", "0.5", "1.0"], ""),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.simulation import faults
@@ -18,8 +19,8 @@ def curve(record, noise):
     return al.deviation(record, "oadev", taus="octave", noise=noise)
 
 
-@pytest.mark.parametrize("dither", [None, faults.Dither(), faults.Dither(30.0, frequency=7.3)])
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@rows("dither", [None, faults.Dither(), faults.Dither(30.0, frequency=7.3)])
+@rows("seed", [1, 2, 3])
 def test_a_rounded_rate_is_white_noise(dither, seed):
     """N grows by lsb sqrt(tau0/12); every octave within 5 standard errors: one failure in 1e5."""
     lsb, N = 60.0, al.N(0.3, "deg/sqrt(h)")
@@ -35,10 +36,8 @@ def test_a_rounded_rate_is_white_noise(dither, seed):
     assert np.all(np.abs(ratio - 1) < 5 * np.sqrt(2 / found.edf[keep]) + 0.01 * (dither is not None))
 
 
-@pytest.mark.parametrize(
-    "dither", [None, faults.Dither(), faults.Dither(40.0, frequency=6.1)], ids=["none", "random", "sine"]
-)
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@rows("dither", [None, faults.Dither(), faults.Dither(40.0, frequency=6.1)], ids=["none", "random", "sine"])
+@rows("seed", [1, 2, 3])
 def test_a_rounded_angle_is_quantization_noise(dither, seed):
     """Q = lsb / sqrt(12) within 5 standard errors, by dither or by noise of 0.7 steps an interval."""
     lsb, N = 0.3, 0.001 if dither else 0.035
@@ -118,15 +117,13 @@ def test_a_profile_multiplies_the_noise():
     np.testing.assert_allclose(factor, np.where(at < end / 2, 1 + 4 * at / end, 2.0), rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("times", "factors"), [([], []), ([0, 1], [1]), ([1, 0], [1, 1]), ([0, 1], [1, -1]), ([0, np.nan], [1, 1])]
-)
+@rows(("times", "factors"), [([], []), ([0, 1], [1]), ([1, 0], [1, 1]), ([0, 1], [1, -1]), ([0, np.nan], [1, 1])])
 def test_a_profile_that_is_none_is_refused(times, factors):
     with pytest.raises(al.UsageError, match="a noise profile needs"):
         faults.noise_profile(white(), times, factors)
 
 
-@pytest.mark.parametrize("order", [1, 4])
+@rows("order", [1, 4])
 def test_a_filter_takes_half_of_the_power_at_its_cutoff(order):
     density = al.spectrum(faults.low_pass(white(), 10.0, order=order), sides="two", bins=None)
     flat = np.median(density.density[(density.frequency > 0.2) & (density.frequency < 1)])
@@ -156,7 +153,7 @@ ANGLE = al.Record(np.arange(4.0), rate=10.0, unit="deg", kind="angle")
 RNG = np.random.default_rng(1)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("fault", "words"),
     [
         (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples are removed"),

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -83,7 +84,7 @@ def test_everything_of_a_model_is_written(tmp_path):
     assert "rate random walk" in done.stdout
 
 
-@pytest.mark.parametrize(
+@rows(
     ("arguments", "words"),
     [
         ((), "give either a recording, or the noise with --model, --sensor or --datasheet"),

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 
@@ -26,7 +27,7 @@ def test_the_usual_point_is_that_of_the_curve_at_one_second():
     assert found.white
 
 
-@pytest.mark.parametrize(("rate", "n", "tau"), [(0.1, 2000, 10.0), (99.317, 2000, 99 / 99.317), (1000.0, 500, 0.05)])
+@rows(("rate", "n", "tau"), [(0.1, 2000, 10.0), (99.317, 2000, 99 / 99.317), (1000.0, 500, 0.05)])
 def test_where_there_is_no_second_the_nearest_is_taken(rate, n, tau):
     found = al.readings(white(2, n, rate))
     assert found.usual.tau == pytest.approx(tau)

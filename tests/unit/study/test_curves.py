@@ -5,6 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.study import curves
@@ -57,7 +58,7 @@ def unfit():
     }
 
 
-@pytest.mark.parametrize("why", unfit())
+@rows("why", unfit())
 def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(why):
     record = unfit()[why]
     curve, automatic = al.deviation(record), al.deviation(record, noise="auto")
@@ -66,7 +67,7 @@ def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(why):
     assert why in curve.supposed
 
 
-@pytest.mark.parametrize(
+@rows(
     ("noise", "words"),
     [
         (al.N(0.1, "deg/sqrt(h)"), "intervals under the given model N = 0.1 deg/sqrt(h)"),

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -85,7 +86,7 @@ def test_every_form_shows_every_channel_and_the_doubt(job):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("verb", ["plan", "statespace"])
+@rows("verb", ["plan", "statespace"])
 def test_no_number_follows_from_a_rejected_model_unless_it_is_asked_for(verb, file):
     """K = 6944 deg/h/sqrt(h) was planned for a ring laser gyro, and its matrices printed."""
     alone = [verb, file, "--channels", "gz", *OPTIONS[verb]]
@@ -106,7 +107,7 @@ def test_it_travels(job):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("kind", ["plan", "statespace"])
+@rows("kind", ["plan", "statespace"])
 def test_figures(kind, recording, tmp_path):
     job = run_model_job(recording, SETTINGS[kind], Recipe())
     al.plot(job, path=tmp_path / "all.png")
@@ -119,8 +120,8 @@ def test_a_check_has_no_figure(recording):
         al.plot(run_model_job(recording.records[0], SETTINGS["selfcheck"]))
 
 
-@pytest.mark.parametrize("verb", list(OPTIONS))
-@pytest.mark.parametrize("source", ["file", "sensor"])
+@rows("verb", list(OPTIONS))
+@rows("source", ["file", "sensor"])
 def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     noise = (file, "--channels", "gx", "--terms", "NBK") if source == "file" else ("--sensor", "mems", "--rate", 20)
     first = run(verb, *noise, *OPTIONS[verb], "--json", "-", "--report", tmp_path / "page.html")
@@ -134,7 +135,7 @@ def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     assert (tmp_path / "page.html").stat().st_size > 5000
 
 
-@pytest.mark.parametrize("verb", list(OPTIONS))
+@rows("verb", list(OPTIONS))
 def test_the_options_of_the_identification_work(verb, file):
     """A band on a recording gives other numbers than the whole record."""
     usual = [verb, file, "--channels", "gx", "--json", "-", *OPTIONS[verb]]

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 from tests import examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -49,7 +50,7 @@ def by_m(curve):
     return dict(zip(curve.m.tolist(), curve.variance.tolist(), strict=True))
 
 
-@pytest.mark.parametrize("statistic", ["oadev", "ohdev", "mdev", "tdev", "haar"])
+@rows("statistic", ["oadev", "ohdev", "mdev", "tdev", "haar"])
 def test_curves_are_those_of_the_whole_where_windows_start_at_every_sample(file, statistic):
     settings_ = Deviations((statistic,), taus="octave", intervals=False)
     mine, whole = (survey(file, settings_, recipe).values for recipe in (PARTS, WHOLE))
@@ -65,7 +66,7 @@ def test_curves_are_those_of_the_whole_where_windows_start_at_every_sample(file,
         assert [known[m] / exact[m] for m in far] == pytest.approx([1.0] * len(far), rel=0.1)
 
 
-@pytest.mark.parametrize("choice", ["mark", "keep"])
+@rows("choice", ["mark", "keep"])
 def test_outliers_are_marked_or_kept(file, choice):
     job = Deviations(m=(1, 2, 8), intervals=False)
     mine, whole = (
@@ -186,7 +187,7 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
         al.analyze(tmp_path / "worse.npy", PARTS)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("recipe", "words"),
     [
         (
@@ -206,7 +207,7 @@ def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
     al.analyze(file, Recipe(**HOW, memory="1GB", channels=("3",), **recipe))  # the cure
 
 
-@pytest.mark.parametrize(
+@rows(
     ("job", "words"),
     [
         (Deviations(("adev",)), "no 'adev'"),

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -66,7 +67,7 @@ def test_limits_can_be_left_out_and_the_unit_chosen(file):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("verb", ["deviation", "spectrum"])
+@rows("verb", ["deviation", "spectrum"])
 def test_channels_of_several_files_are_side_by_side(verb, file, tmp_path):
     other = tmp_path / "run2.csv"
     shutil.copy(file, other)
@@ -120,7 +121,7 @@ def test_dynamic_is_that_of_the_library(file):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("verb", VERBS)
+@rows("verb", VERBS)
 def test_files_table_and_json(verb, file, tmp_path):
     paths = {"plot": tmp_path / "a.png", "json": tmp_path / "a.json", "csv": tmp_path / "a.csv"}
     arguments = [verb, file, "--channels", "x,y,a", *(part for name in paths for part in (f"--{name}", paths[name]))]
@@ -151,7 +152,7 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
     assert len(whole) >= 100
 
 
-@pytest.mark.parametrize(
+@rows(
     ("arguments", "code", "words"),
     [
         (["deviation", "{file}", "--statistic", "oadev,nadev"], 2, "unknown statistic 'nadev'; did you mean adev?"),
@@ -295,7 +296,7 @@ def test_pictures_are_the_same_each_time(record):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("names", [["oadev", "ohdev", "mdev", "theoh"], ["oadev", "mtie"], ["oadev"]])
+@rows("names", [["oadev", "ohdev", "mdev", "theoh"], ["oadev", "mtie"], ["oadev"]])
 def test_the_legend_stays_within_the_figure(record, fit, names):
     figure = plot([al.deviation(record, name) for name in names if name in al.STATISTICS], fit)
     figure.canvas.draw()

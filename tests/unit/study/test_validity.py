@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -137,7 +138,7 @@ def test_a_band_is_shaded_in_both_figures():
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(("channels", "code"), [("good,fair", 0), ("good,bad", 3)])
+@rows(("channels", "code"), [("good,fair", 0), ("good,bad", 3)])
 def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     result = run("analyze", file, "--channels", channels, "--strict", "--quiet", "--json", tmp_path / "a.json")
     assert result.exit_code == code, result.output
@@ -145,7 +146,7 @@ def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     assert ("not explained, or without a result: bad" in result.stderr) == bool(code)
 
 
-@pytest.mark.parametrize(
+@rows(
     "verb",
     [
         ("plan",), ("deviation", "--intervals"), ("spectrum", "--fit"), ("statespace",),
@@ -171,7 +172,7 @@ def test_strict_refuses_two_records_of_which_one_is_not_explained(file, tmp_path
     assert "imu.npz (not explained), again.npz (explained)" in " ".join(result.stdout.split())
 
 
-@pytest.mark.parametrize("band", ["auto", "all", "0.1,10"])
+@rows("band", ["auto", "all", "0.1,10"])
 def test_a_band_goes_round_through_the_recipe(file, band, tmp_path):
     first = run("analyze", file, "--channels", "good", "--terms", "NB", "--band", band, "--json", "-")
     found = json.loads(first.stdout)
@@ -236,7 +237,7 @@ def test_readings_too_coarse_are_told_without_a_p_value():
     assert "p =" not in table(al.analyze(record, Recipe(terms="N"))).split("read off")[0]
 
 
-@pytest.mark.parametrize(
+@rows(
     ("verb", "expected"),
     [
         (("deviation", "--statistic", "mdev", "--taus", "decade"), {"statistic": ["mdev"], "taus": "decade"}),

@@ -9,6 +9,7 @@ from itertools import permutations, product
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.applications.attitude import (
@@ -121,13 +122,13 @@ def handed(text):
     return np.linalg.det(rows)
 
 
-@pytest.mark.parametrize("text", [text for text in EVERY if handed(text) > 0])
+@rows("text", [text for text in EVERY if handed(text) > 0])
 def test_right_handed_axes(text):
     assert str(Axes.of(text)) == text
     assert Axes.of(text).turned(np.array([[1.0, 2.0, 3.0]]))[0] == pytest.approx(Axes.of(text).matrix @ [1, 2, 3])
 
 
-@pytest.mark.parametrize("text", [text for text in EVERY if handed(text) < 0])
+@rows("text", [text for text in EVERY if handed(text) < 0])
 def test_left_handed_axes_are_refused_with_others(text):
     with pytest.raises(al.UsageError, match=f"the axes {text} are left-handed") as refused:
         Axes.of(text)
@@ -136,7 +137,7 @@ def test_left_handed_axes_are_refused_with_others(text):
     assert suggested.replace("-", "") == text.replace("-", "")
 
 
-@pytest.mark.parametrize("text", ["y,-x,z", "x,-z,y", "-z,y,x", "y,z,x", "-x,-z,-y"])
+@rows("text", ["y,-x,z", "x,-z,y", "-z,y,x", "y,z,x", "-x,-z,-y"])
 def test_a_recording_turned_about(swaying, text):
     plain = vertical(recorded(swaying), settings=KNOWN)
     turned = vertical(mounted(swaying, Axes.of(text)), settings=replace(KNOWN, axes=text))
@@ -148,7 +149,7 @@ def test_a_recording_turned_about(swaying, text):
     assert text in table(turned)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("text", "gravity", "suggested"),
     [
         ("y,z,x", "x", "y,z,x"),
@@ -170,7 +171,7 @@ def test_gravity_along_another_axis_is_refused_with_axes_that_hold(swaying, text
     assert np.hypot(*(angle.mean for angle in lying.angles)) > 1.3
 
 
-@pytest.mark.parametrize("wrong", ["x,y", "x,y,y", "x,y,w", "x,y,--z", "", "x,,z", "1,2,3"])
+@rows("wrong", ["x,y", "x,y,y", "x,y,w", "x,y,--z", "", "x,,z", "1,2,3"])
 def test_wrong_axes(wrong):
     with pytest.raises(al.UsageError, match=r"are x, y and z in some order.*such as axes='y,-x,z', not"):
         VerticalSettings(axes=wrong)
@@ -264,7 +265,7 @@ def lose(values):
     return values
 
 
-@pytest.mark.parametrize(
+@rows(
     ("change", "said"),
     [
         (lambda r: al.Recording(r.records[:3]), "three gyros and three accelerometers, but there are 3 gyros and 0"),
@@ -359,7 +360,7 @@ def test_scenarios_are_shown():
     assert "does not see 1 m/s²" in done.output
 
 
-@pytest.mark.parametrize(
+@rows(
     ("words", "code", "said"),
     [
         ([], 2, "give a recording, or the noise of both sensors with --gyro and --accelerometer"),

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.reference.rate import turnaround_kick
+from tests.rows import rows
 
 import allanite as al
 from allanite.applications.constant_rate import (
@@ -49,7 +50,7 @@ def test_a_record_shorter_than_the_interval_is_one_interval():
     assert found.ratios() == ()
 
 
-@pytest.mark.parametrize("kind", ["rate", "angle"])
+@rows("kind", ["rate", "angle"])
 def test_gaps_are_an_error_or_split_the_record(kind):
     record = white(1000)
     values = record.values.copy() if kind == "rate" else np.r_[0, np.cumsum(record.values) / 10]
@@ -78,7 +79,7 @@ def test_methods_that_cannot_be_used_are_named():
         experiment(white(), None, ExperimentSettings(methods=("optimal",)))
 
 
-@pytest.mark.parametrize(
+@rows(
     ("choice", "words"),
     [
         ({"interval": 0.0}, "positive number of seconds"),
@@ -155,8 +156,8 @@ def position(heading, latitude, bias=0.0, error=1e-3):
     return replace(made, value=value, standard_error=error * DEG_H)
 
 
-@pytest.mark.parametrize("heading", [10.0, 60.0, 90.0, 135.0, 225.0, 300.0, 350.0])
-@pytest.mark.parametrize("latitude", [0.0, 55.8, -70.0])
+@rows("heading", [10.0, 60.0, 90.0, 135.0, 225.0, 300.0, 350.0])
+@rows("latitude", [0.0, 55.8, -70.0])
 def test_one_position_finds_north(heading, latitude):
     found = north(position(heading, latitude), latitude, near=heading + 5)
     assert found.heading == pytest.approx(heading, abs=1e-6)
@@ -167,8 +168,8 @@ def test_one_position_finds_north(heading, latitude):
     assert found.positions == 1
 
 
-@pytest.mark.parametrize("turned", [180.0, 90.0, -90.0, 150.0])
-@pytest.mark.parametrize("heading", [75.0, 100.0, 200.0, 290.0])
+@rows("turned", [180.0, 90.0, -90.0, 150.0])
+@rows("heading", [75.0, 100.0, 200.0, 290.0])
 def test_two_positions_find_north_whatever_the_bias(heading, turned):
     first, second = (position(h, 55.8, bias=0.7) for h in (heading, heading + turned))
     found = north(first, 55.8, second=second, turned=turned, near=heading)
@@ -257,7 +258,7 @@ def test_the_bias_wanders_as_told():
     assert fit["K"].to("deg/h/sqrt(h)") == pytest.approx(100.0, rel=0.5)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("choice", "words"),
     [
         ({"pulse": 0.0}, "pulse of a ring laser must be positive"),
