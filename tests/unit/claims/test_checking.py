@@ -9,6 +9,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.claims.result import AGREES, CONTRADICTS, DIFFERS, EXCEEDS, NOT_SHOWN, UNCLAIMED
 from allanite.core.errors import DataError, UsageError
+from allanite.study.analysis import analyzed
 
 RATE, SIZE = 50.0, 20_000
 GYRO, ACCELEROMETER = "N 1 deg/sqrt(h), K 300 deg/h/sqrt(h)", "N 100 ug/sqrt(Hz)"
@@ -21,6 +22,21 @@ def simulated(model, name, seed):
 @pytest.fixture(scope="module")
 def recording():
     return al.Recording((simulated(GYRO, "gx", 1), simulated(GYRO, "gy", 2), simulated(ACCELEROMETER, "ax", 3)))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _analyzed_once():
+    """The same records are held against many claims."""
+    known = {}
+
+    def once(source, recipe, progress=None):
+        key = id(source), str(recipe)
+        known[key] = known.get(key) or (source, analyzed(source, recipe, progress))
+        return known[key][1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("allanite.claims.checking.analyzed", once)
+        yield
 
 
 def outcomes(found, channel):

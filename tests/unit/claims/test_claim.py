@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.claims.claim import claim_of
@@ -22,8 +22,7 @@ def written(folder, target):
     return path
 
 
-@rows("named", [False, True])
-@rows("target", FIELDED)
+@rows("named, target", paired([False, True], list(FIELDED)))
 def test_file_of_every_target_is_recognized(target, named, tmp_path):
     found = claim_of(written(tmp_path, target), target if named else "", rate=100.0)
     assert found.kind == target or not named

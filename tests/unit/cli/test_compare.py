@@ -166,7 +166,6 @@ def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
             ["before.csv", "after.csv", "third.csv", "--statistic", "ohdev", "--taus", "0.1,1", "--quiet-window", "30"],
         ],
         1,
-        "two runs each",
     ),
 )
 def test_the_recipe_that_is_told_repeats_the_result(folder, tmp_path, monkeypatch, arguments):

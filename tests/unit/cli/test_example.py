@@ -34,7 +34,7 @@ def test_the_commands_are_verbs(name):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("name", thinned(PAPERS, 1, "every example whole"))
+@rows("name", thinned(PAPERS, 1))
 def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, monkeypatch):
     monkeypatch.delenv("ALLANITE_DETAILS")
     folder = tmp_path / "made"

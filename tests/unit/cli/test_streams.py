@@ -13,7 +13,7 @@ import sys
 import numpy as np
 import pytest
 from tests import thinned
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 
@@ -57,7 +57,7 @@ def test_a_stream_that_takes_nothing_is_named_and_the_other_output_is_written(fi
 
 
 @linux
-@rows("megabytes", thinned([200, 600, 1000, 2400], 1, "a process each"))
+@rows("megabytes", thinned([200, 600, 1000, 2400], 1))
 def test_too_small_an_address_space_is_named_before_the_work(file, megabytes):
     done = shell(f"ulimit -v {megabytes}000; {PROGRAM} analyze {file}")
     assert done.returncode == 3
@@ -103,7 +103,7 @@ def test_a_full_folder_for_copies_is_not_blamed_on_the_file(file, tmp_path):
 
 @pytest.mark.slow("takes more than half a second")
 @linux
-@rows("suffix", thinned(["csv", "npz", "parquet", "h5", "mat"], 2, "a process each"))
+@rows("suffix", thinned(["csv", "npz", "parquet", "h5", "mat"], 2))
 def test_a_file_that_may_not_become_so_large_is_named(tmp_path, suffix):
     target = tmp_path / f"x.{suffix}"
     done = shell(f"ulimit -f 8; {PROGRAM} simulate {target} --sensor mems --rate 20 --samples 20000")
@@ -222,8 +222,7 @@ def test_a_program_that_is_ended_leaves_nothing(file, tmp_path, number, where):
     assert not list((tmp_path / "out").iterdir())
 
 
-@rows("size", [1e32, 1e154, 1e300])
-@rows("job", [al.deviation, al.spectrum, al.identify, al.analyze])
+@rows("size, job", paired([1e32, 1e154, 1e300], [al.deviation, al.spectrum, al.identify, al.analyze]))
 def test_what_no_sensor_gives_is_refused_in_words(job, size):
     values = np.random.default_rng(1).standard_normal(2000)
     for scale, words in ((size, "too large for any sensor"), (1 / size, "less than can be computed with")):

@@ -2,14 +2,19 @@
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 
 
-@rows("job", [al.analyze, al.deviation, al.dynamic, al.identify, al.spectrum, al.prepare.inspect])
-@rows("dtype", [np.float64, np.float32])
-@rows("kind", ["rate", "angle"])
+@rows(
+    "job, dtype, kind",
+    paired(
+        [al.analyze, al.deviation, al.dynamic, al.identify, al.spectrum, al.prepare.inspect],
+        [np.float64, np.float32],
+        ["rate", "angle"],
+    ),
+)
 def test_infinite_samples_of_both_signs(job, dtype, kind):
     values = np.random.default_rng(1).standard_normal(3000).astype(dtype)
     values[[5, 9]] = np.inf, -np.inf

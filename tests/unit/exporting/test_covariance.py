@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 from tests.unit.exporting.parsers import PARSERS, propagated, simulated
 
 import allanite as al
@@ -40,9 +40,7 @@ def test_every_target_has_a_parser():
     assert set(with_fields()) == set(PARSERS)
 
 
-@rows("sensor", list(COEFFICIENTS))
-@rows("rate", RATES)
-@rows("name", list(PARSERS))
+@rows("name, rate, sensor", paired(list(PARSERS), RATES, list(COEFFICIENTS)))
 def test_the_angle_grows_as_that_of_the_sensor(name, rate, sensor, ensembles):
     row = al.EXPORTS[name]
     step = PARSERS[name](al.export(noise(), name, rate=rate).text)[sensor]

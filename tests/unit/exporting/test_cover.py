@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
@@ -36,8 +36,7 @@ def covered(target, noise, span=(1, 1000), **more):
     return al.export([noise, sensor], target, rate=100.0, cover=span, **more).stated[0]
 
 
-@rows("target", DRIFTING)
-@rows("noise", NOISES.values(), ids=[*NOISES])
+@rows("target, noise", paired(DRIFTING, list(NOISES.values())))
 def test_a_file_lies_above_the_noise_and_predicts_no_less_than_it_errs(target, noise):
     """As read back from the file, whatever its units and its rate."""
     found = covered(target, noise)

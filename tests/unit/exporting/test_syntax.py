@@ -13,7 +13,7 @@ import yaml
 from click.testing import CliRunner
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from tests import ROOT
+from tests import ROOT, examples
 from tests.rows import rows
 from tests.unit.exporting.syntaxes import PARSERS
 from tests.unit.exporting.test_export import six
@@ -101,7 +101,7 @@ def test_a_parser_sees_the_same_keys_whatever_the_names(contents, target, suffix
     content, parse = contents[target, suffix], PARSERS[suffix]
     plain, remarks = parse(written(called(content, FIRST, SECOND), target, suffix))
 
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=examples(40), deadline=None)
     @given(NAMES, NAMES)
     @example("gx\nevil: 1", "gy*/ int evil; /*")
     @example("".join(PIECES), "g x")

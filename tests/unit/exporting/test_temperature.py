@@ -1,12 +1,11 @@
 """Temperature polynomials: the formula of each autopilot, applied to its file, is the correction of the regression."""
 
 import dataclasses
-import itertools
 import re
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 from tests.unit.exporting import parsers
 
 import allanite as al
@@ -52,7 +51,7 @@ def values(text, separator):
     return {name: float(value) for name, value in (r if isinstance(r, list) else r.split(",") for r in rows)}
 
 
-@rows(("sensor", "centre", "powers"), list(itertools.product(SENSORS, CENTRES, POWERS)))
+@rows(("sensor", "centre", "powers"), paired(list(SENSORS), CENTRES, POWERS))
 def test_the_correction_is_that_of_the_regression(sensor, centre, powers):
     made = [regression(SENSORS[sensor], f"w{axis}", powers, centre) for axis in "xyz"]
     made[1] = dataclasses.replace(made[1], mixture=made[1].mixture.scaled(-np.ones(len(powers) + 1), np.zeros(1)))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.fft import dct
 from scipy.signal import butter, lfilter
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.identification.checks.contradiction import held, measured, not_rounding
@@ -79,7 +79,7 @@ def test_a_filter_is_tuned_beside_gauss_markov_noise(seed):
     assert abs(fit["N"].value / truth(SLOW, "N") - 1) < 0.035  # 0.06 off with a cut-off tuned without it
 
 
-@rows("count", [2, 3, 5, 7, 10])
+@rows("count", [2, 5, 10])
 def test_moving_averages_are_named_and_their_lobes_are_no_lines(count):
     fit = al.identify(made(WHITE, 2**16, RATE, count, lambda y, rng: lfilter(np.full(count, 1 / count), [1.0], y)))
     assert fit.scope.filter is not None
@@ -181,8 +181,7 @@ def test_steps_of_the_bias_are_no_random_walk():
     assert sum(found) >= 5
 
 
-@rows("after", [6000, 16_000, 40_000])
-@rows("before", [800, 2400, 12_000])
+@rows("after, before", paired([6000, 16_000, 40_000], [800, 2400, 12_000]))
 def test_a_high_step_is_no_random_walk_and_no_warm_up(before, after):
     """Its power reaches far above the lowest bins, where a random walk without end, or a warm-up, explained it."""
     y = 10 * np.random.default_rng([before, after]).standard_normal(before + after)

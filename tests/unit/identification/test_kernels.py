@@ -8,7 +8,7 @@ from numba import njit
 from scipy.fft import dct
 from scipy.optimize import nnls
 from scipy.signal import butter, lfilter
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.identification.likelihood.band import Tuned, portion
@@ -86,8 +86,7 @@ def filtered(b, a, n=2**15):
     return spectrum(al.Record(lfilter(b, a, y)[2048:], 100.0, "rad/s"), detrend=True)
 
 
-@rows("symbols", ["QNBKR", "NBK", "QNK", "BKR", "NK"])
-@rows("cutoff", [0.02, 0.3, 0.9])
+@rows("symbols, cutoff", paired(["QNBKR", "NBK", "QNK", "BKR", "NK"], [0.02, 0.3, 0.9]))
 def test_the_minimum_of_a_wrong_model_is_one(symbols, cutoff):
     """What a filter took away no term explains: scoring alone would converge slowly, and there may be two minima."""
     ours = likelihood(filtered(*butter(1, cutoff)), symbols)

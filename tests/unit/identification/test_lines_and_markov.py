@@ -4,7 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from scipy.fft import dct
+from scipy.optimize import minimize
+from scipy.signal import lfilter
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.identification.likelihood.band import portion
@@ -21,6 +24,29 @@ GM = al.GM(0.004, "deg/s", time_constant=20.0)
 
 def record_of(model, n=2**17, seed=1):
     return al.simulate(model, n, RATE, rng=np.random.default_rng(seed), name="z")
+
+
+def test_limits_of_a_time_constant_are_those_of_its_likelihood():
+    """Where the deviance of the cosine transform, with the sizes of both terms free, is z^2 above its least."""
+    n, rate, rng = 2**13, 10.0, np.random.default_rng(3)
+    a = math.exp(-1 / 15)
+    slow = lfilter([math.sqrt(1 - a * a)], [1, -a], rng.standard_normal(n + 1000))[1000:]
+    y = slow + 2.0 * rng.standard_normal(n)
+    power, angle = dct(y, norm="ortho")[1:] ** 2, np.pi * np.arange(1, n) / n
+
+    def deviance(parameters, constant=None):
+        white, size, *free = np.exp(parameters)
+        a = math.exp(-1 / (rate * (constant or free[0])))
+        S = white + size * (1 - a * a) / (1 - 2 * a * np.cos(angle) + a * a)
+        return float((np.log(S) + power / S).sum())
+
+    estimate = al.identify(al.Record(y, rate, "deg/h"), terms="N,GM", band="all")["GM"]
+    start = [math.log(4.0), 0.0]
+    least = minimize(deviance, [*start, math.log(estimate.shape[0])], method="Nelder-Mead").fun
+    for level, z in ((0.95, 1.959964), (0.68, 0.994458)):
+        for limit in estimate.shape_limits(level)[0]:
+            above = minimize(deviance, start, (limit,), method="Nelder-Mead").fun - least
+            assert math.sqrt(above) == pytest.approx(z, rel=0.02)
 
 
 def test_gauss_markov_takes_the_place_of_flicker_where_the_record_says_so():
@@ -174,8 +200,7 @@ def test_a_periodic_record_without_noise(n, pattern):
     assert al.identify(record).validity == "unexplained"
 
 
-@rows("band", ["auto", "all", (1e-3, 4.9)])
-@rows("seed", range(3))
+@rows("band, seed", paired(["auto", "all", (1e-3, 4.9)], range(3)))
 def test_noise_of_a_few_samples_is_not_taken_for_a_low_pass_filter(seed, band):
     model = al.N(0.5, "deg/sqrt(h)") + al.GM(0.1, "deg/s", time_constant=2.0)  # 20 samples
     fit = al.identify(al.simulate(model, 2**14, 10.0, rng=np.random.default_rng(seed)), band=band)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.fft import dct
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -164,8 +164,7 @@ MODELS = {
 }
 
 
-@rows("name", list(MODELS))
-@rows("kind", ["rate", "increment", "count", "angle"])
+@rows("name, kind", paired(list(MODELS), ["increment", "count", "angle"]))
 def test_every_kind_of_record_gives_the_same_coefficients(name, kind):
     y = al.simulate(model_of(**MODELS[name]), 20_000, 50.0, rng=np.random.default_rng(7)).values
     counts = np.rint(y * 1e5).astype(np.int64)

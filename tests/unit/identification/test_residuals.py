@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.reporting import page, plot, table
@@ -27,8 +27,7 @@ def record_of(name, seed, n=2**15):
     return al.simulate(SENSORS[name], n, 100.0, rng=np.random.default_rng(seed))
 
 
-@rows("name", list(SENSORS))
-@rows("lost", [0, 300])
+@rows("name, lost", paired(list(SENSORS), [0, 300]))
 def test_the_true_model_leaves_white_noise(name, lost):
     """Variance and twenty correlations within 5 standard errors: one failure in 10^5."""
     record = record_of(name, 1)

@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 import slow_noise
@@ -139,8 +139,7 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
     assert (back.findings, back.warm_up) == (fit.findings, fit.warm_up)
 
 
-@rows("terms", ["auto", "N,W"])
-@rows("seed", [3, 4, 31, 32])
+@rows("seed, terms", paired([3, 4, 31, 32], ["auto", "N,W"]))
 def test_a_strong_warm_up_is_explained_and_so_is_the_record(seed, terms):
     """Of these seeds three are beside a misfit that is allowed for, whose likelihood had no end; see `trusted`."""
     y = np.random.default_rng(seed).standard_normal(40_000) - 3 * np.exp(-np.arange(40_000) / 4000)

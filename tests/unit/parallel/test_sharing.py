@@ -157,7 +157,7 @@ shared(work, list(range(8)), count=3)
 """
 
 
-@rows("by", all_but([signal.SIGINT, signal.SIGKILL], [signal.SIGKILL], "processes that are ended"))
+@rows("by", all_but([signal.SIGINT, signal.SIGKILL], [signal.SIGKILL]))
 def test_no_process_is_left_behind(by):
     with subprocess.Popen([sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, text=True) as process:  # fmt: skip

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tests import examples
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.prepare.drift import follows
@@ -34,8 +34,7 @@ def pair(y, x):
 
 
 @pytest.mark.ensemble
-@rows("noise", NOISES)
-@rows("kind", TEMPERATURES)
+@rows("noise, kind", paired(list(NOISES), list(TEMPERATURES)))
 def test_independent_drifts_are_not_taken_for_one(noise, kind):
     """At most 1 % of false alarms: 0 to 3 of 100."""
     found = 0

@@ -5,7 +5,7 @@ import pytest
 from scipy.fft import dct
 from scipy.ndimage import median_filter
 from tests import all_but
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.identification.likelihood.spectrum import spectrum
@@ -38,8 +38,7 @@ def spiky(y, share, size, seed):
     return y, at
 
 
-@rows("share", [2e-5, 1e-3, 1e-2, 1.8e-2])
-@rows("sensor", list(SENSORS))
+@rows("share, sensor", paired([2e-5, 1e-3, 1e-2, 1.8e-2], list(SENSORS)))
 def test_spikes_are_found_and_nothing_else(sensor, share):
     y, at = spiky(values_of(sensor, 1), share, 20, 2)
     assert outliers(record_of(y)).at.tolist() == at.tolist()
@@ -80,8 +79,7 @@ def test_clean_records_have_none():
     assert sum(o.at.size + o.heavy > 0 for o in found) <= 1
 
 
-@rows("sigma", [0.01, 0.05, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 1.0, 1.5, 2.2])
-@rows("bias", [0.0, 0.3, 0.5])
+@rows("sigma, bias", paired([0.01, 0.05, 0.2, 0.35, 0.5, 0.6, 0.7, 0.8, 1.0, 1.5, 2.2], [0.0, 0.3, 0.5]))
 def test_coarse_readings_are_no_outliers(sigma, bias):
     """Steps of 0.5 to 100 standard deviations: the median absolute residual is often zero."""
     y = np.rint(np.random.default_rng(1).standard_normal(50_000) * sigma + bias)
@@ -235,7 +233,7 @@ def test_a_ramp_is_found_at_its_true_times():
 @pytest.mark.slow("takes more than half a second")
 @rows(
     ("sensor", "count", "length"),
-    all_but([("MEMS", 20, 160), ("FOG", 500, 5), ("RLG", 20, 160)], [("FOG", 500, 5), ("RLG", 20, 160)], "ensemble"),
+    all_but([("MEMS", 20, 160), ("FOG", 500, 5), ("RLG", 20, 160)], [("FOG", 500, 5), ("RLG", 20, 160)]),
 )
 def test_gaps_hardly_move_the_coefficients(sensor, count, length):
     """The same 5 records with and without gaps: their mean difference is far below one record's standard error."""

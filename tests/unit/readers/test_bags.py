@@ -12,7 +12,7 @@ from tests import thinned
 
 pytest.importorskip("rosbags", reason="pip install 'allanite[ros]'")
 
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 import bag_files
@@ -56,7 +56,7 @@ def theirs(path):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows(("form", "compression"), thinned(EVERY, 4, "every compression of every form"))
+@rows(("form", "compression"), thinned(EVERY, 4))
 def test_samples_are_those_of_rosbags(tmp_path, form, compression):
     frames = ["imu", "imu_link", "a", "", "base"]
     start = 1_700_000_000_999_999_990
@@ -229,7 +229,6 @@ def test_a_topic_and_its_channels_are_named(several):
 def test_a_wrong_topic_is_refused_by_name(several, channels, words):
     with pytest.raises(UsageError, match=words):
         al.read(several, channels=channels.split(","))
-    assert run("analyze", several, "--channels", channels)[0] == 2
 
 
 @rows("form", FORMS)
@@ -306,8 +305,7 @@ def test_a_definition_that_the_bag_does_not_hold_is_read_beside_it(tmp_path):
 # which clock
 
 
-@rows("form", FORMS)
-@rows("frozen", [0, 1_700_000_000_000_000_000])
+@rows("form, frozen", paired(list(FORMS), [0, 1_700_000_000_000_000_000]))
 def test_constant_stamps_of_headers_give_way_to_the_receive_time(tmp_path, form, frozen):
     rows = [(10**18 + k * 4_000_000, packed(form, imu(form, frozen, row))) for k, row in enumerate(VALUES)]
     recording = al.read(write(tmp_path, form, [Topic("/imu", IMU, rows)]))
@@ -412,9 +410,7 @@ def test_progress_is_told_while_a_bag_is_read(tmp_path):
 
 @rows(
     ("form", "compression", "share"),
-    thinned(
-        [*((*how, 0.6) for how in EVERY), *((form, "", 0.99) for form in FORMS)], 5, "every compression of every form"
-    ),
+    thinned([*((*how, 0.6) for how in EVERY), *((form, "", 0.99) for form in FORMS)], 5),
 )
 def test_a_bag_that_was_cut_off_is_refused_in_words(tmp_path, form, compression, share):
     path = write(tmp_path, form, [imu_topic(form, VALUES)], compression=compression)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 from allanite.core.errors import AllaniteError, DataError, UnitError, UsageError
 from allanite.core.kinds import KINDS
@@ -91,19 +91,20 @@ def test_no_permission(write, monkeypatch):
         read(path)
 
 
-@rows("name", ["a.csv", "a.npy", "a.npz", "a.txt", "a.imu", "a.bin", "a"])
 @rows(
-    "content",
-    [
-        b"",
-        b"\n\n",
-        np.random.default_rng(1).bytes(5000),
-        b"\x00" * 3000,
-        b"time,gx\n",
-        b"# nothing\n# at all\n",
-        b"1.0\n",
-    ],
-    ids=["empty", "blank", "random", "zeros", "header", "comments", "one number"],
+    "name, content",
+    paired(
+        ["a.csv", "a.npy", "a.npz", "a.txt", "a.imu", "a.bin", "a"],
+        [
+            b"",
+            b"\n\n",
+            np.random.default_rng(1).bytes(5000),
+            b"\x00" * 3000,
+            b"time,gx\n",
+            b"# nothing\n# at all\n",
+            b"1.0\n",
+        ],
+    ),
 )
 def test_useless_content_is_refused_in_words(write, name, content):
     with pytest.raises(AllaniteError) as caught:

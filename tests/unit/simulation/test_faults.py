@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.simulation import faults
@@ -19,8 +19,7 @@ def curve(record, noise):
     return al.deviation(record, "oadev", taus="octave", noise=noise)
 
 
-@rows("dither", [None, faults.Dither(), faults.Dither(30.0, frequency=7.3)])
-@rows("seed", [1, 2, 3])
+@rows("dither, seed", paired([None, faults.Dither(), faults.Dither(30.0, frequency=7.3)], [1, 2, 3]))
 def test_a_rounded_rate_is_white_noise(dither, seed):
     """N grows by lsb sqrt(tau0/12); every octave within 5 standard errors: one failure in 1e5."""
     lsb, N = 60.0, al.N(0.3, "deg/sqrt(h)")
@@ -36,8 +35,7 @@ def test_a_rounded_rate_is_white_noise(dither, seed):
     assert np.all(np.abs(ratio - 1) < 5 * np.sqrt(2 / found.edf[keep]) + 0.01 * (dither is not None))
 
 
-@rows("dither", [None, faults.Dither(), faults.Dither(40.0, frequency=6.1)], ids=["none", "random", "sine"])
-@rows("seed", [1, 2, 3])
+@rows("dither, seed", paired([None, faults.Dither(), faults.Dither(40.0, frequency=6.1)], [1, 2, 3]))
 def test_a_rounded_angle_is_quantization_noise(dither, seed):
     """Q = lsb / sqrt(12) within 5 standard errors, by dither or by noise of 0.7 steps an interval."""
     lsb, N = 0.3, 0.001 if dither else 0.035

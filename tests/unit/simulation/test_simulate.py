@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -13,8 +13,7 @@ UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
 RUNS = 100
 
 
-@rows("symbols", ["Q", "N", "B", "K", "QNBK", "NKR"])
-@rows("rate", [1.0, 200.0])
+@rows("symbols, rate", paired(["Q", "N", "B", "K", "QNBK", "NKR"], [1.0, 200.0]))
 def test_every_octave_has_the_expected_variance(symbols, rate):
     """100 records of 2048, seeds 1 to 100; 4.5 standard errors at 11 octaves, error probability below 1e-4."""
     size = {"Q": 0.5 / rate, "N": 1.0 / rate**0.5, "B": 0.3, "K": 0.02 * rate**0.5, "R": 1e-4 * rate}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.linalg import expm
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
@@ -67,8 +67,7 @@ EXACT = {
 }
 
 
-@rows("name", list(EXACT))
-@rows("rate", [1.0, 50.0])
+@rows("name, rate", paired(list(EXACT), [1.0, 50.0]))
 def test_the_allan_variance_of_the_matrices_is_that_of_the_model(name, rate):
     model = al.Model(EXACT[name])
     space = al.state_space(model, rate, measurement="mean", tau=(1.0, 400.0))

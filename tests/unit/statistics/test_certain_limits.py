@@ -3,7 +3,7 @@
 import warnings
 
 import numpy as np
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics.confidence.eigenvalues import Eigenvalues
@@ -19,8 +19,7 @@ MODELS = [
 ]
 
 
-@rows("model", MODELS)
-@rows("statistic", ["mdev", "tdev", "oadev", "hdev", "ohdev", "totdev", "theo1"])
+@rows("statistic, model", paired(["mdev", "tdev", "oadev", "hdev", "ohdev", "totdev", "theo1"], MODELS))
 def test_every_limit_is_a_number(model, statistic):
     record = al.simulate(al.Model(model), 20_000, 40.0, rng=np.random.default_rng(1))
     m = 2 * np.unique(np.geomspace(5, 3000, 60).astype(int))

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.kernels.overlapped import overlapped
@@ -40,8 +40,7 @@ def record_of(y, **options):
     return al.Record(np.asarray(y), **({"rate": 10.0, "unit": "deg/h", "kind": "rate", "name": "z"} | options))
 
 
-@rows("name", list(ROWS))
-@rows("kind", KINDS)
+@rows("kind, name", paired(KINDS, list(ROWS)))
 def test_every_averaging_factor_equals_its_definition(name, kind):
     order, summed, direct = ROWS[name]
     y = rate(kind)
@@ -65,8 +64,7 @@ def test_nothing_is_nothing():
     assert not dense(np.zeros(3001), np.arange(1, 1501), 2).any()
 
 
-@rows("name", list(ROWS))
-@rows("n", [300, 511, 513, 1537, 4099, 33_001, 300_007])
+@rows("n, name", paired([300, 511, 513, 1537, 4099, 33_001, 300_007], list(ROWS)))
 def test_every_length_of_a_record(name, n):
     """With no frame, one and many; the last group is all of the record."""
     order, summed, direct = ROWS[name]

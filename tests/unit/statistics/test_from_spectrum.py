@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 
@@ -10,8 +10,13 @@ MODEL = al.Q(1.0, "arcsec") + al.N(0.05, "deg/sqrt(h)") + al.B(2.0, "deg/h") + a
 RECORDS = [al.simulate(MODEL, 2**15, 10.0, rng=np.random.default_rng(seed)) for seed in range(12)]
 
 
-@rows("statistic", ["oadev", "mdev", "tdev", "ohdev", "haar"])
-@rows("choices", [{}, {"bins": 20}, {"sides": "two"}, {"method": "multitaper", "bins": 20}])
+@rows(
+    "statistic, choices",
+    paired(
+        ["oadev", "mdev", "tdev", "ohdev", "haar"],
+        [{}, {"bins": 20}, {"sides": "two"}, {"method": "multitaper", "bins": 20}],
+    ),
+)
 def test_it_is_the_deviation_of_the_record(statistic, choices):
     """Mean ratio of the variances: 1 % at short averaging times, 5 % up to half of the longest."""
     curves = [al.deviation_of_spectrum(al.spectrum(record, **choices), statistic) for record in RECORDS]

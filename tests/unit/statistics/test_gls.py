@@ -5,7 +5,7 @@ import pytest
 from scipy.fft import dct
 from scipy.linalg import toeplitz
 from tests import thinned
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics.moments.gls import Covariance, autocovariance
@@ -50,8 +50,7 @@ def test_the_covariance_is_that_of_the_increments(symbols):
     assert n > FAR
 
 
-@rows("symbols", MIXTURES)
-@rows("n", [3, 17, 400])
+@rows("symbols, n", paired(list(MIXTURES), [3, 17, 400]))
 def test_solve_is_the_dense_solution(symbols, n):
     given = covariance(symbols, n)
     b = np.random.default_rng(1).standard_normal(n)
@@ -64,7 +63,7 @@ def test_solve_is_the_dense_solution(symbols, n):
 @pytest.mark.slow("takes more than half a second")
 @rows(
     ("symbols", "n"),
-    thinned([*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)], 2, "long records"),
+    thinned([*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)], 2),
 )
 def test_a_million_samples_are_solved(symbols, n):
     given = covariance(symbols, n)

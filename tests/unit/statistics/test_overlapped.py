@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import paired, rows
 
 from allanite.kernels.overlapped import BLOCK, ROWS, TILE, add_overlapped, overlapped
 
@@ -14,8 +14,7 @@ def literal(x: np.ndarray, m: int, order: int) -> float:
     return float(np.sum(difference**2))
 
 
-@rows("order", [1, 2, 3])
-@rows("size", [40, BLOCK + 1, 4 * ROWS + 3, TILE - 1, TILE + 1, 3 * TILE + 777])
+@rows("order, size", paired([1, 2, 3], [40, BLOCK + 1, 4 * ROWS + 3, TILE - 1, TILE + 1, 3 * TILE + 777]))
 def test_every_size_and_order(order: int, size: int) -> None:
     x = np.cumsum(np.random.default_rng(size + order).standard_normal(size))
     most = (size - 1) // order

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples, thinned
 from tests.reference.laws import STRUCTURES
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics import integrated
@@ -77,8 +77,7 @@ def test_the_ratio_of_order_3_is_blind_to_a_ramp():
     assert y @ local @ y == pytest.approx((third**2).mean() / 6)
 
 
-@rows("row", [OADEV, OHDEV], ids=["allan", "hadamard"])
-@rows("alpha", list(NOISE))
+@rows("row, alpha", paired([OADEV, OHDEV], list(NOISE)))
 def test_pure_noise_is_named_at_every_time(alpha, row):
     """2000 samples to m = 16: the weakest cell, 126 points, is hit in 96 % of records; 20 records fail 6 or more of 120
     once in 10^4 (seeds 1 to 20)."""
@@ -101,8 +100,7 @@ def test_gaps_cost_little(alpha):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("alpha", list(NOISE))
-@rows("samples", thinned([3, 5, 10, 20], 1, "ensemble"))
+@rows("alpha, samples", paired(list(NOISE), thinned([3, 5, 10, 20], 1)))
 def test_very_short_pieces_still_say_it(alpha, samples):
     """At least 18 of 20 records of 4000 are named at m = 1 (seeds 1 to 20)."""
     hits = 0

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 from tests import examples
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -64,8 +64,7 @@ def test_long_tapers_are_the_short_ones_stretched():
     np.testing.assert_allclose(shares, exact, rtol=1e-7)
 
 
-@rows("method", ALL, ids=str)
-@rows("symbol", ["Q", "N", "B", "K"])
+@rows("method, symbol", paired(ALL, ["Q", "N", "B", "K"]))
 def test_the_level_is_that_of_the_model(method, symbol):
     """Mean of 40 records within 5 standard errors at every tenth of a decade, where the resolution is fine enough."""
     unit = SIGNALS[0].si[al.TERMS[symbol].power]
@@ -120,24 +119,23 @@ def test_power_of_a_sine(method, frequency):
     assert found.density.max() * found.resolution == pytest.approx(amplitude**2 / 2, rel=0.3)
 
 
-@rows("method", ALL, ids=str)
-@rows("bins", [None, 4, 20])
+@rows("method, bins", paired(list(ALL), [None, 4, 20]))
 def test_intervals_hold_the_truth_as_often_as_they_say(method, bins):
-    """White noise, 300 records: the mean coverage of 90 % intervals, within 4 standard errors of 300 x few values.
+    """White noise, 300 records: the mean coverage of 90 % intervals, within 4 standard errors of so many records.
 
     Neighbouring values are dependent: the standard error is that of the records' own coverages.
     """
     held = []
-    for seed in range(1, 301):
+    count = examples(300)
+    for seed in range(1, count + 1):
         found = al.spectrum(noise(1000, seed), method, bins=bins)
         low, high = found.interval(0.9)
         held.append(((low <= 0.2) & (high >= 0.2)).mean())
     held = np.array(held)
-    assert abs(held.mean() - 0.9) < 4 * held.std() / np.sqrt(300) + 0.006
+    assert abs(held.mean() - 0.9) < 4 * held.std() / np.sqrt(count) + 0.006
 
 
-@rows("method", ALL, ids=str)
-@rows("bins", [None, 5])
+@rows("method, bins", paired(list(ALL), [None, 5]))
 @pytest.mark.slow("ensemble")
 def test_the_degrees_of_freedom_are_those_of_the_scatter(method, bins):
     """2 mean^2 / variance over 1000 records; its standard error is about sqrt(2/1000) = 4.5 %, of every value."""

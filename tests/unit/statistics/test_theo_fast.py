@@ -24,7 +24,7 @@ def angle(kind, n, seed=1):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("kind", thinned(KINDS, 2, "the definition, at every factor"))
+@rows("kind", thinned(KINDS, 2))
 def test_every_even_averaging_factor_equals_its_definition(kind):
     x = angle(kind, 4500)
     m = 2 * np.arange(1, 2251)

@@ -2,7 +2,7 @@
 
 import numpy as np
 from numba import njit
-from tests.rows import rows
+from tests.rows import paired, rows
 
 from allanite.kernels import reflected
 from allanite.kernels.total import SHORT, modified_total
@@ -28,8 +28,7 @@ def angle(kind, seed=1):
     return np.concatenate(([0.0], np.cumsum(y - y[0])))
 
 
-@rows("rates", [False, True], ids=["mtotdev", "htotdev"])
-@rows("kind", ["white", "random walk", "ramp", "ramp and white", "quantization"])
+@rows("rates, kind", paired([False, True], ["white", "random walk", "ramp", "ramp and white", "quantization"]))
 def test_windows_together_equal_every_window_by_itself(kind, rates):
     x = np.diff(angle(kind)) if rates else angle(kind)
     m = np.array([*range(1, 40), 97, 98, 250, 251, 600, 777, 998, 999, x.size // 3])

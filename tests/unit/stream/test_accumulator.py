@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples, thinned
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.stream.accumulator import streamable
@@ -126,8 +126,7 @@ def test_windows_with_missing_samples_are_omitted(statistic, cuts, holes):
     assert stream.missing == np.isnan(values).sum()
 
 
-@rows("statistic", streamable())
-@rows("holes", [[(0, 7)], [(3, 1)], [(50, 1), (52, 1), (700, 64)], [(2990, 10)]])
+@rows("statistic, holes", paired(streamable(), [[(0, 7)], [(3, 1)], [(50, 1), (52, 1), (700, 64)], [(2990, 10)]]))
 def test_curve_is_that_of_the_record_without_incomplete_windows(statistic, holes):
     values = with_holes(holes)
     record = al.Record(values, RATE, "deg/h")
@@ -138,8 +137,7 @@ def test_curve_is_that_of_the_record_without_incomplete_windows(statistic, holes
         np.testing.assert_allclose(curve.deviation[:15], batch.deviation, rtol=1e-9)
 
 
-@rows("statistic", streamable())
-@rows("at", thinned([0, 1000], 1, "long streams"))
+@rows("statistic, at", paired(streamable(), thinned([0, 1000], 1)))
 def test_merge_over_a_gap_is_a_stream_with_missing_samples(statistic, at):
     values = noise()
     values[at : at + 99] = np.nan

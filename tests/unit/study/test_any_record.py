@@ -20,7 +20,7 @@ spec.loader.exec_module(fuzz)
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows("first", thinned(range(0, 200, 20), 3, "200 records"))
+@rows("first", thinned(range(0, 200, 20), 3))
 def test_each_job_has_a_result_or_refuses_in_words(first):
     found = set()
     for k in range(first, first + 20):

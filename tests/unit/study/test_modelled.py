@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
@@ -120,8 +120,7 @@ def test_a_check_has_no_figure(recording):
         al.plot(run_model_job(recording.records[0], SETTINGS["selfcheck"]))
 
 
-@rows("verb", list(OPTIONS))
-@rows("source", ["file", "sensor"])
+@rows("verb, source", paired(list(OPTIONS), ["file", "sensor"]))
 def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     noise = (file, "--channels", "gx", "--terms", "NBK") if source == "file" else ("--sensor", "mems", "--rate", 20)
     first = run(verb, *noise, *OPTIONS[verb], "--json", "-", "--report", tmp_path / "page.html")

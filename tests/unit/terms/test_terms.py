@@ -4,9 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from tests import thinned
 from tests.reference.dense import moments, quadratic_form
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -41,8 +40,7 @@ SHAPED = {
 }
 
 
-@rows("kind", thinned(SHAPED, 3, "every statistic with every shape"))
-@rows("name", [n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme])
+@rows("name, kind", paired([n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme], list(SHAPED)))
 def test_expected_curves_equal_the_dense_form(name, kind):
     row, term, n = al.STATISTICS[name], SHAPED[kind], 200
     model = al.Model((term,))
@@ -95,8 +93,7 @@ MIXED = {
 }
 
 
-@rows("name", ["oadev", "mdev", "ohdev"])
-@rows("kind", MIXED)
+@rows("kind, name", paired(list(MIXED), ["oadev", "mdev", "ohdev"]))
 def test_degrees_of_freedom_equal_the_dense_ones(name, kind):
     row, n = al.STATISTICS[name], 160
     model = al.N(1.0, "rad/sqrt(s)") + MIXED[kind]

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples
 from tests.reference.angle import PAPER, PAPER_SUMS, kalman, row
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.applications.angle import AngleSettings, squareroot
@@ -228,8 +228,7 @@ def test_sway_makes_the_mean_period_the_same_everywhere(degrees):
     np.testing.assert_allclose(minutes, 360 / 128 / (4 * degrees), rtol=0.03)
 
 
-@rows("law", list(Q_LAWS))
-@rows("start", [0.0, 10800.0, 18000.0])
+@rows("law, start", paired(list(Q_LAWS), [0.0, 10800.0, 18000.0]))
 def test_a_turned_ring_tells_harmonics_apart_in_half_the_time(law, start):
     ring = al.angle.Ring(math.radians(2) / 60, math.radians(-10), math.radians(10))
     turned = planned(start, law, duration=1800.0, ring=ring)
