@@ -10,11 +10,7 @@ from tests.rows import rows
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import Phrase, join, say, say_count, translate
 
-WORDS = {
-    "minimum": "Minimum",
-    "{title} at {tau:.3g} s": "{title} bei {tau:.3g} s",
-    "{count} gaps": "{count} Lücken",
-}
+WORDS = {"minimum": "Minimum", "{title} at {tau:.3g} s": "{title} bei {tau:.3g} s", "{count} gaps": "{count} Lücken"}
 
 
 class German(gettext.NullTranslations):

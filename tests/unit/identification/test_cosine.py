@@ -11,11 +11,7 @@ from allanite.identification.likelihood.cosine import cosine_transform
 
 
 @rows(
-    "n",
-    all_but(
-        [4, 8, 12, 16, 30, 36, 60, 100, 128, 1000, 1024, 7200, 30_030, 131_072, 360_000],
-        [131_072, 360_000],
-    ),
+    "n", all_but([4, 8, 12, 16, 30, 36, 60, 100, 128, 1000, 1024, 7200, 30_030, 131_072, 360_000], [131_072, 360_000])
 )
 def test_rows_and_columns(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cosine, "LONG", 4)

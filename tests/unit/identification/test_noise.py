@@ -157,11 +157,7 @@ def test_information_equals_the_dense_fisher_information():
     assert k.size == n - 1
 
 
-MODELS = {
-    "white": {"N": 1.0},
-    "fog": {"Q": 0.5, "N": 1.0, "B": 2.0},
-    "walk": {"N": 1.0, "K": 1.0},
-}
+MODELS = {"white": {"N": 1.0}, "fog": {"Q": 0.5, "N": 1.0, "B": 2.0}, "walk": {"N": 1.0, "K": 1.0}}
 
 
 @rows("name, kind", paired(list(MODELS), ["increment", "count", "angle"]))

@@ -91,10 +91,7 @@ def workbook_of_rows(path):
     book.active.append([1.0])
     book.save(path.with_suffix(".old"))
     rows = b"<row><c><v>1</v></c></row>" * 6_000_000
-    with (
-        zipfile.ZipFile(path.with_suffix(".old")) as old,
-        zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive,
-    ):
+    with zipfile.ZipFile(path.with_suffix(".old")) as old, zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in old.namelist():
             data = old.read(name)
             archive.writestr(name, data.replace(b"</sheetData>", rows + b"</sheetData>"))

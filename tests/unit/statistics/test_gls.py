@@ -61,10 +61,7 @@ def test_solve_is_the_dense_solution(symbols, n):
 
 
 @pytest.mark.slow("takes more than half a second")
-@rows(
-    ("symbols", "n"),
-    thinned([*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)], 2),
-)
+@rows(("symbols", "n"), thinned([*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)], 2))
 def test_a_million_samples_are_solved(symbols, n):
     given = covariance(symbols, n)
     b = np.zeros(n)

@@ -162,11 +162,7 @@ def test_a_long_table_is_cut_on_the_terminal_only(file):
         (["deviation", "{file}", "--to", "m"], 2, "their dimensions differ"),
         (["deviation", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
         (["spectrum", "{file}", "--estimator", "fft"], 2, "known methods: welch, multitaper"),
-        (
-            ["spectrum", "{file}", "--tapers", "5"],
-            2,
-            "not a setting of 'welch'; its settings: segment, window",
-        ),
+        (["spectrum", "{file}", "--tapers", "5"], 2, "not a setting of 'welch'; its settings: segment, window"),
         (["spectrum", "{file}", "--sides", "both"], 2, "'one' or 'two'"),
         (["dynamic", "{file}", "--window", "4000"], 2, "400 s long"),
         (["deviation", "missing.csv"], 3, "missing.csv"),

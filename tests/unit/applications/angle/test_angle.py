@@ -290,10 +290,7 @@ def test_checks_are_right_as_often_as_they_say():
 
 @rows(
     ("law", "totals"),
-    [
-        ("linear", (5.28, 1.43, 1.14, 1.41, 2.09, 8.78)),
-        ("exact", (1.01, 1.74, 1.16, 1.32, 2.84, 9.20)),
-    ],
+    [("linear", (5.28, 1.43, 1.14, 1.41, 2.09, 8.78)), ("exact", (1.01, 1.74, 1.16, 1.32, 2.84, 9.20))],
 )
 def test_planned_accuracy_is_the_prototypes(law, totals):
     for start, total in enumerate(totals):
