@@ -133,7 +133,7 @@ def test_limits_end_with_their_exit_code(folder, tmp_path):
 
 
 def test_what_cannot_be_shown_is_said(folder, tmp_path):
-    with pytest.raises(al.UsageError, match="does not hold the results of a batch"):
+    with pytest.raises(al.UsageError, match="results of a batch"):
         read_lot(folder)
     (tmp_path / "bad.txt").write_text(str(folder / "bad.csv"))
     run_batch(tmp_path / "bad.txt", tmp_path / "none")

@@ -168,5 +168,5 @@ def test_what_is_not_there_is_refused(recording):
         al.check(recording["ax"], "N 1 deg/sqrt(h)")
     with pytest.raises(UsageError, match="the tolerance must be"):
         al.check(recording["ax"], "100 ug/sqrt(Hz)", tolerance=2.0)
-    with pytest.raises(UsageError, match="no file, no data sheet"):
+    with pytest.raises(UsageError, match="no data sheet"):
         al.check(recording["ax"], "nothing")

@@ -99,7 +99,7 @@ def test_data_sheets_are_bounds(name):
         ("limits.toml", UsageError, "limits.toml' cannot be read: no such file"),
         ("adis16740", UsageError, "did you mean the data sheet ADIS16470"),
         ("nothing", UsageError, "is no file, no data sheet, and no model .* lists the data sheets"),
-        ("", UsageError, "is no file, no data sheet, and no model"),
+        ("", UsageError, "no data sheet"),
         ("N 3", UsageError, "must be followed by a number and a unit"),
         ("3 parsec", UsageError, "unknown unit"),
     ],

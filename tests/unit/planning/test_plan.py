@@ -178,7 +178,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     ("arguments", "words"),
     [
         ((), "either a recording, or the noise"),
-        (("file.csv", "--sensor", "fog"), "either a recording, or the noise"),
+        (("file.csv", "--sensor", "fog"), "either a recording"),
         (("--sensor", "fog"), "--rate HZ"),
         (("--sensor", "hrg", "--rate", 1), "known sensors: mems, fog, rlg"),
         (("--sensor", "fog", "--rate", 1, "--accuracy", 0), "above 0"),

@@ -107,8 +107,8 @@ CASES = {
     "topics.db3": (bag_of_topics, "topics.db3: too many topics: 59000, and at most 1000 are read; copy those"),
     "rows.xlsx": (workbook_of_rows, "the workbook claims 156"),
     "name.csv": (long_name, None),
-    "unit.csv": (long_unit, "the unit is unknown"),
-    "name.npz": (long_array_name, "the unit is unknown"),
+    "unit.csv": (long_unit, "unit"),
+    "name.npz": (long_array_name, "unit"),
 }
 PROGRAM = """
 import resource, sys

@@ -53,7 +53,7 @@ def test_wrong_checksums_are_counted_and_are_gaps(tmp_path, crc):
     assert "3 sentences have a wrong checksum or are incomplete, and are left out" in recording.notes
     expected = np.delete(VALUES[:299, 11], [7, 20])
     assert np.array_equal(recording["gyro_z"].values[~np.isnan(recording["gyro_z"].values)], expected)
-    with pytest.raises(UsageError, match="the sampling rate is not in the file"):
+    with pytest.raises(UsageError, match="sampling rate"):
         al.read(save(tmp_path, lines))
 
 

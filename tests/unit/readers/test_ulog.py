@@ -142,7 +142,7 @@ def test_a_log_that_was_cut_off_or_damaged(log, tmp_path):
     cut.write_bytes(whole + b"\6\0D\x63\0abcd")  # of no topic
     damaged = al.read(cut, channels=["sensor_gyro/1"])
     assert "the log is damaged in places; the messages there are left out" in damaged.notes
-    for data, words in ((whole[:40], "no rows of numbers"), (RNG.bytes(900), "does not begin like a PX4 log")):
+    for data, words in ((whole[:40], "no rows"), (RNG.bytes(900), "does not begin like a PX4 log")):
         cut.write_bytes(data)
         with pytest.raises(DataError, match=words):
             al.read(cut)

@@ -154,9 +154,9 @@ RNG = np.random.default_rng(1)
 @rows(
     ("fault", "words"),
     [
-        (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples are removed"),
-        (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before samples are removed"),
-        (lambda: faults.low_pass(NAN, 1.0), "before samples are removed"),
+        (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples"),
+        (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before samples"),
+        (lambda: faults.low_pass(NAN, 1.0), "before samples"),
         (lambda: faults.low_pass(white(), 80.0), "between 0 and 50 Hz"),
         (lambda: faults.low_pass(white(), 8.0, order=0), "integer from 1 to 10"),
         (lambda: faults.constant(ANGLE, 1.0, "deg/s"), "not to angles"),

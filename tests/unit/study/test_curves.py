@@ -1,8 +1,5 @@
 """The curve of a record under its own noise: what its limits suppose, and when that is found out."""
 
-import json
-import pickle
-
 import numpy as np
 import pytest
 from tests.rows import rows
@@ -86,16 +83,6 @@ def test_a_fit_that_explains_nothing_is_named_as_such():
     fit = al.identify(wandering, terms="N")
     assert fit.validity == "unexplained"
     assert al.deviation(wandering, noise=fit).supposed.endswith(", which does not explain the record")
-
-
-def test_what_is_supposed_is_stored_pickled_and_shown():
-    curve = al.deviation(simulated(), m=[1, 8, 64])
-    data = json.loads(json.dumps(curve.to_dict()))
-    assert data["supposed"] == curve.supposed == al.from_dict(data).supposed == curve.to("deg/h").supposed
-    assert pickle.loads(pickle.dumps(curve)).supposed == curve.supposed
-    surface = al.dynamic(simulated(), window=500.0, noise=GYRO)
-    assert al.from_dict(surface.to_dict()).curve(1000.0).supposed.startswith("intervals under the given model")
-    assert curve.supposed in curve._repr_html_()
 
 
 def test_an_unknown_noise_is_refused():

@@ -172,18 +172,6 @@ def test_strict_refuses_two_records_of_which_one_is_not_explained(file, tmp_path
     assert "imu.npz (not explained), again.npz (explained)" in " ".join(result.stdout.split())
 
 
-@rows("band", ["auto", "all", "0.1,10"])
-def test_a_band_goes_round_through_the_recipe(file, band, tmp_path):
-    first = run("analyze", file, "--channels", "good", "--terms", "NB", "--band", band, "--json", "-")
-    found = json.loads(first.stdout)
-    assert found["recipe"]["band"] == ([0.1, 10.0] if "," in band else band)
-    recipe = tmp_path / "recipe.toml"
-    recipe.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in found["recipe"].items()))
-    assert json.loads(run("analyze", file, "--recipe", recipe, "--json", "-").stdout) == found
-    asked = tuple(found["recipe"]["band"]) if "," in band else band
-    assert Recipe.from_dict(found["recipe"]).band == asked
-
-
 def test_a_band_that_is_none_is_refused(file):
     for band in ("wide", "1", "1,2,3"):
         result = run("analyze", file, "--band", band)

@@ -368,11 +368,9 @@ def test_scenarios_are_shown():
         ([*NOISE, "--gate", "3"], 2, "--gate applies to a recording"),
         (["six.csv", "--scenarios"], 2, "--scenarios applies without a recording only"),
         (["six.csv", "--time-constant", "0.01"], 2, "give a longer one with --time-constant"),
-        (["six.csv", "--channels", "gx,gy,gz"], 3, "three gyros and three accelerometers"),
         (["none.csv"], 3, "none.csv"),
         (["six.csv", "--axes", "x,z,y"], 2, "--axes x,-z,y"),
         ([*NOISE, "--axes", "x,-z,y"], 2, "--axes applies to a recording"),
-        (["six.csv", "--channels", "gx,gy,gz,az,ax,ay"], 3, "gravity is along x, not z"),
     ],
 )
 def test_wrong_commands(desk, words, code, said):

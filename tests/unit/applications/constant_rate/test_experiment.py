@@ -197,7 +197,7 @@ def test_the_interval_of_the_heading_covers():
 def test_what_gives_no_heading_is_refused():
     with pytest.raises(al.UsageError, match="at a pole there is no north"):
         north(position(30.0, 90.0), 90.0)
-    with pytest.raises(al.DataError, match="more than the earth turns"):
+    with pytest.raises(al.DataError, match="earth turns"):
         north(position(0.0, 55.8, bias=1.0), 55.8)
     with pytest.raises(al.UsageError, match="is no rotation"):
         north(position(30.0, 50.0), 50.0, second=position(30.0, 50.0), turned=360.0)
