@@ -69,26 +69,21 @@ def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
     assert expand([path]).files == (str(path),)
 
 
-@rows(
-    ("text", "words"),
-    [
-        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; known terms: Q, F, N, B"),
-        ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
-        ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is not a unit of N (angle random walk)"),
-        ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
-        ('[limits]\nN = "0.15 deg/sqrt(h)"', 'written as N = { max = "0.15 deg/sqrt(h)" }'),
-        ("[limits]\nN = { max = 0.15 }", "with the unit; {'max': 0.15} came"),
-        ('[limits]\nN = { max = "0.15" }', "a positive number with a unit"),
-        ('[limits]\nN = { max = "-1 deg/sqrt(h)" }', "a positive number with a unit"),
-        ('[limits]\nN = { max = "0.15 deg/sqrt(h)", min = "0" }', "unknown key 'min' in the limit of N"),
-        ('[limits]\nN = { max = "1 deg/sqrt(h)", judge = "mean" }', "judge is 'value' or 'upper', not 'mean'"),
-        ('[limits]\nN = [{ max = "1 deg/sqrt(h)" }, { max = "2 deg/sqrt(h)" }]', "two limits for a gyro"),
-        ('[limit]\nN = { max = "1 deg/sqrt(h)" }', "unknown key 'limit' in the limits file"),
-        ("[limits]\n", "there is no limit in it"),
-        ("limits = 3\n", "limits is a table"),
-        ("[limits", "the limits file"),
-    ],
-)
+@rows("text, words", [
+    ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; known terms: Q, F, N, B"),
+    ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
+    ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is not a unit of N (angle random walk)"),
+    ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
+    ('[limits]\nN = "0.15 deg/sqrt(h)"', 'written as N = { max = "0.15 deg/sqrt(h)" }'),
+    ("[limits]\nN = { max = 0.15 }", "with the unit; {'max': 0.15} came"),
+    ('[limits]\nN = { max = "0.15" }', "a positive number with a unit"),
+    ('[limits]\nN = { max = "-1 deg/sqrt(h)" }', "a positive number with a unit"),
+    ('[limits]\nN = { max = "0.15 deg/sqrt(h)", min = "0" }', "unknown key 'min' in the limit of N"),
+    ('[limits]\nN = { max = "1 deg/sqrt(h)", judge = "mean" }', "judge is 'value' or 'upper', not 'mean'"),
+    ('[limits]\nN = [{ max = "1 deg/sqrt(h)" }, { max = "2 deg/sqrt(h)" }]', "two limits for a gyro"),
+    ('[limit]\nN = { max = "1 deg/sqrt(h)" }', "unknown key 'limit' in the limits file"),
+    ("[limits]\n", "there is no limit in it"), ("limits = 3\n", "limits is a table"), ("[limits", "the limits file"),
+])  # fmt: skip
 def test_a_wrong_limits_file_is_refused_before_anything_is_read(tmp_path, text, words):
     path = spec(tmp_path, text)
     result = run(tmp_path / "missing.csv", "--limits", path)

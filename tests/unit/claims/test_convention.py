@@ -40,15 +40,9 @@ def test_several_are_ordered_by_their_distance():
     assert [name for name, _ in explaining(50, 66, Place("N", 1e-4, 9.0))] == ["57.3", "60"]
 
 
-@rows(
-    ("limits", "low", "high"),
-    [
-        ([(1.2, 1.6)], 1.2, 1.6),
-        ([(1, 4)] * 4, 2 / math.sqrt(2), 2 * math.sqrt(2)),
-        ([(0, 2), (1, 3)], 1, 2),
-        ([(1, math.inf), (2, 3)], 2, 3),
-        ([(1, 2), (3, 4)], 3, 2),
-    ],
-)
+@rows("limits, low, high", [
+    ([(1.2, 1.6)], 1.2, 1.6), ([(1, 4)] * 4, 2 / math.sqrt(2), 2 * math.sqrt(2)), ([(0, 2), (1, 3)], 1, 2),
+    ([(1, math.inf), (2, 3)], 2, 3), ([(1, 2), (3, 4)], 3, 2),
+])  # fmt: skip
 def test_limits_of_axes_are_pooled_by_their_widths(limits, low, high):
     assert pooled(limits) == pytest.approx((low, high))

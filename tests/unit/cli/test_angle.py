@@ -156,26 +156,15 @@ def test_refused(arguments, code, words, tmp_path, monkeypatch):
     assert "Traceback" not in done.stderr
 
 
-@rows(
-    ("options", "code", "words"),
-    [
-        (["--difference", "z", "--latitude", 60], 2, "no column 'z'"),
-        (["--difference", "difference", "--rho", "rho"], 2, "give the latitude"),
-        (["--difference", "difference", "--latitude", 60], 2, "--nuisance A1,A2,A3"),
-        (
-            ["--difference", "difference", "--latitude", 60, "--rho", "rho", "--turn-period", 300],
-            2,
-            "the same rotation",
-        ),
-        (["--difference", "difference", "--latitude", 60, "--turn-period", 0], 2, "positive number of s"),
-        (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--unit", "m"], 2, "cannot be converted"),
-        (
-            ["--difference", "difference", "--latitude", 60, "--rho", "rho", "--sigma", "0.5"],
-            0,
-            "times the sigma given",
-        ),
-    ],
-)
+@rows("options, code, words", [
+    (["--difference", "z", "--latitude", 60], 2, "no column 'z'"),
+    (["--difference", "difference", "--rho", "rho"], 2, "give the latitude"),
+    (["--difference", "difference", "--latitude", 60], 2, "--nuisance A1,A2,A3"),
+    (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--turn-period", 300], 2, "the same rotation"),
+    (["--difference", "difference", "--latitude", 60, "--turn-period", 0], 2, "positive number of s"),
+    (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--unit", "m"], 2, "cannot be converted"),
+    (["--difference", "difference", "--latitude", 60, "--rho", "rho", "--sigma", "0.5"], 0, "times the sigma given"),
+])  # fmt: skip
 def test_estimate_refuses_or_warns(gimbal, options, code, words):
     done = run("estimate", gimbal, *options)
     assert done.exit_code == code, done.stderr

@@ -106,23 +106,19 @@ def test_a_part_against_the_rest(folder):
     assert "whole" in result.stdout
 
 
-@rows(
-    ("arguments", "code", "words"),
-    [
-        ((), 2, ["FILE"]),
-        (("before.csv", "--channels", "x"), 2, ["one channel", "--part"]),
-        (("before.csv", "after.csv", "--part", "20"), 2, ["--part splits a single file"]),
-        (("before.csv", "--against", "y"), 2, ["--against"]),
-        (("before.csv", "after.csv", "--channels", "q"), 2, ["'q'", "x"]),
-        (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),
-        (("before.csv", "constant.csv", "--channels", "x", "--rate", "100"), 3, ["record 2"]),
-        (("before.csv", "empty.csv", "--channels", "x", "--rate", "100"), 3, ["empty"]),
-        (("before.csv", "before.csv"), 3, ["identical samples"]),
-        (("before.csv", "missing.csv"), 3, ["missing.csv", "no such file"]),
-        (("before.csv", "after.csv", "--terms", "NX"), 2, ["'X'"]),
-        (("before.csv", "after.csv", "--statistic", "mtie"), 2, ["mtie", "oadev"]),
-    ],
-)  # fmt: skip
+@rows("arguments, code, words", [
+    ((), 2, ["FILE"]), (("before.csv", "--channels", "x"), 2, ["one channel", "--part"]),
+    (("before.csv", "after.csv", "--part", "20"), 2, ["--part splits a single file"]),
+    (("before.csv", "--against", "y"), 2, ["--against"]),
+    (("before.csv", "after.csv", "--channels", "q"), 2, ["'q'", "x"]),
+    (("before.csv", "accelerometer.csv", "--channels", "x", "--rate", "100"), 3, ["gyro", "accelerometer"]),
+    (("before.csv", "constant.csv", "--channels", "x", "--rate", "100"), 3, ["record 2"]),
+    (("before.csv", "empty.csv", "--channels", "x", "--rate", "100"), 3, ["empty"]),
+    (("before.csv", "before.csv"), 3, ["identical samples"]),
+    (("before.csv", "missing.csv"), 3, ["missing.csv", "no such file"]),
+    (("before.csv", "after.csv", "--terms", "NX"), 2, ["'X'"]),
+    (("before.csv", "after.csv", "--statistic", "mtie"), 2, ["mtie", "oadev"]),
+])  # fmt: skip
 def test_bad_input(folder, monkeypatch, arguments, code, words):
     monkeypatch.chdir(folder)
     result = run(*arguments)

@@ -19,15 +19,12 @@ def test_requirements_are_those_of_the_project(extra):
     assert re.search(rf"\b{extra}\b", EXTRAS["all"][0])
 
 
-@rows(
-    ("folder", "made", "typed"),
-    [
-        (".venv", "home = /usr/bin\n", "pip install fastapi uvicorn"),
-        (".venv", "home = /usr/bin\nuv = 0.5.1\n", "uv pip install fastapi uvicorn"),
-        ("uv/tools/allanite", "uv = 0.5.1\n", "uv tool install allanite -w fastapi,uvicorn"),
-        ("pipx/venvs/allanite", "home = /usr/bin\n", "pipx inject allanite fastapi uvicorn"),
-    ],
-)
+@rows("folder, made, typed", [
+    (".venv", "home = /usr/bin\n", "pip install fastapi uvicorn"),
+    (".venv", "home = /usr/bin\nuv = 0.5.1\n", "uv pip install fastapi uvicorn"),
+    ("uv/tools/allanite", "uv = 0.5.1\n", "uv tool install allanite -w fastapi,uvicorn"),
+    ("pipx/venvs/allanite", "home = /usr/bin\n", "pipx inject allanite fastapi uvicorn"),
+])  # fmt: skip
 def test_the_command_is_that_of_the_program_that_made_the_environment(tmp_path, folder, made, typed):
     prefix = tmp_path / folder
     prefix.mkdir(parents=True)

@@ -182,11 +182,11 @@ def test_the_same_input_gives_the_same_bytes_and_every_form(name):
         made = [al.export(noise(), name, rate=100.0, form=form) for _ in range(2)]
         assert made[0].data == made[1].data
         assert not re.search(r"20\d\d-\d\d", made[0].text)
-        assert from_dict(json.loads(json.dumps(made[0].to_dict()))).data == made[0].data
-        assert pickle.loads(pickle.dumps(made[0])).text == made[0].text
-        assert al.EXPORTS[name].title in unescape(page(made[0]))
-        shown = table(made[0])
-        assert all(entry.full in shown for entry in made[0].entries)
+    assert from_dict(json.loads(json.dumps(made[0].to_dict()))).data == made[0].data
+    assert pickle.loads(pickle.dumps(made[0])).text == made[0].text
+    assert al.EXPORTS[name].title in unescape(page(made[0]))
+    shown = table(made[0])
+    assert all(entry.full in shown for entry in made[0].entries)
 
 
 def test_forms_of_a_state_space():
@@ -278,25 +278,22 @@ def test_the_other_sensor_as_a_model_and_json(files):
     assert json.loads(done.stdout)["recipe"]["terms"] == "auto"
 
 
-@rows(
-    ("arguments", "code", "words"),
-    [
-        (("export", "{gyro}", "--to", "kalibr"), 3, "kalibr needs an accelerometer, and there is only gx (gyro)"),
-        (("export", "{gyro}", "--to", "kalibr"), 3, "--model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'"),
-        (("export", "{gyro}", "--to", "nothing"), 2, "unknown target 'nothing'"),
-        (("export", "--to", "kalibr"), 2, "give a recording, a result of analyze in JSON, or the noise with --model"),
-        (("export", "--model", "N 1 deg/sqrt(h)", "--to", "statespace"), 2, "needs the sampling rate: --rate HZ"),
-        (("export", "{gyro}", "--to", "datasheet", "--axis", "best"), 2, "unknown --axis 'best'"),
-        (("export", "absent.json", "--to", "kalibr"), 3, "absent.json: No such file or directory"),
-        (("convert", "0.66 parsec", "--to", "kalibr"), 2, "unknown unit 'parsec'"),
-        (("convert", "0.66 m", "--to", "kalibr"), 2, "'m' is not a unit of a noise coefficient"),
-        (("convert", "0.66", "--to", "kalibr"), 2, "a value has the form '0.66 deg/sqrt(h)'"),
-        (("convert", "0.66 deg/sqrt(h)", "--to", "vins-mono"), 2, "needs the sampling rate: --rate HZ"),
-        (("convert", "--from", "kalibr", "{gyro}"), 3, "has none of the fields of kalibr: gyroscope_noise_density"),
-        (("convert", "--from", "datasheet", "{gyro}"), 2, "datasheet cannot be read back"),
-        (("explain", "nothing"), 2, "unknown name 'nothing'"),
-    ],
-)  # fmt: skip
+@rows("arguments, code, words", [
+    (("export", "{gyro}", "--to", "kalibr"), 3, "kalibr needs an accelerometer, and there is only gx (gyro)"),
+    (("export", "{gyro}", "--to", "kalibr"), 3, "--model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'"),
+    (("export", "{gyro}", "--to", "nothing"), 2, "unknown target 'nothing'"),
+    (("export", "--to", "kalibr"), 2, "give a recording, a result of analyze in JSON, or the noise with --model"),
+    (("export", "--model", "N 1 deg/sqrt(h)", "--to", "statespace"), 2, "needs the sampling rate: --rate HZ"),
+    (("export", "{gyro}", "--to", "datasheet", "--axis", "best"), 2, "unknown --axis 'best'"),
+    (("export", "absent.json", "--to", "kalibr"), 3, "absent.json: No such file or directory"),
+    (("convert", "0.66 parsec", "--to", "kalibr"), 2, "unknown unit 'parsec'"),
+    (("convert", "0.66 m", "--to", "kalibr"), 2, "'m' is not a unit of a noise coefficient"),
+    (("convert", "0.66", "--to", "kalibr"), 2, "a value has the form '0.66 deg/sqrt(h)'"),
+    (("convert", "0.66 deg/sqrt(h)", "--to", "vins-mono"), 2, "needs the sampling rate: --rate HZ"),
+    (("convert", "--from", "kalibr", "{gyro}"), 3, "has none of the fields of kalibr: gyroscope_noise_density"),
+    (("convert", "--from", "datasheet", "{gyro}"), 2, "datasheet cannot be read back"),
+    (("explain", "nothing"), 2, "unknown name 'nothing'"),
+])  # fmt: skip
 def test_what_is_refused_says_so(files, arguments, code, words):
     done = run(*(str(a).format(gyro=files / "gyro.csv") for a in arguments))
     assert done.exit_code == code, done.output

@@ -223,18 +223,15 @@ def test_a_recording_is_read_back_with_its_names(tmp_path_factory, first, second
 DEEP = "[" * 100_000 + "]" * 100_000
 
 
-@rows(
-    ("key", "value", "words"),
-    [
-        ("limits", "5", r"channels\[0\].fit.terms\[0\].limits: a table is expected, not 5"),
-        ("signal", "[1]", r"channels\[0\].fit.terms\[0\].signal: the name of a quantity is expected, not a list"),
-        ("signal", '"x"', r"channels\[0\].fit.terms\[0\].signal: unknown quantity 'x'"),
-        ("type", "[1]", r"channels\[0\].fit.terms\[0\].type: a text is expected, not a list|\[1\]"),
-        ("value", DEEP, "it is not JSON|a number is expected, not a list"),
-        ("value", "1" * 400, "a number that is not above"),
-        ("status", '"x"', r"channels\[0\].fit.terms\[0\].status: unknown status 'x'"),
-    ],
-)
+@rows("key, value, words", [
+    ("limits", "5", r"channels\[0\].fit.terms\[0\].limits: a table is expected, not 5"),
+    ("signal", "[1]", r"channels\[0\].fit.terms\[0\].signal: the name of a quantity is expected, not a list"),
+    ("signal", '"x"', r"channels\[0\].fit.terms\[0\].signal: unknown quantity 'x'"),
+    ("type", "[1]", r"channels\[0\].fit.terms\[0\].type: a text is expected, not a list|\[1\]"),
+    ("value", DEEP, "it is not JSON|a number is expected, not a list"),
+    ("value", "1" * 400, "a number that is not above"),
+    ("status", '"x"', r"channels\[0\].fit.terms\[0\].status: unknown status 'x'"),
+])  # fmt: skip
 def test_a_changed_result_is_refused_by_the_path_of_its_field(tactical, tmp_path, key, value, words):
     data = tactical.to_dict()
     data["channels"][0]["fit"]["terms"][0][key] = "HERE"

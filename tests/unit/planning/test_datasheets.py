@@ -59,18 +59,15 @@ def test_every_conversion_of_the_table_is_that_of_its_formula():
         assert claim.term.value == pytest.approx(value, rel=1e-12), (sheet.name, claim)
 
 
-@rows(
-    ("quantity", "value", "unit", "bandwidth", "text"),
-    [
-        ("noise density", 0.008, "deg/s/sqrt(Hz)", None, "N = 0.3394 deg/sqrt(h)"),
-        ("random walk", 0.34, "deg/sqrt(h)", None, "N = 0.34 deg/sqrt(h)"),
-        ("rms noise", 0.05, "deg/s", 100.0, "N = 0.2121 deg/sqrt(h)"),
-        ("bias stability", 8.0, "deg/h", None, "B = 12.04 deg/h"),
-        ("bias instability", 0.3, "deg/h", None, "B = 0.3 deg/h"),
-        ("noise density", 100.0, "ug/sqrt(Hz)", None, "N = 0.04161 m/s/sqrt(h)"),
-        ("rms noise", 1.0, "mg", 100.0, "N = 0.04161 m/s/sqrt(h)"),
-    ],
-)
+@rows("quantity, value, unit, bandwidth, text", [
+    ("noise density", 0.008, "deg/s/sqrt(Hz)", None, "N = 0.3394 deg/sqrt(h)"),
+    ("random walk", 0.34, "deg/sqrt(h)", None, "N = 0.34 deg/sqrt(h)"),
+    ("rms noise", 0.05, "deg/s", 100.0, "N = 0.2121 deg/sqrt(h)"),
+    ("bias stability", 8.0, "deg/h", None, "B = 12.04 deg/h"),
+    ("bias instability", 0.3, "deg/h", None, "B = 0.3 deg/h"),
+    ("noise density", 100.0, "ug/sqrt(Hz)", None, "N = 0.04161 m/s/sqrt(h)"),
+    ("rms noise", 1.0, "mg", 100.0, "N = 0.04161 m/s/sqrt(h)"),
+])  # fmt: skip
 def test_a_quantity_becomes_a_coefficient(quantity, value, unit, bandwidth, text):
     sensor = "gyro" if "deg" in unit else "accelerometer"
     assert str(Claim(sensor, quantity, "x", value, unit, place="page 1", bandwidth=bandwidth).term) == text
@@ -125,17 +122,12 @@ DENSITY = Claim("gyro", "noise density", "Density", 0.01, "deg/s/sqrt(Hz)", plac
 NOISE = Claim("gyro", "rms noise", "Noise", 0.1, "deg/s", place="page 1", bandwidth=50.0)
 
 
-@rows(
-    ("claims", "used"),
-    [
-        ((NOISE, DENSITY, WALK), WALK),
-        ((NOISE, DENSITY), DENSITY),
-        ((NOISE,), NOISE),
-        ((WALK, replace(WALK, value=0.4)), replace(WALK, value=0.4)),
-        ((replace(WALK, limit="maximum"), DENSITY), DENSITY),
-        ((replace(WALK, limit="maximum"),), replace(WALK, limit="maximum")),
-    ],
-)
+@rows("claims, used", [
+    ((NOISE, DENSITY, WALK), WALK), ((NOISE, DENSITY), DENSITY), ((NOISE,), NOISE),
+    ((WALK, replace(WALK, value=0.4)), replace(WALK, value=0.4)),
+    ((replace(WALK, limit="maximum"), DENSITY), DENSITY),
+    ((replace(WALK, limit="maximum"),), replace(WALK, limit="maximum")),
+])  # fmt: skip
 def test_one_line_makes_the_coefficient(claims, used):
     sheet = sheet_of(*claims)
     assert sheet.used("gyro") == (used,)
@@ -154,14 +146,11 @@ def test_a_name_is_found_as_it_is_typed(name):
     assert al.data_sheet_named(name).name == "ADIS16470"
 
 
-@rows(
-    ("text", "said"),
-    [
-        ("adis1647", "unknown data sheet 'adis1647'; did you mean ADIS16470?"),
-        ("xyz", "unknown data sheet 'xyz'; known data sheets: ADIS16355, "),
-        ("itg-3200 accelerometer", "the data sheet of the ITG-3200 says nothing of the noise of its accelerometer"),
-    ],
-)
+@rows("text, said", [
+    ("adis1647", "unknown data sheet 'adis1647'; did you mean ADIS16470?"),
+    ("xyz", "unknown data sheet 'xyz'; known data sheets: ADIS16355, "),
+    ("itg-3200 accelerometer", "the data sheet of the ITG-3200 says nothing of the noise of its accelerometer"),
+])  # fmt: skip
 def test_what_is_not_there_is_refused(text, said):
     with pytest.raises(UsageError) as caught:
         claimed(text)

@@ -22,13 +22,10 @@ MODELS = {
 }
 
 
-@rows(
-    ("name", "n", "rate", "ramp"),
-    [
-        ("mems", 600, 1.0, False), ("fog", 900, 1.0, True), ("rlg", 600, 100.0, True), ("NBK", 600, 1.0, True),
-        ("QN", 600, 1.0, False), ("GM", 600, 1.0, True),
-    ],
-)  # fmt: skip
+@rows("name, n, rate, ramp", [
+    ("mems", 600, 1.0, False), ("fog", 900, 1.0, True), ("rlg", 600, 100.0, True), ("NBK", 600, 1.0, True),
+    ("QN", 600, 1.0, False), ("GM", 600, 1.0, True),
+])  # fmt: skip
 def test_the_bound_is_that_of_dense_matrices(name, n, rate, ramp):
     """To 0.5 % at hundreds of readings; the table has 2048, and 0.2 %."""
     model = al.Model(MODELS[name])
@@ -174,18 +171,13 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     assert "not taken into account: " in run(tmp_path / "first.npz").stdout
 
 
-@rows(
-    ("arguments", "words"),
-    [
-        ((), "either a recording, or the noise"),
-        (("file.csv", "--sensor", "fog"), "either a recording"),
-        (("--sensor", "fog"), "--rate HZ"),
-        (("--sensor", "hrg", "--rate", 1), "known sensors: mems, fog, rlg"),
-        (("--sensor", "fog", "--rate", 1, "--accuracy", 0), "above 0"),
-        (("--sensor", "fog", "--rate", 1, "--band", "0,2"), "--band applies to a recording"),
-        (("--sensor", "fog", "--rate", 1, "--from", 3), "--from applies to a recording"),
-    ],
-)
+@rows("arguments, words", [
+    ((), "either a recording, or the noise"), (("file.csv", "--sensor", "fog"), "either a recording"),
+    (("--sensor", "fog"), "--rate HZ"), (("--sensor", "hrg", "--rate", 1), "known sensors: mems, fog, rlg"),
+    (("--sensor", "fog", "--rate", 1, "--accuracy", 0), "above 0"),
+    (("--sensor", "fog", "--rate", 1, "--band", "0,2"), "--band applies to a recording"),
+    (("--sensor", "fog", "--rate", 1, "--from", 3), "--from applies to a recording"),
+])  # fmt: skip
 def test_what_the_verb_refuses(arguments, words):
     result = run(*arguments)
     assert result.exit_code == 2

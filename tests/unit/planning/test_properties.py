@@ -50,12 +50,10 @@ def test_averaging_times_or_factors():
     assert properties("oadev", 100, taus="decade").m.tolist()[:4] == [1, 2, 4, 10]
 
 
-@rows(("name", "more", "message"), [
+@rows("name, more, message", [
     ("mtie", {}, "mtie is not an estimate of the Allan or Hadamard variance"),
-    ("tdev", {}, "tdev is not an estimate"),
-    ("nothing", {}, "unknown statistic 'nothing'"),
-    ("theo1", {"m": [11]}, "must be even"),
-    ("theo1", {"taus": [8.0]}, "is not a multiple of 1.5 s"),
+    ("tdev", {}, "tdev is not an estimate"), ("nothing", {}, "unknown statistic 'nothing'"),
+    ("theo1", {"m": [11]}, "must be even"), ("theo1", {"taus": [8.0]}, "is not a multiple of 1.5 s"),
 ])  # fmt: skip
 def test_bad_input(name, more, message):
     with pytest.raises(UsageError, match=message):

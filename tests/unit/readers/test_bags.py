@@ -217,15 +217,12 @@ def test_a_topic_and_its_channels_are_named(several):
     assert "/mag" not in left
 
 
-@rows(
-    ("channels", "words"),
-    [
-        ("/imu", r"no table or column '/imu' .* contains /left/imu.*/mag of type sensor_msgs/MagneticField \(40 rows"),
-        ("/left/imu,/right/imu", r"belong to 2 tables of the file, each with its own clock"),
-        ("/left/imu/gw", r"no column 'gw'; columns: .*angular_velocity\.x"),
-        ("/mag", r"inertial signal|a time by its header"),
-    ],
-)
+@rows("channels, words", [
+    ("/imu", r"no table or column '/imu' .* contains /left/imu.*/mag of type sensor_msgs/MagneticField \(40 rows"),
+    ("/left/imu,/right/imu", r"belong to 2 tables of the file, each with its own clock"),
+    ("/left/imu/gw", r"no column 'gw'; columns: .*angular_velocity\.x"),
+    ("/mag", r"inertial signal|a time by its header"),
+])  # fmt: skip
 def test_a_wrong_topic_is_refused_by_name(several, channels, words):
     with pytest.raises(UsageError, match=words):
         al.read(several, channels=channels.split(","))

@@ -212,15 +212,10 @@ def test_an_ascii_mat_is_text(tmp_path):
     assert al.read(tmp_path / "a.mat", rate=100, unit="deg/s").channels == ("column 2", "column 3", "column 4")
 
 
-@rows(
-    ("old", "new"),
-    [
-        (b"\x05\0\0\0\x08\0\0\0\x3c\0\0\0\x03\0\0\0", b"\x05\0\0\0\x08\0\0\0\xff\xff\xff\x7f\xff\xff\xff\x7f"),
-        (b"\x09\0\0\0\xa0\x05\0\0", b"\x09\0\0\0\xa0\x05\0\x70"),
-        (b"\x0e\0\0\0", b"\x0e\0\0\xff"),
-    ],
-    ids=["dimensions", "size of the numbers", "kind"],
-)
+@rows("old, new", [
+    (b"\x05\0\0\0\x08\0\0\0\x3c\0\0\0\x03\0\0\0", b"\x05\0\0\0\x08\0\0\0\xff\xff\xff\x7f\xff\xff\xff\x7f"),
+    (b"\x09\0\0\0\xa0\x05\0\0", b"\x09\0\0\0\xa0\x05\0\x70"), (b"\x0e\0\0\0", b"\x0e\0\0\xff"),
+], ids=["dimensions", "size of the numbers", "kind"])  # fmt: skip
 def test_sizes_that_a_mat_file_claims_are_not_believed(tmp_path, old, new):
     data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
     assert data.count(old) == 1
@@ -453,27 +448,19 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
 # raw binary
 
 
-@rows(
-    ("options", "words"),
-    [
-        ({"dtype": "i2", "columns": 7}, r"120 bytes.*14 bytes of a row: 8 rows and 8 bytes remain"),
-        ({"dtype": "i2", "columns": 3, "offset": 5}, r"115 bytes after the offset of 5"),
-        ({"dtype": "i2", "columns": 3, "offset": 500}, r"120 bytes and ends before the offset of 500"),
-        ({"dtype": "O"}, "unknown number type 'O'"),
-        ({"dtype": "i3"}, "unknown number type"),
-        ({"dtype": "S4"}, "unknown number type"),
-        ({"dtype": "i2", "columns": 0}, "whole number of at least 1"),
-        ({"dtype": "i2", "columns": True}, "columns must be an integer"),
-        ({"dtype": "i2", "offset": -1}, "whole number of at least 0"),
-        ({"dtype": "u4,i2", "columns": 2}, "whole row"),
-        ({"dtype": "i2", "columns": 10**30}, r"columns must be below 2\^63"),
-        ({"dtype": "i2", "columns": 2**40}, "more than a row"),
-        ({"columns": 3}, "raw binary"),
-        ({"dtype": 2}, "dtype must be a string"),
-        ({"dtype": "i2", "scale": "0.01deg/s", "unit": "deg/h"}, "contradicts"),
-        ({"dtype": "i2", "scale": "0.01furlong"}, "unknown unit 'furlong'"),
-    ],
-)
+@rows("options, words", [
+    ({"dtype": "i2", "columns": 7}, r"120 bytes.*14 bytes of a row: 8 rows and 8 bytes remain"),
+    ({"dtype": "i2", "columns": 3, "offset": 5}, r"115 bytes after the offset of 5"),
+    ({"dtype": "i2", "columns": 3, "offset": 500}, r"120 bytes and ends before the offset of 500"),
+    ({"dtype": "O"}, "unknown number type 'O'"), ({"dtype": "i3"}, "unknown number type"),
+    ({"dtype": "S4"}, "unknown number type"), ({"dtype": "i2", "columns": 0}, "whole number of at least 1"),
+    ({"dtype": "i2", "columns": True}, "columns must be an integer"),
+    ({"dtype": "i2", "offset": -1}, "whole number of at least 0"), ({"dtype": "u4,i2", "columns": 2}, "whole row"),
+    ({"dtype": "i2", "columns": 10**30}, r"columns must be below 2\^63"),
+    ({"dtype": "i2", "columns": 2**40}, "more than a row"), ({"columns": 3}, "raw binary"),
+    ({"dtype": 2}, "dtype must be a string"), ({"dtype": "i2", "scale": "0.01deg/s", "unit": "deg/h"}, "contradicts"),
+    ({"dtype": "i2", "scale": "0.01furlong"}, "unknown unit 'furlong'"),
+])  # fmt: skip
 def test_impossible_layouts(tmp_path, options, words):
     (tmp_path / "a.bin").write_bytes(bytes(120))
     with pytest.raises(al.AllaniteError, match=words):

@@ -41,11 +41,9 @@ def in_g_at_10_hz():
     return made
 
 
-@rows(
-    "data",
-    [samples(), samples() * [1, 50, 50, 50, 1, 1, 1], in_g_at_10_hz()],
-    ids=["its own", "degrees", "rates and g"],
-)
+@rows("data", [
+    samples(), samples() * [1, 50, 50, 50, 1, 1, 1], in_g_at_10_hz(),
+], ids=["its own", "degrees", "rates and g"])  # fmt: skip
 def test_what_looks_like_it_is_not_read_unless_asked_for(tmp_path, data):
     (tmp_path / "imu.bin").write_bytes(np.ascontiguousarray(data).tobytes())
     with pytest.raises(UsageError, match=r"may be KF-GINS binary.*use dtype='kfgins'; if not, dtype='7f8'"):
@@ -67,19 +65,10 @@ def test_rows_of_another_width_are_refused(tmp_path):
         al.read(tmp_path / "imu.bin", dtype="kfgins")
 
 
-@rows(
-    "change",
-    [
-        lambda r: r[:, :6],
-        lambda r: r[:5],
-        lambda r: r * np.array([1, 1, 1, 1, 3, 3, 3]),
-        lambda r: r[::-1],
-        lambda r: np.where(np.arange(7) == 1, np.nan, r),
-        lambda r: r.astype("f4"),
-        lambda r: RNG.bytes(9000),
-    ],
-    ids=["six columns", "few rows", "no gravity", "backwards", "not a number", "floats", "anything"],
-)
+@rows("change", [
+    lambda r: r[:, :6], lambda r: r[:5], lambda r: r * np.array([1, 1, 1, 1, 3, 3, 3]), lambda r: r[::-1],
+    lambda r: np.where(np.arange(7) == 1, np.nan, r), lambda r: r.astype("f4"), lambda r: RNG.bytes(9000),
+], ids=["six columns", "few rows", "no gravity", "backwards", "not a number", "floats", "anything"])  # fmt: skip
 def test_nothing_else_is_taken_for_it(tmp_path, change):
     changed = change(samples())
     data = changed if isinstance(changed, bytes) else np.ascontiguousarray(changed).tobytes()

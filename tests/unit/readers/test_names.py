@@ -111,15 +111,12 @@ SECONDS = [EPOCH + (990 + 10 * i) // 1000 for i in range(300)]
 NANO = [(990 + 10 * i) % 1000 * 1_000_000 for i in range(300)]
 
 
-@rows(
-    ("seconds", "parts"),
-    [
-        ("header.stamp.sec", "header.stamp.nanosec"), ("header.stamp.secs", "header.stamp.nsecs"), ("sec", "nsec"),
-        ("stamp.sec", "stamp.nanosec"), ("secs", "nsecs"), ("/imu/header/stamp/sec", "/imu/header/stamp/nanosec"),
-        ("header_stamp_sec", "header_stamp_nanosec"), ("field.header.stamp.secs", "field.header.stamp.nsecs"),
-        ("Seconds", "Nanoseconds"),
-    ],
-)  # fmt: skip
+@rows("seconds, parts", [
+    ("header.stamp.sec", "header.stamp.nanosec"), ("header.stamp.secs", "header.stamp.nsecs"), ("sec", "nsec"),
+    ("stamp.sec", "stamp.nanosec"), ("secs", "nsecs"), ("/imu/header/stamp/sec", "/imu/header/stamp/nanosec"),
+    ("header_stamp_sec", "header_stamp_nanosec"), ("field.header.stamp.secs", "field.header.stamp.nsecs"),
+    ("Seconds", "Nanoseconds"),
+])  # fmt: skip
 def test_seconds_and_nanoseconds_are_one_clock(write, seconds, parts):
     recording = read(write([seconds, parts, "gx [rad/s]"], [SECONDS, NANO, *vector(0, 1)]))
     assert recording.channels == ("gx",)

@@ -39,14 +39,11 @@ def test_statements(line, rate):
     assert said.line == 7
 
 
-@rows(
-    "line",
-    [
-        "FS = 250", "fs: 250 dps", "Rate: 100 Hz", "Baud rate: 115200", "Sample rate: 0 Hz", "Sample rate: 1,000 Hz",
-        "Sampling time = 0.005", "Sample rate: 2023-01-04", "Sample rate: fast", "offset = 3", "gyrofs = 3",
-        "Sample rate: 1e99 Hz", "sample rate" * 100 + ": 5",
-    ],
-)  # fmt: skip
+@rows("line", [
+    "FS = 250", "fs: 250 dps", "Rate: 100 Hz", "Baud rate: 115200", "Sample rate: 0 Hz", "Sample rate: 1,000 Hz",
+    "Sampling time = 0.005", "Sample rate: 2023-01-04", "Sample rate: fast", "offset = 3", "gyrofs = 3",
+    "Sample rate: 1e99 Hz", "sample rate" * 100 + ": 5",
+])  # fmt: skip
 def test_no_statements(line):
     assert statement(1, line) is None
 

@@ -35,16 +35,11 @@ def test_ordinary_tables_are_not_taken_for_it():
     assert not reader_named("psins").sniff(b"gx gy\n1 2\n", ".imu")
 
 
-@rows(
-    ("old", "new", "words"),
-    [
-        ("-4 0 7", "-4 x 7", "line 8, column 'gy': 'x'"),
-        ("-4 0 7", "-4 7", "line 8 has 5 columns"),
-        ("0.1 0.1 0.1 ", "0.1 0.1 ", "line 6 is a header row"),
-        (" 8.0 ", " 0.0 ", "must be positive"),
-        (ROWS, "", "three header rows"),
-    ],
-)
+@rows("old, new, words", [
+    ("-4 0 7", "-4 x 7", "line 8, column 'gy': 'x'"), ("-4 0 7", "-4 7", "line 8 has 5 columns"),
+    ("0.1 0.1 0.1 ", "0.1 0.1 ", "line 6 is a header row"), (" 8.0 ", " 0.0 ", "must be positive"),
+    (ROWS, "", "three header rows"),
+])  # fmt: skip
 def test_damage_is_named(write, old, new, words):
     with pytest.raises(DataError, match=words):
         read(write(WHOLE.replace(old, new)))

@@ -70,15 +70,11 @@ def test_a_few_dropouts_are_marked():
     assert "1 sample without the amplitude of sine and cosine, the first at 14 s" in finding.what
 
 
-@rows(
-    ("sine", "cosine", "lag", "words"),
-    [
-        ((0.01, 1.0), (0.0, 1.0), 0.0, "offsets of 1 % (sine)"),
-        ((0.0, 1.0), (-0.02, 1.0), 0.0, "-2 % (cosine)"),
-        ((0.0, 0.99), (0.0, 1.0), 0.0, "gains different by 1"),
-        ((0.0, 1.0), (0.0, 1.0), 0.01, "phase 0.573 deg from 90 deg"),
-    ],
-)
+@rows("sine, cosine, lag, words", [
+    ((0.01, 1.0), (0.0, 1.0), 0.0, "offsets of 1 % (sine)"), ((0.0, 1.0), (-0.02, 1.0), 0.0, "-2 % (cosine)"),
+    ((0.0, 0.99), (0.0, 1.0), 0.0, "gains different by 1"),
+    ((0.0, 1.0), (0.0, 1.0), 0.01, "phase 0.573 deg from 90 deg"),
+])  # fmt: skip
 def test_imbalance_is_measured_and_its_angle_error_is_right(sine, cosine, lag, words):
     true = turning(20000)
     angle, (finding,), _ = angle_of(*pair(true, sine, cosine, lag))
@@ -115,16 +111,13 @@ def test_columns_of_two_axes_become_two_angles(tmp_path):
     assert "gyroscope, angle in rad" in run.stdout
 
 
-@rows(
-    ("given", "words"),
-    [
-        ({"sincos": ["s1", "c1", "s2"]}, "pairs of columns, the sine first, for example sincos=['sin', 'cos']"),
-        ({"sincos": ["s1", "c1"], "channels": ["s1"]}, "channels has no meaning"),
-        ({"sincos": ["s1", "c1"], "unit": "deg"}, "unit has no meaning"),
-        ({"sincos": ["s1", "c1"], "kind": "rate"}, "its kind is 'value'"),
-        ({"sincos": ["s1", "nothing"]}, "no column 'nothing'"),
-    ],
-)
+@rows("given, words", [
+    ({"sincos": ["s1", "c1", "s2"]}, "pairs of columns, the sine first, for example sincos=['sin', 'cos']"),
+    ({"sincos": ["s1", "c1"], "channels": ["s1"]}, "channels has no meaning"),
+    ({"sincos": ["s1", "c1"], "unit": "deg"}, "unit has no meaning"),
+    ({"sincos": ["s1", "c1"], "kind": "rate"}, "its kind is 'value'"),
+    ({"sincos": ["s1", "nothing"]}, "no column 'nothing'"),
+])  # fmt: skip
 def test_impossible_choices_are_refused(tmp_path, given, words):
     path = tmp_path / "a.csv"
     path.write_text("s1,c1,s2\n" + "\n".join(f"{np.sin(i)},{np.cos(i)},0" for i in np.arange(300) / 50))

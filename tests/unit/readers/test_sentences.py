@@ -57,11 +57,9 @@ def test_wrong_checksums_are_counted_and_are_gaps(tmp_path, crc):
         al.read(save(tmp_path, lines))
 
 
-@rows(
-    "stamp",
-    [lambda k: f"{1e9 + k * 0.025:.3f},", lambda k: f"2026-01-02 03:04:{5 + k // 40:02d}.{k % 40 * 25:03d} "],
-    ids=["seconds", "date and time"],
-)
+@rows("stamp", [
+    lambda k: f"{1e9 + k * 0.025:.3f},", lambda k: f"2026-01-02 03:04:{5 + k // 40:02d}.{k % 40 * 25:03d} ",
+], ids=["seconds", "date and time"])  # fmt: skip
 def test_time_stamps_before_the_sentences(tmp_path, stamp):
     lines = [sentence("VNGYR", v[:3], before=stamp(k)) for k, v in enumerate(VALUES)]
     lines[7] = lines[7].replace(".", "1", 1)[:-4] + "\n"

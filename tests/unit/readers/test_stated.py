@@ -36,17 +36,10 @@ def found(recording, name):
     return [finding for finding in recording.findings if finding.name == name]
 
 
-@rows(
-    "unit",
-    [
-        "gyro=deg/s,accel=g",
-        " gyroscope = deg/s , accelerometer = g ",
-        {"gyro": "deg/s", "accel": "g"},
-        {"wx": "deg/s", "wy": "deg/s", "ax": "g"},
-        {"2": "deg/s", "3": "deg/s", "acc": "g"},
-        {"gyro": "°/с", "ax": "g"},
-    ],
-)
+@rows("unit", [
+    "gyro=deg/s,accel=g", " gyroscope = deg/s , accelerometer = g ", {"gyro": "deg/s", "accel": "g"},
+    {"wx": "deg/s", "wy": "deg/s", "ax": "g"}, {"2": "deg/s", "3": "deg/s", "acc": "g"}, {"gyro": "°/с", "ax": "g"},
+])  # fmt: skip
 def test_units_by_sensor_and_by_column(write, unit):
     assert units(read(write("time [s],wx,wy,ax"), unit=unit)) in (
         {"wx": "deg/s", "wy": "deg/s", "ax": "g"},
@@ -73,21 +66,14 @@ def test_other_columns_keep_their_header_or_are_left_out(write):
     assert not recording.findings
 
 
-@rows(
-    ("unit", "words"),
-    [
-        ("gyro=deg/s,accel=g", ["unit g", "accelerometer", "no column", "wx (gyro)", "omit it"]),
-        ("gyro=deg/s,wz=deg/s", ["'wz'", "2: wx"]),
-        ("gyro=g", ["'g'", "not a unit of a gyro"]),
-        ("gyro=furlong", ["unknown unit 'furlong'"]),
-        ("gyro=deg/s,gyros=deg/h", ["gyro", "two units"]),
-        ("gyro=", ["'gyro='", "gyro=deg/s,accel=g"]),
-        ("gyro=deg/s,g", ["each sensor or column", "gyro=deg/s,accel=g"]),
-        ({}, ["no unit is given"]),
-        ({"gyro": 5}, ["unit must be a string, a mapping of strings", "5"]),
-        ({"a,b": "g"}, ["'a,b'", "number"]),
-    ],
-)
+@rows("unit, words", [
+    ("gyro=deg/s,accel=g", ["unit g", "accelerometer", "no column", "wx (gyro)", "omit it"]),
+    ("gyro=deg/s,wz=deg/s", ["'wz'", "2: wx"]), ("gyro=g", ["'g'", "not a unit of a gyro"]),
+    ("gyro=furlong", ["unknown unit 'furlong'"]), ("gyro=deg/s,gyros=deg/h", ["gyro", "two units"]),
+    ("gyro=", ["'gyro='", "gyro=deg/s,accel=g"]), ("gyro=deg/s,g", ["each sensor or column", "gyro=deg/s,accel=g"]),
+    ({}, ["no unit is given"]), ({"gyro": 5}, ["unit must be a string, a mapping of strings", "5"]),
+    ({"a,b": "g"}, ["'a,b'", "number"]),
+])  # fmt: skip
 def test_what_the_file_has_not_is_refused_by_name(write, unit, words):
     with pytest.raises(UsageError) as caught:
         read(write("time [s],wx,wy,T [degC]"), unit=unit)

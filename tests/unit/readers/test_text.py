@@ -88,34 +88,17 @@ def test_integers_stay_exact(write, rows, delimiter, header):
         assert record.values.tolist() == [row[i] for row in rows]
 
 
-@rows(
-    ("header", "name", "unit"),
-    [
-        ("gx [deg/s]", "gx", "deg/s"),
-        ("gx(deg/s)", "gx", "deg/s"),
-        ("Gyroscope X (deg/s)", "Gyroscope X", "deg/s"),
-        ("w_RS_S_x [rad s^-1]", "w_RS_S_x", "rad s^-1"),
-        ("a_x [m s-2]", "a_x", "m s-2"),
-        ("acc [m/s2]", "acc", "m/s2"),
-        ("acc [m/s²]", "acc", "m/s²"),
-        ("gx [°/s]", "gx", "°/s"),
-        ("arw [deg/sqrt(h)]", "arw", "deg/sqrt(h)"),
-        ("gyro_x_dps", "gyro_x_dps", "deg/s"),
-        ("gyro_x_rad_per_s", "gyro_x_rad_per_s", "rad/s"),
-        ("raw_angular_rate_x_deg_per_s", "raw_angular_rate_x_deg_per_s", "deg/s"),
-        ("acc_x_g", "acc_x_g", "g"),
-        ("acc_x_mps2", "acc_x_mps2", "m/s^2"),
-        ("accelerometer_m_s2[0]", "accelerometer_m_s2[0]", "m/s^2"),
-        ("bmi160_g_x[mDeg]", "bmi160_g_x", "mDeg"),
-        ("gx [LSB]", "gx", ""),
-        ("gyro_x", "gyro_x", ""),
-        ("angular_velocity.x", "angular_velocity.x", ""),
-        ("timestamp [ns]", "timestamp", "ns"),
-        ("time_us", "time_us", "us"),
-        ("T [degC]", "T", "degC"),
-        ("", "", ""),
-    ],
-)
+@rows("header, name, unit", [
+    ("gx [deg/s]", "gx", "deg/s"), ("gx(deg/s)", "gx", "deg/s"), ("Gyroscope X (deg/s)", "Gyroscope X", "deg/s"),
+    ("w_RS_S_x [rad s^-1]", "w_RS_S_x", "rad s^-1"), ("a_x [m s-2]", "a_x", "m s-2"), ("acc [m/s2]", "acc", "m/s2"),
+    ("acc [m/s²]", "acc", "m/s²"), ("gx [°/s]", "gx", "°/s"), ("arw [deg/sqrt(h)]", "arw", "deg/sqrt(h)"),
+    ("gyro_x_dps", "gyro_x_dps", "deg/s"), ("gyro_x_rad_per_s", "gyro_x_rad_per_s", "rad/s"),
+    ("raw_angular_rate_x_deg_per_s", "raw_angular_rate_x_deg_per_s", "deg/s"), ("acc_x_g", "acc_x_g", "g"),
+    ("acc_x_mps2", "acc_x_mps2", "m/s^2"), ("accelerometer_m_s2[0]", "accelerometer_m_s2[0]", "m/s^2"),
+    ("bmi160_g_x[mDeg]", "bmi160_g_x", "mDeg"), ("gx [LSB]", "gx", ""), ("gyro_x", "gyro_x", ""),
+    ("angular_velocity.x", "angular_velocity.x", ""), ("timestamp [ns]", "timestamp", "ns"),
+    ("time_us", "time_us", "us"), ("T [degC]", "T", "degC"), ("", "", ""),
+])  # fmt: skip
 def test_headers(header, name, unit):
     assert headers.split(header) == (name, unit)
 

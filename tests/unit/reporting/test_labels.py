@@ -36,14 +36,11 @@ def test_a_label_stands_on_the_side_of_its_line_where_nothing_is(side):
     assert label.x == pytest.approx(0.5)
 
 
-@rows(
-    "model",
-    [
-        "Q 0.3 arcsec*s, N 3 arcsec*sqrt(s), B 1 arcsec, K 0.1 arcsec/sqrt(s), R 0.002 arcsec/s",
-        "N 0.1 deg/sqrt(h), B 1 deg/h, K 5 deg/h/sqrt(h)",
-        "Q 1 arcsec, N 0.01 deg/sqrt(h), B 0.1 deg/h, R 1 deg/h^2, GM 1 deg/h 20 s",
-    ],
-)
+@rows("model", [
+    "Q 0.3 arcsec*s, N 3 arcsec*sqrt(s), B 1 arcsec, K 0.1 arcsec/sqrt(s), R 0.002 arcsec/s",
+    "N 0.1 deg/sqrt(h), B 1 deg/h, K 5 deg/h/sqrt(h)",
+    "Q 1 arcsec, N 0.01 deg/sqrt(h), B 0.1 deg/h, R 1 deg/h^2, GM 1 deg/h 20 s",
+])  # fmt: skip
 def test_lines_to_labels_are_short_and_do_not_run_across_the_curve(model):
     figure = al.plot(al.statistics.expectation(al.Model(model), rate=40.0, size=1_440_000))
     figure.draw_without_rendering()

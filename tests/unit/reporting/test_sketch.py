@@ -162,21 +162,14 @@ def test_what_only_matplotlib_draws_is_left_to_it():
     assert "<path" in drawn(Drawing(draw, "points")).text
 
 
-@rows(
-    "ask",
-    [
-        lambda panel: panel.scatter([1], [1]),
-        lambda panel: panel.plot([1], [1], color=BLUE, drawstyle="steps"),
-        lambda panel: panel.plot([1], [1], "x", color=BLUE),
-        lambda panel: panel.set_aspect("equal"),
-        lambda panel: panel.xaxis.set_major_locator(MultipleLocator(2.0)),
-        lambda panel: panel.xaxis.axis_date(),
-        lambda panel: panel.set_title("a", pad=3),
-        lambda panel: panel.legend(loc="lower left"),
-        lambda panel: panel.figure.subfigures(2),
-        lambda panel: (panel.plot([1], [1], color="tab:blue"), panel.figure.svg()),
-    ],
-)
+@rows("ask", [
+    lambda panel: panel.scatter([1], [1]), lambda panel: panel.plot([1], [1], color=BLUE, drawstyle="steps"),
+    lambda panel: panel.plot([1], [1], "x", color=BLUE), lambda panel: panel.set_aspect("equal"),
+    lambda panel: panel.xaxis.set_major_locator(MultipleLocator(2.0)), lambda panel: panel.xaxis.axis_date(),
+    lambda panel: panel.set_title("a", pad=3), lambda panel: panel.legend(loc="lower left"),
+    lambda panel: panel.figure.subfigures(2),
+    lambda panel: (panel.plot([1], [1], color="tab:blue"), panel.figure.svg()),
+])  # fmt: skip
 def test_what_is_not_known_is_refused(ask):
     panel = chart().subplots()
     with pytest.raises(Unsketched):
@@ -283,16 +276,10 @@ def test_labels_at_ticks_read_as_those_of_matplotlib():
     assert "−0.4" in found
 
 
-@rows(
-    ("places", "labels", "beside"),
-    [
-        ([0.0, 0.5, 1.0], ["0.0", "0.5", "1.0"], ""),
-        ([-2.0, 0.0, 2.0], ["−2", "0", "2"], ""),
-        ([1e8, 2e8], ["1", "2"], "$×10^{8}$"),
-        ([0.0], ["0"], ""),
-        ([], [], ""),
-    ],
-)
+@rows("places, labels, beside", [
+    ([0.0, 0.5, 1.0], ["0.0", "0.5", "1.0"], ""), ([-2.0, 0.0, 2.0], ["−2", "0", "2"], ""),
+    ([1e8, 2e8], ["1", "2"], "$×10^{8}$"), ([0.0], ["0"], ""), ([], [], ""),
+])  # fmt: skip
 def test_numbers_at_ticks(places, labels, beside):
     assert plain(places) == (labels, beside)
 

@@ -151,29 +151,25 @@ ANGLE = al.Record(np.arange(4.0), rate=10.0, unit="deg", kind="angle")
 RNG = np.random.default_rng(1)
 
 
-@rows(
-    ("fault", "words"),
-    [
-        (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples"),
-        (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before samples"),
-        (lambda: faults.low_pass(NAN, 1.0), "before samples"),
-        (lambda: faults.low_pass(white(), 80.0), "between 0 and 50 Hz"),
-        (lambda: faults.low_pass(white(), 8.0, order=0), "integer from 1 to 10"),
-        (lambda: faults.constant(ANGLE, 1.0, "deg/s"), "not to angles"),
-        (lambda: faults.constant(white(), 1.0, "ug"), "neither a unit of a rate"),
-        (lambda: faults.quantize_rate(white(), 1.0, "arcsec"), "is not a unit of rad/s samples"),
-        (lambda: faults.quantize_angle(white(), 1.0, "deg/s"), "use arcsec"),
-        (lambda: faults.quantize_rate(white(), 0.0, "deg/s"), "above 0"),
-        (lambda: faults.quantize_rate(white(), 1.0, "deg/s", dither=faults.Dither()), "drawn from a generator"),
-        (lambda: faults.quantize_angle(white(), 1e-30, "arcsec"), "use a larger step"),
-        (lambda: faults.gaps(al.Record([1.0, 2.0], 1.0, "deg/h"), 0.5, 1.0, rng=RNG), "no samples to remove"),
-        (lambda: faults.Dither(0.0), "above 0"),
-        (lambda: faults.clip(white(), -1.0, "deg/h"), "above 0"),
-        (lambda: faults.gaps(white(), 1.5, 1.0, rng=RNG), "share from 0 to 1"),
-        (lambda: faults.outliers(white(), -0.1, 1.0, rng=RNG), "between 0 and 1"),
-        (lambda: faults.noise_step(white(), at=1.0), "between 0 and 1"),
-    ],
-)
+@rows("fault, words", [
+    (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples"),
+    (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before samples"),
+    (lambda: faults.low_pass(NAN, 1.0), "before samples"),
+    (lambda: faults.low_pass(white(), 80.0), "between 0 and 50 Hz"),
+    (lambda: faults.low_pass(white(), 8.0, order=0), "integer from 1 to 10"),
+    (lambda: faults.constant(ANGLE, 1.0, "deg/s"), "not to angles"),
+    (lambda: faults.constant(white(), 1.0, "ug"), "neither a unit of a rate"),
+    (lambda: faults.quantize_rate(white(), 1.0, "arcsec"), "is not a unit of rad/s samples"),
+    (lambda: faults.quantize_angle(white(), 1.0, "deg/s"), "use arcsec"),
+    (lambda: faults.quantize_rate(white(), 0.0, "deg/s"), "above 0"),
+    (lambda: faults.quantize_rate(white(), 1.0, "deg/s", dither=faults.Dither()), "drawn from a generator"),
+    (lambda: faults.quantize_angle(white(), 1e-30, "arcsec"), "use a larger step"),
+    (lambda: faults.gaps(al.Record([1.0, 2.0], 1.0, "deg/h"), 0.5, 1.0, rng=RNG), "no samples to remove"),
+    (lambda: faults.Dither(0.0), "above 0"), (lambda: faults.clip(white(), -1.0, "deg/h"), "above 0"),
+    (lambda: faults.gaps(white(), 1.5, 1.0, rng=RNG), "share from 0 to 1"),
+    (lambda: faults.outliers(white(), -0.1, 1.0, rng=RNG), "between 0 and 1"),
+    (lambda: faults.noise_step(white(), at=1.0), "between 0 and 1"),
+])  # fmt: skip
 def test_what_is_refused(fault, words):
     with pytest.raises(al.UsageError, match=words):
         fault()

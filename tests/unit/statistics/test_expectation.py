@@ -84,21 +84,17 @@ def test_everything_of_a_model_is_written(tmp_path):
     assert "rate random walk" in done.stdout
 
 
-@rows(
-    ("arguments", "words"),
-    [
-        ((), "give either a recording, or the noise with --model, --sensor or --datasheet"),
-        (("a.csv", "--sensor", "fog"), "give either a recording"),
-        (("--sensor", "fog", "--statistic", "mdev"), "pass --rate HZ"),
-        (("--sensor", "fog", "--statistic", "theoh", "--rate", "10"), "pass --duration TIME"),
-        (("--sensor", "fog", "--duration", "1h"), "--rate HZ"),
-        (("--sensor", "fog", "--terms", "QN"), "--terms applies to a recording"),
-        (("--sensor", "fog", "--m", "1,2"), "--taus 1,10,100"),
-        (("--sensor", "fog", "--taus", "decade"), "--rate HZ"),
-        (("--sensor", "fog", "--rate", "0"), "positive number of Hz"),
-        (("--sensor", "fog", "--rate", "10", "--samples", "1"), "too short for oadev"),
-    ],
-)
+@rows("arguments, words", [
+    ((), "give either a recording, or the noise with --model, --sensor or --datasheet"),
+    (("a.csv", "--sensor", "fog"), "give either a recording"),
+    (("--sensor", "fog", "--statistic", "mdev"), "pass --rate HZ"),
+    (("--sensor", "fog", "--statistic", "theoh", "--rate", "10"), "pass --duration TIME"),
+    (("--sensor", "fog", "--duration", "1h"), "--rate HZ"),
+    (("--sensor", "fog", "--terms", "QN"), "--terms applies to a recording"),
+    (("--sensor", "fog", "--m", "1,2"), "--taus 1,10,100"), (("--sensor", "fog", "--taus", "decade"), "--rate HZ"),
+    (("--sensor", "fog", "--rate", "0"), "positive number of Hz"),
+    (("--sensor", "fog", "--rate", "10", "--samples", "1"), "too short for oadev"),
+])  # fmt: skip
 def test_what_cannot_be_expected_is_refused(arguments, words):
     done = run("deviation", *arguments)
     assert done.exit_code == 2

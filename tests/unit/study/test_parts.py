@@ -207,17 +207,13 @@ def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
     al.analyze(file, Recipe(**HOW, memory="1GB", channels=("3",), **recipe))  # the cure
 
 
-@rows(
-    ("job", "words"),
-    [
-        (Deviations(("adev",)), "no 'adev'"),
-        (Deviations(m=(100,)), "no averaging factor 100; .* the nearest 96 and 104"),
-        (Deviations(edf="published"), "no edf 'published': only 'exact'"),
-        (Deviations(power_law=True), "no power_law: omit it"),
-        (Densities("multitaper"), "no estimator 'multitaper': choose welch"),
-        (Windows(), "no sliding windows"),
-    ],
-)
+@rows("job, words", [
+    (Deviations(("adev",)), "no 'adev'"),
+    (Deviations(m=(100,)), "no averaging factor 100; .* the nearest 96 and 104"),
+    (Deviations(edf="published"), "no edf 'published': only 'exact'"),
+    (Deviations(power_law=True), "no power_law: omit it"),
+    (Densities("multitaper"), "no estimator 'multitaper': choose welch"), (Windows(), "no sliding windows"),
+])  # fmt: skip
 def test_jobs_that_need_the_whole_are_refused_by_name(file, job, words):
     with pytest.raises(UsageError, match=words):
         survey(file, job, PARTS)

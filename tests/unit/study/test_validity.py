@@ -146,14 +146,10 @@ def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     assert ("not explained, or without a result: bad" in result.stderr) == bool(code)
 
 
-@rows(
-    "verb",
-    [
-        ("plan",), ("deviation", "--intervals"), ("spectrum", "--fit"), ("statespace",),
-        ("rate", "--interval", 2, "--no-times"), ("budget", "--stage", "output 16 100deg/s"),
-    ],
-    ids=lambda verb: verb[0],
-)  # fmt: skip
+@rows("verb", [
+    ("plan",), ("deviation", "--intervals"), ("spectrum", "--fit"), ("statespace",),
+    ("rate", "--interval", 2, "--no-times"), ("budget", "--stage", "output 16 100deg/s"),
+], ids=lambda verb: verb[0])  # fmt: skip
 def test_every_verb_says_the_grade_and_knows_strict(file, verb):
     result = run(verb[0], file, *verb[1:], "--channels", "bad", "--terms", "NB", "--band", "auto", "--strict")
     assert result.exit_code == 3, result.output
@@ -225,14 +221,11 @@ def test_readings_too_coarse_are_told_without_a_p_value():
     assert "p =" not in table(al.analyze(record, Recipe(terms="N"))).split("read off")[0]
 
 
-@rows(
-    ("verb", "expected"),
-    [
-        (("deviation", "--statistic", "mdev", "--taus", "decade"), {"statistic": ["mdev"], "taus": "decade"}),
-        (("spectrum", "--segment", 20, "--window", "hann"), {"estimator": "welch", "segment": 20.0, "window": "hann"}),
-        (("dynamic", "--window", 60, "--statistic", "adev"), {"statistic": "adev", "window": 60.0}),
-    ],
-)
+@rows("verb, expected", [
+    (("deviation", "--statistic", "mdev", "--taus", "decade"), {"statistic": ["mdev"], "taus": "decade"}),
+    (("spectrum", "--segment", 20, "--window", "hann"), {"estimator": "welch", "segment": 20.0, "window": "hann"}),
+    (("dynamic", "--window", 60, "--statistic", "adev"), {"statistic": "adev", "window": 60.0}),
+])  # fmt: skip
 def test_the_recipe_says_what_was_used(file, verb, expected):
     found = json.loads(run(verb[0], file, "--channels", "good", *verb[1:], "--json", "-").stdout)["recipe"]
     assert {key: found[key] for key in expected} == expected

@@ -446,16 +446,11 @@ def test_the_time_of_a_report_is_no_silence(monkeypatch):
         assert watch.spool.rows == 4000
 
 
-@rows(
-    ("jump", "words"),
-    [
-        (1e7, r"jump by 1e\+07 s before row"),
-        (1e18, r"jump by 1e\+18 s before row"),
-        (1e300, r"jump by 1e\+300 s before row"),
-        (-1e7, "is earlier than the previous one"),
-        (np.nan, "has no time stamp in 100 of"),
-    ],
-)
+@rows("jump, words", [
+    (1e7, r"jump by 1e\+07 s before row"), (1e18, r"jump by 1e\+18 s before row"),
+    (1e300, r"jump by 1e\+300 s before row"), (-1e7, "is earlier than the previous one"),
+    (np.nan, "has no time stamp in 100 of"),
+])  # fmt: skip
 def test_time_stamps_that_jump_are_named_at_once_and_the_lines_are_kept(monkeypatch, jump, words):
     monkeypatch.setattr("allanite.study.watching.RECENT", 10.0)  # later on there are only rows after the jump
     source = Clock(monkeypatch, 35, lambda times: np.where(times > 15.995, times + jump, times))
@@ -520,17 +515,13 @@ def test_a_port_that_comes_and_goes_is_one_finding(monkeypatch):
         assert [finding.what for finding in watch.findings.values()] == ["'port' was gone 3 times"]
 
 
-@rows(
-    ("target", "says"),
-    [
-        ("udp://192.168.1.5:9000", "from this machine only, not at '192.168.1.5'"),
-        ("udp://0.0.0.0:9000", "from this machine only, not at '0.0.0.0'"),
-        ("udp://example.com:9000", "from this machine only, not at 'example.com'"),
-        ("udp://127.0.0.1", "no address to listen at"),
-        ("tcp://127.0.0.1:9000", "no address"),
-        ("no such file", "cannot be watched: No such file"),
-    ],
-)
+@rows("target, says", [
+    ("udp://192.168.1.5:9000", "from this machine only, not at '192.168.1.5'"),
+    ("udp://0.0.0.0:9000", "from this machine only, not at '0.0.0.0'"),
+    ("udp://example.com:9000", "from this machine only, not at 'example.com'"),
+    ("udp://127.0.0.1", "no address to listen at"), ("tcp://127.0.0.1:9000", "no address"),
+    ("no such file", "cannot be watched: No such file"),
+])  # fmt: skip
 def test_other_sources_are_refused(target, says):
     done = CliRunner().invoke(main, ["watch", target, *HOW])
     assert done.exit_code in (2, 3)

@@ -302,15 +302,10 @@ def test_condition_numbers():
     assert planned(18000.0, "linear").condition == pytest.approx(7.8e4, rel=0.05)
 
 
-@rows(
-    ("law", "duration", "low", "high", "total"),
-    [
-        ("linear", 3600.0, 13.4, 19.8, 1.13),
-        ("linear", 1800.0, 16.7, 19.8, 2.47),
-        ("exact", 3600.0, 0.0, 7.4, 1.01),
-        ("exact", 1800.0, 19.8, 22.6, 2.46),
-    ],
-)
+@rows("law, duration, low, high, total", [
+    ("linear", 3600.0, 13.4, 19.8, 1.13), ("linear", 1800.0, 16.7, 19.8, 2.47), ("exact", 3600.0, 0.0, 7.4, 1.01),
+    ("exact", 1800.0, 19.8, 22.6, 2.46),
+])  # fmt: skip
 def test_the_best_window(law, duration, low, high, total):
     best = al.angle.scan(AngleSettings(LATITUDE, duration, 10.0, q_law=law)).best
     np.testing.assert_allclose(np.degrees(best.h), [low, high], atol=0.06)
@@ -358,15 +353,12 @@ def test_a_turn_near_an_error_is_named():
     assert planned(7200.0, turn_period=720.0).total == pytest.approx(4.00, rel=0.01)
 
 
-@rows(
-    ("options", "name", "words"),
-    [
-        ({"start": 18000.0}, "span", "less than one period of its harmonic 128"),
-        ({"start": 0.0, "law": "linear"}, "alike", "S256 h and C128 q|S256 h and S128 q"),
-        ({"start": 0.0, "interval": 200.0}, "sparse", "sample at least four times"),
-        ({"start": 20000.0, "duration": 600.0}, "untold", "carry little information about"),
-    ],
-)
+@rows("options, name, words", [
+    ({"start": 18000.0}, "span", "less than one period of its harmonic 128"),
+    ({"start": 0.0, "law": "linear"}, "alike", "S256 h and C128 q|S256 h and S128 q"),
+    ({"start": 0.0, "interval": 200.0}, "sparse", "sample at least four times"),
+    ({"start": 20000.0, "duration": 600.0}, "untold", "carry little information about"),
+])  # fmt: skip
 def test_caveats_of_a_plan(options, name, words):
     import re
 

@@ -134,20 +134,17 @@ def test_density_is_that_of_the_formula():
     assert whole == pytest.approx(2 * (N**2 * 4 + A**2) / (1 + (4 * math.pi * f) ** 2), rel=1e-9)
 
 
-@rows(
-    ("call", "said"),
-    [
-        (lambda: predicted_error(GYRO, TILT, 0.0), "a time constant must be a number of seconds above 0, not 0"),
-        (lambda: predicted_error(GYRO, TILT, 0.01, rate=100.0), "above the sample interval of 0.01 s, not 0.01 s"),
-        (lambda: predicted_error(TILT, TILT, 1.0), "that of another sensor"),
-        (lambda: predicted_error(GYRO + al.B(1, "deg/h"), TILT, 1.0), "give a horizon with duration"),
-        (lambda: predicted_error(GYRO + al.Q(1, "arcsec"), TILT, 1.0), "depends on the sampling rate: give it with"),
-        (lambda: predicted_error(GYRO, TILT, 1.0, gyro_bias="10"), "a bias has the form '10 deg/h'"),
-        (lambda: predicted_error(GYRO, TILT, 1.0, gyro_bias="10 ug"), "is a unit of something else"),
-        (lambda: optimal_time_constant(al.N(0, "deg/sqrt(h)"), TILT), "no time constant is best: the longest"),
-        (lambda: Loop(-1.0), "gain k1 above 0"),
-    ],
-)
+@rows("call, said", [
+    (lambda: predicted_error(GYRO, TILT, 0.0), "a time constant must be a number of seconds above 0, not 0"),
+    (lambda: predicted_error(GYRO, TILT, 0.01, rate=100.0), "above the sample interval of 0.01 s, not 0.01 s"),
+    (lambda: predicted_error(TILT, TILT, 1.0), "that of another sensor"),
+    (lambda: predicted_error(GYRO + al.B(1, "deg/h"), TILT, 1.0), "give a horizon with duration"),
+    (lambda: predicted_error(GYRO + al.Q(1, "arcsec"), TILT, 1.0), "depends on the sampling rate: give it with"),
+    (lambda: predicted_error(GYRO, TILT, 1.0, gyro_bias="10"), "a bias has the form '10 deg/h'"),
+    (lambda: predicted_error(GYRO, TILT, 1.0, gyro_bias="10 ug"), "is a unit of something else"),
+    (lambda: optimal_time_constant(al.N(0, "deg/sqrt(h)"), TILT), "no time constant is best: the longest"),
+    (lambda: Loop(-1.0), "gain k1 above 0"),
+])  # fmt: skip
 def test_bad_input(call, said):
     with pytest.raises(al.UsageError, match=said):
         call()

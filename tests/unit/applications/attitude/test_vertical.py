@@ -149,16 +149,10 @@ def test_a_recording_turned_about(swaying, text):
     assert text in table(turned)
 
 
-@rows(
-    ("text", "gravity", "suggested"),
-    [
-        ("y,z,x", "x", "y,z,x"),
-        ("-z,y,x", "x", "y,z,x"),
-        ("y,-z,-x", "-x", "y,-z,-x"),
-        ("x,-z,y", "y", "x,-z,y"),
-        ("x,z,-y", "-y", "x,z,-y"),
-    ],
-)
+@rows("text, gravity, suggested", [
+    ("y,z,x", "x", "y,z,x"), ("-z,y,x", "x", "y,z,x"), ("y,-z,-x", "-x", "y,-z,-x"), ("x,-z,y", "y", "x,-z,y"),
+    ("x,z,-y", "-y", "x,z,-y"),
+])  # fmt: skip
 def test_gravity_along_another_axis_is_refused_with_axes_that_hold(swaying, text, gravity, suggested):
     recording = mounted(swaying, Axes.of(text))
     said = rf"gravity is along {gravity}, not z: \d+% of the mean specific force; give axes='{suggested}'"
@@ -265,19 +259,16 @@ def lose(values):
     return values
 
 
-@rows(
-    ("change", "said"),
-    [
-        (lambda r: al.Recording(r.records[:3]), "three gyros and three accelerometers, but there are 3 gyros and 0"),
-        (lambda r: al.Recording(r.records[:4]), "3 gyros and 1 accelerometer: gx, gy, gz, ax; choose six channels"),
-        (lambda r: changed(r, "gy", lose), r"10 samples of 'gy' are missing.*gap: prepare.trim\(recording, 2.2, 400\)"),
-        (lambda r: changed(r, "gx", lambda v: v + 80.0), "which no vehicle does: are they in deg/s"),
-        (lambda r: changed(r, "az", lambda v: v / 9.80665), "are the accelerometers in g"),
-        (lambda r: changed(r, "az", lambda v: v * 9.80665), r"are the accelerometers in m/s\^2"),
-        (lambda r: changed(r, "az", lambda v: v * 1e-4), "free fall"),
-        (lambda r: al.Recording((*r.records[:5], replace(r.records[5], rate=25.0))), "these differ: gx 20000 samples"),
-    ],
-)  # fmt: skip
+@rows("change, said", [
+    (lambda r: al.Recording(r.records[:3]), "three gyros and three accelerometers, but there are 3 gyros and 0"),
+    (lambda r: al.Recording(r.records[:4]), "3 gyros and 1 accelerometer: gx, gy, gz, ax; choose six channels"),
+    (lambda r: changed(r, "gy", lose), r"10 samples of 'gy' are missing.*gap: prepare.trim\(recording, 2.2, 400\)"),
+    (lambda r: changed(r, "gx", lambda v: v + 80.0), "which no vehicle does: are they in deg/s"),
+    (lambda r: changed(r, "az", lambda v: v / 9.80665), "are the accelerometers in g"),
+    (lambda r: changed(r, "az", lambda v: v * 9.80665), r"are the accelerometers in m/s\^2"),
+    (lambda r: changed(r, "az", lambda v: v * 1e-4), "free fall"),
+    (lambda r: al.Recording((*r.records[:5], replace(r.records[5], rate=25.0))), "these differ: gx 20000 samples"),
+])  # fmt: skip
 def test_bad_recordings(still, change, said):
     with pytest.raises(al.DataError, match=said):
         vertical(change(still), time_constant=1.0)
@@ -360,19 +351,14 @@ def test_scenarios_are_shown():
     assert "does not see 1 m/s²" in done.output
 
 
-@rows(
-    ("words", "code", "said"),
-    [
-        ([], 2, "give a recording, or the noise of both sensors with --gyro and --accelerometer"),
-        (NOISE[:2], 2, "the noise of both sensors"),
-        ([*NOISE, "--gate", "3"], 2, "--gate applies to a recording"),
-        (["six.csv", "--scenarios"], 2, "--scenarios applies without a recording only"),
-        (["six.csv", "--time-constant", "0.01"], 2, "give a longer one with --time-constant"),
-        (["none.csv"], 3, "none.csv"),
-        (["six.csv", "--axes", "x,z,y"], 2, "--axes x,-z,y"),
-        ([*NOISE, "--axes", "x,-z,y"], 2, "--axes applies to a recording"),
-    ],
-)
+@rows("words, code, said", [
+    ([], 2, "give a recording, or the noise of both sensors with --gyro and --accelerometer"),
+    (NOISE[:2], 2, "the noise of both sensors"), ([*NOISE, "--gate", "3"], 2, "--gate applies to a recording"),
+    (["six.csv", "--scenarios"], 2, "--scenarios applies without a recording only"),
+    (["six.csv", "--time-constant", "0.01"], 2, "give a longer one with --time-constant"),
+    (["none.csv"], 3, "none.csv"), (["six.csv", "--axes", "x,z,y"], 2, "--axes x,-z,y"),
+    ([*NOISE, "--axes", "x,-z,y"], 2, "--axes applies to a recording"),
+])  # fmt: skip
 def test_wrong_commands(desk, words, code, said):
     done = run(*words)
     assert done.exit_code == code, done.output

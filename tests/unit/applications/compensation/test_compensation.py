@@ -328,13 +328,10 @@ def test_what_cannot_be_fitted_is_said(options, error, words):
         compensate(gyro(14), ALONG, options.pop("regressors", []), **options)
 
 
-@rows(
-    ("options", "words"),
-    [
-        ({"terms": "QR"}, "noise terms"), ({"terms": ""}, "noise terms"), ({"terms": "any"}, "noise terms"),
-        ({"blocks": 2}, "from 3 to 50"), ({"least": 0.0}, "positive"),
-    ],
-)  # fmt: skip
+@rows("options, words", [
+    ({"terms": "QR"}, "noise terms"), ({"terms": ""}, "noise terms"), ({"terms": "any"}, "noise terms"),
+    ({"blocks": 2}, "from 3 to 50"), ({"least": 0.0}, "positive"),
+])  # fmt: skip
 def test_settings_are_checked(options, words):
     with pytest.raises(al.UsageError, match=words):
         FitSettings(**options)

@@ -79,15 +79,10 @@ def test_methods_that_cannot_be_used_are_named():
         experiment(white(), None, ExperimentSettings(methods=("optimal",)))
 
 
-@rows(
-    ("choice", "words"),
-    [
-        ({"interval": 0.0}, "positive number of seconds"),
-        ({"interval": math.nan}, "positive number of seconds"),
-        ({"gaps": "fill"}, "'error' or 'split'"),
-        ({"methods": ("median",)}, "unknown rate estimator"),
-    ],
-)
+@rows("choice, words", [
+    ({"interval": 0.0}, "positive number of seconds"), ({"interval": math.nan}, "positive number of seconds"),
+    ({"gaps": "fill"}, "'error' or 'split'"), ({"methods": ("median",)}, "unknown rate estimator"),
+])  # fmt: skip
 def test_impossible_plans_are_refused(choice, words):
     with pytest.raises(al.UsageError, match=words):
         ExperimentSettings(**choice)
@@ -258,14 +253,10 @@ def test_the_bias_wanders_as_told():
     assert fit["K"].to("deg/h/sqrt(h)") == pytest.approx(100.0, rel=0.5)
 
 
-@rows(
-    ("choice", "words"),
-    [
-        ({"pulse": 0.0}, "pulse of a ring laser must be positive"),
-        ({"lock_in": -1.0}, "must not be negative"),
-        ({"residual_band": (40.0, 30.0)}, "ascending"),
-    ],
-)
+@rows("choice, words", [
+    ({"pulse": 0.0}, "pulse of a ring laser must be positive"), ({"lock_in": -1.0}, "must not be negative"),
+    ({"residual_band": (40.0, 30.0)}, "ascending"),
+])  # fmt: skip
 def test_impossible_ring_lasers_are_refused(choice, words):
     with pytest.raises(al.UsageError, match=words):
         replace(GL1, **choice)

@@ -237,13 +237,10 @@ def test_stages_are_read_from_text(text, wanted):
     assert al.Stage.parse(al.Stage(*wanted).text) == al.Stage(*wanted)
 
 
-@rows(
-    ("text", "error"),
-    [
-        ("ADC", al.UsageError), ("ADC 12", al.UsageError), ("ADC x 5V", al.UsageError), ("ADC 0 5V", al.UsageError),
-        ("ADC 12 -0V", al.UsageError), ("ADC 12 5parsec", al.UnitError), ("ADC 12 5Hz", al.UnitError),
-    ],
-)  # fmt: skip
+@rows("text, error", [
+    ("ADC", al.UsageError), ("ADC 12", al.UsageError), ("ADC x 5V", al.UsageError), ("ADC 0 5V", al.UsageError),
+    ("ADC 12 -0V", al.UsageError), ("ADC 12 5parsec", al.UnitError), ("ADC 12 5Hz", al.UnitError),
+])  # fmt: skip
 def test_a_wrong_stage_is_named(text, error):
     with pytest.raises(error):
         al.Stage.parse(text)
