@@ -201,13 +201,6 @@ def test_where_the_mistake_is_that_of_the_command_it_is_said_once(folder):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_one_file_is_shown_as_before(folder):
-    alone = run(folder / "u0.csv", "--json", "-")
-    assert json.loads(alone.stdout)["type"] == "Study"
-    assert json.loads(alone.stdout) == al.analyze(folder / "u0.csv").to_dict()
-
-
-@pytest.mark.slow("takes more than half a second")
 def test_standard_input_is_a_file(folder, tmp_path):
     data = (folder / "u0.csv").read_bytes()
     alone = run("-", "--json", "-", input=data)

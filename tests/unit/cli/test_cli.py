@@ -42,15 +42,6 @@ def run(*arguments, **options):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_the_table_is_printed(file):
-    result = run("analyze", file)
-    assert result.exit_code == 0, result.stderr
-    assert "angle random walk" in result.stdout
-    assert "no result: " in result.stdout
-    assert result.stderr == ""
-
-
-@pytest.mark.slow("takes more than half a second")
 def test_everything_is_written_and_named(file, tmp_path):
     paths = {name: tmp_path / file_name for name, file_name in OUTPUTS.items()}
     result = run("analyze", file, *(part for name, path in paths.items() for part in (f"--{name}", path)))
@@ -151,14 +142,6 @@ def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, mon
     assert result.exit_code == 2
     assert "--force" in result.stderr
     assert path.read_text() == "old"
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_force_overwrites(file, tmp_path):
-    path = tmp_path / "a.json"
-    path.write_text("old")
-    assert run("analyze", file, "--json", path, "--force").exit_code == 0
-    assert json.loads(path.read_text(encoding="utf-8"))["allanite"] == 1
 
 
 def test_a_defect_is_ours_and_its_traceback_is_for_who_asks(file, monkeypatch):

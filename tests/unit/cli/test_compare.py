@@ -128,19 +128,6 @@ def test_bad_input(folder, monkeypatch, arguments, code, words):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_what_python_shows_is_what_the_command_prints(folder):
-    one, two = (al.read(folder / f"{name}.csv", channels=["x"]) for name in ("before", "after"))
-    found = al.compare(one, two)
-    assert "angle random walk" in table(found)
-    assert "\x1b[" in table(found, color=True)
-    headings, rows = found.rows()
-    assert len(headings) == len(rows[0])
-    assert al.plot(found).axes[1].get_ylabel().startswith("variance of")
-    with pytest.raises(al.UsageError, match="no curves"):
-        al.plot(al.compare(*map(al.identify, (one[0], two[0]))))
-
-
-@pytest.mark.slow("takes more than half a second")
 def test_a_page_of_names_that_would_do_harm(folder, tmp_path):
     record = al.read(folder / "before.csv")["x"]
     other = al.read(folder / "after.csv")["x"]

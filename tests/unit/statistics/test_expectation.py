@@ -1,17 +1,12 @@
 """Curves of a model without data."""
 
-import csv
-import io
-import json
-
 import numpy as np
-import pytest
 from click.testing import CliRunner
 from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.reporting import figures, to_csv
+from allanite.reporting import figures
 from allanite.statistics import expectation
 
 FIVE = "Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2"
@@ -65,23 +60,6 @@ def test_a_single_term_can_be_drawn_and_several_models_beside_each_other():
     assert (
         len(al.plot([al.N(0.1, "deg/sqrt(h)") + al.B(1, "deg/h"), al.N(2.0, "ug/sqrt(Hz)") + al.B(1, "ug")]).axes) == 2
     )
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_everything_of_a_model_is_written(tmp_path):
-    names = {"plot": "a.png", "csv": "a.csv", "json": "a.json", "report": "a.html"}
-    asked = [part for option, name in names.items() for part in (f"--{option}", tmp_path / name)]
-    done = run("deviation", "--model", FIVE, "--rate", 10, "--duration", "1h", "--statistic", "oadev,mdev", *asked)
-    assert done.exit_code == 0, done.stderr
-    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
-    assert {row["statistic"] for row in rows} == {"oadev", "mdev"}
-    first = rows[0]
-    assert float(first["tau_s"]) == pytest.approx(0.1)
-    whole = sum(float(first[symbol]) ** 2 for symbol in "QNBKR")
-    assert float(first["deviation"]) ** 2 == pytest.approx(whole)
-    stored = al.from_dict(json.loads((tmp_path / "a.json").read_text(encoding="utf-8")))
-    assert to_csv(stored) == (tmp_path / "a.csv").read_text(encoding="utf-8")
-    assert "rate random walk" in done.stdout
 
 
 @rows("arguments, words", [

@@ -15,7 +15,6 @@ import allanite as al
 from allanite.cli import main
 from allanite.core.syntax import toml
 from allanite.reporting import plot, table
-from allanite.reporting.style import encode
 from allanite.study.survey import Densities, survey
 
 VERBS = {"deviation": "Curve", "spectrum": "Spectrum", "dynamic": "Surface"}
@@ -118,28 +117,6 @@ def test_dynamic_is_that_of_the_library(file):
     expected = al.dynamic(al.read(file)["x"], "adev", window=60.0, step=20.0).to("deg/h")
     assert [float(row["deviation"]) for row in found] == pytest.approx(expected.deviation.ravel().tolist())
     assert [float(row["time_s"]) for row in found[:: expected.tau.size]] == pytest.approx(expected.time.tolist())
-
-
-@pytest.mark.slow("takes more than half a second")
-@rows("verb", VERBS)
-def test_files_table_and_json(verb, file, tmp_path):
-    paths = {"plot": tmp_path / "a.png", "json": tmp_path / "a.json", "csv": tmp_path / "a.csv"}
-    arguments = [verb, file, "--channels", "x,y,a", *(part for name in paths for part in (f"--{name}", paths[name]))]
-    result = run(*arguments)
-    assert result.exit_code == 0, result.stderr
-    assert result.stdout.splitlines()[-3:] == [f"{name}: {path}" for name, path in paths.items()]
-    assert all(f"\n{name}  " in result.stdout for name in ("x", "y", "a"))
-    assert "µg" in result.stdout
-    assert paths["plot"].read_bytes().startswith(b"\x89PNG")
-    data = json.loads(paths["json"].read_text(encoding="utf-8"), parse_constant=pytest.fail)
-    assert data["type"] == "Survey"
-    values = [value for channel in data["channels"] for value in channel["values"]]
-    assert [(value["type"], value["name"]) for value in values] == [(VERBS[verb], n) for n in ("x", "y", "a")]
-    assert {row["channel"] for row in cells(paths["csv"].read_text(encoding="utf-8"))} == {"x", "y", "a"}
-    again = run(*arguments)
-    assert again.exit_code == 2
-    assert "--force" in again.stderr
-    assert run(*arguments, "--force", "--quiet").output == ""
 
 
 def test_a_long_table_is_cut_on_the_terminal_only(file):
@@ -279,12 +256,6 @@ def test_a_surface(record):
         np.testing.assert_allclose(np.nanmedian(mesh.filled(np.nan), axis=1), 1.0, rtol=0.02)
     with pytest.raises(al.UsageError, match="zero everywhere"):
         plot(al.dynamic(record.with_values(np.zeros(1000), ""), window=10.0))
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_pictures_are_the_same_each_time(record):
-    for value in (al.spectrum(record), al.dynamic(record), [al.deviation(record, n) for n in ("adev", "oadev")]):
-        assert encode(plot(value), "svg") == encode(plot(value), "svg")
 
 
 @pytest.mark.slow("takes more than half a second")

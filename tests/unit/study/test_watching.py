@@ -355,7 +355,6 @@ def test_a_full_disk_ends_the_stream_with_what_came(tmp_path, monkeypatch):
     assert study[0].fit["N"].status == "identified"
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_the_time_without_a_port_is_a_gap_from_the_first_second_on(monkeypatch):
     """A device that is gone before anything was looked at: the rate is found then."""
     watch = Watch("port", al.Recipe(rate=100.0, unit="deg/h"), WatchSettings(idle=5.0))
@@ -405,7 +404,6 @@ def watch_of(recipe=None, **settings):
     return closing(watch)
 
 
-@pytest.mark.slow("takes more than half a second")
 @rows("settings", [{"duration": 0.5}, {"idle": 0.5}], ids=["for", "idle"])
 def test_a_watch_ends_in_time_while_its_port_is_gone(monkeypatch, settings):
     def gone(*_):
@@ -528,7 +526,6 @@ def test_other_sources_are_refused(target, says):
     assert says in done.stderr
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_choices_are_refused_in_the_words_of_analyze(tmp_path):
     path = tmp_path / "log.txt"
     path.write_text("1 2\n3 4\n" * 500)
@@ -574,7 +571,6 @@ def test_the_last_rows_are_read_below_the_headings():
     assert spool.tail(2) == (b"t,gx\n98,98\n99,99\n", 98)
 
 
-@pytest.mark.slow("takes more than half a second")
 def test_a_file_that_is_no_text_is_named_for_what_it_is(tmp_path):
     path = tmp_path / "log.csv.gz"
     path.write_bytes(gzip.compress(lines_of(np.random.default_rng(3).normal(size=2000)), mtime=0))

@@ -295,20 +295,6 @@ def run(*words):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_the_command(desk):
-    done = run("six.csv", "--report", "page.html", "--csv", "angles.csv", "--json", "out.json", "--plot", "roll.svg")
-    assert done.exit_code == 0, done.output
-    assert "complementary filter of first order: time constant 1.1" in done.output
-    lines = (desk / "angles.csv").read_text("utf-8").splitlines()
-    assert lines[0] == "time,roll,pitch"
-    assert len(lines) == 20_001
-    stored = json.loads((desk / "out.json").read_text("utf-8"))
-    assert al.from_dict(stored).loop.time_constant == pytest.approx(1.15, rel=0.05)
-    page = (desk / "page.html").read_text("utf-8")
-    assert "Roll and pitch of six.csv" in page
-
-
-@pytest.mark.slow("takes more than half a second")
 def test_a_file_without_units(desk, still):
     rows = np.stack([record.values for record in still], axis=1)
     np.savetxt(desk / "bare.csv", rows, "%.17g", ",", header=",".join(NAMES), comments="")
