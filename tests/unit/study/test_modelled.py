@@ -116,7 +116,7 @@ def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     assert (tmp_path / "page.html").stat().st_size > 5000
 
 
-@rows("verb", list(OPTIONS))
+@rows("verb", ["plan", "statespace"])
 def test_the_options_of_the_identification_work(verb, file):
     """A band on a recording gives other numbers than the whole record."""
     usual = [verb, file, "--channels", "gx", "--json", "-", *OPTIONS[verb]]

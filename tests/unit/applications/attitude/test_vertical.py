@@ -137,9 +137,13 @@ def test_left_handed_axes_are_refused_with_others(text):
     assert suggested.replace("-", "") == text.replace("-", "")
 
 
+@pytest.fixture(scope="module")
+def plain(swaying):
+    return vertical(recorded(swaying), settings=KNOWN)
+
+
 @rows("text", ["y,-x,z", "x,-z,y", "-z,y,x", "y,z,x", "-x,-z,-y"])
-def test_a_recording_turned_about(swaying, text):
-    plain = vertical(recorded(swaying), settings=KNOWN)
+def test_a_recording_turned_about(swaying, plain, text):
     turned = vertical(mounted(swaying, Axes.of(text)), settings=replace(KNOWN, axes=text))
     assert turned.roll == pytest.approx(plain.roll, abs=1e-12)
     assert turned.pitch == pytest.approx(plain.pitch, abs=1e-12)
