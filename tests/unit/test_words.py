@@ -15,7 +15,12 @@ from allanite.cli import VERBS, main
 
 PACKAGE = ROOT / "src" / "allanite"
 
-ROOTS = ("src/allanite/**/*.py", "src/allanite/**/*.j2", "README.md", "docs/*.md")
+ROOTS = (
+    "src/allanite/**/*.py",
+    "src/allanite/**/*.j2",
+    "README.md",
+    "docs/*.md",
+)
 """What is read."""
 
 BANNED = (
