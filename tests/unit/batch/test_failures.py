@@ -8,15 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pyarrow import parquet
 from tests.rows import rows
 
 import allanite as al
 from allanite.batch.job import run_batch
 from allanite.batch.store import Store
-
-duckdb = pytest.importorskip("duckdb")
-pd = pytest.importorskip("pandas")
-pl = pytest.importorskip("polars")
 
 COUNT = 8
 
@@ -107,7 +104,7 @@ def test_a_batch_whose_disk_is_full_says_so_and_goes_on(units, plain, tmp_path):
 
 
 def stored(results, name):
-    return pl.read_parquet(results / f"{name}.parquet").to_dicts()
+    return parquet.read_table(results / f"{name}.parquet").to_pylist()
 
 
 def test_two_runs_do_not_write_to_the_same_folder(units, tmp_path):
@@ -118,12 +115,14 @@ def test_two_runs_do_not_write_to_the_same_folder(units, tmp_path):
 
 @rows("name", ["files", "coefficients", "curves", "findings"])
 def test_duckdb_pandas_and_polars_open_the_tables(plain, name):
+    duckdb, pd, pl = map(pytest.importorskip, ("duckdb", "pandas", "polars"))
     path = str(plain / f"{name}.parquet")
     ((count,),) = duckdb.sql(f"select count(*) from '{path}'").fetchall()  # noqa: S608 - our own path
     assert count == len(pd.read_parquet(path)) == pl.read_parquet(path).height > 0
 
 
 def test_duckdb_answers_a_question_over_two_tables(plain):
+    duckdb = pytest.importorskip("duckdb")
     (found,) = duckdb.sql(
         f"""select f.file, c.value from '{plain}/files.parquet' f join '{plain}/coefficients.parquet' c using (file)
         where c.symbol = 'N' and f.status = 'done' order by c.value desc limit 1"""  # noqa: S608 - our own path

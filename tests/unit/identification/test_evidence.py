@@ -134,7 +134,7 @@ def test_resonances_are_left_out_with_their_skirts_and_not_the_band_above():
 
 def test_masks_that_leave_nothing_are_refused():
     record = made(WHITE, 2**12, RATE, 1)
-    with pytest.raises(al.DataError, match=r"the masks leave \d+ bins of the spectrum, fewer than 24"):
+    with pytest.raises(al.DataError, match=r"fewer than 24"):
         al.identify(record, masks=[(0.0, 45.0)])
     with pytest.raises(al.UsageError, match="masks is for method 'whittle'"):
         al.identify(record, "nnls", terms="QN", masks=[(1.0, 2.0)])

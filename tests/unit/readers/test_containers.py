@@ -284,7 +284,7 @@ def test_an_r_file_that_was_cut_off_is_not_a_shorter_one(tmp_path):
 
     whole = struct.pack(">ii", 14, 100) + np.arange(100.0).astype(">f8").tobytes()
     assert len(al.read(r_file(tmp_path / "a.rds", whole), rate=1, unit="deg/s", channels=["1"])[0].values) == 100
-    with pytest.raises(DataError, match="800 bytes are claimed, but only 480 are left"):
+    with pytest.raises(DataError, match="only 480"):
         al.read(r_file(tmp_path / "a.rds", whole[:-320]), rate=1, unit="deg/s")
 
 
@@ -429,7 +429,7 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
                 archive.writestr(name, content)
 
     archive_of(**{"readme.txt": "1 2 3\n"})
-    with pytest.raises(DataError, match=r"no file of a readable format; it contains readme\.txt"):
+    with pytest.raises(DataError, match=r"contains readme\.txt"):
         al.read(tmp_path / "a.zip")
     archive_of(**{"xl/workbook.xml": "<x/>"})
     with pytest.raises(DataError, match="Excel"):

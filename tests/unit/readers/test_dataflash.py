@@ -76,7 +76,7 @@ def test_instances_are_listed_and_chosen(flight):
     second = al.read(path, channels=["IMU/1"])
     assert [record.unit for record in second] == ["rad/s"] * 3 + ["m/s^2"] * 3
     assert al.read(path, channels=["imu/1/AccZ"]).channels == ("AccZ",)
-    with pytest.raises(UsageError, match="no table or column 'GYRO' in the file; it contains IMU/0"):
+    with pytest.raises(UsageError, match="contains IMU/0"):
         al.read(path, channels=["GYRO"])
     with pytest.raises(UsageError, match=r"'Alt'"):
         al.read(path, channels=["BARO"])

@@ -46,9 +46,9 @@ def test_a_white_spectrum_gives_the_closed_form():
 
 def test_what_a_spectrum_does_not_tell_is_refused():
     spectrum = al.spectrum(RECORDS[0])
-    with pytest.raises(al.UsageError, match=r"theo1 has no transfer function .* a spectrum gives adev, oadev"):
+    with pytest.raises(al.UsageError, match=r"theo1 has no"):
         al.deviation_of_spectrum(spectrum, "theo1")
-    with pytest.raises(al.UsageError, match=r"a resolution of .* Hz gives averaging times up to .* not 1000 s"):
+    with pytest.raises(al.UsageError, match=r"not 1000 s"):
         al.deviation_of_spectrum(spectrum, taus=[1000.0])
     with pytest.raises(al.UsageError, match=r"multiples of the sample interval, 0.1 s"):
         al.deviation_of_spectrum(spectrum, taus=[0.25])

@@ -116,7 +116,7 @@ def test_what_the_joints_hide_is_refused():
     assert curve.m[-1] < 1024
     assert (curve.factor >= 0.03).all()
     assert np.isfinite(curve.interval()).all()
-    with pytest.raises(al.DataError, match="at averaging factor 1024, so that it carries no information"):
+    with pytest.raises(al.DataError, match="averaging factor 1024"):
         al.deviation(torn, m=[1, 1024], noise=model)
 
 

@@ -96,7 +96,7 @@ def test_lost_readings_in_every_mean_end_nothing_but_the_means():
     record = al.Record(y, rate=100.0, unit="deg/h")
     assert al.readings(record).means == ()
     assert al.analyze(record).channels[0].noise is not None
-    with pytest.raises(al.DataError, match="a mean that touches a gap is not complete; choose a shorter time"):
+    with pytest.raises(al.DataError, match="touches a gap"):
         al.averaging_stability(record, 10.0)
     assert al.averaging_stability(record, 0.25).blocks == 1200
 

@@ -53,9 +53,7 @@ def test_wrong_lengths_are_refused():
     record = record_of(np.arange(30.0))
     with pytest.raises(al.UsageError, match="not a multiple of the sample interval"):
         al.averaging_stability(record, 2.5)
-    with pytest.raises(
-        al.DataError, match="1 complete means over 20 s, but 2 are needed; the longest possible time is 15 s"
-    ):
+    with pytest.raises(al.DataError, match="longest possible time is 15 s"):
         al.averaging_stability(record, 20.0)
 
 

@@ -224,7 +224,7 @@ def test_refusals_say_what_to_do():
         stream.push(np.zeros((3, 2)))
     with pytest.raises(al.DataError, match="row of real numbers"):
         stream.push(["a"])
-    with pytest.raises(al.UsageError, match=r"begins at sample 2999 cannot follow one that ends at 3000"):
+    with pytest.raises(al.UsageError, match=r"sample 2999"):
         stream.merge(stream_of(noise(), start=2999))
     with pytest.raises(al.UsageError, match="parts of one stream"):
         stream.merge(stream_of(noise(), "ohdev", start=3000))

@@ -220,7 +220,7 @@ def test_noise_that_no_model_explains_is_never_used_without_a_warning(still):
     assert roll.doubts[0].startswith("no model explains the noise of ay")
     assert pitch.doubts == ()
     assert roll.prediction is None  # its number would be that of a rejected model
-    with pytest.raises(al.DataError, match="no time constant follows from the noise: not explained: no model of these"):
+    with pytest.raises(al.DataError, match="no time constant"):
         vertical(stepped, settings=replace(KNOWN, accelerometer=None, time_constant=None))
     for shown in (table(study), al.reporting.page(study), json.dumps(study.to_dict())):
         assert re.search("[nN]o model explains the noise of ay", shown)
@@ -279,7 +279,7 @@ def test_bad_recordings(still, change, said):
 
 
 def test_bad_settings(still):
-    with pytest.raises(al.UsageError, match=r"must be above the sample interval of 0.02 s, not 0.02 s"):
+    with pytest.raises(al.UsageError, match=r"sample interval of 0.02 s"):
         vertical(still, time_constant=0.02)
     with pytest.raises(al.UsageError, match="unknown filter 'best'; known filters: complementary"):
         vertical(still, "best")

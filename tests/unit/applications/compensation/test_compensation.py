@@ -353,9 +353,7 @@ def test_records_that_are_no_use_are_said_to_be():
 def test_too_few_effective_samples_are_refused():
     walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
     short = channel(cycles(300))
-    with pytest.raises(
-        al.DataError, match=r"has \d+(\.\d+)? effective samples, as a whole or where the regressors vary"
-    ):
+    with pytest.raises(al.DataError, match=r"has \d+(\.\d+)? effective samples"):
         compensate(gyro(1, model=walk, n=300), short, ["temp"], settings=FitSettings(least=300))
 
 
@@ -446,7 +444,7 @@ def study(tmp_path_factory):
 def test_a_study_that_was_stored_has_no_samples_to_write(study):
     assert study.corrected.channels == ("z",)
     again = al.from_dict(json.loads(json.dumps(study.to_dict())))
-    with pytest.raises(al.DataError, match="no channel was corrected: there is nothing to write"):
+    with pytest.raises(al.DataError, match="nothing to write"):
         _ = again.corrected
 
 
