@@ -8,6 +8,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.batch.judgement import Seen, judge
@@ -68,26 +69,21 @@ def test_a_file_with_the_letters_of_a_pattern_is_a_file(tmp_path):
     assert expand([path]).files == (str(path),)
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; known terms: Q, F, N, B"),
-        ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
-        ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is not a unit of N (angle random walk)"),
-        ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
-        ('[limits]\nN = "0.15 deg/sqrt(h)"', 'written as N = { max = "0.15 deg/sqrt(h)" }'),
-        ("[limits]\nN = { max = 0.15 }", "with the unit; {'max': 0.15} came"),
-        ('[limits]\nN = { max = "0.15" }', "a positive number with a unit"),
-        ('[limits]\nN = { max = "-1 deg/sqrt(h)" }', "a positive number with a unit"),
-        ('[limits]\nN = { max = "0.15 deg/sqrt(h)", min = "0" }', "unknown key 'min' in the limit of N"),
-        ('[limits]\nN = { max = "1 deg/sqrt(h)", judge = "mean" }', "judge is 'value' or 'upper', not 'mean'"),
-        ('[limits]\nN = [{ max = "1 deg/sqrt(h)" }, { max = "2 deg/sqrt(h)" }]', "two limits for a gyro"),
-        ('[limit]\nN = { max = "1 deg/sqrt(h)" }', "unknown key 'limit' in the limits file"),
-        ("[limits]\n", "there is no limit in it"),
-        ("limits = 3\n", "limits is a table"),
-        ("[limits", "the limits file"),
-    ],
-)
+@rows("text, words", [
+    ('[limits]\nX = { max = "1 deg/h" }', "unknown term 'X' in [limits]; known terms: Q, F, N, B"),
+    ('[limits]\nSine = { max = "1 deg/h" }', "unknown term 'Sine'"),
+    ('[limits]\nN = { max = "0.15 deg/h" }', "'deg/h' is not a unit of N (angle random walk)"),
+    ('[limits]\nminimum = { max = "1 deg/sqrt(h)" }', "'deg/sqrt(h)' is not a unit of a minimum"),
+    ('[limits]\nN = "0.15 deg/sqrt(h)"', 'written as N = { max = "0.15 deg/sqrt(h)" }'),
+    ("[limits]\nN = { max = 0.15 }", "with the unit; {'max': 0.15} came"),
+    ('[limits]\nN = { max = "0.15" }', "a positive number with a unit"),
+    ('[limits]\nN = { max = "-1 deg/sqrt(h)" }', "a positive number with a unit"),
+    ('[limits]\nN = { max = "0.15 deg/sqrt(h)", min = "0" }', "unknown key 'min' in the limit of N"),
+    ('[limits]\nN = { max = "1 deg/sqrt(h)", judge = "mean" }', "judge is 'value' or 'upper', not 'mean'"),
+    ('[limits]\nN = [{ max = "1 deg/sqrt(h)" }, { max = "2 deg/sqrt(h)" }]', "two limits for a gyro"),
+    ('[limit]\nN = { max = "1 deg/sqrt(h)" }', "unknown key 'limit' in the limits file"),
+    ("[limits]\n", "there is no limit in it"), ("limits = 3\n", "limits is a table"), ("[limits", "the limits file"),
+])  # fmt: skip
 def test_a_wrong_limits_file_is_refused_before_anything_is_read(tmp_path, text, words):
     path = spec(tmp_path, text)
     result = run(tmp_path / "missing.csv", "--limits", path)
@@ -122,7 +118,7 @@ def test_limits_of_two_kinds_of_sensors_stand_beside_each_other(tmp_path):
 LIMIT = al.Specification.from_toml({"limits": {"B": {"max": "2 deg/h"}}}).limits[0]
 
 
-@pytest.mark.parametrize(
+@rows(
     ("seen", "value", "upper"),
     [
         (Seen(1.0, 0.8, 1.2), "pass", "pass"),
@@ -177,7 +173,7 @@ def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
     assert run(folder / "u0.csv", "--limits", limits, "--strict").exit_code == 3
 
 
-@pytest.mark.parametrize(
+@rows(
     ("files", "limits", "code"),
     [
         (["u0.csv", "u1.csv"], None, 0),
@@ -202,13 +198,6 @@ def test_where_the_mistake_is_that_of_the_command_it_is_said_once(folder):
     assert result.exit_code == 2
     assert result.stderr.count("unknown term") == 1
     assert "u0.csv" in result.stderr
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_one_file_is_shown_as_before(folder):
-    alone = run(folder / "u0.csv", "--json", "-")
-    assert json.loads(alone.stdout)["type"] == "Study"
-    assert json.loads(alone.stdout) == al.analyze(folder / "u0.csv").to_dict()
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -1,9 +1,11 @@
 """Dask: the same bytes as from one process, on workers of their own."""
 
+import json
 import os
-import socket
 import subprocess
 import sys
+import time
+from queue import SimpleQueue
 
 import numpy as np
 import pytest
@@ -16,6 +18,9 @@ from allanite.batch.job import run_batch
 from allanite.cli import main
 
 distributed = pytest.importorskip("distributed")
+
+STARTING = 600
+"""Seconds in which a worker starts."""
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +69,7 @@ def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
 @pytest.fixture
 def start(monkeypatch):
     """Starts ``dask scheduler`` or ``dask worker``, in an environment of its own."""
-    monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 6)
+    monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 120)
     started = []
 
     def starting(*arguments, path=()):
@@ -77,23 +82,29 @@ def start(monkeypatch):
     yield starting
     for process in reversed(started):
         process.terminate()
-        process.wait(20)
+        process.wait()
+
+
+class Soon(SimpleQueue):
+    """A queue that is asked for a second only."""
+
+    def get(self, timeout):
+        return super().get(timeout=1)
 
 
 @pytest.fixture
-def scheduler(start):
+def scheduler(start, tmp_path):
     """The process of a scheduler without workers, its address, and what starts a worker and waits until it is there."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    at = f"tcp://127.0.0.1:{port}"
-    process = start("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
-    distributed.Client(at, timeout=120).close()
+    told = tmp_path / "scheduler.json"
+    process = start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", str(told))
+    while not told.exists() or not told.read_text():
+        time.sleep(0.01)
+    at = json.loads(told.read_text())["address"]
 
     def worker(*arguments, path=()):
         start("worker", at, "--nthreads", "1", "--no-dashboard", *arguments, path=path)
         with distributed.Client(at, timeout=120) as client:
-            client.wait_for_workers(1, timeout=120)
+            client.wait_for_workers(1, timeout=STARTING)
 
     return process, at, worker
 
@@ -114,8 +125,15 @@ def test_workers_of_other_versions_are_refused_before_any_work(scheduler, tmp_pa
 
 
 @pytest.mark.slow("a Dask scheduler")
-def test_a_scheduler_whose_last_worker_died_is_named(scheduler, tmp_path):
+def test_a_scheduler_whose_last_worker_died_is_named(scheduler, tmp_path, monkeypatch):
     _, at, worker = scheduler
+    wait = distributed.Client.wait_for_workers
+
+    def soon(client, count, timeout):
+        return wait(client, count, timeout if timeout == STARTING else 1)
+
+    monkeypatch.setattr(distributed.Client, "wait_for_workers", soon)
+    monkeypatch.setattr("allanite.batch.cluster.SimpleQueue", Soon)
     with pytest.raises(al.UsageError, match="has no worker; start some with 'dask worker tcp://"):
         list(Dask(at).run(doubled, [{"x": 1}]))
     worker("--no-nanny")
@@ -129,7 +147,7 @@ def test_a_scheduler_whose_last_worker_died_is_named(scheduler, tmp_path):
 def test_a_scheduler_that_ends_is_named(scheduler, tmp_path):
     process, at, worker = scheduler
     worker()
-    done = Dask(at).run(waiting, [{"x": 0}, {"x": 60}])
+    done = Dask(at).run(waiting, [{"x": 0}, {"x": 3600}])
     assert next(done).result
     process.kill()
     with pytest.raises(al.UsageError, match="ended before the work was done; start it again"):

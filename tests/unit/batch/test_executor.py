@@ -3,6 +3,7 @@
 import multiprocessing
 
 import pytest
+from tests.rows import rows
 from tests.unit.batch.tasks import deadly, doubled, out_of_memory
 
 import allanite as al
@@ -10,7 +11,7 @@ from allanite.batch.executor import Processes, Serial
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("executor", [Serial(), Processes(2)])
+@rows("executor", [Serial(), Processes(2)])
 def test_an_error_belongs_to_its_item(executor):
     found = {done.item["x"]: done for done in executor.run(doubled, [{"x": x} for x in range(6)])}
     assert {x: done.result["y"] for x, done in found.items() if x != 3} == {0: 0, 1: 2, 2: 4, 4: 8, 5: 10}

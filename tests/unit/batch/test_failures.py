@@ -1,21 +1,19 @@
 """What breaks a batch, really: its process is killed, its disk is full, another run is at the same folder."""
 
 import resource
+import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from pyarrow import parquet
+from tests.rows import rows
 
 import allanite as al
 from allanite.batch.job import run_batch
 from allanite.batch.store import Store
-
-duckdb = pytest.importorskip("duckdb")
-pd = pytest.importorskip("pandas")
-pl = pytest.importorskip("polars")
 
 COUNT = 8
 
@@ -47,8 +45,24 @@ def parts(results):
     return len(list(results.glob("parts/*.parquet")))
 
 
-def command(units, results, **choices):
-    words = [sys.executable, "-m", "allanite.cli", "batch", str(units), "--out", str(results), "--workers", "1"]
+KILLED = """
+import os, signal
+from allanite.batch.store import Store
+from allanite.cli import main
+put = Store.put
+
+def third(store, key, result):
+    put(store, key, result)
+    if len(list(store.folder.glob("parts/*.parquet"))) == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+Store.put = third
+main()
+"""
+
+
+def command(units, results, program=("-m", "allanite.cli"), **choices):
+    words = [sys.executable, *program, "batch", str(units), "--out", str(results), "--workers", "1"]
     return subprocess.Popen(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, **choices)
 
 
@@ -64,12 +78,10 @@ def resumed(units, results):
 @pytest.mark.slow("processes that are killed")
 def test_a_batch_that_was_killed_goes_on_and_leaves_no_draft(units, plain, tmp_path):
     results = tmp_path / "r"
-    process = command(units, results)
-    while parts(results) < 3:
-        assert process.poll() is None
-        time.sleep(0.01)
-    process.kill()
-    process.communicate()
+    killed = command(units, results, program=("-c", KILLED))
+    killed.communicate()
+    assert killed.returncode == -signal.SIGKILL
+    assert parts(results) == 3
     drafts = [results / ".allanite-0123456789ab.part", results / "parts" / ".allanite-ba9876543210.part"]
     for draft in drafts:  # what it may have been writing
         draft.write_bytes(b"PAR1")
@@ -80,7 +92,7 @@ def test_a_batch_that_was_killed_goes_on_and_leaves_no_draft(units, plain, tmp_p
 @pytest.mark.slow("takes more than half a second")
 def test_a_batch_whose_disk_is_full_says_so_and_goes_on(units, plain, tmp_path):
     results = tmp_path / "r"
-    sizes = {row["key"]: (plain / "parts" / f"{row['key']}.parquet").stat().st_size for row in rows(plain, "files")}
+    sizes = {row["key"]: (plain / "parts" / f"{row['key']}.parquet").stat().st_size for row in stored(plain, "files")}
     most = max(list(sizes.values())[2:])  # of the first two both fit, or the test says so
     process = command(units, results, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most - 1, most)))
     _, told = process.communicate()
@@ -91,8 +103,8 @@ def test_a_batch_whose_disk_is_full_says_so_and_goes_on(units, plain, tmp_path):
     assert contents(results) == contents(plain)
 
 
-def rows(results, name):
-    return pl.read_parquet(results / f"{name}.parquet").to_dicts()
+def stored(results, name):
+    return parquet.read_table(results / f"{name}.parquet").to_pylist()
 
 
 def test_two_runs_do_not_write_to_the_same_folder(units, tmp_path):
@@ -101,17 +113,19 @@ def test_two_runs_do_not_write_to_the_same_folder(units, tmp_path):
     assert parts(tmp_path / "r") == 0
 
 
-@pytest.mark.parametrize("name", ["files", "coefficients", "curves", "findings"])
+@rows("name", ["files", "coefficients", "curves", "findings"])
 def test_duckdb_pandas_and_polars_open_the_tables(plain, name):
+    duckdb, pd, pl = map(pytest.importorskip, ("duckdb", "pandas", "polars"))
     path = str(plain / f"{name}.parquet")
     ((count,),) = duckdb.sql(f"select count(*) from '{path}'").fetchall()  # noqa: S608 - our own path
     assert count == len(pd.read_parquet(path)) == pl.read_parquet(path).height > 0
 
 
 def test_duckdb_answers_a_question_over_two_tables(plain):
+    duckdb = pytest.importorskip("duckdb")
     (found,) = duckdb.sql(
         f"""select f.file, c.value from '{plain}/files.parquet' f join '{plain}/coefficients.parquet' c using (file)
         where c.symbol = 'N' and f.status = 'done' order by c.value desc limit 1"""  # noqa: S608 - our own path
     ).fetchall()
     assert Path(found[0]).name == f"u{COUNT - 2}.csv"
-    assert found[1] == max(row["value"] for row in rows(plain, "coefficients") if row["symbol"] == "N")
+    assert found[1] == max(row["value"] for row in stored(plain, "coefficients") if row["symbol"] == "N")

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import translated
+from tests.rows import rows
 
 import allanite as al
 from allanite.batch.batch import Batch, BatchUnit
@@ -74,7 +75,7 @@ def test_the_interval_of_a_slope_holds_the_true_one_as_often_as_it_says():
     assert np.mean([low < 0.1 < high for low, high in limits]) == pytest.approx(0.95, abs=0.025)
 
 
-@pytest.mark.parametrize("size", [4, 5, 14, 25])
+@rows("size", [4, 5, 14, 25])
 def test_a_uniform_lot_has_an_outlying_unit_one_time_in_twenty(size):
     rng = np.random.default_rng(size)
     share = np.mean([bool(outliers(rng.standard_normal(size))) for _ in range(1000)])
@@ -132,7 +133,7 @@ def test_limits_end_with_their_exit_code(folder, tmp_path):
 
 
 def test_what_cannot_be_shown_is_said(folder, tmp_path):
-    with pytest.raises(al.UsageError, match="does not hold the results of a batch"):
+    with pytest.raises(al.UsageError, match="results of a batch"):
         read_lot(folder)
     (tmp_path / "bad.txt").write_text(str(folder / "bad.csv"))
     run_batch(tmp_path / "bad.txt", tmp_path / "none")

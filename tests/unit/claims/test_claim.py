@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.claims.claim import claim_of
@@ -21,8 +22,7 @@ def written(folder, target):
     return path
 
 
-@pytest.mark.parametrize("named", [False, True])
-@pytest.mark.parametrize("target", FIELDED)
+@rows("named, target", paired([False, True], list(FIELDED)))
 def test_file_of_every_target_is_recognized(target, named, tmp_path):
     found = claim_of(written(tmp_path, target), target if named else "", rate=100.0)
     assert found.kind == target or not named
@@ -33,15 +33,11 @@ def test_file_of_every_target_is_recognized(target, named, tmp_path):
     assert found.of(GYRO.signal) is found.models[0]
 
 
-@pytest.mark.parametrize(
-    ("text", "models", "bound"),
-    [
-        ("N 0.3 deg/sqrt(h)", ["N = 0.3 deg/sqrt(h)"], False),
-        ("0.3 deg/sqrt(h)", ["N = 0.3 deg/sqrt(h)"], False),
-        ("0.3 deg/sqrt(h); 60 ug/sqrt(Hz); 3 ug", ["N = 0.3 deg/sqrt(h)", "N = 0.0353 m/s/sqrt(h), B = 3 ug"], False),
-        ("GM 3 deg/h 20 s, N 1 deg/sqrt(h)", ["GM = 3 deg/h with time constant 20 s, N = 1 deg/sqrt(h)"], False),
-    ],
-)
+@rows("text, models, bound", [
+    ("N 0.3 deg/sqrt(h)", ["N = 0.3 deg/sqrt(h)"], False), ("0.3 deg/sqrt(h)", ["N = 0.3 deg/sqrt(h)"], False),
+    ("0.3 deg/sqrt(h); 60 ug/sqrt(Hz); 3 ug", ["N = 0.3 deg/sqrt(h)", "N = 0.0353 m/s/sqrt(h), B = 3 ug"], False),
+    ("GM 3 deg/h 20 s, N 1 deg/sqrt(h)", ["GM = 3 deg/h with time constant 20 s, N = 1 deg/sqrt(h)"], False),
+])  # fmt: skip
 def test_text_is_a_model(text, models, bound):
     found = claim_of(text)
     assert ([str(model) for model in found.models], found.bound, found.kind) == (models, bound, "model")
@@ -68,42 +64,35 @@ def test_limits_are_bounds(tmp_path):
     assert not found.limits_of("ax", ACCELEROMETER.signal)
 
 
-@pytest.mark.parametrize(
-    ("content", "origin", "kind", "words"),
-    [
-        ("arw: 0.2\nvrw: 0.1\n", "", UsageError, "navego or kf-gins|kf-gins or navego"),
-        ("gyr_n: 0.01\nacc_n: 0.1\n", "", UsageError, "sampling rate"),
-        ("focal_length: 400\n", "", DataError, "no field of a known target"),
-        ("gyr_n: 0\n", "vins-mono", UsageError, "sampling rate"),
-        ("gyroscope_noise_density: 0\n", "", DataError, "claims no noise"),
-        ("gyr_n: 0.01\n", "kalbir", UsageError, "did you mean kalibr"),
-    ],
-)
+@rows("content, origin, kind, words", [
+    ("arw: 0.2\nvrw: 0.1\n", "", UsageError, "navego or kf-gins|kf-gins or navego"),
+    ("gyr_n: 0.01\nacc_n: 0.1\n", "", UsageError, "sampling rate"),
+    ("focal_length: 400\n", "", DataError, "no field of a known target"),
+    ("gyr_n: 0\n", "vins-mono", UsageError, "sampling rate"),
+    ("gyroscope_noise_density: 0\n", "", DataError, "claims no noise"),
+    ("gyr_n: 0.01\n", "kalbir", UsageError, "did you mean kalibr"),
+])  # fmt: skip
 def test_a_file_that_says_nothing_is_refused(content, origin, kind, words, tmp_path):
     (tmp_path / "imu.yaml").write_text(content)
     with pytest.raises(kind, match=words):
         claim_of(tmp_path / "imu.yaml", origin)
 
 
-@pytest.mark.parametrize("name", ["adis16470", "ADIS 16470", "adis16470 gyro"])
+@rows("name", ["adis16470", "ADIS 16470", "adis16470 gyro"])
 def test_data_sheets_are_bounds(name):
     found = claim_of(name)
     assert (found.kind, found.bound, len(found.models)) == ("data sheet", True, 1 if "gyro" in name else 2)
     assert found.models[0]["N"].to("deg/sqrt(h)") == pytest.approx(0.34)
 
 
-@pytest.mark.parametrize(
-    ("text", "kind", "words"),
-    [
-        ("imu.yaml", DataError, "'imu.yaml' cannot be read: no such file"),
-        ("limits.toml", UsageError, "limits.toml' cannot be read: no such file"),
-        ("adis16740", UsageError, "did you mean the data sheet ADIS16470"),
-        ("nothing", UsageError, "is no file, no data sheet, and no model .* lists the data sheets"),
-        ("", UsageError, "is no file, no data sheet, and no model"),
-        ("N 3", UsageError, "must be followed by a number and a unit"),
-        ("3 parsec", UsageError, "unknown unit"),
-    ],
-)
+@rows("text, kind, words", [
+    ("imu.yaml", DataError, "'imu.yaml' cannot be read: no such file"),
+    ("limits.toml", UsageError, "limits.toml' cannot be read: no such file"),
+    ("adis16740", UsageError, "did you mean the data sheet ADIS16470"),
+    ("nothing", UsageError, "is no file, no data sheet, and no model .* lists the data sheets"),
+    ("", UsageError, "no data sheet"), ("N 3", UsageError, "must be followed by a number and a unit"),
+    ("3 parsec", UsageError, "unknown unit"),
+])  # fmt: skip
 def test_what_is_no_claim_is_refused(text, kind, words):
     with pytest.raises(kind, match=f"(?i){words}"):
         claim_of(text)

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.rows import rows
 
 from allanite.claims.convention import CONVENTIONS, NAN, Place, explaining, pooled
 
@@ -12,8 +13,8 @@ def place(row, **more):
     return Place(symbol, **{"claimed": 2.3e-4, "rate": 128.0, "time": 300.0, "other": 4.1e-3, "uniform": True} | more)
 
 
-@pytest.mark.parametrize("inverse", [False, True])
-@pytest.mark.parametrize("row", CONVENTIONS, ids=lambda row: f"{row.name} {row.symbols[:1]}")
+@rows("inverse", [False, True])
+@rows("row", CONVENTIONS, ids=lambda row: f"{row.name} {row.symbols[:1]}")
 def test_a_convention_is_named_where_its_factor_lies_in_narrow_limits_and_nowhere_else(row, inverse):
     where = place(row)
     factor = row.factor(where)
@@ -26,7 +27,7 @@ def test_a_convention_is_named_where_its_factor_lies_in_narrow_limits_and_nowher
     assert not explaining(0.99, 1.01, where)
 
 
-@pytest.mark.parametrize("row", CONVENTIONS, ids=lambda row: f"{row.name} {row.symbols[:1]}")
+@rows("row", CONVENTIONS, ids=lambda row: f"{row.name} {row.symbols[:1]}")
 def test_what_is_not_known_explains_nothing(row):
     unknown = place(row, claimed=NAN, rate=NAN, time=NAN, other=NAN, uniform=False)
     factor = row.factor(unknown)
@@ -39,15 +40,9 @@ def test_several_are_ordered_by_their_distance():
     assert [name for name, _ in explaining(50, 66, Place("N", 1e-4, 9.0))] == ["57.3", "60"]
 
 
-@pytest.mark.parametrize(
-    ("limits", "low", "high"),
-    [
-        ([(1.2, 1.6)], 1.2, 1.6),
-        ([(1, 4)] * 4, 2 / math.sqrt(2), 2 * math.sqrt(2)),
-        ([(0, 2), (1, 3)], 1, 2),
-        ([(1, math.inf), (2, 3)], 2, 3),
-        ([(1, 2), (3, 4)], 3, 2),
-    ],
-)
+@rows("limits, low, high", [
+    ([(1.2, 1.6)], 1.2, 1.6), ([(1, 4)] * 4, 2 / math.sqrt(2), 2 * math.sqrt(2)), ([(0, 2), (1, 3)], 1, 2),
+    ([(1, math.inf), (2, 3)], 2, 3), ([(1, 2), (3, 4)], 3, 2),
+])  # fmt: skip
 def test_limits_of_axes_are_pooled_by_their_widths(limits, low, high):
     assert pooled(limits) == pytest.approx((low, high))

@@ -4,6 +4,7 @@ import shlex
 
 import click
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -34,7 +35,7 @@ REQUESTS = [
 ]
 
 
-@pytest.mark.parametrize(("verb", "data"), REQUESTS)
+@rows(("verb", "data"), REQUESTS)
 def test_the_line_of_a_request_is_parsed_back_to_equal_values(verb, data):
     request = Request.of(verb, data)
     _, *words = shlex.split(request.line(["-my file.csv"], "ru"))
@@ -49,25 +50,21 @@ def test_the_line_of_a_request_is_parsed_back_to_equal_values(verb, data):
     assert "-my file.csv" in str(context.params.values())
 
 
-@pytest.mark.parametrize("verb", jobs())
+@rows("verb", jobs())
 def test_what_is_usual_is_not_said(verb):
     assert Request.of(verb, dict.fromkeys(accepted(verb), "")).line(["x.csv"]) == f"allanite {verb} x.csv"
 
 
-@pytest.mark.parametrize(
-    ("data", "option", "words"),
-    [
-        ({"rate": "fast"}, "rate", "Invalid value for '--rate' / '--fs': expected a number, not 'fast'"),
-        ({"start": []}, None, ""),
-        ({"level": 95}, "level", "a confidence level must be between 0 and 1, not 95"),
-        ({"channels": 7}, "channels", "Invalid value for '--channels': expected names, e.g. gx,gy, not 7"),
-        ({"band": "3"}, "band", "Invalid value for '--band': expected auto, all, or two frequencies in Hz"),
-        ({"ranges": "N=1"}, "ranges", "Invalid value for '--ranges': expected terms with their ranges"),
-        ({"columns": "six"}, "columns", "expected an integer, not 'six'"),
-        ({"kind": "speed"}, "kind", "unknown kind 'speed'"),
-        ({"nonsense": 1}, None, "unknown key 'nonsense' in the recipe; known keys: rate, unit"),
-    ],
-)
+@rows("data, option, words", [
+    ({"rate": "fast"}, "rate", "Invalid value for '--rate' / '--fs': expected a number, not 'fast'"),
+    ({"start": []}, None, ""), ({"level": 95}, "level", "a confidence level must be between 0 and 1, not 95"),
+    ({"channels": 7}, "channels", "Invalid value for '--channels': expected names, e.g. gx,gy, not 7"),
+    ({"band": "3"}, "band", "Invalid value for '--band': expected auto, all, or two frequencies in Hz"),
+    ({"ranges": "N=1"}, "ranges", "Invalid value for '--ranges': expected terms with their ranges"),
+    ({"columns": "six"}, "columns", "expected an integer, not 'six'"),
+    ({"kind": "speed"}, "kind", "unknown kind 'speed'"),
+    ({"nonsense": 1}, None, "unknown key 'nonsense' in the recipe; known keys: rate, unit"),
+])  # fmt: skip
 def test_a_refusal_names_its_choice(data, option, words):
     if not words:
         assert Request.of("analyze", data).recipe == Recipe()

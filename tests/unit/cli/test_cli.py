@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from tests import ROOT
+from tests.rows import rows
 
 import allanite.study.analysis
 from allanite.cli import main
@@ -38,15 +39,6 @@ def folder(tmp_path, monkeypatch):
 
 def run(*arguments, **options):
     return CliRunner().invoke(main, [str(a) for a in arguments], **options)
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_the_table_is_printed(file):
-    result = run("analyze", file)
-    assert result.exit_code == 0, result.stderr
-    assert "angle random walk" in result.stdout
-    assert "no result: the signal never changes" in result.stdout
-    assert result.stderr == ""
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -116,26 +108,21 @@ def test_the_choices_reach_the_recipe(monkeypatch):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("arguments", "code", "words"),
-    [
-        (["analyze", "{file}", "--unit", "parsec"], 2, "unknown unit 'parsec'"),
-        (["analyze", "{file}", "--nonsense"], 2, "--nonsense"),
-        (["analyze"], 2, "Missing argument 'FILE"),
-        (["analyse"], 2, "unknown command 'analyse'; did you mean analyze?"),
-        (["analyze", "{file}", "--band", "3"], 2, "two frequencies"),
-        (["analyze", "{file}", "--rate", "fast"], 2, "expected a number, not 'fast'"),
-        (["analyze", "{file}", "--level", "95"], 2, "between 0 and 1"),
-        (["analyze", "{file}", "--plot", "a.bmp"], 2, "png, svg, pdf"),
-        (["analyze", "{file}", "--json", "-", "--csv", "-"], 2, "only one result"),
-        (["analyze", "{file}", "--report", "no/such/folder/a.html"], 2, "does not exist"),
-        (["analyze", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
-        (["analyze", "{file}", "--csv", "a.txt", "--json", "a.txt"], 2, "would overwrite --json"),
-        (["analyze", "{file}", "--recipe", "missing.toml"], 2, "the recipe 'missing.toml' cannot be read"),
-        (["analyze", "missing.csv"], 3, "missing.csv"),
-        (["analyze", "{file}", "--channels", "flat"], 3, "never changes"),
-    ],
-)
+@rows("arguments, code, words", [
+    (["analyze", "{file}", "--unit", "parsec"], 2, "unknown unit 'parsec'"),
+    (["analyze", "{file}", "--nonsense"], 2, "--nonsense"), (["analyze"], 2, "Missing argument 'FILE"),
+    (["analyse"], 2, "unknown command 'analyse'; did you mean analyze?"),
+    (["analyze", "{file}", "--band", "3"], 2, "two frequencies"),
+    (["analyze", "{file}", "--rate", "fast"], 2, "expected a number, not 'fast'"),
+    (["analyze", "{file}", "--level", "95"], 2, "between 0 and 1"),
+    (["analyze", "{file}", "--plot", "a.bmp"], 2, "png, svg, pdf"),
+    (["analyze", "{file}", "--json", "-", "--csv", "-"], 2, "only one result"),
+    (["analyze", "{file}", "--report", "no/such/folder/a.html"], 2, "does not exist"),
+    (["analyze", "{file}", "--csv", "{file}", "--force"], 2, "would overwrite the input"),
+    (["analyze", "{file}", "--csv", "a.txt", "--json", "a.txt"], 2, "would overwrite --json"),
+    (["analyze", "{file}", "--recipe", "missing.toml"], 2, "the recipe 'missing.toml' cannot be read"),
+    (["analyze", "missing.csv"], 3, "missing.csv"), (["analyze", "{file}", "--channels", "flat"], 3, "flat"),
+])  # fmt: skip
 def test_what_goes_wrong_is_said_in_a_line_with_its_exit_code(arguments, code, words, file, folder):
     result = run(*(a.format(file=file) for a in arguments))
     assert result.exit_code == code
@@ -146,7 +133,7 @@ def test_what_goes_wrong_is_said_in_a_line_with_its_exit_code(arguments, code, w
     assert os.listdir(folder) == []
 
 
-@pytest.mark.parametrize("name", OUTPUTS)
+@rows("name", OUTPUTS)
 def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, monkeypatch):
     path = tmp_path / OUTPUTS[name]
     path.write_text("old")
@@ -155,14 +142,6 @@ def test_a_file_that_exists_is_refused_before_the_work(name, file, tmp_path, mon
     assert result.exit_code == 2
     assert "--force" in result.stderr
     assert path.read_text() == "old"
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_force_overwrites(file, tmp_path):
-    path = tmp_path / "a.json"
-    path.write_text("old")
-    assert run("analyze", file, "--json", path, "--force").exit_code == 0
-    assert json.loads(path.read_text(encoding="utf-8"))["allanite"] == 1
 
 
 def test_a_defect_is_ours_and_its_traceback_is_for_who_asks(file, monkeypatch):
@@ -200,7 +179,7 @@ def test_version_and_help():
 HEAVY = ("numpy", "numba", "scipy", "matplotlib", "pyarrow", "rich", "jinja2")
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["analyze", "--help"], ["spectrum", "--help"], ["--version"]])
+@rows("arguments", [["--help"], ["analyze", "--help"], ["spectrum", "--help"], ["--version"]])
 def test_help_imports_nothing_heavy(arguments):
     code = (
         "import sys\nfrom allanite.cli import main\n"
@@ -294,7 +273,7 @@ def test_what_is_read_off_the_curve_is_said_everywhere(file, tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("other", [("--statistic", "mdev"), ("--taus", "1,10")])
+@rows("other", [("--statistic", "mdev"), ("--taus", "1,10")])
 def test_readings_do_not_depend_on_the_curve_that_is_shown(file, other):
     found = [run("analyze", file, "--coefficients", "-", *options).stdout for options in ((), other)]
     kept = [[line for line in text.splitlines() if ",reading," in line] for text in found]

@@ -6,6 +6,7 @@ import re
 import pytest
 from click.testing import CliRunner
 from tests import thinned
+from tests.rows import rows
 
 from allanite.cli import VERBS, main
 from allanite.papers.paper import PAPERS, paper
@@ -25,7 +26,7 @@ def test_the_list_and_an_unknown_paper():
     assert "unknown paper '999'; known papers: 00" in refused.stderr
 
 
-@pytest.mark.parametrize("name", PAPERS)
+@rows("name", PAPERS)
 def test_the_commands_are_verbs(name):
     lines = run("example", name, "--commands").stdout.splitlines()
     assert len(lines) == len(paper(name).commands)
@@ -33,7 +34,7 @@ def test_the_commands_are_verbs(name):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", thinned(PAPERS, 1, "every example whole"))
+@rows("name", thinned(PAPERS, 1))
 def test_every_item_of_a_paper_has_the_verdict_that_is_expected(name, tmp_path, monkeypatch):
     monkeypatch.delenv("ALLANITE_DETAILS")
     folder = tmp_path / "made"

@@ -4,8 +4,8 @@ import contextlib
 import json
 
 import numpy as np
-import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -16,7 +16,7 @@ def run(*arguments):
     return CliRunner().invoke(main, ["simulate", *map(str, arguments)])
 
 
-@pytest.mark.parametrize("suffix", list(WRITERS))
+@rows("suffix", list(WRITERS))
 def test_every_format_is_written_and_read_again(tmp_path, suffix):
     path = tmp_path / f"out{suffix}"
     result = run(path, "--sensor", "fog", "--rate", 100, "--duration", "10 s", "--channels", 2, "--seed", 3)
@@ -114,29 +114,26 @@ def test_accelerometers_have_their_names_and_units(tmp_path):
 USUAL = ("--sensor", "rlg", "--rate", "100")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("out.npz", *USUAL), "by --duration or by --samples"),
-        (("out.npz", *USUAL, "--samples", "99", "--duration", "9"), "by --duration or by --samples"),
-        (("out.npz", "--rate", "100", "--samples", "99"), "--model, --sensor or --datasheet"),
-        (("out.npz", *USUAL, "--model", "N 1 deg/sqrt(h)", "--samples", "99"), "given twice"),
-        (("out.txt", *USUAL, "--samples", "99"), "no format can be written to files with suffix '.txt'"),
-        (("there.csv", *USUAL, "--samples", "99"), "already exists"),
-        (("out.npz", *USUAL, "--samples", "1"), "at least 2 samples"),
-        (("out.npz", *USUAL, "--samples", "99", "--channels", "0"), "at least 1"),
-        (("out.npz", *USUAL, "--samples", "99", "--dither", "random"), "give --quantize too"),
-        (("out.npz", *USUAL, "--samples", "99", "--quantize", "0.1 arcsec"), "'rate 0.01 deg/s' or 'angle 0.2 arcsec'"),
-        (("out.npz", *USUAL, "--samples", "99", "--gaps", "1%"), "--gaps has the form '1% 5 s', not '1%'"),
-        (("out.npz", *USUAL, "--samples", "99", "--unit", "ug"), "not a unit of rates"),
-        (("out.npz", *USUAL, "--samples", "99", "--low-pass", "9 Hz 2.5"), "must be an integer, not 2.5"),
-        (("out.npz", *USUAL, "--samples", "99", "--seed", "-1"), "--seed"),
-        (("out.npz", "--sensor", "rlg", "--rate", "-5", "--samples", "99"), "positive number of Hz, not -5"),
-        (("out.npz", "--sensor", "rlg", "--rate", "nan", "--duration", "9"), "positive number of Hz, not nan"),
-        (("out.npz", *USUAL, "--duration", "a while"), "expected a time in s"),
-        (("out.npz", *USUAL, "--duration", "-3 s"), "expected a time in s"),
-    ],
-)
+@rows("arguments, words", [
+    (("out.npz", *USUAL), "by --duration or by --samples"),
+    (("out.npz", *USUAL, "--samples", "99", "--duration", "9"), "by --duration or by --samples"),
+    (("out.npz", "--rate", "100", "--samples", "99"), "--model, --sensor or --datasheet"),
+    (("out.npz", *USUAL, "--model", "N 1 deg/sqrt(h)", "--samples", "99"), "given twice"),
+    (("out.txt", *USUAL, "--samples", "99"), "no format can be written to files with suffix '.txt'"),
+    (("there.csv", *USUAL, "--samples", "99"), "already exists"),
+    (("out.npz", *USUAL, "--samples", "1"), "at least 2 samples"),
+    (("out.npz", *USUAL, "--samples", "99", "--channels", "0"), "at least 1"),
+    (("out.npz", *USUAL, "--samples", "99", "--dither", "random"), "give --quantize too"),
+    (("out.npz", *USUAL, "--samples", "99", "--quantize", "0.1 arcsec"), "'rate 0.01 deg/s' or 'angle 0.2 arcsec'"),
+    (("out.npz", *USUAL, "--samples", "99", "--gaps", "1%"), "--gaps has the form '1% 5 s', not '1%'"),
+    (("out.npz", *USUAL, "--samples", "99", "--unit", "ug"), "not a unit of rates"),
+    (("out.npz", *USUAL, "--samples", "99", "--low-pass", "9 Hz 2.5"), "must be an integer, not 2.5"),
+    (("out.npz", *USUAL, "--samples", "99", "--seed", "-1"), "--seed"),
+    (("out.npz", "--sensor", "rlg", "--rate", "-5", "--samples", "99"), "positive number of Hz, not -5"),
+    (("out.npz", "--sensor", "rlg", "--rate", "nan", "--duration", "9"), "positive number of Hz, not nan"),
+    (("out.npz", *USUAL, "--duration", "a while"), "expected a time in s"),
+    (("out.npz", *USUAL, "--duration", "-3 s"), "expected a time in s"),
+])  # fmt: skip
 def test_what_is_refused(tmp_path, monkeypatch, arguments, words):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there.csv").write_text("mine")

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 from allanite.cli import main
 
@@ -23,10 +24,7 @@ def output(*arguments):
     return result.stdout
 
 
-@pytest.mark.parametrize(
-    "verb",
-    ["analyze", "info", "deviation", "spectrum"],
-)
+@rows("verb", ["analyze", "info", "deviation", "spectrum"])
 @pytest.mark.slow("three processes each")
 def test_json_is_the_same(verb, file):
     found = {output(verb, file, "--json", "-", *threads) for threads in ([], ["--threads", 1], ["--threads", 3])}
@@ -43,7 +41,7 @@ def test_the_page_is_the_same(file, tmp_path):
     assert len(found) == 1
 
 
-@pytest.mark.parametrize("wrong", ["0", "-1", "many", "1.5"])
+@rows("wrong", ["0", "-1", "many", "1.5"])
 def test_a_wrong_number_is_refused(wrong, file):
     result = CliRunner().invoke(main, ["analyze", file, "--threads", wrong])
     assert result.exit_code == 2

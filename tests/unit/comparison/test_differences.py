@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.comparison.change import told
@@ -48,7 +49,7 @@ def test_equal_amplitudes_have_not_changed():
     assert line.outcome == "no change"
 
 
-@pytest.mark.parametrize("order", [1, -1])
+@rows("order", [1, -1])
 def test_a_sinusoid_of_one_record_is_looked_for_in_the_other(order):
     quiet, loud = simulated(1), simulated(2, hum(90))
     found = al.compare(*[quiet, loud][::order])
@@ -105,7 +106,7 @@ def test_pairs_of_one_noise_are_told_from_independent_records():
     assert resemblance((simulated(1), simulated(1, n=8192))) == 0.0
 
 
-@pytest.mark.parametrize("drift", ["R 5 deg/h/s", "K 50 deg/h/sqrt(s)", "B 5 deg/s, R 5 deg/h/s"])
+@rows("drift", ["R 5 deg/h/s", "K 50 deg/h/sqrt(s)", "B 5 deg/s, R 5 deg/h/s"])
 def test_records_that_only_drift_alike_are_no_pair(drift):
     model = al.Model(f"N 0.1 deg/sqrt(h), {drift}")
     for seed in range(10):
@@ -145,7 +146,7 @@ def test_raw_and_corrected_readings_are_compared_as_a_pair():
     assert found.paired
     assert found.p < 1e-6
     assert "octaves of frequency" in found.verdict
-    assert any("raw and corrected samples" in alert for alert in found.alerts)
+    assert any("corrected samples" in alert for alert in found.alerts)
     other = al.Record(np.random.default_rng(9).standard_normal(4096), RATE, "deg/h", name="gx")
     alone = al.compare(raw, other).pairs[0]
     assert not alone.paired

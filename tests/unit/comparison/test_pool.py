@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy import stats
+from tests.rows import rows
 
 import allanite as al
 from allanite.comparison.pooling import bartlett
@@ -37,7 +38,7 @@ def test_equal_runs_have_one_noise(equal):
     assert 0.2 < channel["N"].between / channel["N"].within < 2.5
 
 
-@pytest.mark.parametrize(("factor", "alike"), [(1.0, True), (1.2, False)])
+@rows(("factor", "alike"), [(1.0, True), (1.2, False)])
 def test_two_runs_have_common_coefficients_and_a_test_but_hardly_a_scatter(factor, alike):
     pair = [run(1), run(2, n=8192, factor=factor)]
     channel = al.pool(pair)["z"]

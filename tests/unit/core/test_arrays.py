@@ -2,13 +2,19 @@
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 
 
-@pytest.mark.parametrize("job", [al.analyze, al.deviation, al.dynamic, al.identify, al.spectrum, al.prepare.inspect])
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-@pytest.mark.parametrize("kind", ["rate", "angle"])
+@rows(
+    "job, dtype, kind",
+    paired(
+        [al.analyze, al.deviation, al.dynamic, al.identify, al.spectrum, al.prepare.inspect],
+        [np.float64, np.float32],
+        ["rate", "angle"],
+    ),
+)
 def test_infinite_samples_of_both_signs(job, dtype, kind):
     values = np.random.default_rng(1).standard_normal(3000).astype(dtype)
     values[[5, 9]] = np.inf, -np.inf
@@ -21,7 +27,7 @@ def test_infinite_samples_of_both_signs(job, dtype, kind):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("scale", [np.nan, 0.0, 1e-300, 1e200, 1e306, np.inf])
+@rows("scale", [np.nan, 0.0, 1e-300, 1e200, 1e306, np.inf])
 def test_a_channel_that_cannot_be_analyzed_stands_beside_one_that_can(scale, tmp_path):
     good = np.random.default_rng(1).standard_normal(3000)
     with np.errstate(invalid="ignore"):

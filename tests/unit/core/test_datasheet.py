@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 from allanite.core.datasheet import data_sheet
 from allanite.core.estimate import Estimate
@@ -111,7 +112,7 @@ def test_a_model_that_explains_nothing_gives_no_numbers():
     assert data_sheet(fit_of(walk), None, 100.0)[0].remark == "not valid"
 
 
-@pytest.mark.parametrize(("ramp", "told"), [(60.0, False), (190.0, True), (-190.0, True)])
+@rows(("ramp", "told"), [(60.0, False), (190.0, True), (-190.0, True)])
 def test_a_stability_that_a_ramp_makes_says_so(ramp, told):
     """Means over 36 x 10 s of a ramp scatter by R x 360 s / sqrt(12): 5.5 deg/h of 190 deg/h^2."""
     signal = signal_named("gyro")

@@ -5,6 +5,7 @@ import tomllib
 
 import pytest
 from tests import ROOT
+from tests.rows import rows
 
 from allanite.core.errors import UsageError
 from allanite.core.extras import cure, demand_extra, requirements
@@ -12,21 +13,18 @@ from allanite.core.extras import cure, demand_extra, requirements
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
 
 
-@pytest.mark.parametrize("extra", sorted(set(EXTRAS) - {"all", "dev", "test", "docs", "release"}))
+@rows("extra", sorted(set(EXTRAS) - {"all", "dev", "test", "docs", "release"}))
 def test_requirements_are_those_of_the_project(extra):
     assert requirements(extra) == [re.match(r"[\w.-]+", line)[0].lower() for line in EXTRAS[extra]]
     assert re.search(rf"\b{extra}\b", EXTRAS["all"][0])
 
 
-@pytest.mark.parametrize(
-    ("folder", "made", "typed"),
-    [
-        (".venv", "home = /usr/bin\n", "pip install fastapi uvicorn"),
-        (".venv", "home = /usr/bin\nuv = 0.5.1\n", "uv pip install fastapi uvicorn"),
-        ("uv/tools/allanite", "uv = 0.5.1\n", "uv tool install allanite -w fastapi,uvicorn"),
-        ("pipx/venvs/allanite", "home = /usr/bin\n", "pipx inject allanite fastapi uvicorn"),
-    ],
-)
+@rows("folder, made, typed", [
+    (".venv", "home = /usr/bin\n", "pip install fastapi uvicorn"),
+    (".venv", "home = /usr/bin\nuv = 0.5.1\n", "uv pip install fastapi uvicorn"),
+    ("uv/tools/allanite", "uv = 0.5.1\n", "uv tool install allanite -w fastapi,uvicorn"),
+    ("pipx/venvs/allanite", "home = /usr/bin\n", "pipx inject allanite fastapi uvicorn"),
+])  # fmt: skip
 def test_the_command_is_that_of_the_program_that_made_the_environment(tmp_path, folder, made, typed):
     prefix = tmp_path / folder
     prefix.mkdir(parents=True)

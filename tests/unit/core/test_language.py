@@ -5,16 +5,12 @@ import gettext
 import json
 import pickle
 
-import pytest
+from tests.rows import rows
 
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import Phrase, join, say, say_count, translate
 
-WORDS = {
-    "minimum": "Minimum",
-    "{title} at {tau:.3g} s": "{title} bei {tau:.3g} s",
-    "{count} gaps": "{count} Lücken",
-}
+WORDS = {"minimum": "Minimum", "{title} at {tau:.3g} s": "{title} bei {tau:.3g} s", "{count} gaps": "{count} Lücken"}
 
 
 class German(gettext.NullTranslations):
@@ -39,7 +35,7 @@ def test_fields_are_translated_where_they_are_phrases():
     assert say("{title} at {tau:.3g} s", title="minimum", tau=1).within(German()) == "minimum bei 1 s"
 
 
-@pytest.mark.parametrize(("count", "shown"), [(1, "1 Lücke"), (5, "5 Lücken"), (0, "0 Lücken")])
+@rows(("count", "shown"), [(1, "1 Lücke"), (5, "5 Lücken"), (0, "0 Lücken")])
 def test_nouns_agree_with_the_number(count, shown):
     assert say_count(count, "{count} gap", "{count} gaps").within(German()) == shown
 
@@ -51,7 +47,7 @@ def test_joined_parts_are_translated_each():
     assert join(", ", []) == ""
 
 
-@pytest.mark.parametrize("through", [copy.deepcopy, lambda p: pickle.loads(pickle.dumps(p))])
+@rows("through", [copy.deepcopy, lambda p: pickle.loads(pickle.dumps(p))])
 def test_copies_keep_the_template(through):
     kept = through(say("{title} at {tau:.3g} s", title=say("minimum"), tau=1.0))
     assert kept == "minimum at 1 s"

@@ -1,6 +1,6 @@
 """Names of noise terms by the type of sensor."""
 
-import pytest
+from tests.rows import rows
 
 from allanite.core.titles import title_of
 from allanite.core.units import SIGNALS, signal_named
@@ -8,22 +8,14 @@ from allanite.phrases.phrase import Phrase
 from allanite.terms import TERMS
 
 
-@pytest.mark.parametrize(
-    ("symbol", "signal", "title"),
-    [
-        ("N", "gyro", "angle random walk"),
-        ("N", "accelerometer", "velocity random walk"),
-        ("K", "accelerometer", "acceleration random walk"),
-        ("R", "dimensionless", "signal ramp"),
-        ("N", "voltage", "white noise of the voltage"),
-        ("B", "flux density", "flicker of the flux density"),
-        ("B", "angle", "flicker of the angle"),
-        ("B", "accelerometer", "bias instability"),
-        ("N", "angle", "white noise of the angle"),
-        ("K", "angle", "random walk of the angle"),
-        ("R", "temperature", "ramp of the temperature"),
-    ],
-)
+@rows("symbol, signal, title", [
+    ("N", "gyro", "angle random walk"), ("N", "accelerometer", "velocity random walk"),
+    ("K", "accelerometer", "acceleration random walk"), ("R", "dimensionless", "signal ramp"),
+    ("N", "voltage", "white noise of the voltage"), ("B", "flux density", "flicker of the flux density"),
+    ("B", "angle", "flicker of the angle"), ("B", "accelerometer", "bias instability"),
+    ("N", "angle", "white noise of the angle"), ("K", "angle", "random walk of the angle"),
+    ("R", "temperature", "ramp of the temperature"),
+])  # fmt: skip
 def test_a_term_is_called_after_what_the_sensor_measures(symbol, signal, title):
     assert title_of(symbol, signal_named(signal)) == title
 

@@ -6,6 +6,7 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.units import ATOMS, SIGNALS, convert, unit_of
@@ -25,7 +26,7 @@ SAME = [
 ]
 
 
-@pytest.mark.parametrize(("unit", "factor", "to"), SAME)
+@rows(("unit", "factor", "to"), SAME)
 def test_published_conversions(unit, factor, to):
     assert convert(1.0, unit, to) == pytest.approx(factor, rel=2e-7)
 
@@ -42,7 +43,7 @@ SPELLINGS = [
 ]
 
 
-@pytest.mark.parametrize(("unit", "others"), SPELLINGS)
+@rows(("unit", "others"), SPELLINGS)
 def test_every_spelling_is_one_unit(unit, others):
     for other in others:
         assert unit_of(other).dimension == unit_of(unit).dimension
@@ -54,7 +55,7 @@ SHOWN = {table[power] for signal in SIGNALS for table in (signal.si, signal.shee
 SHOWN |= {*ATOMS, *(unit for signal in SIGNALS for unit in signal.density), "(deg/h)^2/Hz", "rad^2*s", "mdeg/sqrt(h)"}
 
 
-@pytest.mark.parametrize("unit", sorted(SHOWN))
+@rows("unit", sorted(SHOWN))
 def test_a_unit_that_is_shown_can_be_typed(unit):
     for shown in (printed_unit(unit), in_ascii(printed_unit(unit))):
         assert unit_of(shown) == unit_of(unit), shown
@@ -62,7 +63,7 @@ def test_a_unit_that_is_shown_can_be_typed(unit):
     assert in_ascii(printed_unit(unit)).isascii()
 
 
-@pytest.mark.parametrize("text", ["'gx [deg/h]' is clipped", "--unit deg/h", "as is known to us"])
+@rows("text", ["'gx [deg/h]' is clipped", "--unit deg/h", "as is known to us"])
 def test_names_and_what_is_typed_are_left_as_they_are(text):
     assert printed_unit(text) == text
 
@@ -94,7 +95,7 @@ def test_units_that_do_not_fit_are_refused():
         al.N(1.0, "deg/sqrt(h)") + al.B(1.0, "ug")
 
 
-@pytest.mark.parametrize("signal", SIGNALS, ids=lambda s: s.name)
+@rows("signal", SIGNALS, ids=lambda s: s.name)
 def test_coefficient_units_are_signal_times_time_to_the_power(signal):
     for power in (1, 0.5, 0, -0.5, -1):
         expected = unit_of(signal.unit) * unit_of("s") ** power
@@ -102,7 +103,7 @@ def test_coefficient_units_are_signal_times_time_to_the_power(signal):
         assert unit_of(signal.sheet[power]).dimension == expected.dimension
 
 
-@pytest.mark.parametrize("signal", SIGNALS, ids=lambda signal: signal.name)
+@rows("signal", SIGNALS, ids=lambda signal: signal.name)
 def test_units_of_a_signal_are_the_signal_times_a_power_of_time(signal):
     from allanite.core.units import signal_with
 

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.kinds import kinds_of
@@ -27,7 +28,7 @@ UNITS = {
 }
 
 
-@pytest.mark.parametrize(("signal", "unit"), [(name, unit) for name, units in UNITS.items() for unit in units])
+@rows(("signal", "unit"), [(name, unit) for name, units in UNITS.items() for unit in units])
 def test_a_value_may_have_any_unit_of_a_signal(signal, unit):
     record = al.Record(NUMBERS, 10.0, unit, kind="value")
     assert record.signal.name == signal
@@ -36,7 +37,7 @@ def test_a_value_may_have_any_unit_of_a_signal(signal, unit):
     assert np.allclose(record.rate_values, NUMBERS * record.factor, rtol=1e-15)
 
 
-@pytest.mark.parametrize("unit", ["arcsec", "m/s", "s"])
+@rows("unit", ["arcsec", "m/s", "s"])
 def test_the_refusal_offers_every_meaning_and_each_works(unit):
     with pytest.raises(al.UsageError) as refused:
         al.Record(NUMBERS, 10.0, unit, name="az")

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.units import convert
@@ -36,7 +37,7 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("wrong", "words"), WRONG)
+@rows(("wrong", "words"), WRONG)
 def test_the_door_refuses(wrong, words):
     good = {"values": [1.0, 2.0, 3.0], "rate": 1.0, "unit": "deg/s", "kind": "rate"}
     with pytest.raises(al.AllaniteError, match=words):

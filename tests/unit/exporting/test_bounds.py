@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -84,7 +85,7 @@ def test_bounds_are_those_of_the_curve_and_above_the_truth(study):
     assert not any(entry.measured for entry in found.entries)
 
 
-@pytest.mark.parametrize("target", sorted(set(al.EXPORTS) - {"kalibr"}))
+@rows("target", sorted(set(al.EXPORTS) - {"kalibr"}))
 def test_every_target_says_so(target, file):
     row, _ = prepared(target, How(), "")
     found = run("export", file, "--to", target, "--from-curve", "--json", "-")

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from tests.reference.aided import drift, judge
+from tests.rows import rows
 from tests.unit.exporting.parsers import PARSERS
 
 import aided
@@ -43,7 +44,7 @@ def judged(name, cover, truth):
     return judge(math.sqrt(white / dt), math.sqrt(walk / dt), truth[0], time=time, aid=AID, outages=OUTAGES)
 
 
-@pytest.mark.parametrize("name", sorted(set(PARSERS) - UNAIDED))
+@rows("name", sorted(set(PARSERS) - UNAIDED))
 def test_a_file_that_covers_is_neither_over_confident_nor_much_too_cautious(name, truth):
     predicted, actual = judged(name, (1, 1000), truth)
     ratio = actual / predicted
@@ -57,7 +58,7 @@ def test_a_random_walk_at_its_limit_is_over_confident(truth):
     assert (actual / predicted).max() > 1.5
 
 
-@pytest.mark.parametrize("time", [math.inf, 200.0])
+@rows("time", [math.inf, 200.0])
 def test_filters_of_the_benchmark_are_those_of_the_referee(time, truth):
     N, K = GYRO["N"], al.K(40, "deg/h/sqrt(h)")
     decaying = al.Term("GM", K.value * math.sqrt(time / 2), K.signal, (time,))

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 from tests.unit.exporting.parsers import PARSERS, propagated, simulated
 
 import allanite as al
@@ -39,9 +40,7 @@ def test_every_target_has_a_parser():
     assert set(with_fields()) == set(PARSERS)
 
 
-@pytest.mark.parametrize("sensor", list(COEFFICIENTS))
-@pytest.mark.parametrize("rate", RATES)
-@pytest.mark.parametrize("name", list(PARSERS))
+@rows("name, rate, sensor", paired(list(PARSERS), RATES, list(COEFFICIENTS)))
 def test_the_angle_grows_as_that_of_the_sensor(name, rate, sensor, ensembles):
     row = al.EXPORTS[name]
     step = PARSERS[name](al.export(noise(), name, rate=rate).text)[sensor]
@@ -65,7 +64,7 @@ def test_the_test_tells_the_conventions_apart():
     assert found == pytest.approx(n**2 * DURATION / 400 + k**2 * DURATION**3 / 3 / 200, rel=1e-3)
 
 
-@pytest.mark.parametrize("rate", [400.0, 50.0])
+@rows("rate", [400.0, 50.0])
 def test_a_filter_at_another_rate(rate):
     found = al.export(noise(), "px4", rate=200.0, filter_rate=rate)
     step = PARSERS["px4"](found.text)["gyro"]
@@ -74,7 +73,7 @@ def test_a_filter_at_another_rate(rate):
     assert propagated(step, 1 / rate, DURATION) == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", [name for name in PARSERS if al.EXPORTS[name].markov])
+@rows("name", [name for name in PARSERS if al.EXPORTS[name].markov])
 def test_a_gauss_markov_process_keeps_its_size_and_time(name):
     markov = [al.N(1e-4, "rad/s/sqrt(Hz)") + al.GM(2e-5, "rad/s", time_constant=500.0),
               al.N(1e-3, "m/s^2/sqrt(Hz)") + al.GM(3e-4, "m/s^2", time_constant=900.0)]  # fmt: skip

@@ -8,6 +8,7 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
@@ -35,8 +36,7 @@ def covered(target, noise, span=(1, 1000), **more):
     return al.export([noise, sensor], target, rate=100.0, cover=span, **more).stated[0]
 
 
-@pytest.mark.parametrize("target", DRIFTING)
-@pytest.mark.parametrize("noise", NOISES.values(), ids=NOISES)
+@rows("target, noise", paired(DRIFTING, list(NOISES.values())))
 def test_a_file_lies_above_the_noise_and_predicts_no_less_than_it_errs(target, noise):
     """As read back from the file, whatever its units and its rate."""
     found = covered(target, noise)
@@ -56,7 +56,7 @@ def test_flicker_is_covered_by_the_closed_form():
     assert walk == pytest.approx(closed, rel=2e-3)
 
 
-@pytest.mark.parametrize("noise", ["N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)"])
+@rows("noise", ["N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)"])
 def test_what_has_its_fields_is_left_as_it_is(noise):
     found = covered("kalibr", al.Model(noise))
     assert str(found.model) == str(al.Model(noise))
@@ -111,7 +111,7 @@ def test_the_upper_limits_of_a_record_are_covered(study):
     assert found.lowest[0] == pytest.approx(1, abs=1e-3)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("target", "cover", "covers"),
     [("kalibr", None, True), ("kalibr", False, False), ("px4", None, True), ("gazebo", None, False),
      ("gazebo", True, True), ("matlab", None, False), ("pegasus", None, False)],
@@ -137,7 +137,7 @@ def test_the_bias_instability_of_a_data_sheet_is_covered_by_convert():
     assert values["accelerometer_random_walk"]["values"] == [pytest.approx(3.268883e-06)], "as it was given"
 
 
-@pytest.mark.parametrize(
+@rows(
     ("words", "span"),
     [(["--cover", "--to", "kalibr"], (1, 1000)), (["--to", "kalibr", "--cover"], (1, 1000)),
      (["--cover", "5,50", "--to", "kalibr"], (5, 50)), (["--to", "kalibr", "--cover=10 s,1 h"], (10, 3600)),
@@ -150,7 +150,7 @@ def test_the_span_may_be_omitted(words, span):
     assert json.loads(found.stdout)["stated"][0]["span"] == pytest.approx(span)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("target", "cover", "wrong"),
     [("kalibr", "5,1", "expected two averaging times in s"), ("kalibr", (0, 3), "two averaging times"),
      ("kalibr", "always", "two averaging times"), ("statespace", True, "takes the whole model"),

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
@@ -87,6 +88,6 @@ REQUESTS = {
 """Project and request: what shows that it is met."""
 
 
-@pytest.mark.parametrize("request_", list(REQUESTS))
+@rows("request_", list(REQUESTS))
 def test_a_request_is_met(request_, made):
     assert REQUESTS[request_](made)

@@ -13,7 +13,8 @@ import yaml
 from click.testing import CliRunner
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from tests import ROOT
+from tests import ROOT, examples
+from tests.rows import rows
 from tests.unit.exporting.syntaxes import PARSERS
 from tests.unit.exporting.test_export import six
 
@@ -95,12 +96,12 @@ def variables(live, comments):
     return text, [line for line in comments if not re.match(r"variable\d: channel ", line)], found
 
 
-@pytest.mark.parametrize(("target", "suffix"), FORMS)
+@rows(("target", "suffix"), FORMS)
 def test_a_parser_sees_the_same_keys_whatever_the_names(contents, target, suffix):
     content, parse = contents[target, suffix], PARSERS[suffix]
     plain, remarks = parse(written(called(content, FIRST, SECOND), target, suffix))
 
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=examples(40), deadline=None)
     @given(NAMES, NAMES)
     @example("gx\nevil: 1", "gy*/ int evil; /*")
     @example("".join(PIECES), "g x")
@@ -137,7 +138,7 @@ def tactical():
     return al.analyze(ROOT / "examples" / "tactical_gyro.csv")
 
 
-@pytest.mark.parametrize("target", [name for name, row in al.EXPORTS.items() if row.fields])
+@rows("target", [name for name, row in al.EXPORTS.items() if row.fields])
 def test_nothing_of_a_name_is_read_back(tactical, target):
     """A comment once held the value of a field that the file lacks, and the rest of a long one was a parameter."""
     evil = [f"{field.name}: 9 {field.section}" for field in al.EXPORTS[target].fields]
@@ -162,9 +163,7 @@ def test_a_line_break_in_a_member_is_no_key_of_kalibr(tmp_path):
     assert set(held) == {"rostopic", "update_rate", *(field.name for field in al.EXPORTS["kalibr"].fields)}
 
 
-@pytest.mark.parametrize(
-    "path", ["x\nimport os\n.npz", "a\u2028import os", "coding=utf-7 +AAo-import os+AAo-", "\x0cimport os\x0c"]
-)
+@rows("path", ["x\nimport os\n.npz", "a\u2028import os", "coding=utf-7 +AAo-import os+AAo-", "\x0cimport os\x0c"])
 def test_a_path_is_no_line_of_a_script(tactical, path):
     """That of the encoding is the second line, where Python looks for it."""
     hostile = replace(tactical, provenance=tactical.provenance | {"source": path})
@@ -173,7 +172,7 @@ def test_a_path_is_no_line_of_a_script(tactical, path):
     assert comments[1].startswith(f"source: {path}, sha256")
 
 
-@pytest.mark.parametrize("autopilot", list(TEMPERATURE))
+@rows("autopilot", list(TEMPERATURE))
 def test_names_are_no_parameters_of_a_temperature_calibration(autopilot):
     row = TEMPERATURE[autopilot]
     layout = row.forms[row_suffix := next(iter(row.forms))]
@@ -224,18 +223,15 @@ def test_a_recording_is_read_back_with_its_names(tmp_path_factory, first, second
 DEEP = "[" * 100_000 + "]" * 100_000
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "words"),
-    [
-        ("limits", "5", r"channels\[0\].fit.terms\[0\].limits: a table is expected, not 5"),
-        ("signal", "[1]", r"channels\[0\].fit.terms\[0\].signal: the name of a quantity is expected, not a list"),
-        ("signal", '"x"', r"channels\[0\].fit.terms\[0\].signal: unknown quantity 'x'"),
-        ("type", "[1]", r"channels\[0\].fit.terms\[0\].type: a text is expected, not a list|\[1\]"),
-        ("value", DEEP, "it is not JSON|a number is expected, not a list"),
-        ("value", "1" * 400, "a number that is not above"),
-        ("status", '"x"', r"channels\[0\].fit.terms\[0\].status: unknown status 'x'"),
-    ],
-)
+@rows("key, value, words", [
+    ("limits", "5", r"channels\[0\].fit.terms\[0\].limits: a table is expected, not 5"),
+    ("signal", "[1]", r"channels\[0\].fit.terms\[0\].signal: the name of a quantity is expected, not a list"),
+    ("signal", '"x"', r"channels\[0\].fit.terms\[0\].signal: unknown quantity 'x'"),
+    ("type", "[1]", r"channels\[0\].fit.terms\[0\].type: a text is expected, not a list|\[1\]"),
+    ("value", DEEP, "it is not JSON|a number is expected, not a list"),
+    ("value", "1" * 400, "a number that is not above"),
+    ("status", '"x"', r"channels\[0\].fit.terms\[0\].status: unknown status 'x'"),
+])  # fmt: skip
 def test_a_changed_result_is_refused_by_the_path_of_its_field(tactical, tmp_path, key, value, words):
     data = tactical.to_dict()
     data["channels"][0]["fit"]["terms"][0][key] = "HERE"

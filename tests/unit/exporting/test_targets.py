@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from tests.rows import rows
 from tests.unit.exporting.test_covariance import noise
 
 import allanite as al
@@ -12,7 +13,7 @@ from allanite.exporting.target import LONG
 from allanite.testing import check_target
 
 
-@pytest.mark.parametrize("name", list(al.EXPORTS))
+@rows("name", list(al.EXPORTS))
 def test_fields_and_the_way_back(name):
     row = al.EXPORTS[name]
     assert row.name == name
@@ -42,7 +43,7 @@ EXAMPLES = {
 """Files as users have them: gyro N and accelerometer K in SI, at 200 Hz."""
 
 
-@pytest.mark.parametrize("name", list(EXAMPLES))
+@rows("name", list(EXAMPLES))
 def test_files_of_others_are_read(name):
     text, n, k = EXAMPLES[name]
     found = noise_in(text, al.EXPORTS[name], 200.0)

@@ -1,11 +1,11 @@
 """Temperature polynomials: the formula of each autopilot, applied to its file, is the correction of the regression."""
 
 import dataclasses
-import itertools
 import re
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 from tests.unit.exporting import parsers
 
 import allanite as al
@@ -51,7 +51,7 @@ def values(text, separator):
     return {name: float(value) for name, value in (r if isinstance(r, list) else r.split(",") for r in rows)}
 
 
-@pytest.mark.parametrize(("sensor", "centre", "powers"), list(itertools.product(SENSORS, CENTRES, POWERS)))
+@rows(("sensor", "centre", "powers"), paired(list(SENSORS), CENTRES, POWERS))
 def test_the_correction_is_that_of_the_regression(sensor, centre, powers):
     made = [regression(SENSORS[sensor], f"w{axis}", powers, centre) for axis in "xyz"]
     made[1] = dataclasses.replace(made[1], mixture=made[1].mixture.scaled(-np.ones(len(powers) + 1), np.zeros(1)))
@@ -69,7 +69,7 @@ def test_the_correction_is_that_of_the_regression(sensor, centre, powers):
             assert parsers.ardupilot_thermal_offset(w, sensor, axis, beyond, centre) == pytest.approx(wanted[end])
 
 
-@pytest.mark.parametrize("reference", [-5.0, 35.0, 60.0])
+@rows("reference", [-5.0, 35.0, 60.0])
 def test_the_standard_errors_are_those_of_the_shifted_powers(reference):
     one = regression(centre=33.0)
     c, errors = polynomial(one, 4, reference)
@@ -129,8 +129,8 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
-@pytest.mark.parametrize("target", ["px4", "ardupilot"])
+@rows("case", REFUSED)
+@rows("target", ["px4", "ardupilot"])
 def test_what_an_autopilot_does_not_take_is_refused(case, target):
     one, error, words = REFUSED[case]
     with pytest.raises(error, match=words):
@@ -157,7 +157,7 @@ def test_a_narrow_range_is_said():
     assert "changes by 3.5 degC only" in found.alerts[0]
 
 
-@pytest.mark.parametrize("power", [1, 2, 3, 4, 5])
+@rows("power", [1, 2, 3, 4, 5])
 def test_an_order_is_what_no_lower_power_follows(power):
     one = regression(powers=tuple(range(1, power + 1)), centre=30.0)
     t = np.linspace(LOW, HIGH, 20_001)

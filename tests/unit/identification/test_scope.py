@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.signal import iirpeak, lfilter
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.estimate import Estimate
@@ -84,7 +85,7 @@ def test_a_small_misfit_is_allowed_for_in_the_limits():
     assert high / low > 1.01
 
 
-@pytest.mark.parametrize("band", ["wide", (1.0,), (1.0, "2"), 5.0])
+@rows("band", ["wide", (1.0,), (1.0, "2"), 5.0])
 def test_a_band_that_is_none_is_refused(band):
     with pytest.raises(al.UsageError, match="'auto', 'all' or two frequencies"):
         demand_band(band)

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 import slow_noise
@@ -37,7 +38,7 @@ def settling(size, share):
 # --- pieces --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("tau", [40.0, 300.0])
+@rows("tau", [40.0, 300.0])
 def test_directions_are_sums_of_literal_transforms(tau):
     """Edges, warm-up and ramp, by bins: exact where a bin holds one coefficient, nearly so where it holds several."""
     from scipy.fft import dct
@@ -138,8 +139,7 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
     assert (back.findings, back.warm_up) == (fit.findings, fit.warm_up)
 
 
-@pytest.mark.parametrize("terms", ["auto", "N,W"])
-@pytest.mark.parametrize("seed", [3, 4, 31, 32])
+@rows("seed, terms", paired([3, 4, 31, 32], ["auto", "N,W"]))
 def test_a_strong_warm_up_is_explained_and_so_is_the_record(seed, terms):
     """Of these seeds three are beside a misfit that is allowed for, whose likelihood had no end; see `trusted`."""
     y = np.random.default_rng(seed).standard_normal(40_000) - 3 * np.exp(-np.arange(40_000) / 4000)
@@ -162,7 +162,7 @@ def test_a_share_of_the_coefficients_bounds_what_directions_explain():
     assert values == sorted(values)
 
 
-@pytest.mark.parametrize("share", [0.2, 0.04, 0.015])
+@rows("share", [0.2, 0.04, 0.015])
 def test_a_short_warm_up_is_no_step(share):
     fit = al.identify(record_of(N + B, 2**14, 5, settling(-90, share)))
     (finding,) = fit.findings
@@ -187,7 +187,7 @@ def test_a_warm_up_that_fills_the_record_is_to_be_waited_for():
     assert "trim" not in text
 
 
-@pytest.mark.parametrize("a", [0.8, 1.2])
+@rows("a", [0.8, 1.2])
 def test_another_power_law_is_named(a):
     model = al.Model((N,))
     record = record_of(model, 2**16, 1, slow_noise.power_law(a, 1.0))
@@ -235,7 +235,7 @@ def test_bursts_are_named_with_a_window_without_them():
     assert al.residuals(part, al.identify(part)).findings == ()
 
 
-@pytest.mark.parametrize("sensor", ["MEMS", "FOG", "RLG", "N, 10 K", "N B R", "N GM 5 s"])
+@rows("sensor", ["MEMS", "FOG", "RLG", "N, 10 K", "N B R", "N GM 5 s"])
 def test_nothing_slow_is_named_in_noise(sensor):
     record = record_of(slow_noise.MODELS[sensor], 2**15, 4)
     assert al.residuals(record, al.identify(record)).findings == ()

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -55,7 +56,7 @@ def said(*estimates, readings=None, length=3600.0, **more):
     return " ".join(sentences(fit(*estimates, **more), readings, rate=100.0, length=length))
 
 
-@pytest.mark.parametrize("name", al.DEVICES)
+@rows("name", al.DEVICES)
 def test_every_term_of_every_device_has_its_name_sources_remedies_and_reference(name):
     device = al.DEVICES[name]
     assert device.name == name
@@ -88,7 +89,7 @@ def test_the_tables_of_the_papers_follow_them():
     assert all(f"3.2, {i})" in mscsg[symbol].reference for i, symbol in enumerate("QNBKR", 1))
 
 
-@pytest.mark.parametrize("name", ["fgo", "FOG", ""])
+@rows("name", ["fgo", "FOG", ""])
 def test_an_unknown_device_is_refused_before_anything_is_read(name):
     result = CliRunner().invoke(main, ["analyze", "missing.csv", "--device", name])
     assert result.exit_code == 2

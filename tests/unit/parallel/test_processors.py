@@ -5,8 +5,9 @@ import threading
 from importlib import import_module
 
 import pytest
+from tests.rows import rows
 
-from allanite.parallel import processors
+from allanite.parallel import processors, sharing
 from allanite.parallel.processors import imported, importing
 from allanite.parallel.sharing import shared
 
@@ -15,7 +16,7 @@ def test_what_is_imported_is_there_afterwards_and_the_inner_waits_for_the_outer(
     begun, order = threading.Event(), []
 
     def load(name):
-        begun.wait(5)
+        begun.wait()
         order.append((name, threading.current_thread() is threading.main_thread()))
 
     monkeypatch.setattr(processors, "import_module", load)
@@ -32,13 +33,14 @@ def test_an_error_is_told():
 
 
 def test_no_process_is_forked_before_the_imports_have_ended(monkeypatch):
-    ended = []
-    monkeypatch.setattr(processors, "import_module", lambda _: (threading.Event().wait(0.2), ended.append(True)))
+    ended, asked = [], threading.Event()
+    monkeypatch.setattr(processors, "import_module", lambda _: (asked.wait(60), ended.append(True)))
+    monkeypatch.setattr(sharing, "imported", lambda: (asked.set(), imported()))
     with importing(["slow"]):
         assert shared(lambda _: bool(ended), [0, 1, 2, 3], count=2) == [True] * 4
 
 
-@pytest.mark.parametrize("names", [processors.IDENTIFICATION, processors.FIGURES])
+@rows("names", [processors.IDENTIFICATION, processors.FIGURES])
 def test_the_modules_exist(names):
     for name in names:
         assert import_module(name) is sys.modules[name]

@@ -12,6 +12,7 @@ import time
 import numpy as np
 import pytest
 from tests import all_but
+from tests.rows import rows
 
 import allanite as al
 from allanite.parallel.processors import how_many, processes
@@ -30,14 +31,16 @@ def recording():
     return al.Recording(tuple(records))
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 7])
+@rows("count", [1, 2, 3, 7])
 def test_results_are_in_the_order_of_the_items(count):
     assert shared(lambda x: x * x, list(range(20)), count=count) == [x * x for x in range(20)]
 
 
 def test_several_processes_take_part():
+    both = multiprocessing.get_context("fork").Barrier(2)
+
     def where(_: int) -> int:
-        time.sleep(0.05)
+        both.wait(60)
         return os.getpid()
 
     found = shared(where, list(range(8)), count=2)
@@ -65,12 +68,13 @@ def test_the_error_is_that_of_the_first_item():
 
 
 def test_what_a_killed_process_did_not_do_is_done_here():
-    here = os.getpid()
+    here, killed = os.getpid(), multiprocessing.get_context("fork").Event()
 
     def work(i: int) -> int:
         if os.getpid() != here:
+            killed.set()
             os.kill(os.getpid(), signal.SIGKILL)
-        time.sleep(0.02)
+        killed.wait(60)
         return i
 
     assert shared(work, list(range(6)), count=3) == list(range(6))
@@ -145,13 +149,15 @@ signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background
 
 def work(i):
     os.write(1, b"%d\\n" % os.getpid())
-    time.sleep(2)
+    parent = os.getppid()
+    while os.getppid() == parent:
+        time.sleep(0.01)
 
 shared(work, list(range(8)), count=3)
 """
 
 
-@pytest.mark.parametrize("by", all_but([signal.SIGINT, signal.SIGKILL], [signal.SIGKILL], "processes that are ended"))
+@rows("by", all_but([signal.SIGINT, signal.SIGKILL], [signal.SIGKILL]))
 def test_no_process_is_left_behind(by):
     with subprocess.Popen([sys.executable, "-c", INTERRUPTED], stdout=subprocess.PIPE,
                           stderr=subprocess.DEVNULL, text=True) as process:  # fmt: skip
@@ -159,10 +165,8 @@ def test_no_process_is_left_behind(by):
         workers = {int(process.stdout.readline()) for _ in range(3)}
         process.send_signal(by)
         assert process.wait(timeout=120) != 0
-    deadline = time.monotonic() + 60
-    while (left := [pid for pid in workers if running(pid)]) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    assert not left
+    while any(map(running, workers)):
+        time.sleep(0.01)
 
 
 def running(pid: int) -> bool:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 from tests import ROOT
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
@@ -32,7 +33,7 @@ FORMULAS = {
 CLAIMS = [(sheet, claim) for sheet in al.DATASHEETS.values() for claim in sheet.claims]
 
 
-@pytest.mark.parametrize("name", al.DATASHEETS)
+@rows("name", al.DATASHEETS)
 def test_a_sheet_of_the_table_keeps_what_every_sheet_must(name):
     check_data_sheet(al.DATASHEETS[name])
 
@@ -58,18 +59,15 @@ def test_every_conversion_of_the_table_is_that_of_its_formula():
         assert claim.term.value == pytest.approx(value, rel=1e-12), (sheet.name, claim)
 
 
-@pytest.mark.parametrize(
-    ("quantity", "value", "unit", "bandwidth", "text"),
-    [
-        ("noise density", 0.008, "deg/s/sqrt(Hz)", None, "N = 0.3394 deg/sqrt(h)"),
-        ("random walk", 0.34, "deg/sqrt(h)", None, "N = 0.34 deg/sqrt(h)"),
-        ("rms noise", 0.05, "deg/s", 100.0, "N = 0.2121 deg/sqrt(h)"),
-        ("bias stability", 8.0, "deg/h", None, "B = 12.04 deg/h"),
-        ("bias instability", 0.3, "deg/h", None, "B = 0.3 deg/h"),
-        ("noise density", 100.0, "ug/sqrt(Hz)", None, "N = 0.04161 m/s/sqrt(h)"),
-        ("rms noise", 1.0, "mg", 100.0, "N = 0.04161 m/s/sqrt(h)"),
-    ],
-)
+@rows("quantity, value, unit, bandwidth, text", [
+    ("noise density", 0.008, "deg/s/sqrt(Hz)", None, "N = 0.3394 deg/sqrt(h)"),
+    ("random walk", 0.34, "deg/sqrt(h)", None, "N = 0.34 deg/sqrt(h)"),
+    ("rms noise", 0.05, "deg/s", 100.0, "N = 0.2121 deg/sqrt(h)"),
+    ("bias stability", 8.0, "deg/h", None, "B = 12.04 deg/h"),
+    ("bias instability", 0.3, "deg/h", None, "B = 0.3 deg/h"),
+    ("noise density", 100.0, "ug/sqrt(Hz)", None, "N = 0.04161 m/s/sqrt(h)"),
+    ("rms noise", 1.0, "mg", 100.0, "N = 0.04161 m/s/sqrt(h)"),
+])  # fmt: skip
 def test_a_quantity_becomes_a_coefficient(quantity, value, unit, bandwidth, text):
     sensor = "gyro" if "deg" in unit else "accelerometer"
     assert str(Claim(sensor, quantity, "x", value, unit, place="page 1", bandwidth=bandwidth).term) == text
@@ -124,17 +122,12 @@ DENSITY = Claim("gyro", "noise density", "Density", 0.01, "deg/s/sqrt(Hz)", plac
 NOISE = Claim("gyro", "rms noise", "Noise", 0.1, "deg/s", place="page 1", bandwidth=50.0)
 
 
-@pytest.mark.parametrize(
-    ("claims", "used"),
-    [
-        ((NOISE, DENSITY, WALK), WALK),
-        ((NOISE, DENSITY), DENSITY),
-        ((NOISE,), NOISE),
-        ((WALK, replace(WALK, value=0.4)), replace(WALK, value=0.4)),
-        ((replace(WALK, limit="maximum"), DENSITY), DENSITY),
-        ((replace(WALK, limit="maximum"),), replace(WALK, limit="maximum")),
-    ],
-)
+@rows("claims, used", [
+    ((NOISE, DENSITY, WALK), WALK), ((NOISE, DENSITY), DENSITY), ((NOISE,), NOISE),
+    ((WALK, replace(WALK, value=0.4)), replace(WALK, value=0.4)),
+    ((replace(WALK, limit="maximum"), DENSITY), DENSITY),
+    ((replace(WALK, limit="maximum"),), replace(WALK, limit="maximum")),
+])  # fmt: skip
 def test_one_line_makes_the_coefficient(claims, used):
     sheet = sheet_of(*claims)
     assert sheet.used("gyro") == (used,)
@@ -148,19 +141,16 @@ def test_noise_without_a_bandwidth_makes_no_coefficient():
     assert sheet.models == ()
 
 
-@pytest.mark.parametrize("name", ["ADIS16470", "adis16470", "ADIS-16470", "adis 16470", "Adis_16470"])
+@rows("name", ["ADIS16470", "adis16470", "ADIS-16470", "adis 16470", "Adis_16470"])
 def test_a_name_is_found_as_it_is_typed(name):
     assert al.data_sheet_named(name).name == "ADIS16470"
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("adis1647", "unknown data sheet 'adis1647'; did you mean ADIS16470?"),
-        ("xyz", "unknown data sheet 'xyz'; known data sheets: ADIS16355, "),
-        ("itg-3200 accelerometer", "the data sheet of the ITG-3200 says nothing of the noise of its accelerometer"),
-    ],
-)
+@rows("text, said", [
+    ("adis1647", "unknown data sheet 'adis1647'; did you mean ADIS16470?"),
+    ("xyz", "unknown data sheet 'xyz'; known data sheets: ADIS16355, "),
+    ("itg-3200 accelerometer", "the data sheet of the ITG-3200 says nothing of the noise of its accelerometer"),
+])  # fmt: skip
 def test_what_is_not_there_is_refused(text, said):
     with pytest.raises(UsageError) as caught:
         claimed(text)
@@ -176,7 +166,7 @@ def test_texts_of_a_conversion_may_be_names_of_data_sheets():
     ]
 
 
-@pytest.mark.parametrize("sensor", SENSORS)
+@rows("sensor", SENSORS)
 def test_what_was_measured_is_given_as_the_sheet_would_say_it(sensor):
     """A record of exactly the random walk of a sheet: its density is what the sheet should have printed."""
     sheet = al.data_sheet_named("adis16470")

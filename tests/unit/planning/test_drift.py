@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.planning.drift import GRAVITY, RADIUS, drift_variance, flat, schuler
@@ -49,8 +50,8 @@ def summed(D, kernel, t, window, steps):
     return float(-0.5 * weight @ D(np.abs(place[:, None] - place)) @ weight)
 
 
-@pytest.mark.parametrize("symbol", TERMS)
-@pytest.mark.parametrize(("make", "order"), KERNELS)
+@rows("symbol", TERMS)
+@rows(("make", "order"), KERNELS)
 def test_the_variance_is_the_sum_of_all_pairs(symbol, make, order):
     term, kernel = TERMS[symbol], KERNELS[make, order]
     coarse, fine = (summed(term.sampled(1.0).structure, kernel, TIME, T, steps) for steps in (150, 300))
@@ -66,7 +67,7 @@ def flicker(t, window):
     return t**2 / math.pi * ((1 + r) ** 2 / r * np.log1p(r) - (1 + r) * np.log(r))
 
 
-@pytest.mark.parametrize(
+@rows(
     ("symbol", "order", "calibration", "expected"),
     [
         ("N", 0, 0.0, lambda t: t),
@@ -102,7 +103,7 @@ def test_flicker_after_as_long_a_calibration_is_twice_its_allan_variance():
     assert found / T**2 == pytest.approx(2 * al.TERMS["B"].level)
 
 
-@pytest.mark.parametrize("symbol", TERMS)
+@rows("symbol", TERMS)
 def test_on_the_round_earth_short_times_are_as_on_the_flat(symbol):
     t = np.array([1.0, 10.0])
     for order in (0, 1, 2):

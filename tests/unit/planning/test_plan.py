@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 import bound as script
@@ -21,13 +22,10 @@ MODELS = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "n", "rate", "ramp"),
-    [
-        ("mems", 600, 1.0, False), ("fog", 900, 1.0, True), ("rlg", 600, 100.0, True), ("NBK", 600, 1.0, True),
-        ("QN", 600, 1.0, False), ("GM", 600, 1.0, True),
-    ],
-)  # fmt: skip
+@rows("name, n, rate, ramp", [
+    ("mems", 600, 1.0, False), ("fog", 900, 1.0, True), ("rlg", 600, 100.0, True), ("NBK", 600, 1.0, True),
+    ("QN", 600, 1.0, False), ("GM", 600, 1.0, True),
+])  # fmt: skip
 def test_the_bound_is_that_of_dense_matrices(name, n, rate, ramp):
     """To 0.5 % at hundreds of readings; the table has 2048, and 0.2 %."""
     model = al.Model(MODELS[name])
@@ -52,7 +50,7 @@ KNOWN = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", list(KNOWN))
+@rows("name", list(KNOWN))
 def test_known_accuracies_by_length(name):
     found = al.plan(al.sensor(name), 100.0, ramp=False)
     for symbol, wanted in KNOWN[name].items():
@@ -89,7 +87,7 @@ def test_a_sinusoid_in_white_noise():
     assert frequency / f == pytest.approx(found["Sine frequency"], rel=0.25)
 
 
-@pytest.mark.parametrize("n", [10**4, 10**7, 10**11])
+@rows("n", [10**4, 10**7, 10**11])
 def test_the_nodes_are_enough(monkeypatch, n):
     model = al.sensor("fog") + al.GM(3.0, "deg/h", time_constant=10.0)
     found = al.bound(model, n, 100.0)
@@ -135,7 +133,7 @@ def test_two_processes_are_told_apart_by_their_time_constants():
     assert names == ("N", "GM(10 s)", "GM(10 s) time constant", "GM(100 s)", "GM(100 s) time constant")
 
 
-@pytest.mark.parametrize("wrong", [{"rate": 0.0}, {"rate": 1.0, "accuracy": 0.0}, {"rate": 1.0, "durations": (-1.0,)}])
+@rows("wrong", [{"rate": 0.0}, {"rate": 1.0, "accuracy": 0.0}, {"rate": 1.0, "durations": (-1.0,)}])
 def test_a_plan_of_nothing_is_refused(wrong):
     with pytest.raises(al.UsageError, match=r"above 0|between 1e-09"):
         al.plan(al.sensor("rlg"), **wrong)
@@ -173,18 +171,13 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     assert "not taken into account: " in run(tmp_path / "first.npz").stdout
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ((), "either a recording, or the noise"),
-        (("file.csv", "--sensor", "fog"), "either a recording, or the noise"),
-        (("--sensor", "fog"), "--rate HZ"),
-        (("--sensor", "hrg", "--rate", 1), "known sensors: mems, fog, rlg"),
-        (("--sensor", "fog", "--rate", 1, "--accuracy", 0), "above 0"),
-        (("--sensor", "fog", "--rate", 1, "--band", "0,2"), "--band applies to a recording"),
-        (("--sensor", "fog", "--rate", 1, "--from", 3), "--from applies to a recording"),
-    ],
-)
+@rows("arguments, words", [
+    ((), "either a recording, or the noise"), (("file.csv", "--sensor", "fog"), "either a recording"),
+    (("--sensor", "fog"), "--rate HZ"), (("--sensor", "hrg", "--rate", 1), "known sensors: mems, fog, rlg"),
+    (("--sensor", "fog", "--rate", 1, "--accuracy", 0), "above 0"),
+    (("--sensor", "fog", "--rate", 1, "--band", "0,2"), "--band applies to a recording"),
+    (("--sensor", "fog", "--rate", 1, "--from", 3), "--from applies to a recording"),
+])  # fmt: skip
 def test_what_the_verb_refuses(arguments, words):
     result = run(*arguments)
     assert result.exit_code == 2

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.reference import edf as published
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
@@ -13,7 +14,7 @@ TABLE_1 = {"Q": (0.09, 0.74, 0.40), "N": (1.00, 0.0, 0.0), "B": (1.87, -1.05, 0.
 """Howe and Tasset (2004), as Tang et al. (2015) quote them: Allan variance / Theo1 = a + b / (0.75 m)^c."""
 
 
-@pytest.mark.parametrize("symbol", TABLE_1)
+@rows("symbol", TABLE_1)
 def test_the_bias_of_theo1_is_that_of_the_published_fit(symbol):
     found = properties("theo1", m=[12, 100, 1000])
     a, b, c = TABLE_1[symbol]
@@ -49,12 +50,10 @@ def test_averaging_times_or_factors():
     assert properties("oadev", 100, taus="decade").m.tolist()[:4] == [1, 2, 4, 10]
 
 
-@pytest.mark.parametrize(("name", "more", "message"), [
+@rows("name, more, message", [
     ("mtie", {}, "mtie is not an estimate of the Allan or Hadamard variance"),
-    ("tdev", {}, "tdev is not an estimate"),
-    ("nothing", {}, "unknown statistic 'nothing'"),
-    ("theo1", {"m": [11]}, "must be even"),
-    ("theo1", {"taus": [8.0]}, "is not a multiple of 1.5 s"),
+    ("tdev", {}, "tdev is not an estimate"), ("nothing", {}, "unknown statistic 'nothing'"),
+    ("theo1", {"m": [11]}, "must be even"), ("theo1", {"taus": [8.0]}, "is not a multiple of 1.5 s"),
 ])  # fmt: skip
 def test_bad_input(name, more, message):
     with pytest.raises(UsageError, match=message):

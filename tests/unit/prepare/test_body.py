@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.record import Recording
@@ -82,7 +83,7 @@ def test_still_bodies_are_told_nothing():
     assert [channel.quality.names for channel in examine(triad())] == [(), (), ()]
 
 
-@pytest.mark.parametrize("seed", range(5))
+@rows("seed", range(5))
 def test_the_stretch_that_is_offered_passes_the_test_in_every_axis(seed):
     """A body that is handled: weaker motion hides behind stronger."""
     rng = np.random.default_rng(seed)
@@ -127,7 +128,7 @@ def test_the_still_stretch_of_a_part_is_in_times_of_the_recording():
     assert motion.remedy == "the longest static stretch: prepare.trim(recording, 400, 699)"
 
 
-@pytest.mark.parametrize("hole", [True, False])
+@rows("hole", [True, False])
 def test_the_stretch_that_is_offered_holds_samples_and_passes_as_it_is_typed(tmp_path, hole):
     rng = np.random.default_rng(0)
     if hole:  # 63 samples in 142 s between two motions

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests import examples
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.prepare.drift import follows
@@ -33,8 +34,7 @@ def pair(y, x):
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("noise", NOISES)
-@pytest.mark.parametrize("kind", TEMPERATURES)
+@rows("noise, kind", paired(list(NOISES), list(TEMPERATURES)))
 def test_independent_drifts_are_not_taken_for_one(noise, kind):
     """At most 1 % of false alarms: 0 to 3 of 100."""
     found = 0
@@ -45,7 +45,7 @@ def test_independent_drifts_are_not_taken_for_one(noise, kind):
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("kind", TEMPERATURES)
+@rows("kind", TEMPERATURES)
 def test_what_follows_is_found(kind):
     found, records = 0, examples(20)
     for seed in range(records):
@@ -66,7 +66,7 @@ def test_lost_readings_are_left_out():
     assert follows(*pair(y, x)) is None
 
 
-@pytest.mark.parametrize("x", [np.zeros(N), np.arange(N) * 0.1], ids=["constant", "line"])
+@rows("x", [np.zeros(N), np.arange(N) * 0.1], ids=["constant", "line"])
 def test_a_column_without_a_course_of_its_own_is_not_asked(x):
     assert follows(*pair(NOISES["NK"](np.random.default_rng(1)), x)) is None
 

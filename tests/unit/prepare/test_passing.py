@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples
+from tests.rows import paired, rows
 
 from allanite.kernels.passing import BLOCK, looked
 from allanite.kernels.robust import HALF, off
@@ -41,8 +42,7 @@ def test_look_at_nothing_finite():
     assert looked(np.full(5, np.nan)) == literal(np.full(5, np.nan))
 
 
-@pytest.mark.parametrize("size", [31, 32, 1023, 1024, 1025, 5000])
-@pytest.mark.parametrize("part", [700, 1024, 10**9])
+@rows("size, part", paired([31, 32, 1023, 1024, 1025, 5000], [700, 1024, 10**9]))
 def test_far_off_is_that_of_sorted_windows(size, part):
     y = np.random.default_rng(size).normal(size=size)
     y[[0, size // 2, size - 1]] += 5.0

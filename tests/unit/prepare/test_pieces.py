@@ -4,10 +4,10 @@ from itertools import pairwise
 from unittest.mock import patch
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.record import Recording
@@ -124,7 +124,7 @@ def test_findings_are_the_same_for_any_cut(places, kind, size, choice):
     assert "moving" in {finding.name for finding in known}
 
 
-@pytest.mark.parametrize("kind", ["rate", "angle", "count", "increment"])
+@rows("kind", ["rate", "angle", "count", "increment"])
 def test_one_block_is_inspected_as_a_record(kind):
     record = record_of(kind)
     found = looked(pieces.blocks(cut_at([7, 2000], record.values), 1 << 20, int(kind == "angle")), record)
@@ -143,7 +143,7 @@ def test_blocks_are_compared_with_each_other():
     assert "level" not in {f.name for f in looked(pieces.blocks(cut_at([], values_of("rate")), BLOCK), record)}
 
 
-@pytest.mark.parametrize("value", [np.inf, 1e200])
+@rows("value", [np.inf, 1e200])
 def test_impossible_values_are_refused_wherever_they_are(value):
     y = values_of("rate")
     y[3000] = value
@@ -161,7 +161,7 @@ def test_samples_that_are_missing_make_no_blocks():
     assert np.isnan(found[1][1][0][: 5000 - 4096]).all()
 
 
-@pytest.mark.parametrize("kind", ["rate", "angle"])
+@rows("kind", ["rate", "angle"])
 def test_motion_is_left_out_in_all_channels_of_the_body(kind):
     rng = np.random.default_rng(5)
     still, moved, warm = rng.normal(size=(3, 20_000))

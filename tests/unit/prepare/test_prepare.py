@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.prepare import block_means, decimate, detrend, inspect, mark_outliers, quiet_window
@@ -19,8 +20,8 @@ def record(n=20_000, seed=1, **options):
     return al.simulate(MODEL, n, 100.0, rng=np.random.default_rng(seed), **options)
 
 
-@pytest.mark.parametrize("m", [1, 2, 7, 50])
-@pytest.mark.parametrize("kind", ["rate", "count", "angle"])
+@rows("m", [1, 2, 7, 50])
+@rows("kind", ["rate", "count", "angle"])
 def test_block_means_keep_the_curve(m, kind):
     counts = np.random.default_rng(1).integers(-50, 50, 10_003)
     forms = {
@@ -63,7 +64,7 @@ def test_decimation_keeps_what_is_slow_and_stops_what_would_fold():
         decimate(al.Record(np.arange(1000.0), 1.0, "deg", kind="angle"), 2)
 
 
-@pytest.mark.parametrize("statistic", list(al.STATISTICS))
+@rows("statistic", list(al.STATISTICS))
 def test_a_ramp_is_not_removed_for_a_statistic_that_sees_it(statistic):
     if al.STATISTICS[statistic].order < 3:
         with pytest.raises(al.UsageError, match="is sensitive to a ramp"):
@@ -153,7 +154,7 @@ def test_findings_are_plain_data():
     assert set(data["findings"][0]) == {"allanite", "type", *own}
 
 
-@pytest.mark.parametrize("name", ["gl1", "gl1-smooth"])
+@rows("name", ["gl1", "gl1-smooth"])
 def test_a_healthy_ring_laser_raises_no_alarm(name):
     """The residual of the dither, the frequency of the pulses and their pattern are within a pulse."""
     gyro = RING_LASERS[name]
@@ -169,7 +170,7 @@ def test_sway_of_many_pulses_is_still_found():
     assert found["lines"].what.startswith("spectral lines at 3")
 
 
-@pytest.mark.parametrize(("low", "high"), [(-1.5, 1.5), (-np.inf, 1.0)])
+@rows(("low", "high"), [(-1.5, 1.5), (-np.inf, 1.0)])
 def test_clipping_says_what_is_left_of_n(low, high):
     y = np.random.default_rng(1).standard_normal(2**16)
     clip = al.Record(np.clip(y, low, high), 100.0, "deg/h")
@@ -188,7 +189,7 @@ def test_a_drift_that_leaves_the_range_has_no_factor():
     assert "times that of the sensor" not in finding.consequence
 
 
-@pytest.mark.parametrize("how", ["repeated", "interpolated"])
+@rows("how", ["repeated", "interpolated"])
 def test_samples_that_the_logger_has_filled_in_are_named(how):
     rng, n = np.random.default_rng(1), 2**15
     y = rng.standard_normal(n)
@@ -203,7 +204,7 @@ def test_samples_that_the_logger_has_filled_in_are_named(how):
     )
 
 
-@pytest.mark.parametrize("step", [0.0, 0.01, 0.3, 1.0])
+@rows("step", [0.0, 0.01, 0.3, 1.0])
 def test_rounded_samples_are_not_filled_in(step):
     y = np.random.default_rng(2).standard_normal(2**14)
     record = al.Record(np.rint(y / step) * step if step else y, 100.0, "deg/h")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 from allanite.core.errors import DataError, UsageError
 from allanite.readers import read
@@ -238,16 +239,14 @@ def test_with_a_counter_bursty_stamps_give_the_rate_of_the_sensor(tmp_path):
     assert recording["gx"].size == counts[-1] + 1
 
 
-@pytest.mark.parametrize(
-    ("step", "unit", "rate"), [(10, "ms", 100), (5, "ms", 200), (10_000, "us", 100), (2500, "us", 400)]
-)
+@rows(("step", "unit", "rate"), [(10, "ms", 100), (5, "ms", 200), (10_000, "us", 100), (2500, "us", 400)])
 def test_integer_stamps_without_unit(stamped, step, unit, rate):
     recording = read(stamped(np.arange(200) * step, "stamp"))
     assert recording["gx"].rate == pytest.approx(rate)
     assert any(f"assumed to be in {unit}" in note for note in recording.notes)
 
 
-@pytest.mark.parametrize("step", [1, 1000, 1_000_000, 100_000_000_000])
+@rows("step", [1, 1000, 1_000_000, 100_000_000_000])
 def test_ambiguous_integer_stamps_are_asked_for(stamped, step):
     path = stamped(np.arange(200) * step, "stamp")
     with pytest.raises(UsageError, match=r"time='stamp\[ms\]'"):
@@ -316,7 +315,7 @@ def test_a_temperature_called_t_is_no_clock(tmp_path):
         read(path)
 
 
-@pytest.mark.parametrize("row", [0, 1500, 2999])
+@rows("row", [0, 1500, 2999])
 def test_a_time_stamp_that_no_clock_counts_is_named(row, tmp_path):
     stamps = np.arange(3000) / 100
     stamps[row] = 1e200

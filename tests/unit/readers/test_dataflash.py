@@ -5,6 +5,7 @@ import struct
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -75,9 +76,9 @@ def test_instances_are_listed_and_chosen(flight):
     second = al.read(path, channels=["IMU/1"])
     assert [record.unit for record in second] == ["rad/s"] * 3 + ["m/s^2"] * 3
     assert al.read(path, channels=["imu/1/AccZ"]).channels == ("AccZ",)
-    with pytest.raises(UsageError, match="no table or column 'GYRO' in the file; it contains IMU/0"):
+    with pytest.raises(UsageError, match="contains IMU/0"):
         al.read(path, channels=["GYRO"])
-    with pytest.raises(UsageError, match=r"no column is recognized as an inertial signal.*'Alt'"):
+    with pytest.raises(UsageError, match=r"'Alt'"):
         al.read(path, channels=["BARO"])
 
 
@@ -91,9 +92,9 @@ def test_the_samples_are_those_of_pymavlink(flight):
     reader.data_map.close()
     reader.filehandle.close()
     assert set(expected) == {"IMU/0", "IMU/1", "GYR/0"}
-    for name, rows in expected.items():
+    for name, table in expected.items():
         recording = al.read(flight[0], channels=[name])
-        assert all(np.array_equal(r.values, [row[r.name] for row in rows]) for r in recording)
+        assert all(np.array_equal(r.values, [row[r.name] for row in table]) for r in recording)
 
 
 def batch(number, counts, start, *, sensor=1, rate=1000.0, missing=()):
@@ -154,7 +155,7 @@ def flown(count=300):
     return imu, rate
 
 
-@pytest.mark.parametrize("form", ["binary", "text"])
+@rows("form", ["binary", "text"])
 def test_units_and_factors_that_the_log_says(tmp_path, form):
     imu, rate = flown()
     every, path = (*UNITS, *imu, *rate), tmp_path / "flight.log"
@@ -198,7 +199,7 @@ def test_damaged_lines_of_a_log_as_text(tmp_path):
     assert any("2 lines of IMU cannot be read" in note for note in recording.notes)
     assert recording[0].size == 150
     path.write_text("FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n")
-    with pytest.raises(DataError, match="no rows of numbers"):
+    with pytest.raises(DataError, match="no rows"):
         al.read(path)
 
 
@@ -224,10 +225,10 @@ def test_damaged_logs(flight, tmp_path):
     assert np.nanmax(np.abs(damaged[0].values)) < 10
     assert any("bytes belong to no message" in note for note in damaged.notes)
     cut.write_bytes(whole[:534])
-    with pytest.raises(DataError, match="no rows of numbers"):
+    with pytest.raises(DataError, match="no rows"):
         al.read(cut)
     cut.write_bytes(header() + message("BARO", 1, 2.0, 3) * 9)
-    with pytest.raises(UsageError, match=r"no table of the file has inertial signals.*BARO \(9 rows\)"):
+    with pytest.raises(UsageError, match=r"BARO \(9 rows\)"):
         al.read(cut)
 
 

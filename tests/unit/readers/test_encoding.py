@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 from allanite.core.errors import DataError, UnitError
 from allanite.core.units import unit_of
@@ -24,19 +25,12 @@ RUSSIAN_1251 = [RUSSIAN[0], RUSSIAN[1].replace("м/с²", "м/с2")]
 CHINESE = ["操作员：张三", "时间(秒);陀螺X（度/秒）;角速度Y(度/小时);加速度X(米/秒^2);温度(度)"]
 
 
-@pytest.mark.parametrize(
-    ("lines", "encoding", "note"),
-    [
-        (RUSSIAN, "utf-8", ""),
-        (RUSSIAN, "utf-8-sig", ""),
-        (RUSSIAN, "utf-16", ""),
-        (RUSSIAN_1251, "cp1251", "read as cp1251"),
-        (CHINESE, "utf-8", ""),
-        (CHINESE, "gbk", "read as GB18030"),
-        (CHINESE, "gb18030", "read as GB18030"),
-    ],
-)
-@pytest.mark.parametrize("comma", [False, True])
+@rows("lines, encoding, note", [
+    (RUSSIAN, "utf-8", ""), (RUSSIAN, "utf-8-sig", ""), (RUSSIAN, "utf-16", ""),
+    (RUSSIAN_1251, "cp1251", "read as cp1251"), (CHINESE, "utf-8", ""), (CHINESE, "gbk", "read as GB18030"),
+    (CHINESE, "gb18030", "read as GB18030"),
+])  # fmt: skip
+@rows("comma", [False, True])
 def test_names_and_units(tmp_path, lines, encoding, note, comma):
     recording = read(written(tmp_path, lines, encoding, comma))
     wanted = ("deg/s", "deg/h", "m/s^2")
@@ -48,32 +42,26 @@ def test_names_and_units(tmp_path, lines, encoding, note, comma):
     assert any("not an inertial signal by its name" in said for said in recording.notes)
 
 
-@pytest.mark.parametrize(
-    ("text", "encoding", "name"),
-    [
-        ("gx [°/s]", "latin-1", "Latin-1"), ("ax [µg]", "latin-1", "Latin-1"), ("m/s²", "latin-1", "Latin-1"),
-        ("Prüfstand Größe;gx [°/s]", "latin-1", "Latin-1"), ("Température", "latin-1", "Latin-1"),
-        ("mesurée à 100 Hz – l’été", "cp1252", "Latin-1"), ("mesure à 100", "latin-1", "Latin-1"),
-        ("gx [°/с]", "cp1251", "cp1251"), ("gx [°/ч]", "cp1251", "cp1251"), ("ax [мкg];ay [м/с2]", "cp1251", "cp1251"),
-        ("ВРЕМЯ;ДУС", "cp1251", "cp1251"), ("№;Скорость", "cp1251", "cp1251"), ("стоп", "cp1251", "cp1251"),
-        ("t, с;gx", "cp1251", "cp1251"),
-        ("gx[度/秒],gy[度/秒]", "gbk", "GB18030"), ("测试人员：张三", "gbk", "GB18030"), ("ωx(°/s)", "gbk", "GB18030"),
-    ],
-)  # fmt: skip
+@rows("text, encoding, name", [
+    ("gx [°/s]", "latin-1", "Latin-1"), ("ax [µg]", "latin-1", "Latin-1"), ("m/s²", "latin-1", "Latin-1"),
+    ("Prüfstand Größe;gx [°/s]", "latin-1", "Latin-1"), ("Température", "latin-1", "Latin-1"),
+    ("mesurée à 100 Hz – l’été", "cp1252", "Latin-1"), ("mesure à 100", "latin-1", "Latin-1"),
+    ("gx [°/с]", "cp1251", "cp1251"), ("gx [°/ч]", "cp1251", "cp1251"), ("ax [мкg];ay [м/с2]", "cp1251", "cp1251"),
+    ("ВРЕМЯ;ДУС", "cp1251", "cp1251"), ("№;Скорость", "cp1251", "cp1251"), ("стоп", "cp1251", "cp1251"),
+    ("t, с;gx", "cp1251", "cp1251"), ("gx[度/秒],gy[度/秒]", "gbk", "GB18030"), ("测试人员：张三", "gbk", "GB18030"),
+    ("ωx(°/s)", "gbk", "GB18030"),
+])  # fmt: skip
 def test_each_encoding_is_told_from_the_others(text, encoding, name):
     data, (note,) = in_utf8(text.encode(encoding))
     assert data.decode() == text
     assert note.endswith(name)
 
 
-@pytest.mark.parametrize(
-    ("data", "words"),
-    [
-        ("ПУСК".encode("cp1251"), "may be GB18030 or cp1251"),
-        (b"gx \x81\x01\xff\xfe\x98", "neither GB18030, cp1251 nor Latin-1"),
-        ("时间(秒)".encode("gbk") + b"\n1\n\xff\xff\n" * 1, "neither"),
-    ],
-)
+@rows("data, words", [
+    ("ПУСК".encode("cp1251"), "may be GB18030 or cp1251"),
+    (b"gx \x81\x01\xff\xfe\x98", "neither GB18030, cp1251 nor Latin-1"),
+    ("时间(秒)".encode("gbk") + b"\n1\n\xff\xff\n" * 1, "neither"),
+])  # fmt: skip
 def test_what_cannot_be_decided_is_refused_with_the_cure(data, words):
     with pytest.raises(DataError, match="iconv") as caught:
         in_utf8(data)
@@ -91,22 +79,18 @@ def test_utf8_is_tested_in_blocks_that_may_cut_a_letter():
     assert in_utf8(data) == (data, ())
 
 
-@pytest.mark.parametrize(
-    ("unit", "same"),
-    [
-        ("°/с", "deg/s"), ("°/ч", "deg/h"), ("°/час", "deg/h"), ("град/с", "deg/s"), ("рад/с", "rad/s"),
-        ("м/с²", "m/s^2"), ("м/с2", "m/s^2"), ("мg", "mg"), ("мкg", "ug"), ("°/√ч", "deg/sqrt(h)"), ("угл.с", "arcsec"),
-        ("°/ч/√Гц", "deg/h/sqrt(Hz)"), ("度/秒", "deg/s"), ("度/小时", "deg/h"), ("弧度/秒", "rad/s"),
-        ("度每秒", "deg/s"),
-        ("米/秒²", "m/s^2"), ("毫g", "mg"), ("微g", "ug"), ("度/√小时", "deg/sqrt(h)"), ("℃", "degC"), ("°С", "degC"),
-        ("мс", "ms"), ("毫秒", "ms"),
-    ],
-)  # fmt: skip
+@rows("unit, same", [
+    ("°/с", "deg/s"), ("°/ч", "deg/h"), ("°/час", "deg/h"), ("град/с", "deg/s"), ("рад/с", "rad/s"),
+    ("м/с²", "m/s^2"), ("м/с2", "m/s^2"), ("мg", "mg"), ("мкg", "ug"), ("°/√ч", "deg/sqrt(h)"), ("угл.с", "arcsec"),
+    ("°/ч/√Гц", "deg/h/sqrt(Hz)"), ("度/秒", "deg/s"), ("度/小时", "deg/h"), ("弧度/秒", "rad/s"), ("度每秒", "deg/s"),
+    ("米/秒²", "m/s^2"), ("毫g", "mg"), ("微g", "ug"), ("度/√小时", "deg/sqrt(h)"), ("℃", "degC"), ("°С", "degC"),
+    ("мс", "ms"), ("毫秒", "ms"),
+])  # fmt: skip
 def test_units_in_russian_and_chinese(unit, same):
     assert unit_of(unit) == unit_of(same)
 
 
-@pytest.mark.parametrize("unit", ["мг", "мкг", "г", "千克", "сч", "курсор"])
+@rows("unit", ["мг", "мкг", "г", "千克", "сч", "курсор"])
 def test_other_words_are_no_units(unit):
     with pytest.raises(UnitError, match=unit):
         unit_of(unit)

@@ -3,6 +3,7 @@
 import numpy as np
 import pyarrow as pa
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -46,14 +47,14 @@ def assert_as_csv(frame, tmp_path, content, **options):
     return found
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@rows("kind", KINDS)
 def test_a_table_is_read_as_its_csv(kind, tmp_path):
     found = assert_as_csv(kind(CONTENT), tmp_path, CONTENT)
     assert found.channels == ("gx", "gy", "acc_x_mps2")
     assert found["gx"].rate == pytest.approx(100)
 
 
-@pytest.mark.parametrize("kind", KINDS[:3])
+@rows("kind", KINDS[:3])
 def test_options_words_and_missing_values(kind, tmp_path):
     content = CONTENT | {"note": ["on the table"] * COUNT, "gy [deg/s]": [None, *range(COUNT - 1)]}
     found = assert_as_csv(kind(content), tmp_path, content, channels=["gy", "2"], rate=10.0, time="none")
@@ -62,13 +63,13 @@ def test_options_words_and_missing_values(kind, tmp_path):
         al.read(kind(content), channels=["note"])
 
 
-@pytest.mark.parametrize("kind", KINDS[:3])
+@rows("kind", KINDS[:3])
 def test_sensors_that_take_turns(kind, tmp_path):
     content = {"id": ["a", "b"] * 25, "gx [deg/s]": CONTENT["gx [deg/s]"]}
     assert assert_as_csv(kind(content), tmp_path, content, rate=1.0).channels == ("a gx", "b gx")
 
 
-@pytest.mark.parametrize("kind", KINDS[:3])
+@rows("kind", KINDS[:3])
 def test_stamps_are_times(kind):
     stamps = np.datetime64("2024-05-01T00:00") + np.arange(COUNT) * np.timedelta64(5000, "us")
     assert al.read(kind({"at": stamps, "gx [deg/s]": CONTENT["gx [deg/s]"]}), time="at")[0].rate == pytest.approx(200)

@@ -4,12 +4,11 @@ The first mutations of the same seed files of which `benchmarks/fuzz_readers.py`
 """
 
 import importlib.util
-import time
 from pathlib import Path
 
 import pytest
 from tests import ALL, ROOT, thinned
-from tests.pace import pace
+from tests.rows import rows
 
 from allanite.readers.formats.registry import reader_for, reader_of_type
 from allanite.readers.options import channel_names
@@ -23,7 +22,7 @@ spec.loader.exec_module(fuzz)
 
 @pytest.mark.slow("takes more than half a second")
 @pytest.mark.ensemble
-@pytest.mark.parametrize("name", thinned(fuzz.SEEDS, 13, "damaged files of every format"))
+@rows("name", thinned(fuzz.SEEDS, 13))
 def test_damaged_files_are_read_or_refused(tmp_path, name):
     if (suffix := Path(name).suffix) in fuzz.IMPORTED:
         pytest.importorskip(fuzz.IMPORTED[suffix])
@@ -36,10 +35,8 @@ def test_damaged_files_are_read_or_refused(tmp_path, name):
     for k in range(count):
         rng = fuzz.generator(name, k)
         path.write_bytes(fuzz.mutated(rng, data))
-        start = time.process_time()
         found.add(said := fuzz.outcome(path, fuzz.options_of(rng, seed.options)))
         assert said in ("read", "refused"), (name, k)
-        assert time.process_time() - start < fuzz.SLOW * pace(), (name, k)
     assert "refused" in found or (contained and not ALL)
 
 
@@ -47,7 +44,7 @@ BARE = [name for name in fuzz.SEEDS if not name.endswith((".zip", ".gz", ".bz2",
 
 
 @pytest.mark.ensemble
-@pytest.mark.parametrize("name", thinned(BARE, 9, "files of every format, cut off"))
+@rows("name", thinned(BARE, 4))
 def test_files_cut_off_are_read_or_refused(tmp_path, name):
     if (suffix := Path(name).suffix) in fuzz.IMPORTED:
         pytest.importorskip(fuzz.IMPORTED[suffix])

@@ -52,7 +52,7 @@ def test_groups_with_common_times_are_one_and_others_are_listed(mdf):
     assert any("no numbers, or numbers converted by a formula: " in note for note in recording.notes)
     assert recording["gx"].size == 500
     assert al.read(mdf, channels=["group 0/gz"]).channels == ("gz",)
-    with pytest.raises(UsageError, match="no table or column 'imu' in the file; it contains group 0"):
+    with pytest.raises(UsageError, match="contains group 0"):
         al.read(mdf, channels=["imu"])
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 from allanite.core.errors import UsageError
 from allanite.readers import read
@@ -54,7 +55,7 @@ KNOWN = {
 }
 
 
-@pytest.mark.parametrize("names", KNOWN.values(), ids=KNOWN)
+@rows("names", KNOWN.values(), ids=[*KNOWN])
 def test_known_names(write, names):
     recording = read(write([CLOCK[0], *names], [CLOCK[1], *vector(0, 6)]))
     assert [record.signal.name for record in recording] == ["gyro"] * 3 + ["accelerometer"] * 3
@@ -90,7 +91,7 @@ IDENTIFIERS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("name", IDENTIFIERS)
+@rows("name", IDENTIFIERS)
 def test_identifiers_are_never_taken_for_a_sensor(write, name):
     assert headers.sensor_by_name(name) == "" or headers.is_other(name)
     columns = [CLOCK[1], *vector(0, 1), np.random.default_rng(1).integers(0, 9, 300).tolist()]
@@ -100,7 +101,7 @@ def test_identifiers_are_never_taken_for_a_sensor(write, name):
         assert any("left out" in note and name in note for note in recording.notes)
 
 
-@pytest.mark.parametrize("name", ["gx", "gyro_x", "gyro_counts_x", "gx_count", "acc_calibrated_x", "gyroRateX"])
+@rows("name", ["gx", "gyro_x", "gyro_counts_x", "gx_count", "acc_calibrated_x", "gyroRateX"])
 def test_signals_are_no_identifiers(name):
     assert not headers.identifies(name)
     assert not headers.is_other(name)
@@ -110,15 +111,12 @@ SECONDS = [EPOCH + (990 + 10 * i) // 1000 for i in range(300)]
 NANO = [(990 + 10 * i) % 1000 * 1_000_000 for i in range(300)]
 
 
-@pytest.mark.parametrize(
-    ("seconds", "parts"),
-    [
-        ("header.stamp.sec", "header.stamp.nanosec"), ("header.stamp.secs", "header.stamp.nsecs"), ("sec", "nsec"),
-        ("stamp.sec", "stamp.nanosec"), ("secs", "nsecs"), ("/imu/header/stamp/sec", "/imu/header/stamp/nanosec"),
-        ("header_stamp_sec", "header_stamp_nanosec"), ("field.header.stamp.secs", "field.header.stamp.nsecs"),
-        ("Seconds", "Nanoseconds"),
-    ],
-)  # fmt: skip
+@rows("seconds, parts", [
+    ("header.stamp.sec", "header.stamp.nanosec"), ("header.stamp.secs", "header.stamp.nsecs"), ("sec", "nsec"),
+    ("stamp.sec", "stamp.nanosec"), ("secs", "nsecs"), ("/imu/header/stamp/sec", "/imu/header/stamp/nanosec"),
+    ("header_stamp_sec", "header_stamp_nanosec"), ("field.header.stamp.secs", "field.header.stamp.nsecs"),
+    ("Seconds", "Nanoseconds"),
+])  # fmt: skip
 def test_seconds_and_nanoseconds_are_one_clock(write, seconds, parts):
     recording = read(write([seconds, parts, "gx [rad/s]"], [SECONDS, NANO, *vector(0, 1)]))
     assert recording.channels == ("gx",)

@@ -8,6 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from tests import examples
+from tests.rows import rows
 
 from allanite.core.errors import DataError, UsageError
 from allanite.readers import read
@@ -97,9 +98,7 @@ def test_arrays_of_different_length(savez):
     assert read(path, rate=10, unit="deg/s", channels=["gy"])["gy"].size == 49
 
 
-@pytest.mark.parametrize(
-    "array", [np.zeros((5, 5, 5)), np.zeros(50, complex), np.zeros((50, 2), "U3"), np.zeros(0), np.zeros(1)]
-)
+@rows("array", [np.zeros((5, 5, 5)), np.zeros(50, complex), np.zeros((50, 2), "U3"), np.zeros(0), np.zeros(1)])
 def test_what_is_no_table_of_numbers(save, array):
     with pytest.raises(DataError):
         read(save(array), rate=10, unit="deg/s")
@@ -125,7 +124,7 @@ class Trap:
         return (exec, ("import builtins; builtins.allanite_was_fooled = True",))
 
 
-@pytest.mark.parametrize("name", ["gyro.npy", "gyro.csv", "gyro"])
+@rows("name", ["gyro.npy", "gyro.csv", "gyro"])
 def test_pickled_objects_are_never_loaded(tmp_path, name):
     import builtins
 
@@ -149,7 +148,7 @@ def test_nothing_said(save):
         read(save(DATA), rate=10)
 
 
-@pytest.mark.parametrize("kind", ["V0", "S0", "U0"])
+@rows("kind", ["V0", "S0", "U0"])
 def test_elements_without_width_are_not_counted_out(tmp_path, kind):
     header = f"{{'descr': '|{kind}', 'fortran_order': False, 'shape': (100000000000,), }}\n".encode()
     (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header)

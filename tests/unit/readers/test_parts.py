@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyarrow import parquet
 from tests import examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -124,33 +125,32 @@ def short_head(monkeypatch):
     assert head.HEAD > 5000
 
 
-def gathered(path, rows, choices):
+def gathered(path, size, choices):
     """The samples of each channel, the beat, notes and findings of a file read in parts."""
     with opened(path, "1kB", choices) as reader:
         found = [[np.empty(0)] for _ in reader.heads]
-        for lost, columns in reader.pieces(rows):
+        for lost, columns in reader.pieces(size):
             for parts, values in zip(found, columns, strict=True):
                 parts += [np.full(lost, np.nan), values]
         beat = reader.clock.beat()
         return [np.concatenate(parts) for parts in found], beat, reader.sense.notes(beat), whole_findings(reader)
 
 
-@pytest.mark.parametrize("case", CASES)
+@rows("case", CASES)
 def test_parts_are_the_whole(case, tmp_path):
     make, choices = CASES[case]
     path = make(tmp_path)
     whole = al.read(path, **choices)
-    for rows in (4096, 7777):
-        found, beat, notes, findings = gathered(path, rows, choices)
-        for values, record in zip(found, whole, strict=True):
-            np.testing.assert_array_equal(values, record.values)
-        assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
-        assert beat.start == whole[0].start
-        assert notes == whole.notes
-        assert [(f.name, f.what) for f in findings] == [(f.name, f.what) for f in whole.findings]
+    found, beat, notes, findings = gathered(path, 7777, choices)
+    for values, record in zip(found, whole, strict=True):
+        np.testing.assert_array_equal(values, record.values)
+    assert beat.rate == pytest.approx(whole[0].rate, rel=1e-12)
+    assert beat.start == whole[0].start
+    assert notes == whole.notes
+    assert [(f.name, f.what) for f in findings] == [(f.name, f.what) for f in whole.findings]
 
 
-@pytest.mark.parametrize("case", ["one column", "columns one after the other", "raw"])
+@rows("case", ["one column", "columns one after the other", "raw"])
 def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path):
     make, choices = CASES[case]
     path = make(tmp_path)
@@ -162,11 +162,11 @@ def test_a_file_that_becomes_shorter_while_it_is_read_is_refused(case, tmp_path)
 
 @settings(max_examples=examples(25), deadline=None)
 @given(st.lists(st.tuples(st.integers(6000, N - 10), st.integers(1, 400)), max_size=5), st.integers(1100, 12_000))
-def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, rows):
+def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, size):
     path = fields(tmp_path_factory.mktemp("gaps"), [(begin, begin + length) for begin, length in holes])
     choices = {"unit": "deg/s", "time": "time_s"}
     whole = al.read(path, **choices)
-    found, beat, _, findings = gathered(path, rows, choices)
+    found, beat, _, findings = gathered(path, size, choices)
     for values, record in zip(found, whole, strict=True):
         np.testing.assert_array_equal(values, record.values)
     assert beat.rate == pytest.approx(whole[0].rate, rel=1e-9)
@@ -174,7 +174,7 @@ def test_losses_are_gaps_wherever_the_parts_end(tmp_path_factory, holes, rows):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("form", ["bag", "db3", "mcap"])
+@rows("form", ["bag", "db3", "mcap"])
 def test_a_bag_is_read_in_parts(tmp_path, form):
     bag_files = pytest.importorskip("bag_files", reason="pip install 'allanite[ros]'")
     start, many = 1_700_000_000_999_999_990, 9000
@@ -209,9 +209,9 @@ def test_a_clock_that_is_set_back_is_refused_unless_the_rate_is_given(tmp_path):
     time[20_000:] -= 150.0
     path = npy(tmp_path, np.rec.fromarrays([time, noise()[:, 0]], names=["time_s", "gx"]))
     choices = {"unit": "deg/s", "time": "time_s"}
-    for rows, row in ((7000, 14_001), (5000, 20_001)):
+    for size, row in ((7000, 14_001), (5000, 20_001)):
         with pytest.raises(DataError, match=f"from row {row} on: rows are out of order"):
-            gathered(path, rows, choices)
+            gathered(path, size, choices)
     found, beat, notes, _ = gathered(path, 5000, choices | {"rate": RATE})
     np.testing.assert_array_equal(found[0], noise()[:, 0])
     assert beat.rate == RATE
@@ -255,7 +255,7 @@ def test_every_format_with_parts_is_tried_here():
     assert having == {"numpy", "parquet", "hdf5", "bag", "raw", "text"}
 
 
-@pytest.mark.parametrize("text", ["much", "0", "-1GB", "GB", ""])
+@rows("text", ["much", "0", "-1GB", "GB", ""])
 def test_a_size_is_a_number_of_bytes(text):
     with pytest.raises(UsageError, match="a size such as 1GB or 500MB"):
         bytes_of(text)
@@ -290,7 +290,7 @@ def test_a_thread_ends_when_nobody_waits():
     assert closed == [True]
 
 
-@pytest.mark.parametrize("size", [0, 1, (1 << 20) - 1, 1 << 20, (1 << 21) + 5])
+@rows("size", [0, 1, (1 << 20) - 1, 1 << 20, (1 << 21) + 5])
 def test_digest_is_that_of_the_whole_file(size, tmp_path):
     content = np.random.default_rng(size).bytes(size)
     (tmp_path / "file").write_bytes(content)

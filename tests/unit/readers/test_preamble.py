@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 from allanite.core.errors import UsageError
 from allanite.readers import read
@@ -22,7 +23,7 @@ def write(tmp_path):
     return write
 
 
-@pytest.mark.parametrize(
+@rows(
     ("line", "rate"),
     [
         ("Sample rate: 100 Hz", 100), ("// Update Rate: 100.0Hz", 100), ("# fs = 250", 250), ("Fs: 2e2 Hz", 200),
@@ -38,14 +39,11 @@ def test_statements(line, rate):
     assert said.line == 7
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "FS = 250", "fs: 250 dps", "Rate: 100 Hz", "Baud rate: 115200", "Sample rate: 0 Hz", "Sample rate: 1,000 Hz",
-        "Sampling time = 0.005", "Sample rate: 2023-01-04", "Sample rate: fast", "offset = 3", "gyrofs = 3",
-        "Sample rate: 1e99 Hz", "sample rate" * 100 + ": 5",
-    ],
-)  # fmt: skip
+@rows("line", [
+    "FS = 250", "fs: 250 dps", "Rate: 100 Hz", "Baud rate: 115200", "Sample rate: 0 Hz", "Sample rate: 1,000 Hz",
+    "Sampling time = 0.005", "Sample rate: 2023-01-04", "Sample rate: fast", "offset = 3", "gyrofs = 3",
+    "Sample rate: 1e99 Hz", "sample rate" * 100 + ": 5",
+])  # fmt: skip
 def test_no_statements(line):
     assert statement(1, line) is None
 
@@ -55,7 +53,7 @@ def test_decimal_commas():
     assert statement(1, "Sample rate: 100,5 Hz") is None
 
 
-@pytest.mark.parametrize("line", ["Sample rate: 100 Hz", "# fs = 100", "Sampling interval: 10 ms"])
+@rows("line", ["Sample rate: 100 Hz", "# fs = 100", "Sampling interval: 10 ms"])
 def test_the_rate_of_the_preamble_without_stamps(write, line):
     recording = read(write(["Device 7", line]))
     assert [record.rate for record in recording] == [100.0, 100.0]

@@ -1,6 +1,7 @@
 """PSINS text made here; the real file has its own test."""
 
 import pytest
+from tests.rows import rows
 
 from allanite.core.errors import DataError
 from allanite.readers import read
@@ -20,7 +21,7 @@ def write(tmp_path):
     return write
 
 
-@pytest.mark.parametrize("content", [WHOLE, HEADER + ROWS])
+@rows("content", [WHOLE, HEADER + ROWS])
 def test_with_and_without_comments(write, content):
     recording = read(write(content))
     assert recording.channels == ("gx", "gy", "gz", "ax", "ay", "az")
@@ -34,16 +35,11 @@ def test_ordinary_tables_are_not_taken_for_it():
     assert not reader_named("psins").sniff(b"gx gy\n1 2\n", ".imu")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("-4 0 7", "-4 x 7", "line 8, column 'gy': 'x'"),
-        ("-4 0 7", "-4 7", "line 8 has 5 columns"),
-        ("0.1 0.1 0.1 ", "0.1 0.1 ", "line 6 is a header row"),
-        (" 8.0 ", " 0.0 ", "must be positive"),
-        (ROWS, "", "three header rows"),
-    ],
-)
+@rows("old, new, words", [
+    ("-4 0 7", "-4 x 7", "line 8, column 'gy': 'x'"), ("-4 0 7", "-4 7", "line 8 has 5 columns"),
+    ("0.1 0.1 0.1 ", "0.1 0.1 ", "line 6 is a header row"), (" 8.0 ", " 0.0 ", "must be positive"),
+    (ROWS, "", "three header rows"),
+])  # fmt: skip
 def test_damage_is_named(write, old, new, words):
     with pytest.raises(DataError, match=words):
         read(write(WHOLE.replace(old, new)))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 from allanite.core.errors import AllaniteError, DataError, UnitError, UsageError
 from allanite.core.kinds import KINDS
@@ -40,7 +41,7 @@ def test_a_relative_path_stays_as_given(write, monkeypatch):
     assert read("gyro.csv").source == "gyro.csv"
 
 
-@pytest.mark.parametrize("name", READERS)
+@rows("name", READERS)
 def test_table_of_formats(name):
     assert reader_named(name).TITLE
     assert not reader_named(name).sniff(b"", "")
@@ -90,19 +91,20 @@ def test_no_permission(write, monkeypatch):
         read(path)
 
 
-@pytest.mark.parametrize("name", ["a.csv", "a.npy", "a.npz", "a.txt", "a.imu", "a.bin", "a"])
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"",
-        b"\n\n",
-        np.random.default_rng(1).bytes(5000),
-        b"\x00" * 3000,
-        b"time,gx\n",
-        b"# nothing\n# at all\n",
-        b"1.0\n",
-    ],
-    ids=["empty", "blank", "random", "zeros", "header", "comments", "one number"],
+@rows(
+    "name, content",
+    paired(
+        ["a.csv", "a.npy", "a.npz", "a.txt", "a.imu", "a.bin", "a"],
+        [
+            b"",
+            b"\n\n",
+            np.random.default_rng(1).bytes(5000),
+            b"\x00" * 3000,
+            b"time,gx\n",
+            b"# nothing\n# at all\n",
+            b"1.0\n",
+        ],
+    ),
 )
 def test_useless_content_is_refused_in_words(write, name, content):
     with pytest.raises(AllaniteError) as caught:
@@ -118,13 +120,13 @@ def test_rows_of_thousands_of_numbers_are_refused(write):
         read(write((row + b"\n") * 2000), rate=100, unit="deg/s")
 
 
-@pytest.mark.parametrize("rate", [0, -1.0, float("nan"), float("inf"), "100", True, [100]])
+@rows("rate", [0, -1.0, float("nan"), float("inf"), "100", True, [100]])
 def test_impossible_rates(write, rate):
     with pytest.raises(UsageError, match="rate"):
         read(write(GOOD), rate=rate)
 
 
-@pytest.mark.parametrize("scale", [0, -1.0, float("nan"), "one", "-1", "deg/s"])
+@rows("scale", [0, -1.0, float("nan"), "one", "-1", "deg/s"])
 def test_impossible_scales(write, scale):
     with pytest.raises(UsageError, match="scale"):
         read(write(GOOD), scale=scale)
@@ -158,7 +160,7 @@ def test_missing_rate_and_unit_are_asked_for_together(write):
         assert words in str(caught.value)
 
 
-@pytest.mark.parametrize("unit", ["arcsec", "m/s", "rad"])
+@rows("unit", ["arcsec", "m/s", "rad"])
 def test_an_ambiguous_kind_is_asked_for_with_the_difference(write, unit):
     path = write("x\n" + "1\n2\n" * 20)
     with pytest.raises(UsageError) as caught:

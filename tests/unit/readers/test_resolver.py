@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -21,7 +22,7 @@ def turning(n=5000, speed=0.02, noise=1e-4):
     return 0.3 + speed * np.arange(n) + noise * np.random.default_rng(1).standard_normal(n)
 
 
-@pytest.mark.parametrize("true", [turning(), -turning(), 3.1 + 0.2 * np.sin(np.arange(3000) / 50), turning(speed=0.0)])
+@rows("true", [turning(), -turning(), 3.1 + 0.2 * np.sin(np.arange(3000) / 50), turning(speed=0.0)])
 def test_the_angle_is_unwrapped(true):
     angle, findings, _ = angle_of(*pair(true, (0, 2.5), (0, 2.5)))
     turns = np.round((angle.values[0] - true[0]) / (2 * np.pi)) * 2 * np.pi
@@ -47,7 +48,7 @@ def test_a_gap_in_which_a_turn_may_be_lost_is_refused():
         angle_of(sine, cosine)
 
 
-@pytest.mark.parametrize("speed", [1.7, 3.0, -2.0])
+@rows("speed", [1.7, 3.0, -2.0])
 def test_steps_near_half_a_turn_are_refused(speed):
     with pytest.raises(al.DataError, match="turns cannot be counted with certainty"):
         angle_of(*pair(turning(speed=speed)))
@@ -69,15 +70,11 @@ def test_a_few_dropouts_are_marked():
     assert "1 sample without the amplitude of sine and cosine, the first at 14 s" in finding.what
 
 
-@pytest.mark.parametrize(
-    ("sine", "cosine", "lag", "words"),
-    [
-        ((0.01, 1.0), (0.0, 1.0), 0.0, "offsets of 1 % (sine)"),
-        ((0.0, 1.0), (-0.02, 1.0), 0.0, "-2 % (cosine)"),
-        ((0.0, 0.99), (0.0, 1.0), 0.0, "gains different by 1"),
-        ((0.0, 1.0), (0.0, 1.0), 0.01, "phase 0.573 deg from 90 deg"),
-    ],
-)
+@rows("sine, cosine, lag, words", [
+    ((0.01, 1.0), (0.0, 1.0), 0.0, "offsets of 1 % (sine)"), ((0.0, 1.0), (-0.02, 1.0), 0.0, "-2 % (cosine)"),
+    ((0.0, 0.99), (0.0, 1.0), 0.0, "gains different by 1"),
+    ((0.0, 1.0), (0.0, 1.0), 0.01, "phase 0.573 deg from 90 deg"),
+])  # fmt: skip
 def test_imbalance_is_measured_and_its_angle_error_is_right(sine, cosine, lag, words):
     true = turning(20000)
     angle, (finding,), _ = angle_of(*pair(true, sine, cosine, lag))
@@ -114,16 +111,13 @@ def test_columns_of_two_axes_become_two_angles(tmp_path):
     assert "gyroscope, angle in rad" in run.stdout
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ({"sincos": ["s1", "c1", "s2"]}, "pairs of columns, the sine first, for example sincos=['sin', 'cos']"),
-        ({"sincos": ["s1", "c1"], "channels": ["s1"]}, "channels has no meaning"),
-        ({"sincos": ["s1", "c1"], "unit": "deg"}, "unit has no meaning"),
-        ({"sincos": ["s1", "c1"], "kind": "rate"}, "its kind is 'value'"),
-        ({"sincos": ["s1", "nothing"]}, "no column 'nothing'"),
-    ],
-)
+@rows("given, words", [
+    ({"sincos": ["s1", "c1", "s2"]}, "pairs of columns, the sine first, for example sincos=['sin', 'cos']"),
+    ({"sincos": ["s1", "c1"], "channels": ["s1"]}, "channels has no meaning"),
+    ({"sincos": ["s1", "c1"], "unit": "deg"}, "unit has no meaning"),
+    ({"sincos": ["s1", "c1"], "kind": "rate"}, "its kind is 'value'"),
+    ({"sincos": ["s1", "nothing"]}, "no column 'nothing'"),
+])  # fmt: skip
 def test_impossible_choices_are_refused(tmp_path, given, words):
     path = tmp_path / "a.csv"
     path.write_text("s1,c1,s2\n" + "\n".join(f"{np.sin(i)},{np.cos(i)},0" for i in np.arange(300) / 50))

@@ -7,6 +7,7 @@ from operator import xor
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -40,7 +41,7 @@ def test_sentences_of_a_real_sensor(tmp_path):
     assert recording["acc_z"].values.tolist() == [-9.997, -9.978, -9.570]
 
 
-@pytest.mark.parametrize("crc", [False, True])
+@rows("crc", [False, True])
 def test_wrong_checksums_are_counted_and_are_gaps(tmp_path, crc):
     lines = [sentence("VNYMR", v, crc=crc) for v in VALUES]
     lines[7] = lines[7].replace("0", "1", 1)
@@ -52,15 +53,13 @@ def test_wrong_checksums_are_counted_and_are_gaps(tmp_path, crc):
     assert "3 sentences have a wrong checksum or are incomplete, and are left out" in recording.notes
     expected = np.delete(VALUES[:299, 11], [7, 20])
     assert np.array_equal(recording["gyro_z"].values[~np.isnan(recording["gyro_z"].values)], expected)
-    with pytest.raises(UsageError, match="the sampling rate is not in the file"):
+    with pytest.raises(UsageError, match="sampling rate"):
         al.read(save(tmp_path, lines))
 
 
-@pytest.mark.parametrize(
-    "stamp",
-    [lambda k: f"{1e9 + k * 0.025:.3f},", lambda k: f"2026-01-02 03:04:{5 + k // 40:02d}.{k % 40 * 25:03d} "],
-    ids=["seconds", "date and time"],
-)
+@rows("stamp", [
+    lambda k: f"{1e9 + k * 0.025:.3f},", lambda k: f"2026-01-02 03:04:{5 + k // 40:02d}.{k % 40 * 25:03d} ",
+], ids=["seconds", "date and time"])  # fmt: skip
 def test_time_stamps_before_the_sentences(tmp_path, stamp):
     lines = [sentence("VNGYR", v[:3], before=stamp(k)) for k, v in enumerate(VALUES)]
     lines[7] = lines[7].replace(".", "1", 1)[:-4] + "\n"

@@ -45,7 +45,7 @@ def test_names_may_begin_with_a_slash_and_differ_by_case_or_type():
     assert chosen(found, "/raw/lab/Rates") == "/raw/lab/Rates"
     with pytest.raises(UsageError, match=r"/raw/lab/Counts \(300 rows\), /raw/lab/Rates of type lab/Rates \(300 rows"):
         chosen(found, "/raw")
-    with pytest.raises(UsageError, match=r"no table or column '/gyro' in the file; it contains /imu"):
+    with pytest.raises(UsageError, match=r"contains /imu"):
         chosen(found, "/gyro")
 
 

@@ -41,7 +41,7 @@ def test_groups_are_listed_and_chosen(runs):
     assert "rate 100.0 Hz from the property wf_increment of the channels" in recording.notes
     assert al.read(runs, channels=["Run 2"])[0].size == 300
     assert al.read(runs, channels=["Run 2/gyro x"])[0].rate == 500.0
-    with pytest.raises(UsageError, match=r"no table or column 'Run 3' in the file; it contains Run 1/1"):
+    with pytest.raises(UsageError, match=r"contains Run 1/1"):
         al.read(runs, channels=["Run 3"])
     assert CliRunner().invoke(main, ["info", str(runs)]).exit_code == 2
 

@@ -5,6 +5,7 @@ import struct
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -31,9 +32,9 @@ def ulog(path, *topics, before=b""):
 
     data = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 0) + before
     data += b"".join(message("F", f"{n}:{f}".encode()) for n, f in {t[0]: t[2] for t in topics}.items())
-    for i, (name, instance, _, rows) in enumerate(topics):
+    for i, (name, instance, _, packed) in enumerate(topics):
         data += message("A", struct.pack("<BH", instance, i) + name.encode())
-        data += b"".join(message("D", struct.pack("<H", i) + row) for row in rows)
+        data += b"".join(message("D", struct.pack("<H", i) + row) for row in packed)
     path.write_bytes(data)
     return path
 
@@ -110,7 +111,7 @@ def test_batches_are_unrolled(tmp_path):
     assert not recording.findings
 
 
-@pytest.mark.parametrize(("over", "kind", "unit"), [(5000, "increment", "rad"), (1000, "rate", "rad/s")])
+@rows(("over", "kind", "unit"), [(5000, "increment", "rad"), (1000, "rate", "rad/s")])
 def test_integrals_are_increments_if_they_cover_the_time_step(tmp_path, over, kind, unit):
     angles = RNG.normal(size=(300, 6)).astype("f4")
     rows = [struct.pack("<QQ6f2I", i * 5000, i * 5000, *v, over, over) for i, v in enumerate(angles)]
@@ -141,7 +142,7 @@ def test_a_log_that_was_cut_off_or_damaged(log, tmp_path):
     cut.write_bytes(whole + b"\6\0D\x63\0abcd")  # of no topic
     damaged = al.read(cut, channels=["sensor_gyro/1"])
     assert "the log is damaged in places; the messages there are left out" in damaged.notes
-    for data, words in ((whole[:40], "no rows of numbers"), (RNG.bytes(900), "does not begin like a PX4 log")):
+    for data, words in ((whole[:40], "no rows"), (RNG.bytes(900), "does not begin like a PX4 log")):
         cut.write_bytes(data)
         with pytest.raises(DataError, match=words):
             al.read(cut)

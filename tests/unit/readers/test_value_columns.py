@@ -6,6 +6,7 @@ import shlex
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -62,7 +63,7 @@ def test_a_unit_selects_its_columns(angles):
 def test_columns_without_a_unit_are_asked_for(tmp_path):
     path = tmp_path / "plain.csv"
     np.savetxt(path, np.random.default_rng(1).standard_normal((500, 2)), "%.6g", ",", header="a,seq", comments="")
-    with pytest.raises(al.UsageError, match="the unit is unknown"):
+    with pytest.raises(al.UsageError, match="unit is unknown"):
         al.read(path, kind="value", rate=10.0)
     recording = al.read(path, kind="value", rate=10.0, unit="mV")
     assert [(r.name, r.signal.name) for r in recording] == [("a", "voltage")]
@@ -75,7 +76,7 @@ def test_an_unknown_quantity_is_refused_by_its_unit(tmp_path):
         al.read(path, kind="value", rate=10.0, channels=["a"])
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet"])
+@rows("suffix", [".csv", ".npz", ".parquet"])
 def test_a_value_is_read_as_it_was_written(tmp_path, suffix):
     record = al.Record(np.random.default_rng(1).standard_normal(500), 10.0, "arcsec", "value", name="az")
     al.readers.write(record, tmp_path / f"a{suffix}")

@@ -13,6 +13,7 @@ from hypothesis.extra import numpy as arrays
 from pyarrow import parquet
 from scipy.io import loadmat, savemat
 from tests import examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
@@ -99,7 +100,7 @@ def test_written_and_read_back_by_a_process(tmp_path, suffix, recording):
     assert_same(al.read(tmp_path / f"a{suffix}"), recording)
 
 
-@pytest.mark.parametrize("suffix", WRITERS)
+@rows("suffix", WRITERS)
 def test_a_long_recording_and_one_record(tmp_path, suffix):
     rng = np.random.default_rng(1)
     values = rng.normal(size=200_000)
@@ -112,7 +113,7 @@ def test_a_long_recording_and_one_record(tmp_path, suffix):
     assert [path.name for path in tmp_path.iterdir()] == [f"a{suffix}"]
 
 
-@pytest.mark.parametrize("suffix", WRITERS)
+@rows("suffix", WRITERS)
 def test_what_the_user_says_wins_over_the_description(tmp_path, suffix):
     records = [al.Record(np.arange(50.0) % 7, 100.0, "deg/s", name=name, start=5.0) for name in ("gx", "gy")]
     al.write(al.Recording(tuple(records)), tmp_path / f"a{suffix}")
@@ -142,7 +143,7 @@ def in_reverse(path):
         path.with_name("new").replace(path)
 
 
-@pytest.mark.parametrize("suffix", WRITERS)
+@rows("suffix", WRITERS)
 def test_columns_in_another_order_keep_their_units(tmp_path, suffix):
     units = {"wz": "deg/h", "wx": "rad/s", "az": "g"}
     written = [al.Record(np.random.default_rng().normal(size=99), 10.0, units[name], name=name) for name in units]
@@ -301,7 +302,7 @@ def test_psins(tmp_path, counts):
         assert np.array_equal(record.values, counts[:, i])
 
 
-@pytest.mark.parametrize("scale", ["1e-40", "1e40"])
+@rows("scale", ["1e-40", "1e40"])
 def test_a_description_with_an_impossible_scale_is_refused(tmp_path, scale):
     written = al.Record(np.arange(99.0) % 7, 100.0, "arcsec", "increment", scale=1.0, name="gz")
     al.write(written, tmp_path / "a.csv")

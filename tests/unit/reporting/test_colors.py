@@ -4,6 +4,7 @@ from itertools import combinations, product
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 from allanite.reporting import style
 from allanite.terms import TERMS
@@ -66,14 +67,14 @@ def free(ground, symbol):
     return sorted((color for color in far if far[color] >= DISTINCT), key=far.get)[:-4:-1]
 
 
-@pytest.mark.parametrize("vision", VISIONS)
-@pytest.mark.parametrize("ground", ["light", "dark"])
+@rows("vision", VISIONS)
+@rows("ground", ["light", "dark"])
 def test_no_two_lines_have_the_same_colour_to_any_eye(ground, vision):
     for (one, a), (other, b) in combinations(shown(ground).items(), 2):
         assert difference(a, b, vision) >= DISTINCT, (one, other, f"free colors: {', '.join(free(ground, other))}")
 
 
-@pytest.mark.parametrize("ground", ["light", "dark"])
+@rows("ground", ["light", "dark"])
 def test_the_colours_can_be_read_as_text(ground):
     for name, color in shown(ground).items():
         assert contrast(color, PAPER[ground]) >= READABLE, name

@@ -2,12 +2,12 @@
 
 import math
 
-import pytest
+from tests.rows import rows
 
 from allanite.reporting.digits import digits
 
 
-@pytest.mark.parametrize(
+@rows(
     ("value", "low", "high", "shown", "interval"),
     [
         (0.310213, 0.30217, 0.318712, "0.3102", "0.3022 .. 0.3187"),
@@ -41,8 +41,8 @@ def test_print_has_its_own_signs():
     assert digits(-9.0241e-5, -9.251e-5, -8.79e-5).pretty() == "−9.02 (−9.25 … −8.79) × 10⁻⁵"
 
 
-@pytest.mark.parametrize("half", [1e-9, 1e-7, 3e-4, 0.0995, 0.1, 7.0, 1e5])
-@pytest.mark.parametrize("value", [1e-9, 3e-4, 0.7, 42.0, 9.99999e5, 1e8])
+@rows("half", [1e-9, 1e-7, 3e-4, 0.0995, 0.1, 7.0, 1e5])
+@rows("value", [1e-9, 3e-4, 0.7, 42.0, 9.99999e5, 1e8])
 def test_what_is_printed_is_within_half_a_digit(value, half):
     low, high = value - half, value + half
     shown, interval = digits(value, low, high).plain()

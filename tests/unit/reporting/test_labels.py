@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.reporting.figures.labels import ENOUGH, LabelBox, freedom, place
@@ -9,7 +10,7 @@ from allanite.reporting.figures.labels import ENOUGH, LabelBox, freedom, place
 NOTHING = np.empty((0, 2))
 
 
-@pytest.mark.parametrize(
+@rows(
     ("obstacle", "wanted"),
     [((0.5, 0.5), 0.0), ((0.5, 0.56), 1.2), ((0.5, 0.44), 1.2), ((0.61, 0.52), 1.1), ((0.9, 0.9), ENOUGH)],
 )
@@ -26,7 +27,7 @@ def test_labels_keep_a_wider_distance_from_each_other():
     assert freedom(label, NOTHING, [touching._replace(y=0.55)]) == pytest.approx(-0.5)
 
 
-@pytest.mark.parametrize("side", [1, -1], ids=["above", "below"])
+@rows("side", [1, -1], ids=["above", "below"])
 def test_a_label_stands_on_the_side_of_its_line_where_nothing_is(side):
     x = np.linspace(0.1, 0.9, 81)
     points = np.concatenate([np.column_stack([x, np.full(x.size, y)]) for y in (0.5, 0.5 + 0.05 * side)])
@@ -35,14 +36,11 @@ def test_a_label_stands_on_the_side_of_its_line_where_nothing_is(side):
     assert label.x == pytest.approx(0.5)
 
 
-@pytest.mark.parametrize(
-    "model",
-    [
-        "Q 0.3 arcsec*s, N 3 arcsec*sqrt(s), B 1 arcsec, K 0.1 arcsec/sqrt(s), R 0.002 arcsec/s",
-        "N 0.1 deg/sqrt(h), B 1 deg/h, K 5 deg/h/sqrt(h)",
-        "Q 1 arcsec, N 0.01 deg/sqrt(h), B 0.1 deg/h, R 1 deg/h^2, GM 1 deg/h 20 s",
-    ],
-)
+@rows("model", [
+    "Q 0.3 arcsec*s, N 3 arcsec*sqrt(s), B 1 arcsec, K 0.1 arcsec/sqrt(s), R 0.002 arcsec/s",
+    "N 0.1 deg/sqrt(h), B 1 deg/h, K 5 deg/h/sqrt(h)",
+    "Q 1 arcsec, N 0.01 deg/sqrt(h), B 0.1 deg/h, R 1 deg/h^2, GM 1 deg/h 20 s",
+])  # fmt: skip
 def test_lines_to_labels_are_short_and_do_not_run_across_the_curve(model):
     figure = al.plot(al.statistics.expectation(al.Model(model), rate=40.0, size=1_440_000))
     figure.draw_without_rendering()

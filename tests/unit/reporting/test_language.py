@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.text import Text
 from rich.cells import cell_len
+from tests.rows import rows
 from tests.unit.reporting.test_report import channel_of, study_of
 
 import allanite as al
@@ -97,7 +98,7 @@ def test_a_translation_has_every_plural_form(stored):
     assert all(len(catalogues.strings(message)) == stored.num_plurals for message in stored if message.pluralizable)
 
 
-@pytest.mark.parametrize("lang", TRANSLATED)
+@rows("lang", TRANSLATED)
 def test_what_is_not_translated_is_shown_in_english(lang):
     with speaking(lang):
         assert tr(say("{a} that nobody has translated", a=1)) == "1 that nobody has translated"
@@ -171,7 +172,7 @@ def test_a_page_leaves_letters_that_are_missing_to_the_browser(study, chinese, n
 
 
 @pytest.mark.skipif(not fonts.further("zh"), reason="no font with Chinese characters is installed")
-@pytest.mark.parametrize("form", ["png", "svg", "pdf"])
+@rows("form", ["png", "svg", "pdf"])
 def test_a_figure_has_chinese_letters(study, chinese, form):
     with speaking("zh"):
         figure = al.plot(study, lang="zh")

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 from tests.unit.reporting.test_colors import READABLE, contrast
 from tests.unit.reporting.test_report import HOSTILE, Tags, channel_of, refused, study_of
 
@@ -88,7 +89,7 @@ def colors(text):
     return [one for one in found if "--ground" in one]
 
 
-@pytest.mark.parametrize("ground", [0, 1])
+@rows("ground", [0, 1])
 def test_text_has_contrast_on_both_grounds(text, ground):
     long = {
         k: "#" + "".join(2 * c for c in v[1:]) if len(v) == 4 else v
@@ -150,7 +151,7 @@ def test_another_unit_is_used_everywhere(study):
     assert re.search(r"bias instability +1.39e-4 .*°/s", text)
 
 
-@pytest.mark.parametrize("wrong", ["deg/s^3", "m/s^7"])
+@rows("wrong", ["deg/s^3", "m/s^7"])
 def test_a_unit_of_nothing_is_refused(wrong):
     with pytest.raises(UsageError, match="no noise coefficient has the unit"):
         Recipe(to=(wrong,))
@@ -172,7 +173,7 @@ def test_the_command_line_takes_units_and_facts(tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("unit", ["V", "m/s^2"])
+@rows("unit", ["V", "m/s^2"])
 def test_a_unit_of_no_channel_is_refused(tmp_path, unit):
     rows = "\n".join(f"{(-1) ** i * (1 + (i * 7919 % 101) / 50)}" for i in range(3000))
     file = tmp_path / "x.csv"

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
@@ -18,7 +19,7 @@ def record(size=100_000, rate=100.0, **form):
     return al.Record(values, rate, form.pop("unit", "deg/s"), name="gz", **form)
 
 
-@pytest.mark.parametrize("count", [1, 7, STRETCHES, 200_000])
+@rows("count", [1, 7, STRETCHES, 200_000])
 def test_stretches_hold_every_extreme_and_every_mean(count):
     whole = record()
     seen, values = envelope(whole, count), whole.values
@@ -33,16 +34,12 @@ def test_stretches_hold_every_extreme_and_every_mean(count):
     assert seen.broken.sum() * len(values) / len(seen.at) == pytest.approx(6000, abs=2 * len(values) / len(seen.at) + 1)
 
 
-@pytest.mark.parametrize(
-    ("made", "unit", "time", "ends"),
-    [
-        (record(), "°/s", "min", (0, 100_000 / 6000)),
-        (record(rate=1.0), "°/s", "h", (0, 100_000 / 3600)),
-        (al.Record(np.arange(500), 10.0, "arcsec", kind="count", scale=0.1), "pulses of 0.1 arcsec", "s", (0, 50)),
-        (al.Record(np.arange(501.0), 10.0, "arcsec", kind="angle"), "arcsec", "s", (0, 50)),
-        (al.Record(np.arange(500.0), 10.0, "arcsec", kind="increment", scale=2.0, cut=5.0), "arcsec", "s", (5, 55)),
-    ],
-)  # fmt: skip
+@rows("made, unit, time, ends", [
+    (record(), "°/s", "min", (0, 100_000 / 6000)), (record(rate=1.0), "°/s", "h", (0, 100_000 / 3600)),
+    (al.Record(np.arange(500), 10.0, "arcsec", kind="count", scale=0.1), "pulses of 0.1 arcsec", "s", (0, 50)),
+    (al.Record(np.arange(501.0), 10.0, "arcsec", kind="angle"), "arcsec", "s", (0, 50)),
+    (al.Record(np.arange(500.0), 10.0, "arcsec", kind="increment", scale=2.0, cut=5.0), "arcsec", "s", (5, 55)),
+])  # fmt: skip
 def test_axes_have_the_unit_of_the_samples_and_the_times_of_the_recording(made, unit, time, ends):
     (ax,) = al.plot(made).axes
     assert ax.get_ylabel() == unit

@@ -7,13 +7,13 @@ from allanite.reporting.screen import render
 REMARKS = [Remark.of("", f"remark {i}") for i in range(9)]
 
 
-def rows(channels):
+def quantities(channels):
     found = [Quantity("found", f"N{i}", "s", ["1"] * channels) for i in range(9)]
     return [*found, Quantity("a limit", "K", "s", ["< 2"] * channels, rank=1)]
 
 
 def test_many_rows_become_a_line_for_each_channel_and_none_is_left_out():
-    parts = [Axes([f"channel {i}{j}" for i in range(3)], rows(3)) for j in range(2)]
+    parts = [Axes([f"channel {i}{j}" for i in range(3)], quantities(3)) for j in range(2)]
     shown = render(First("file", answer=parts, remarks=REMARKS))
     assert [line.split()[1] for line in shown.splitlines() if line.startswith("channel ")] == [
         "N0", "00", "10", "20", "N0", "01", "11", "21",
@@ -42,6 +42,6 @@ def test_where_columns_are_too_many_the_grade_is_kept():
 
 
 def test_lines_of_channels_beyond_the_screen_are_counted():
-    lines = render(First("file", answer=[Axes([f"c{i}" for i in range(40)], rows(40))])).splitlines()
+    lines = render(First("file", answer=[Axes([f"c{i}" for i in range(40)], quantities(40))])).splitlines()
     (more,) = [line for line in lines if "more line" in line]
     assert sum(line.startswith("c") for line in lines) - 1 + int(more.split()[1]) == 40

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator
 from tests import examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.reporting import style
@@ -161,21 +162,14 @@ def test_what_only_matplotlib_draws_is_left_to_it():
     assert "<path" in drawn(Drawing(draw, "points")).text
 
 
-@pytest.mark.parametrize(
-    "ask",
-    [
-        lambda panel: panel.scatter([1], [1]),
-        lambda panel: panel.plot([1], [1], color=BLUE, drawstyle="steps"),
-        lambda panel: panel.plot([1], [1], "x", color=BLUE),
-        lambda panel: panel.set_aspect("equal"),
-        lambda panel: panel.xaxis.set_major_locator(MultipleLocator(2.0)),
-        lambda panel: panel.xaxis.axis_date(),
-        lambda panel: panel.set_title("a", pad=3),
-        lambda panel: panel.legend(loc="lower left"),
-        lambda panel: panel.figure.subfigures(2),
-        lambda panel: (panel.plot([1], [1], color="tab:blue"), panel.figure.svg()),
-    ],
-)
+@rows("ask", [
+    lambda panel: panel.scatter([1], [1]), lambda panel: panel.plot([1], [1], color=BLUE, drawstyle="steps"),
+    lambda panel: panel.plot([1], [1], "x", color=BLUE), lambda panel: panel.set_aspect("equal"),
+    lambda panel: panel.xaxis.set_major_locator(MultipleLocator(2.0)), lambda panel: panel.xaxis.axis_date(),
+    lambda panel: panel.set_title("a", pad=3), lambda panel: panel.legend(loc="lower left"),
+    lambda panel: panel.figure.subfigures(2),
+    lambda panel: (panel.plot([1], [1], color="tab:blue"), panel.figure.svg()),
+])  # fmt: skip
 def test_what_is_not_known_is_refused(ask):
     panel = chart().subplots()
     with pytest.raises(Unsketched):
@@ -200,8 +194,8 @@ def test_ticks_are_within_the_view_and_named(ends, log, across):
     assert not set(found.major) & set(found.minor)
 
 
-@pytest.mark.parametrize("scale", ["linear", "log"])
-@pytest.mark.parametrize(("low", "high"), [(0.13, 7.9), (1.0, 1000.0), (3e-5, 8e4), (12.0, 13.5), (0.9, 1.3)])
+@rows("scale", ["linear", "log"])
+@rows(("low", "high"), [(0.13, 7.9), (1.0, 1000.0), (3e-5, 8e4), (12.0, 13.5), (0.9, 1.3)])
 def test_ticks_are_those_of_matplotlib(scale, low, high):
     figure = Figure(figsize=(5.0, 3.0))
     axes = figure.subplots()
@@ -216,7 +210,7 @@ def test_ticks_are_those_of_matplotlib(scale, low, high):
     assert side.ticks(length, 10.0).minor == pytest.approx(fine)
 
 
-@pytest.mark.parametrize("scale", ["linear", "log"])
+@rows("scale", ["linear", "log"])
 def test_points_are_where_matplotlib_has_them(scale):
     x, y = np.array([1.0, 3.0, 20.0]), np.array([2.0, 50.0, 7.0])
     panel = chart().subplots()
@@ -282,16 +276,10 @@ def test_labels_at_ticks_read_as_those_of_matplotlib():
     assert "−0.4" in found
 
 
-@pytest.mark.parametrize(
-    ("places", "labels", "beside"),
-    [
-        ([0.0, 0.5, 1.0], ["0.0", "0.5", "1.0"], ""),
-        ([-2.0, 0.0, 2.0], ["−2", "0", "2"], ""),
-        ([1e8, 2e8], ["1", "2"], "$×10^{8}$"),
-        ([0.0], ["0"], ""),
-        ([], [], ""),
-    ],
-)
+@rows("places, labels, beside", [
+    ([0.0, 0.5, 1.0], ["0.0", "0.5", "1.0"], ""), ([-2.0, 0.0, 2.0], ["−2", "0", "2"], ""),
+    ([1e8, 2e8], ["1", "2"], "$×10^{8}$"), ([0.0], ["0"], ""), ([], [], ""),
+])  # fmt: skip
 def test_numbers_at_ticks(places, labels, beside):
     assert plain(places) == (labels, beside)
 

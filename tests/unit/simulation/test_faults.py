@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.simulation import faults
@@ -18,8 +19,7 @@ def curve(record, noise):
     return al.deviation(record, "oadev", taus="octave", noise=noise)
 
 
-@pytest.mark.parametrize("dither", [None, faults.Dither(), faults.Dither(30.0, frequency=7.3)])
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@rows("dither, seed", paired([None, faults.Dither(), faults.Dither(30.0, frequency=7.3)], [1, 2, 3]))
 def test_a_rounded_rate_is_white_noise(dither, seed):
     """N grows by lsb sqrt(tau0/12); every octave within 5 standard errors: one failure in 1e5."""
     lsb, N = 60.0, al.N(0.3, "deg/sqrt(h)")
@@ -35,10 +35,7 @@ def test_a_rounded_rate_is_white_noise(dither, seed):
     assert np.all(np.abs(ratio - 1) < 5 * np.sqrt(2 / found.edf[keep]) + 0.01 * (dither is not None))
 
 
-@pytest.mark.parametrize(
-    "dither", [None, faults.Dither(), faults.Dither(40.0, frequency=6.1)], ids=["none", "random", "sine"]
-)
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@rows("dither, seed", paired([None, faults.Dither(), faults.Dither(40.0, frequency=6.1)], [1, 2, 3]))
 def test_a_rounded_angle_is_quantization_noise(dither, seed):
     """Q = lsb / sqrt(12) within 5 standard errors, by dither or by noise of 0.7 steps an interval."""
     lsb, N = 0.3, 0.001 if dither else 0.035
@@ -118,15 +115,13 @@ def test_a_profile_multiplies_the_noise():
     np.testing.assert_allclose(factor, np.where(at < end / 2, 1 + 4 * at / end, 2.0), rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("times", "factors"), [([], []), ([0, 1], [1]), ([1, 0], [1, 1]), ([0, 1], [1, -1]), ([0, np.nan], [1, 1])]
-)
+@rows(("times", "factors"), [([], []), ([0, 1], [1]), ([1, 0], [1, 1]), ([0, 1], [1, -1]), ([0, np.nan], [1, 1])])
 def test_a_profile_that_is_none_is_refused(times, factors):
     with pytest.raises(al.UsageError, match="a noise profile needs"):
         faults.noise_profile(white(), times, factors)
 
 
-@pytest.mark.parametrize("order", [1, 4])
+@rows("order", [1, 4])
 def test_a_filter_takes_half_of_the_power_at_its_cutoff(order):
     density = al.spectrum(faults.low_pass(white(), 10.0, order=order), sides="two", bins=None)
     flat = np.median(density.density[(density.frequency > 0.2) & (density.frequency < 1)])
@@ -156,29 +151,25 @@ ANGLE = al.Record(np.arange(4.0), rate=10.0, unit="deg", kind="angle")
 RNG = np.random.default_rng(1)
 
 
-@pytest.mark.parametrize(
-    ("fault", "words"),
-    [
-        (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples are removed"),
-        (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before samples are removed"),
-        (lambda: faults.low_pass(NAN, 1.0), "before samples are removed"),
-        (lambda: faults.low_pass(white(), 80.0), "between 0 and 50 Hz"),
-        (lambda: faults.low_pass(white(), 8.0, order=0), "integer from 1 to 10"),
-        (lambda: faults.constant(ANGLE, 1.0, "deg/s"), "not to angles"),
-        (lambda: faults.constant(white(), 1.0, "ug"), "neither a unit of a rate"),
-        (lambda: faults.quantize_rate(white(), 1.0, "arcsec"), "is not a unit of rad/s samples"),
-        (lambda: faults.quantize_angle(white(), 1.0, "deg/s"), "use arcsec"),
-        (lambda: faults.quantize_rate(white(), 0.0, "deg/s"), "above 0"),
-        (lambda: faults.quantize_rate(white(), 1.0, "deg/s", dither=faults.Dither()), "drawn from a generator"),
-        (lambda: faults.quantize_angle(white(), 1e-30, "arcsec"), "use a larger step"),
-        (lambda: faults.gaps(al.Record([1.0, 2.0], 1.0, "deg/h"), 0.5, 1.0, rng=RNG), "no samples to remove"),
-        (lambda: faults.Dither(0.0), "above 0"),
-        (lambda: faults.clip(white(), -1.0, "deg/h"), "above 0"),
-        (lambda: faults.gaps(white(), 1.5, 1.0, rng=RNG), "share from 0 to 1"),
-        (lambda: faults.outliers(white(), -0.1, 1.0, rng=RNG), "between 0 and 1"),
-        (lambda: faults.noise_step(white(), at=1.0), "between 0 and 1"),
-    ],
-)
+@rows("fault, words", [
+    (lambda: faults.quantize_rate(NAN, 1.0, "deg/s"), "before samples"),
+    (lambda: faults.quantize_angle(NAN, 1.0, "arcsec"), "before samples"),
+    (lambda: faults.low_pass(NAN, 1.0), "before samples"),
+    (lambda: faults.low_pass(white(), 80.0), "between 0 and 50 Hz"),
+    (lambda: faults.low_pass(white(), 8.0, order=0), "integer from 1 to 10"),
+    (lambda: faults.constant(ANGLE, 1.0, "deg/s"), "not to angles"),
+    (lambda: faults.constant(white(), 1.0, "ug"), "neither a unit of a rate"),
+    (lambda: faults.quantize_rate(white(), 1.0, "arcsec"), "is not a unit of rad/s samples"),
+    (lambda: faults.quantize_angle(white(), 1.0, "deg/s"), "use arcsec"),
+    (lambda: faults.quantize_rate(white(), 0.0, "deg/s"), "above 0"),
+    (lambda: faults.quantize_rate(white(), 1.0, "deg/s", dither=faults.Dither()), "drawn from a generator"),
+    (lambda: faults.quantize_angle(white(), 1e-30, "arcsec"), "use a larger step"),
+    (lambda: faults.gaps(al.Record([1.0, 2.0], 1.0, "deg/h"), 0.5, 1.0, rng=RNG), "no samples to remove"),
+    (lambda: faults.Dither(0.0), "above 0"), (lambda: faults.clip(white(), -1.0, "deg/h"), "above 0"),
+    (lambda: faults.gaps(white(), 1.5, 1.0, rng=RNG), "share from 0 to 1"),
+    (lambda: faults.outliers(white(), -0.1, 1.0, rng=RNG), "between 0 and 1"),
+    (lambda: faults.noise_step(white(), at=1.0), "between 0 and 1"),
+])  # fmt: skip
 def test_what_is_refused(fault, words):
     with pytest.raises(al.UsageError, match=words):
         fault()

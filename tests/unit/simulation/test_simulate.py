@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -12,8 +13,7 @@ UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
 RUNS = 100
 
 
-@pytest.mark.parametrize("symbols", ["Q", "N", "B", "K", "QNBK", "NKR"])
-@pytest.mark.parametrize("rate", [1.0, 200.0])
+@rows("symbols, rate", paired(["Q", "N", "B", "K", "QNBK", "NKR"], [1.0, 200.0]))
 def test_every_octave_has_the_expected_variance(symbols, rate):
     """100 records of 2048, seeds 1 to 100; 4.5 standard errors at 11 octaves, error probability below 1e-4."""
     size = {"Q": 0.5 / rate, "N": 1.0 / rate**0.5, "B": 0.3, "K": 0.02 * rate**0.5, "R": 1e-4 * rate}
@@ -35,7 +35,7 @@ def test_the_same_seed_gives_the_same_record():
     assert one.history == ("simulated: N = 1 deg/sqrt(h), B = 1 deg/h",)
 
 
-@pytest.mark.parametrize("n", [2, 3, 17, 1000, 1009])
+@rows("n", [2, 3, 17, 1000, 1009])
 def test_any_length(n):
     record = al.simulate(al.B(1.0, "deg/h"), n, 10.0, rng=np.random.default_rng(1))
     assert record.size == n
@@ -47,7 +47,7 @@ def test_a_single_reading_is_refused():
         al.simulate(al.N(1.0, "deg/sqrt(h)"), 1, 10.0, rng=np.random.default_rng(1))
 
 
-@pytest.mark.parametrize("symbol", list(TERMS))
+@rows("symbol", list(TERMS))
 def test_increments_follow_from_the_structure_function(symbol):
     """Fourth difference of D, where doubles can still tell it."""
     h = np.arange(2.0, 60.0)
@@ -57,7 +57,7 @@ def test_increments_follow_from_the_structure_function(symbol):
         np.testing.assert_allclose(TERMS[symbol].increments(h), direct, atol=1e-9)
 
 
-@pytest.mark.parametrize("symbol", ["Q", "N", "B", "K"])
+@rows("symbol", ["Q", "N", "B", "K"])
 def test_derivatives_of_the_structure_function(symbol):
     t = np.array([2.0, 5.0, 30.0])
     D, derivative = TERMS[symbol].structure, TERMS[symbol].derivative
@@ -69,7 +69,7 @@ def test_derivatives_of_the_structure_function(symbol):
         np.testing.assert_allclose(derivative(order + 1, t), numeric, rtol=1e-3, atol=1e-9)
 
 
-@pytest.mark.parametrize("symbol", ["N", "B", "K", "Q"])
+@rows("symbol", ["N", "B", "K", "Q"])
 def test_spectrum_and_structure_are_one_process(symbol):
     """Allan variance by the spectral integral against D."""
     model = al.Model((term(symbol, 1.0, UNIT[symbol]),))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.linalg import expm
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
@@ -28,7 +29,7 @@ BLOCKS = {
 STEP = {"walk": 0.5, "ramp": 0.5, "sine": 0.3}
 
 
-@pytest.mark.parametrize("name", list(BLOCKS))
+@rows("name", list(BLOCKS))
 def test_the_discretisation_is_that_of_numerical_integration(name):
     """Gauss-Legendre over the interval of what an impulse of noise leaves in the states and in the mean."""
     block, h = BLOCKS[name], STEP.get(name, 0.01)
@@ -66,8 +67,7 @@ EXACT = {
 }
 
 
-@pytest.mark.parametrize("name", list(EXACT))
-@pytest.mark.parametrize("rate", [1.0, 50.0])
+@rows("name, rate", paired(list(EXACT), [1.0, 50.0]))
 def test_the_allan_variance_of_the_matrices_is_that_of_the_model(name, rate):
     model = al.Model(EXACT[name])
     space = al.state_space(model, rate, measurement="mean", tau=(1.0, 400.0))
@@ -92,7 +92,7 @@ def simulated(space, n, rng):
     return y + np.sqrt(space.R[0, 0]) * rng.standard_normal(n)
 
 
-@pytest.mark.parametrize("measurement", ["mean", "sample"])
+@rows("measurement", ["mean", "sample"])
 def test_the_recursion_has_the_curve_of_the_matrices(measurement):
     """12 records of 4096 steps; every octave within 5 standard errors of the mean: one failure in 1e5."""
     model = al.Model("N 0.5 rad/sqrt(s), B 1 rad/s, K 0.05 rad/s^1.5")
@@ -111,7 +111,7 @@ def test_the_recursion_has_the_curve_of_the_matrices(measurement):
         np.testing.assert_allclose(space.allan(curves[0].m[keep]), exact, rtol=0.05)
 
 
-@pytest.mark.parametrize("symbols", ["NK", "QNK", "NKG"])
+@rows("symbols", ["NK", "QNK", "NKG"])
 def test_a_filter_with_these_matrices_is_consistent(symbols):
     """Normalised innovations of exact records are white with variance 1: within 5 standard errors."""
     terms = {"Q": "Q 0.3 rad", "N": "N 1 rad/sqrt(s)", "K": "K 0.1 rad/s^1.5", "G": "GM 1 rad/s 5 s"}
@@ -132,7 +132,7 @@ def test_a_filter_with_these_matrices_is_consistent(symbols):
         assert abs(np.mean(z[lag:] * z[:-lag])) < 5 / np.sqrt(z.size)
 
 
-@pytest.mark.parametrize(("tau", "ripple"), [((1.0, 1000.0), 0.02), ((0.1, 1e4), 0.005), ((3.0, 8.0), 0.02)])
+@rows(("tau", "ripple"), [((1.0, 1000.0), 0.02), ((0.1, 1e4), 0.005), ((3.0, 8.0), 0.02)])
 def test_the_sum_is_flicker_in_its_range(tau, ripple):
     """By the exact expectation of the terms, on a grid of its own."""
     found = flicker_sum(tau, ripple=ripple)
@@ -166,18 +166,13 @@ def test_the_simpler_measurement_is_taken_where_it_does():
     assert al.state_space(fast, 100.0).measurement == "mean"
 
 
-@pytest.mark.parametrize(
-    ("text", "options", "words"),
-    [
-        ("N 1 deg/sqrt(h)", {}, "measurement noise alone"),
-        ("Q 1 arcsec", {"measurement": "sample"}, "needs measurement='mean'"),
-        ("B 1 deg/h", {"tau": (10.0, 1.0)}, "0 < low < high"),
-        ("B 1 deg/h", {"order": 0}, "between 1 and 40"),
-        ("B 1 deg/h", {"ripple": 0.0}, "above 0"),
-        ("B 1 deg/h", {"measurement": "median"}, "auto, mean or sample"),
-        ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "0 or a positive number"),
-    ],
-)
+@rows("text, options, words", [
+    ("N 1 deg/sqrt(h)", {}, "measurement noise alone"),
+    ("Q 1 arcsec", {"measurement": "sample"}, "needs measurement='mean'"),
+    ("B 1 deg/h", {"tau": (10.0, 1.0)}, "0 < low < high"), ("B 1 deg/h", {"order": 0}, "between 1 and 40"),
+    ("B 1 deg/h", {"ripple": 0.0}, "above 0"), ("B 1 deg/h", {"measurement": "median"}, "auto, mean or sample"),
+    ("K 1 deg/h/sqrt(h)", {"turn_on": -1.0}, "0 or a positive number"),
+])  # fmt: skip
 def test_what_is_refused(text, options, words):
     with pytest.raises(al.UsageError, match=words):
         al.state_space(al.Model(text), 10.0, **options)
@@ -214,6 +209,6 @@ def test_the_verb_takes_a_recording(tmp_path):
     assert "measured gz" in (tmp_path / "a.svg").read_text() or (tmp_path / "a.svg").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("arguments", [("--tau", "1"), ("--tau", "0,3"), ("--turn-on", "3"), ("--order", "99")])
+@rows("arguments", [("--tau", "1"), ("--tau", "0,3"), ("--turn-on", "3"), ("--order", "99")])
 def test_wrong_options_are_refused(arguments):
     assert run("--sensor", "mems", "--rate", 10, *arguments).exit_code == 2

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from scipy.special import ndtr
+from tests import thinned
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.averaged import averaged
@@ -32,7 +34,7 @@ def points(statistic):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("statistic", ["oadev", "hdev", "totdev", "theo1"])
+@rows("statistic", ["oadev", "hdev", "totdev", "theo1"])
 def test_limits_are_those_of_the_mixture_of_the_laws(statistic):
     at = points(statistic)
     law = AveragedLaw(at, NOISE, np.ones((3, 4)))
@@ -74,7 +76,7 @@ def test_a_bias_that_is_not_known_widens_the_limits_with_the_scatter():
     np.testing.assert_allclose(one.quantiles(p), 1.7 * plain.quantiles(p), rtol=1e-9)
 
 
-@pytest.mark.parametrize("statistic", ["oadev", "mdev", "totdev", "theo1"])
+@rows("statistic", ["oadev", "mdev", "totdev", "theo1"])
 def test_one_model_in_parts_is_that_model(statistic):
     record = simulated(MODELS[1], 1024)
     whole = al.deviation(record, statistic, m=[4, 32, 128], noise=MODELS[1])
@@ -152,7 +154,7 @@ def test_a_hybrid_takes_its_bias_from_a_model_that_is_given():
     assert given.variance[1] != plain.variance[1]
 
 
-@pytest.mark.parametrize("statistic", ["oadev", "ohdev", "mdev", "totdev", "theo1", "pdev"])
+@rows("statistic", thinned(["oadev", "ohdev", "mdev", "totdev", "pdev", "theo1"], 3))
 def test_limits_between_the_nodes_of_a_curve_are_those_at_the_points(statistic):
     at = points(statistic)._replace(m=np.unique(np.geomspace(2, 338, 60).astype(np.int64) // 2 * 2))
     noise = averaged(MODELS, WEIGHTS)
@@ -176,9 +178,7 @@ def test_limits_of_every_averaging_time_are_those_at_the_points():
         np.testing.assert_allclose(found[some], wanted, rtol=0.01)
 
 
-@pytest.mark.parametrize(
-    ("statistic", "m"), [("oadev", 30), ("totdev", 60), ("theo1", 60), ("mtotdev", 40), ("pdev", 40)]
-)
+@rows(("statistic", "m"), [("oadev", 30), ("totdev", 60), ("theo1", 60), ("mtotdev", 40), ("pdev", 40)])
 def test_the_leading_eigenvalues_are_those_of_a_dense_solver(statistic, m):
     row = al.STATISTICS[statistic]
     count = int(row.count(1024, np.array([m]))[0])

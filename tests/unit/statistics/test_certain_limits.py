@@ -3,7 +3,7 @@
 import warnings
 
 import numpy as np
-import pytest
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics.confidence.eigenvalues import Eigenvalues
@@ -19,8 +19,7 @@ MODELS = [
 ]
 
 
-@pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("statistic", ["mdev", "tdev", "oadev", "hdev", "ohdev", "totdev", "theo1"])
+@rows("statistic, model", paired(["mdev", "tdev", "oadev", "hdev", "ohdev", "totdev", "theo1"], MODELS))
 def test_every_limit_is_a_number(model, statistic):
     record = al.simulate(al.Model(model), 20_000, 40.0, rng=np.random.default_rng(1))
     m = 2 * np.unique(np.geomspace(5, 3000, 60).astype(int))
@@ -45,7 +44,7 @@ def test_a_third_difference_removes_a_ramp():
     np.testing.assert_allclose(beside.interval(0.95), alone.interval(0.95), rtol=1e-9)
 
 
-@pytest.mark.parametrize("m", [5, 10, 34])
+@rows("m", [5, 10, 34])
 def test_covariance_of_modified_windows_far_apart(m):
     """Where some of the differences are taken from derivatives and the others are not."""
     term = al.GM(1.0, "rad/s", time_constant=2.0).sampled(40.0)

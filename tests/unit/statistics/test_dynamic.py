@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.kernels.dynamic import sliding
@@ -46,7 +47,7 @@ def test_every_window_equals_its_own_deviation(name, data):
     np.testing.assert_allclose(surface.tau, curve.tau)
 
 
-@pytest.mark.parametrize("name", [name for name, row in al.STATISTICS.items() if row.sliding])
+@rows("name", [name for name, row in al.STATISTICS.items() if row.sliding])
 def test_long_records(name):
     record = record_of(noise(30_000) + 1e6)
     for samples, stride in ((5000, 700), (1000, 3000), (300, 1)):
@@ -78,7 +79,7 @@ def test_a_shock_leaves_nothing_behind():
     np.testing.assert_allclose(shaken.variance[before], calm.variance[before], rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", list(al.STATISTICS))
+@rows("name", list(al.STATISTICS))
 def test_windows_that_have_lost_samples(name):
     y = noise(3000)
     y[1000:1400] = np.nan

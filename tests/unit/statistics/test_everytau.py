@@ -1,12 +1,11 @@
 """Every averaging time at once against the definition, and what a curve of so many points is worth."""
 
 import re
-import time
 from functools import partial
 
 import numpy as np
 import pytest
-from tests.pace import pace
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.kernels.overlapped import overlapped
@@ -41,8 +40,7 @@ def record_of(y, **options):
     return al.Record(np.asarray(y), **({"rate": 10.0, "unit": "deg/h", "kind": "rate", "name": "z"} | options))
 
 
-@pytest.mark.parametrize("name", list(ROWS))
-@pytest.mark.parametrize("kind", KINDS)
+@rows("kind, name", paired(KINDS, list(ROWS)))
 def test_every_averaging_factor_equals_its_definition(name, kind):
     order, summed, direct = ROWS[name]
     y = rate(kind)
@@ -66,8 +64,7 @@ def test_nothing_is_nothing():
     assert not dense(np.zeros(3001), np.arange(1, 1501), 2).any()
 
 
-@pytest.mark.parametrize("name", list(ROWS))
-@pytest.mark.parametrize("n", [300, 511, 513, 1537, 4099, 33_001, 300_007])
+@rows("n, name", paired([300, 511, 513, 1537, 4099, 33_001, 300_007], list(ROWS)))
 def test_every_length_of_a_record(name, n):
     """With no frame, one and many; the last group is all of the record."""
     order, summed, direct = ROWS[name]
@@ -78,15 +75,15 @@ def test_every_length_of_a_record(name, n):
     np.testing.assert_allclose(found[some - 1], direct(x, some), rtol=1e-9)
 
 
-@pytest.mark.parametrize("n", [10, 1000, 100_000, 3_600_001])
-@pytest.mark.parametrize("summed", [False, True])
+@rows("n", [10, 1000, 100_000, 3_600_001])
+@rows("summed", [False, True])
 def test_groups_follow_each_other_to_the_end(n, summed):
     found = groups(n, 2, summed=summed)
     assert [high for _, high in found[:-1]] == [low for low, _ in found[1:]]
     assert not found or 2 * (found[-1][1] - 1) < n <= 2 * found[-1][1]
 
 
-@pytest.mark.parametrize("name", ["oadev", "haar", "ohdev", "mdev", "tdev"])
+@rows("name", ["oadev", "haar", "ohdev", "mdev", "tdev"])
 def test_a_record_with_gaps(name):
     y = rate("random walk")
     y[[3000, 3001, 12_000]] = np.nan
@@ -97,7 +94,7 @@ def test_a_record_with_gaps(name):
     np.testing.assert_array_equal(curve.count[some], few.count)
 
 
-@pytest.mark.parametrize("name", ["oadev", "mdev", "adev", "theo1", "totdev", "theoh"])
+@rows("name", ["oadev", "mdev", "adev", "theo1", "totdev", "theoh"])
 def test_threads_give_the_same_numbers(name):
     record = record_of(rate("flicker", 6000))
     one = al.deviation(record, name, taus="all")
@@ -107,7 +104,7 @@ def test_threads_give_the_same_numbers(name):
         al.deviation(record, name, threads=0)
 
 
-@pytest.mark.parametrize("name", ["oadev", "ohdev", "mdev"])
+@rows("name", ["oadev", "ohdev", "mdev"])
 def test_limits_between_the_points_that_are_worked_out(name):
     model = al.N(0.5, "deg/sqrt(h)") + al.K(3.0, "deg/h/sqrt(h)")
     record = al.simulate(model, N, 10.0, rng=np.random.default_rng(1))
@@ -129,12 +126,10 @@ def test_bias_of_many_points_is_that_of_each():
 
 
 @pytest.mark.slow("takes more than half a second")
-def test_a_curve_of_every_tau_has_its_limits_and_figure_in_seconds():
+def test_a_curve_of_every_tau_has_its_limits_and_a_figure_of_few_points():
     record = record_of(rate("flicker", 300_000))
-    start = time.process_time()
     curve = al.deviation(record, "oadev", taus="all")
     figure = al.plot(curve)
-    assert time.process_time() - start < 20 * pace()
     assert curve.m.size == 150_000 > PAYS
     assert all(len(line.get_xdata()) <= 400 for line in figure.axes[0].lines)
 

@@ -1,16 +1,12 @@
 """Curves of a model without data."""
 
-import csv
-import io
-import json
-
 import numpy as np
-import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.reporting import figures, to_csv
+from allanite.reporting import figures
 from allanite.statistics import expectation
 
 FIVE = "Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2"
@@ -66,38 +62,17 @@ def test_a_single_term_can_be_drawn_and_several_models_beside_each_other():
     )
 
 
-@pytest.mark.slow("takes more than half a second")
-def test_everything_of_a_model_is_written(tmp_path):
-    names = {"plot": "a.png", "csv": "a.csv", "json": "a.json", "report": "a.html"}
-    asked = [part for option, name in names.items() for part in (f"--{option}", tmp_path / name)]
-    done = run("deviation", "--model", FIVE, "--rate", 10, "--duration", "1h", "--statistic", "oadev,mdev", *asked)
-    assert done.exit_code == 0, done.stderr
-    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
-    assert {row["statistic"] for row in rows} == {"oadev", "mdev"}
-    first = rows[0]
-    assert float(first["tau_s"]) == pytest.approx(0.1)
-    whole = sum(float(first[symbol]) ** 2 for symbol in "QNBKR")
-    assert float(first["deviation"]) ** 2 == pytest.approx(whole)
-    stored = al.from_dict(json.loads((tmp_path / "a.json").read_text(encoding="utf-8")))
-    assert to_csv(stored) == (tmp_path / "a.csv").read_text(encoding="utf-8")
-    assert "rate random walk" in done.stdout
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ((), "give either a recording, or the noise with --model, --sensor or --datasheet"),
-        (("a.csv", "--sensor", "fog"), "give either a recording"),
-        (("--sensor", "fog", "--statistic", "mdev"), "pass --rate HZ"),
-        (("--sensor", "fog", "--statistic", "theoh", "--rate", "10"), "pass --duration TIME"),
-        (("--sensor", "fog", "--duration", "1h"), "--rate HZ"),
-        (("--sensor", "fog", "--terms", "QN"), "--terms applies to a recording"),
-        (("--sensor", "fog", "--m", "1,2"), "--taus 1,10,100"),
-        (("--sensor", "fog", "--taus", "decade"), "--rate HZ"),
-        (("--sensor", "fog", "--rate", "0"), "must be a positive number of Hz"),
-        (("--sensor", "fog", "--rate", "10", "--samples", "1"), "too short for oadev"),
-    ],
-)
+@rows("arguments, words", [
+    ((), "give either a recording, or the noise with --model, --sensor or --datasheet"),
+    (("a.csv", "--sensor", "fog"), "give either a recording"),
+    (("--sensor", "fog", "--statistic", "mdev"), "pass --rate HZ"),
+    (("--sensor", "fog", "--statistic", "theoh", "--rate", "10"), "pass --duration TIME"),
+    (("--sensor", "fog", "--duration", "1h"), "--rate HZ"),
+    (("--sensor", "fog", "--terms", "QN"), "--terms applies to a recording"),
+    (("--sensor", "fog", "--m", "1,2"), "--taus 1,10,100"), (("--sensor", "fog", "--taus", "decade"), "--rate HZ"),
+    (("--sensor", "fog", "--rate", "0"), "positive number of Hz"),
+    (("--sensor", "fog", "--rate", "10", "--samples", "1"), "too short for oadev"),
+])  # fmt: skip
 def test_what_cannot_be_expected_is_refused(arguments, words):
     done = run("deviation", *arguments)
     assert done.exit_code == 2

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests import thinned
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics.moments.moments import DISTINCT, grouped
@@ -20,7 +21,7 @@ def with_losses(seed, share, size=4096):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("share", thinned([0.01, 0.05, 0.2], 1, "ensemble"))
+@rows("share", thinned([0.01, 0.05, 0.2], 1))
 def test_every_point_that_has_a_window_has_limits(share):
     for seed in range(6):
         record = with_losses(seed, share)
@@ -36,8 +37,7 @@ def windows(runs, row, m):
     return sum(int(row.count(size, np.array([m]))[0]) * times for size, times in runs)
 
 
-@pytest.mark.parametrize("name", ["oadev", "adev", "mdev", "theo1"])
-@pytest.mark.parametrize("m", [2, 16, 48])
+@rows("name, m", paired(["oadev", "adev", "mdev", "theo1"], [2, 16, 48]))
 def test_grouping_keeps_the_windows(name, m):
     row = STATISTICS[name]
     rng = np.random.default_rng(m)

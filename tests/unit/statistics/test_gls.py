@@ -5,6 +5,7 @@ import pytest
 from scipy.fft import dct
 from scipy.linalg import toeplitz
 from tests import thinned
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics.moments.gls import Covariance, autocovariance
@@ -35,7 +36,7 @@ def test_white_and_angle_noise_are_three_numbers():
     np.testing.assert_allclose(c, [q + 2 * r, -r, 0, 0, 0], rtol=1e-14, atol=0)
 
 
-@pytest.mark.parametrize("symbols", ["B", "K", "QNBK"])
+@rows("symbols", ["B", "K", "QNBK"])
 def test_the_covariance_is_that_of_the_increments(symbols):
     """Second differences of c are the covariance of first differences of the rate, near and far."""
     from allanite.terms import TERMS as TABLE
@@ -49,8 +50,7 @@ def test_the_covariance_is_that_of_the_increments(symbols):
     assert n > FAR
 
 
-@pytest.mark.parametrize("symbols", MIXTURES)
-@pytest.mark.parametrize("n", [3, 17, 400])
+@rows("symbols, n", paired(list(MIXTURES), [3, 17, 400]))
 def test_solve_is_the_dense_solution(symbols, n):
     given = covariance(symbols, n)
     b = np.random.default_rng(1).standard_normal(n)
@@ -61,10 +61,7 @@ def test_solve_is_the_dense_solution(symbols, n):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(
-    ("symbols", "n"),
-    thinned([*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)], 2, "long records"),
-)
+@rows(("symbols", "n"), thinned([*((symbols, 2**17) for symbols in MIXTURES), ("QB", 2**20), ("QNBKR", 2**20)], 2))
 def test_a_million_samples_are_solved(symbols, n):
     given = covariance(symbols, n)
     b = np.zeros(n)
@@ -74,7 +71,7 @@ def test_a_million_samples_are_solved(symbols, n):
     assert np.abs(rest - rest.mean()).max() < 1e-4
 
 
-@pytest.mark.parametrize("symbols", ["QN", "QNBK"])
+@rows("symbols", ["QN", "QNBK"])
 def test_variance_of_a_contrast(symbols):
     given = covariance(symbols, 300)
     v = np.random.default_rng(2).standard_normal(300)
@@ -82,7 +79,7 @@ def test_variance_of_a_contrast(symbols):
     assert given.variance(v) == pytest.approx(v @ toeplitz(given.first_row) @ v, rel=1e-10)
 
 
-@pytest.mark.parametrize("symbols", ["N", "K", "QNBK"])
+@rows("symbols", ["N", "K", "QNBK"])
 def test_whitened_records_have_variance_one(symbols):
     """40 records of 4096, seeds 1 to 40: the mean square within 5 standard errors, 1.7 % (error probability 6e-7)."""
     given = covariance(symbols, 4096, 10.0)

@@ -1,48 +1,42 @@
-"""Ctrl-C is answered at once; every verb and every statistic are interrupted by benchmarks/interruption.py."""
+"""Ctrl-C is answered while a compiled loop goes on; benchmarks/interruption.py measures it for every verb."""
 
+import os
 import signal
-import subprocess
 import sys
-import time
+import threading
 
-import pytest
-from tests.pace import pace
-
-JOB = """
-import sys, time
 import numpy as np
+import pytest
+from tests.rows import rows
+
 import allanite as al
-small = al.Record(np.random.default_rng(1).standard_normal(4000), rate=100.0, unit="deg/h")
-record = al.Record(np.random.default_rng(1).standard_normal({size}), rate=100.0, unit="deg/h")
-def job(record):
-    {job}
-job(small)
-print("now", flush=True)
-try:
-    job(record)
-except KeyboardInterrupt:
-    print(time.monotonic(), flush=True)
-"""
-JOBS = {
-    "mtotdev": ("al.deviation(record, 'mtotdev', noise=None)", 5_000_000),
-    "htotdev by two threads": ("al.deviation(record, 'htotdev', noise=None, threads=2)", 5_000_000),
-    "mtie": ("al.deviation(record, 'mtie', taus='log', noise=None)", 5_000_000),
-}
+from allanite.parallel.futures import spread
+from allanite.statistics import estimator
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGINT to send")
-@pytest.mark.parametrize("name", JOBS)
-@pytest.mark.slow("interrupted processes")
-def test_an_interruption_is_answered_within_a_second(name):
-    job, size = JOBS[name]
-    running = subprocess.Popen(
-        [sys.executable, "-c", JOB.format(job=job, size=size)], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    )
-    assert running.stdout.readline() == b"now\n"
-    time.sleep(0.4)
-    if running.poll() is None:
-        start = time.monotonic()
-        running.send_signal(signal.SIGINT)
-        answered, words = running.communicate(timeout=120)
-        assert not words
-        assert not answered or float(answered) - start < pace()
+@rows("threads", [1, 2])
+def test_an_interruption_does_not_wait_for_what_other_threads_compute(threads):
+    ended, by = threading.Event(), []
+
+    def loop(_):
+        by.append(threading.current_thread())
+        os.kill(os.getpid(), signal.SIGINT)
+        ended.wait()
+
+    with pytest.raises(KeyboardInterrupt):
+        spread(loop, [0], threads)
+    ended.set()
+    assert by[0] is not threading.main_thread()
+
+
+@rows("statistic, threads", [("mtotdev", 1), ("htotdev", 2), ("mtie", 1)])
+def test_long_loops_run_in_other_threads(monkeypatch, statistic, threads):
+    def kept_away(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(estimator, "spread", kept_away)
+    al.deviation(al.Record(np.arange(200) % 7 + 0.5, rate=100.0, unit="deg/h"), statistic, noise=None)
+    record = al.Record(np.random.default_rng(1).standard_normal(2_000_000), rate=100.0, unit="deg/h")
+    with pytest.raises(KeyboardInterrupt):
+        al.deviation(record, statistic, taus="log", noise=None, threads=threads)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import toeplitz
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.averaged import averaged
@@ -46,7 +47,7 @@ def literal(name, m):
     return (R.T * h**2) @ R / (m * h.sum() * norm), h.size, places
 
 
-@pytest.mark.parametrize(("name", "m"), CASES)
+@rows(("name", "m"), CASES)
 def test_the_variance_is_that_of_its_definition(name, m):
     A, count, _ = literal(name, m)
     record = lossy()
@@ -56,7 +57,7 @@ def test_the_variance_is_that_of_its_definition(name, m):
     assert curve.variance[0] == pytest.approx(y @ A @ y, rel=1e-9)
 
 
-@pytest.mark.parametrize(("name", "m"), CASES)
+@rows(("name", "m"), CASES)
 def test_moments_are_those_of_dense_matrices(name, m):
     A, _, places = literal(name, m)
     row, terms = al.STATISTICS[name], [TERMS[s] for s in SYMBOLS]
@@ -115,7 +116,7 @@ def test_what_the_joints_hide_is_refused():
     assert curve.m[-1] < 1024
     assert (curve.factor >= 0.03).all()
     assert np.isfinite(curve.interval()).all()
-    with pytest.raises(al.DataError, match="at averaging factor 1024, so that it carries no information"):
+    with pytest.raises(al.DataError, match="averaging factor 1024"):
         al.deviation(torn, m=[1, 1024], noise=model)
 
 
@@ -149,7 +150,7 @@ def test_a_model_without_noise_of_the_joints_hides_nothing():
     assert al.deviation(torn, noise=drifting).m.size >= both.m.size
 
 
-@pytest.mark.parametrize("name", ["adev", "oadev", "ohdev"])
+@rows("name", ["adev", "oadev", "ohdev"])
 def test_complete_windows_are_counted_run_by_run(name):
     row, rng = al.STATISTICS[name], np.random.default_rng(4)
     lengths = rng.integers(1, 200, 30)

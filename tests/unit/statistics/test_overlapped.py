@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import paired, rows
 
 from allanite.kernels.overlapped import BLOCK, ROWS, TILE, add_overlapped, overlapped
 
@@ -13,8 +14,7 @@ def literal(x: np.ndarray, m: int, order: int) -> float:
     return float(np.sum(difference**2))
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-@pytest.mark.parametrize("size", [40, BLOCK + 1, 4 * ROWS + 3, TILE - 1, TILE + 1, 3 * TILE + 777])
+@rows("order, size", paired([1, 2, 3], [40, BLOCK + 1, 4 * ROWS + 3, TILE - 1, TILE + 1, 3 * TILE + 777]))
 def test_every_size_and_order(order: int, size: int) -> None:
     x = np.cumsum(np.random.default_rng(size + order).standard_normal(size))
     most = (size - 1) // order
@@ -24,7 +24,7 @@ def test_every_size_and_order(order: int, size: int) -> None:
     assert overlapped(x, m, order) == pytest.approx([literal(x, k, order) for k in m.tolist()], rel=1e-12)
 
 
-@pytest.mark.parametrize("size", [5, BLOCK, TILE + 5])
+@rows("size", [5, BLOCK, TILE + 5])
 def test_only_the_first_windows(size: int) -> None:
     x = np.cumsum(np.random.default_rng(1).standard_normal(2 * TILE))
     m = np.array([1, 2, 3, 5, 300, 5000, 40_000])

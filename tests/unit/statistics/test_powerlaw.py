@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples, thinned
 from tests.reference.laws import STRUCTURES
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics import integrated
@@ -39,7 +40,7 @@ def exact_delta(alpha, d):
     return (one / zero) / (1 + one / zero)
 
 
-@pytest.mark.parametrize("d", [2, 3])
+@rows("d", [2, 3])
 def test_edges_are_half_way_between_the_exact_values(d):
     alphas = [alpha for _, alpha in powerlaw.EDGES[d]]
     assert alphas == list(range(0, -len(alphas), -1))
@@ -54,7 +55,7 @@ def test_the_values_that_the_comment_quotes():
     assert [round(exact_delta(a, 3), 3) for a in (0, -1, -2, -3, -4)] == [-2, -1.149, -0.5, -0.037, 0.283]
 
 
-@pytest.mark.parametrize("K", [5, 12, 29])
+@rows("K", [5, 12, 29])
 def test_the_ratio_of_order_2_is_b1(K):
     """B1 of SP 1065: (K+1)/(1.5K), 1, K ln K/(2(K-1) ln 2), K/2 for alpha = 2, 0, -1, -2."""
     start = np.arange(float(K))
@@ -76,8 +77,7 @@ def test_the_ratio_of_order_3_is_blind_to_a_ramp():
     assert y @ local @ y == pytest.approx((third**2).mean() / 6)
 
 
-@pytest.mark.parametrize("row", [OADEV, OHDEV], ids=["allan", "hadamard"])
-@pytest.mark.parametrize("alpha", list(NOISE))
+@rows("row, alpha", paired([OADEV, OHDEV], list(NOISE)))
 def test_pure_noise_is_named_at_every_time(alpha, row):
     """2000 samples to m = 16: the weakest cell, 126 points, is hit in 96 % of records; 20 records fail 6 or more of 120
     once in 10^4 (seeds 1 to 20)."""
@@ -88,7 +88,7 @@ def test_pure_noise_is_named_at_every_time(alpha, row):
     assert {law.symbol for record in laws for law in record if law.alpha == alpha} == {powerlaw.symbol_of(alpha)}
 
 
-@pytest.mark.parametrize("alpha", list(NOISE))
+@rows("alpha", list(NOISE))
 def test_gaps_cost_little(alpha):
     """Nine pieces of a record of 2000: at least 17 of 20 are named at m = 4 (seeds 1 to 20)."""
     hits = 0
@@ -100,8 +100,7 @@ def test_gaps_cost_little(alpha):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("alpha", list(NOISE))
-@pytest.mark.parametrize("samples", thinned([3, 5, 10, 20], 1, "ensemble"))
+@rows("alpha, samples", paired(list(NOISE), thinned([3, 5, 10, 20], 1)))
 def test_very_short_pieces_still_say_it(alpha, samples):
     """At least 18 of 20 records of 4000 are named at m = 1 (seeds 1 to 20)."""
     hits = 0
@@ -141,15 +140,15 @@ def test_times_of_theo1_are_rounded():
     assert [law.m for law in found(simulated(0, 4000, 1), [7.5, 15.0, 75.0], row)] == [8, 15, 75]
 
 
-@pytest.mark.parametrize("n", [2, 3, 5, 11])
-@pytest.mark.parametrize("row", [OADEV, OHDEV], ids=["allan", "hadamard"])
+@rows("n", [2, 3, 5, 11])
+@rows("row", [OADEV, OHDEV], ids=["allan", "hadamard"])
 def test_the_shortest_records_have_an_answer(n, row):
     law = found(np.random.default_rng(1).standard_normal(n), 1, row)[0]
     assert (law.method, law.m) == ("b1", 1)
     assert law.symbol in al.TERMS
 
 
-@pytest.mark.parametrize("n", [10, 100])
+@rows("n", [10, 100])
 def test_a_constant_record_has_an_answer(n):
     assert found(np.ones(n), 1)[0].symbol in ("Q", "N")
 

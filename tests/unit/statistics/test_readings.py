@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 
@@ -26,7 +27,7 @@ def test_the_usual_point_is_that_of_the_curve_at_one_second():
     assert found.white
 
 
-@pytest.mark.parametrize(("rate", "n", "tau"), [(0.1, 2000, 10.0), (99.317, 2000, 99 / 99.317), (1000.0, 500, 0.05)])
+@rows(("rate", "n", "tau"), [(0.1, 2000, 10.0), (99.317, 2000, 99 / 99.317), (1000.0, 500, 0.05)])
 def test_where_there_is_no_second_the_nearest_is_taken(rate, n, tau):
     found = al.readings(white(2, n, rate))
     assert found.usual.tau == pytest.approx(tau)
@@ -95,7 +96,7 @@ def test_lost_readings_in_every_mean_end_nothing_but_the_means():
     record = al.Record(y, rate=100.0, unit="deg/h")
     assert al.readings(record).means == ()
     assert al.analyze(record).channels[0].noise is not None
-    with pytest.raises(al.DataError, match="a mean that touches a gap is not complete; choose a shorter time"):
+    with pytest.raises(al.DataError, match="touches a gap"):
         al.averaging_stability(record, 10.0)
     assert al.averaging_stability(record, 0.25).blocks == 1200
 

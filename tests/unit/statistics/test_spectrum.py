@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 from tests import examples
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -27,8 +28,8 @@ def noise(n=4096, seed=1, **options):
     return record_of(np.random.default_rng(seed).standard_normal(n), **options)
 
 
-@pytest.mark.parametrize("window", WINDOWS)
-@pytest.mark.parametrize("length", [100, 101, 4096])
+@rows("window", WINDOWS)
+@rows("length", [100, 101, 4096])
 def test_welch_is_scipys(window, length):
     record = noise()
     found = al.spectrum(record, al.Welch(length / 10.0, window))
@@ -40,7 +41,7 @@ def test_welch_is_scipys(window, length):
     np.testing.assert_allclose(found.density, expected[first : (length + 1) // 2], rtol=1e-7)
 
 
-@pytest.mark.parametrize("weights", ["equal", "eigen"])
+@rows("weights", ["equal", "eigen"])
 def test_multitaper_is_its_definition(weights):
     record = noise(301)
     found = al.spectrum(record, al.Multitaper(3.0, 4, weights), sides="two")
@@ -63,8 +64,7 @@ def test_long_tapers_are_the_short_ones_stretched():
     np.testing.assert_allclose(shares, exact, rtol=1e-7)
 
 
-@pytest.mark.parametrize("method", ALL, ids=str)
-@pytest.mark.parametrize("symbol", ["Q", "N", "B", "K"])
+@rows("method, symbol", paired(ALL, ["Q", "N", "B", "K"]))
 def test_the_level_is_that_of_the_model(method, symbol):
     """Mean of 40 records within 5 standard errors at every tenth of a decade, where the resolution is fine enough."""
     unit = SIGNALS[0].si[al.TERMS[symbol].power]
@@ -96,7 +96,7 @@ def test_n_is_the_root_of_the_two_sided_density():
     np.testing.assert_allclose(two.to("deg/h").expected(model), model.to("deg/h/sqrt(Hz)") ** 2)
 
 
-@pytest.mark.parametrize("method", ALL, ids=str)
+@rows("method", ALL, ids=str)
 def test_the_integral_is_the_mean_square(method):
     record = noise(50_000)
     found = al.spectrum(record, method)
@@ -108,8 +108,8 @@ def test_the_integral_is_the_mean_square(method):
     assert binned.width.sum() == pytest.approx(found.width.sum())
 
 
-@pytest.mark.parametrize("method", [m for m in ALL if not isinstance(m, str)] + list(METHODS), ids=str)
-@pytest.mark.parametrize("frequency", [0.731, 2.5])
+@rows("method", [m for m in ALL if not isinstance(m, str)] + list(METHODS), ids=str)
+@rows("frequency", [0.731, 2.5])
 def test_power_of_a_sine(method, frequency):
     amplitude, n = 3.0, 20_000
     record = record_of(amplitude * np.sin(2 * np.pi * frequency * np.arange(n) / 10.0 + 1) + 1e-3 * noise(n).values)
@@ -119,24 +119,23 @@ def test_power_of_a_sine(method, frequency):
     assert found.density.max() * found.resolution == pytest.approx(amplitude**2 / 2, rel=0.3)
 
 
-@pytest.mark.parametrize("method", ALL, ids=str)
-@pytest.mark.parametrize("bins", [None, 4, 20])
+@rows("method, bins", paired(list(ALL), [None, 4, 20]))
 def test_intervals_hold_the_truth_as_often_as_they_say(method, bins):
-    """White noise, 300 records: the mean coverage of 90 % intervals, within 4 standard errors of 300 x few values.
+    """White noise, 300 records: the mean coverage of 90 % intervals, within 4 standard errors of so many records.
 
     Neighbouring values are dependent: the standard error is that of the records' own coverages.
     """
     held = []
-    for seed in range(1, 301):
+    count = examples(300)
+    for seed in range(1, count + 1):
         found = al.spectrum(noise(1000, seed), method, bins=bins)
         low, high = found.interval(0.9)
         held.append(((low <= 0.2) & (high >= 0.2)).mean())
     held = np.array(held)
-    assert abs(held.mean() - 0.9) < 4 * held.std() / np.sqrt(300) + 0.006
+    assert abs(held.mean() - 0.9) < 4 * held.std() / np.sqrt(count) + 0.006
 
 
-@pytest.mark.parametrize("method", ALL, ids=str)
-@pytest.mark.parametrize("bins", [None, 5])
+@rows("method, bins", paired(list(ALL), [None, 5]))
 @pytest.mark.slow("ensemble")
 def test_the_degrees_of_freedom_are_those_of_the_scatter(method, bins):
     """2 mean^2 / variance over 1000 records; its standard error is about sqrt(2/1000) = 4.5 %, of every value."""

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.statistics.stability import FLOOR
@@ -29,14 +30,14 @@ def test_means_that_touch_a_gap_are_left_out():
     assert (found.value, found.blocks) == (pytest.approx(means.std(ddof=1)), 9)
 
 
-@pytest.mark.parametrize(("symbol", "exact"), [("N", 1 / 10), ("K", 0.01 * 10 / 3 * 36 / 2)])
+@rows(("symbol", "exact"), [("N", 1 / 10), ("K", 0.01 * 10 / 3 * 36 / 2)])
 def test_the_expectation_has_its_closed_forms(symbol, exact):
     """White noise: N^2/tau; random walk: K/2 of the Allan variance, K the number of means."""
     found = al.averaging_stability(record_of(np.arange(360.0)), 10.0, model=al.Model((NOISE[symbol],)))
     assert found.expected**2 == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.parametrize("symbols", ["N", "B", "NK"])
+@rows("symbols", ["N", "B", "NK"])
 def test_records_agree_with_the_expectation(symbols):
     """400 records, seeds 1..400: the mean square within 5 standard errors, missed once in a million tests."""
     model = al.Model(tuple(NOISE[s] for s in symbols))
@@ -52,9 +53,7 @@ def test_wrong_lengths_are_refused():
     record = record_of(np.arange(30.0))
     with pytest.raises(al.UsageError, match="not a multiple of the sample interval"):
         al.averaging_stability(record, 2.5)
-    with pytest.raises(
-        al.DataError, match="1 complete means over 20 s, but 2 are needed; the longest possible time is 15 s"
-    ):
+    with pytest.raises(al.DataError, match="longest possible time is 15 s"):
         al.averaging_stability(record, 20.0)
 
 

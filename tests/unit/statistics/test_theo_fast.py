@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests import thinned
+from tests.rows import rows
 
 import allanite as al
 from allanite.kernels.theo import theo1
@@ -23,7 +24,7 @@ def angle(kind, n, seed=1):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("kind", thinned(KINDS, 2, "the definition, at every factor"))
+@rows("kind", thinned(KINDS, 2))
 def test_every_even_averaging_factor_equals_its_definition(kind):
     x = angle(kind, 4500)
     m = 2 * np.arange(1, 2251)
@@ -31,7 +32,7 @@ def test_every_even_averaging_factor_equals_its_definition(kind):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("kind", list(KINDS))
+@rows("kind", list(KINDS))
 def test_a_few_large_factors_equal_their_definition(kind):
     """With many frames, two and one; the seams count."""
     x = angle(kind, 60_000, 2)
@@ -40,7 +41,7 @@ def test_a_few_large_factors_equal_their_definition(kind):
         np.testing.assert_allclose(theo1_sums(x, m), theo1(x, m), rtol=1e-9)
 
 
-@pytest.mark.parametrize("n", [2, 63, 64, 65, 511, 513, 1025, 2047, 16_385])
+@rows("n", [2, 63, 64, 65, 511, 513, 1025, 2047, 16_385])
 def test_every_length_of_a_record(n):
     x = angle("random walk", n, 3)
     m = 2 * np.arange(1, n // 2 + 1)

@@ -1,8 +1,8 @@
 """The modified total statistics by running sums against every window by itself."""
 
 import numpy as np
-import pytest
 from numba import njit
+from tests.rows import paired, rows
 
 from allanite.kernels import reflected
 from allanite.kernels.total import SHORT, modified_total
@@ -28,8 +28,7 @@ def angle(kind, seed=1):
     return np.concatenate(([0.0], np.cumsum(y - y[0])))
 
 
-@pytest.mark.parametrize("rates", [False, True], ids=["mtotdev", "htotdev"])
-@pytest.mark.parametrize("kind", ["white", "random walk", "ramp", "ramp and white", "quantization"])
+@rows("rates, kind", paired([False, True], ["white", "random walk", "ramp", "ramp and white", "quantization"]))
 def test_windows_together_equal_every_window_by_itself(kind, rates):
     x = np.diff(angle(kind)) if rates else angle(kind)
     m = np.array([*range(1, 40), 97, 98, 250, 251, 600, 777, 998, 999, x.size // 3])
@@ -44,7 +43,7 @@ def test_a_strong_vibration_leaves_the_noise():
     np.testing.assert_allclose(modified_total(x, m), expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("points", [30, 31, 32, 90, 155])
+@rows("points", [30, 31, 32, 90, 155])
 def test_a_single_window_and_few(points):
     x = angle("random walk")[:points]
     m = np.arange(1, (points + 1) // 3 + 1)

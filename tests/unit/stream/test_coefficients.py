@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.fft import dct
 from tests import thinned
+from tests.rows import rows
 
 import allanite as al
 from allanite.planning.sensors import sensor
@@ -22,9 +23,7 @@ def stream_of(record, parts=1):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(
-    ("name", "rate", "terms"), thinned([("mems", 100.0, "NBK"), ("fog", 1.0, "QNBKR")], 1, "ensemble")
-)
+@rows(("name", "rate", "terms"), thinned([("mems", 100.0, "NBK"), ("fog", 1.0, "QNBKR")], 1))
 def test_as_accurate_as_the_bound(name, rate, terms):
     model, errors = sensor(name), []
     for seed in range(24):

@@ -1,10 +1,8 @@
 """The curve of a record under its own noise: what its limits suppose, and when that is found out."""
 
-import json
-import pickle
-
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.study import curves
@@ -57,7 +55,7 @@ def unfit():
     }
 
 
-@pytest.mark.parametrize("why", unfit())
+@rows("why", unfit())
 def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(why):
     record = unfit()[why]
     curve, automatic = al.deviation(record), al.deviation(record, noise="auto")
@@ -66,7 +64,7 @@ def test_what_cannot_be_identified_has_limits_of_a_power_law_and_says_why(why):
     assert why in curve.supposed
 
 
-@pytest.mark.parametrize(
+@rows(
     ("noise", "words"),
     [
         (al.N(0.1, "deg/sqrt(h)"), "intervals under the given model N = 0.1 deg/sqrt(h)"),
@@ -85,16 +83,6 @@ def test_a_fit_that_explains_nothing_is_named_as_such():
     fit = al.identify(wandering, terms="N")
     assert fit.validity == "unexplained"
     assert al.deviation(wandering, noise=fit).supposed.endswith(", which does not explain the record")
-
-
-def test_what_is_supposed_is_stored_pickled_and_shown():
-    curve = al.deviation(simulated(), m=[1, 8, 64])
-    data = json.loads(json.dumps(curve.to_dict()))
-    assert data["supposed"] == curve.supposed == al.from_dict(data).supposed == curve.to("deg/h").supposed
-    assert pickle.loads(pickle.dumps(curve)).supposed == curve.supposed
-    surface = al.dynamic(simulated(), window=500.0, noise=GYRO)
-    assert al.from_dict(surface.to_dict()).curve(1000.0).supposed.startswith("intervals under the given model")
-    assert curve.supposed in curve._repr_html_()
 
 
 def test_an_unknown_noise_is_refused():

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import DataError
@@ -19,7 +20,7 @@ def dropped(size, k, seed=2):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(("size", "k"), [(500, 5), (500, 7), (1000, 3), (1000, 5), (5000, 3), (5000, 7), (30000, 3)])
+@rows(("size", "k"), [(500, 5), (500, 7), (1000, 3), (1000, 5), (5000, 3), (5000, 7), (30000, 3)])
 def test_white_noise_is_read_between_regular_dropouts(size, k):
     record = dropped(size, k)
     fit = al.analyze(record).channels[0].fit
@@ -63,7 +64,7 @@ def test_a_log_of_two_rates_is_read_at_the_rate_of_the_channel(tmp_path):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("seed", [11, 16])
+@rows("seed", [11, 16])
 def test_what_gaps_leave_unreadable_contradicts_nothing(seed):
     rng = np.random.default_rng(seed)
     record = al.simulate(al.Model("Q 0.5 arcsec, N 0.003 deg/sqrt(h), B 0.1 deg/h"), 2**15, 100.0, rng=rng)

@@ -3,19 +3,16 @@
 import csv
 import io
 import json
-import pickle
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.core.plain import from_dict
 from allanite.reporting import page, table, to_csv
-from allanite.reporting.json import to_json
-from allanite.simulation.recording import Simulation
 from allanite.study.modelled import run_model_job
 from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
 from allanite.study.noise import noise_of
@@ -85,7 +82,7 @@ def test_every_form_shows_every_channel_and_the_doubt(job):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("verb", ["plan", "statespace"])
+@rows("verb", ["plan", "statespace"])
 def test_no_number_follows_from_a_rejected_model_unless_it_is_asked_for(verb, file):
     """K = 6944 deg/h/sqrt(h) was planned for a ring laser gyro, and its matrices printed."""
     alone = [verb, file, "--channels", "gz", *OPTIONS[verb]]
@@ -100,27 +97,12 @@ def test_no_number_follows_from_a_rejected_model_unless_it_is_asked_for(verb, fi
     assert json.loads(asked.stdout)["recipe"]["unexplained"] is True
 
 
-def test_it_travels(job):
-    again = pickle.loads(pickle.dumps(job))
-    assert str(again.to_dict()) == str(job.to_dict())
-
-
-@pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("kind", ["plan", "statespace"])
-def test_figures(kind, recording, tmp_path):
-    job = run_model_job(recording, SETTINGS[kind], Recipe())
-    al.plot(job, path=tmp_path / "all.png")
-    al.plot(job[0].result, path=tmp_path / "one.png")
-    assert (tmp_path / "all.png").stat().st_size > (tmp_path / "one.png").stat().st_size > 10_000
-
-
 def test_a_check_has_no_figure(recording):
     with pytest.raises(al.UsageError, match="SelfChecks has no figure"):
         al.plot(run_model_job(recording.records[0], SETTINGS["selfcheck"]))
 
 
-@pytest.mark.parametrize("verb", list(OPTIONS))
-@pytest.mark.parametrize("source", ["file", "sensor"])
+@rows("verb, source", paired(list(OPTIONS), ["file", "sensor"]))
 def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     noise = (file, "--channels", "gx", "--terms", "NBK") if source == "file" else ("--sensor", "mems", "--rate", 20)
     first = run(verb, *noise, *OPTIONS[verb], "--json", "-", "--report", tmp_path / "page.html")
@@ -134,7 +116,7 @@ def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     assert (tmp_path / "page.html").stat().st_size > 5000
 
 
-@pytest.mark.parametrize("verb", list(OPTIONS))
+@rows("verb", ["plan", "statespace"])
 def test_the_options_of_the_identification_work(verb, file):
     """A band on a recording gives other numbers than the whole record."""
     usual = [verb, file, "--channels", "gx", "--json", "-", *OPTIONS[verb]]
@@ -166,35 +148,6 @@ def test_a_check_says_which_limit_it_exceeds(recording):
     job = run_model_job(recording, SETTINGS["selfcheck"])
     assert any(sentence.startswith("gx ") for sentence in job.exceeded)
     assert f"Limit exceeded: {job.exceeded[0].split('+-')[0].strip()}" in page(job)
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_single_results_have_their_forms(recording):
-    model = al.sensor("fog")
-    rng = np.random.default_rng(1)
-    for value in (al.plan(model, 10.0), al.bound(model, 1000, 10.0), al.state_space(model, 10.0)):
-        assert "fog" not in table(value)
-        assert len(page(value)) > 5000
-        assert len(to_csv(value).splitlines()) > 5
-    check = al.selfcheck(model, 1000, 10.0, records=2, rng=rng)
-    assert "2 records of 1000 samples" in page(check)
-
-
-def test_the_truth_of_a_simulation_is_read_again(recording):
-    truth = Simulation.of(al.sensor("mems"), 1, recording)
-    again = from_dict(json.loads(json.dumps(truth.to_dict())))
-    assert again.to_dict() == truth.to_dict()
-    assert again.channels[2].history[1] == "with a swept sinusoid"
-    assert "Simulation of N" in page(truth)
-    assert "simulated: N = 0.3 °/√h" in table(truth)
-
-
-def test_a_channel_is_read_again_without_its_readings(job):
-    for channel in job.channels:
-        data = json.loads(to_json(channel))
-        again = type(channel).from_dict(data)
-        assert str(again.to_dict()) == str(channel.to_dict())
-        assert again.noise.explained == channel.noise.explained
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -29,7 +30,7 @@ def channel_of(record, **choices):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", HUMPS)
+@rows("name", HUMPS)
 def test_what_is_named_describes_the_record(name):
     text, terms, _ = HUMPS[name]
     record = simulated(name)

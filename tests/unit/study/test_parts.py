@@ -11,7 +11,8 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
-from tests import examples
+from tests import ALL, examples
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -49,7 +50,7 @@ def by_m(curve):
     return dict(zip(curve.m.tolist(), curve.variance.tolist(), strict=True))
 
 
-@pytest.mark.parametrize("statistic", ["oadev", "ohdev", "mdev", "tdev", "haar"])
+@rows("statistic", ["oadev", "ohdev", "tdev"] if not ALL else ["oadev", "ohdev", "mdev", "tdev", "haar"])
 def test_curves_are_those_of_the_whole_where_windows_start_at_every_sample(file, statistic):
     settings_ = Deviations((statistic,), taus="octave", intervals=False)
     mine, whole = (survey(file, settings_, recipe).values for recipe in (PARTS, WHOLE))
@@ -65,7 +66,7 @@ def test_curves_are_those_of_the_whole_where_windows_start_at_every_sample(file,
         assert [known[m] / exact[m] for m in far] == pytest.approx([1.0] * len(far), rel=0.1)
 
 
-@pytest.mark.parametrize("choice", ["mark", "keep"])
+@rows("choice", ["mark", "keep"])
 def test_outliers_are_marked_or_kept(file, choice):
     job = Deviations(m=(1, 2, 8), intervals=False)
     mine, whole = (
@@ -182,11 +183,11 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
         next(f for f in blocks if f.name == "stuck")
     )
     np.save(tmp_path / "worse.npy", values[:, 2:])
-    with pytest.raises(DataError, match="never changes"):
+    with pytest.raises(DataError, match="always 1"):
         al.analyze(tmp_path / "worse.npy", PARTS)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("recipe", "words"),
     [
         (
@@ -203,20 +204,16 @@ def test_defects_are_found_wherever_they_are(tmp_path, monkeypatch):
 def test_what_needs_the_whole_is_refused_by_name(file, recipe, words):
     with pytest.raises(UsageError, match=words):
         al.analyze(file, Recipe(**HOW, memory="100kB", **recipe))
-    al.analyze(file, Recipe(**HOW, memory="1GB", channels=("3",), **recipe))  # the cure
+    al.analyze(file, Recipe(**HOW, memory="1GB", channels=("3",), until=300.0, **recipe))  # the cure
 
 
-@pytest.mark.parametrize(
-    ("job", "words"),
-    [
-        (Deviations(("adev",)), "no 'adev'"),
-        (Deviations(m=(100,)), "no averaging factor 100; .* the nearest 96 and 104"),
-        (Deviations(edf="published"), "no edf 'published': only 'exact'"),
-        (Deviations(power_law=True), "no power_law: omit it"),
-        (Densities("multitaper"), "no estimator 'multitaper': choose welch"),
-        (Windows(), "no sliding windows"),
-    ],
-)
+@rows("job, words", [
+    (Deviations(("adev",)), "no 'adev'"),
+    (Deviations(m=(100,)), "no averaging factor 100; .* the nearest 96 and 104"),
+    (Deviations(edf="published"), "no edf 'published': only 'exact'"),
+    (Deviations(power_law=True), "no power_law: omit it"),
+    (Densities("multitaper"), "no estimator 'multitaper': choose welch"), (Windows(), "no sliding windows"),
+])  # fmt: skip
 def test_jobs_that_need_the_whole_are_refused_by_name(file, job, words):
     with pytest.raises(UsageError, match=words):
         survey(file, job, PARTS)
@@ -224,7 +221,7 @@ def test_jobs_that_need_the_whole_are_refused_by_name(file, job, words):
 
 def test_segments_are_bounded(file, monkeypatch):
     monkeypatch.setattr("allanite.statistics.spectra.welch.LONGEST", 4096)
-    with pytest.raises(UsageError, match=r"a segment of 50 s is 5000 samples.*segment= up to 40.96 s"):
+    with pytest.raises(UsageError, match=r"up to 40.96 s"):
         survey(file, Densities(segment=50.0), PARTS)
     assert survey(file, Densities(segment=40.96), PARTS).values[0].resolution > 0
 

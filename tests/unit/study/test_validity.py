@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -137,7 +138,7 @@ def test_a_band_is_shaded_in_both_figures():
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(("channels", "code"), [("good,fair", 0), ("good,bad", 3)])
+@rows(("channels", "code"), [("good,fair", 0), ("good,bad", 3)])
 def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     result = run("analyze", file, "--channels", channels, "--strict", "--quiet", "--json", tmp_path / "a.json")
     assert result.exit_code == code, result.output
@@ -145,14 +146,10 @@ def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     assert ("not explained, or without a result: bad" in result.stderr) == bool(code)
 
 
-@pytest.mark.parametrize(
-    "verb",
-    [
-        ("plan",), ("deviation", "--intervals"), ("spectrum", "--fit"), ("statespace",),
-        ("rate", "--interval", 2, "--no-times"), ("budget", "--stage", "output 16 100deg/s"),
-    ],
-    ids=lambda verb: verb[0],
-)  # fmt: skip
+@rows("verb", [
+    ("plan",), ("deviation", "--intervals"), ("spectrum", "--fit"), ("statespace",),
+    ("rate", "--interval", 2, "--no-times"), ("budget", "--stage", "output 16 100deg/s"),
+], ids=lambda verb: verb[0])  # fmt: skip
 def test_every_verb_says_the_grade_and_knows_strict(file, verb):
     result = run(verb[0], file, *verb[1:], "--channels", "bad", "--terms", "NB", "--band", "auto", "--strict")
     assert result.exit_code == 3, result.output
@@ -169,18 +166,6 @@ def test_strict_refuses_two_records_of_which_one_is_not_explained(file, tmp_path
     result = run("compare", file, path, "--channels", "bad", "--terms", "N", "--strict")
     assert result.exit_code == 3, result.output
     assert "imu.npz (not explained), again.npz (explained)" in " ".join(result.stdout.split())
-
-
-@pytest.mark.parametrize("band", ["auto", "all", "0.1,10"])
-def test_a_band_goes_round_through_the_recipe(file, band, tmp_path):
-    first = run("analyze", file, "--channels", "good", "--terms", "NB", "--band", band, "--json", "-")
-    found = json.loads(first.stdout)
-    assert found["recipe"]["band"] == ([0.1, 10.0] if "," in band else band)
-    recipe = tmp_path / "recipe.toml"
-    recipe.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in found["recipe"].items()))
-    assert json.loads(run("analyze", file, "--recipe", recipe, "--json", "-").stdout) == found
-    asked = tuple(found["recipe"]["band"]) if "," in band else band
-    assert Recipe.from_dict(found["recipe"]).band == asked
 
 
 def test_a_band_that_is_none_is_refused(file):
@@ -236,14 +221,11 @@ def test_readings_too_coarse_are_told_without_a_p_value():
     assert "p =" not in table(al.analyze(record, Recipe(terms="N"))).split("read off")[0]
 
 
-@pytest.mark.parametrize(
-    ("verb", "expected"),
-    [
-        (("deviation", "--statistic", "mdev", "--taus", "decade"), {"statistic": ["mdev"], "taus": "decade"}),
-        (("spectrum", "--segment", 20, "--window", "hann"), {"estimator": "welch", "segment": 20.0, "window": "hann"}),
-        (("dynamic", "--window", 60, "--statistic", "adev"), {"statistic": "adev", "window": 60.0}),
-    ],
-)
+@rows("verb, expected", [
+    (("deviation", "--statistic", "mdev", "--taus", "decade"), {"statistic": ["mdev"], "taus": "decade"}),
+    (("spectrum", "--segment", 20, "--window", "hann"), {"estimator": "welch", "segment": 20.0, "window": "hann"}),
+    (("dynamic", "--window", 60, "--statistic", "adev"), {"statistic": "adev", "window": 60.0}),
+])  # fmt: skip
 def test_the_recipe_says_what_was_used(file, verb, expected):
     found = json.loads(run(verb[0], file, "--channels", "good", *verb[1:], "--json", "-").stdout)["recipe"]
     assert {key: found[key] for key in expected} == expected

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from tests import thinned
 from tests.reference.dense import moments, quadratic_form
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
@@ -18,7 +18,7 @@ def test_flicker_of_the_angle_is_a_sum():
     np.testing.assert_allclose(TERMS["F"].structure(h), 4 / np.pi * np.cumsum(1 / (2 * h - 1)), rtol=1e-12)
 
 
-@pytest.mark.parametrize("column", ["structure", "summed", "increments", "spectrum", "dct"])
+@rows("column", ["structure", "summed", "increments", "spectrum", "dct"])
 def test_a_damping_ratio_of_one_is_between_its_neighbours(column):
     """There both time constants are equal, and each exponential of the sum becomes infinite."""
     at = {"spectrum": (np.array([0.01, 0.2]), 1.0), "dct": (np.arange(1.0, 64), 64)}.get(column, (np.arange(40.0),))
@@ -40,8 +40,7 @@ SHAPED = {
 }
 
 
-@pytest.mark.parametrize("kind", thinned(SHAPED, 3, "every statistic with every shape"))
-@pytest.mark.parametrize("name", [n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme])
+@rows("name, kind", paired([n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme], list(SHAPED)))
 def test_expected_curves_equal_the_dense_form(name, kind):
     row, term, n = al.STATISTICS[name], SHAPED[kind], 200
     model = al.Model((term,))
@@ -57,7 +56,7 @@ def test_expected_curves_equal_the_dense_form(name, kind):
         assert found == pytest.approx(exact, rel=1e-3 if kind == "F" else 2e-4, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", [n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme])
+@rows("name", [n for n, row in al.STATISTICS.items() if not row.parts and not row.extreme])
 def test_the_expected_curve_of_a_warm_up_is_that_of_its_waveform(name):
     row, term, n = al.STATISTICS[name], al.W(-2.0, "rad/s", time_constant=9.0), 200
     # the referee's windows begin at every sample
@@ -94,8 +93,7 @@ MIXED = {
 }
 
 
-@pytest.mark.parametrize("name", ["oadev", "mdev", "ohdev"])
-@pytest.mark.parametrize("kind", MIXED)
+@rows("kind, name", paired(list(MIXED), ["oadev", "mdev", "ohdev"]))
 def test_degrees_of_freedom_equal_the_dense_ones(name, kind):
     row, n = al.STATISTICS[name], 160
     model = al.N(1.0, "rad/sqrt(s)") + MIXED[kind]

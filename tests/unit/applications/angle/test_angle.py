@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests import examples
 from tests.reference.angle import PAPER, PAPER_SUMS, kalman, row
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.applications.angle import AngleSettings, squareroot
@@ -45,16 +46,16 @@ def sensors(unit=1e-6):
 # geometry
 
 
-@pytest.mark.parametrize("latitude", [-1.2, 0.0, 0.3, LATITUDE, 1.5])
-@pytest.mark.parametrize("sway", [None, (0.02, 60.0), al.angle.Sway(0.1, 0.03, 47.0, heading=0.7)])
-@pytest.mark.parametrize("ring", [None, al.angle.Ring(1e-3, -0.2, 0.4), al.angle.Ring(1e-3, 0.1, 0.3, 0.01, 2.0)])
+@rows("latitude", [-1.2, 0.0, 0.3, LATITUDE, 1.5])
+@rows("sway", [None, (0.02, 60.0), al.angle.Sway(0.1, 0.03, 47.0, heading=0.7)])
+@rows("ring", [None, al.angle.Ring(1e-3, -0.2, 0.4), al.angle.Ring(1e-3, 0.1, 0.3, 0.01, 2.0)])
 def test_momentum_vectors_stay_at_right_angles(latitude, sway, ring):
     gimbals = al.angle.gimbals(np.arange(0, 21000, 7.0), latitude=latitude, sway=sway, ring=ring)
     assert np.abs(gimbals.cosine).max() < 1e-13
 
 
 @still
-@pytest.mark.parametrize("ring", [None, al.angle.Ring(1e-4, -0.1, 0.2, heading=0.3)])
+@rows("ring", [None, al.angle.Ring(1e-4, -0.1, 0.2, heading=0.3)])
 def test_partials_are_the_slopes_of_the_cosine(law, ring):
     gimbals = hour(law=law, sway=(0.05, 60.0), ring=ring)
     for name in ANGLES:
@@ -82,7 +83,7 @@ def test_a_turn_of_the_base_is_a_rotation():
     np.testing.assert_allclose(east_in_base[:, 0], [math.cos(0.3), 0.0, math.sin(0.3)], atol=1e-12)
 
 
-@pytest.mark.parametrize(
+@rows(
     ("step", "expected"),
     [(0.0, [-1, 0, 1, 2, 1, -1, 0]), (2.0, [-1, -1, 1, 1, 1, -1, -1]), (3.0, [-1, -1, -1, 2, 2, -1, -1])],
 )
@@ -145,7 +146,7 @@ def test_the_rows_are_those_written_out(law):
 
 
 @still
-@pytest.mark.parametrize("start", [0.0, 7200.0, 18000.0])
+@rows("start", [0.0, 7200.0, 18000.0])
 def test_recursive_equals_batch_and_the_kalman_filter(law, start):
     gimbals = hour(start, law)
     _, rows = design(gimbals, harmonic_set((128, 256)), USUAL)
@@ -219,7 +220,7 @@ def test_polar_sensors_are_estimated_under_sway():
     assert found["h_polar"].found(128)
 
 
-@pytest.mark.parametrize("degrees", [0.117, 1.0])
+@rows("degrees", [0.117, 1.0])
 def test_sway_makes_the_mean_period_the_same_everywhere(degrees):
     """Four amplitudes a period of the sway: 6 min at 0.117 deg, as the paper says, where the still one has 154 min."""
     sway = (math.radians(degrees), 60.0)
@@ -227,8 +228,7 @@ def test_sway_makes_the_mean_period_the_same_everywhere(degrees):
     np.testing.assert_allclose(minutes, 360 / 128 / (4 * degrees), rtol=0.03)
 
 
-@pytest.mark.parametrize("law", list(Q_LAWS))
-@pytest.mark.parametrize("start", [0.0, 10800.0, 18000.0])
+@rows("law, start", paired(list(Q_LAWS), [0.0, 10800.0, 18000.0]))
 def test_a_turned_ring_tells_harmonics_apart_in_half_the_time(law, start):
     ring = al.angle.Ring(math.radians(2) / 60, math.radians(-10), math.radians(10))
     turned = planned(start, law, duration=1800.0, ring=ring)
@@ -257,7 +257,7 @@ def test_estimates_with_a_turned_ring_hold_the_truth():
     assert all(inside)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@rows("seed", [1, 2, 3])
 def test_large_known_noise_and_drift_are_noticed(seed):
     gimbals, rng = hour(), np.random.default_rng(seed)
     z = al.angle.simulate(gimbals, sensors(), sigma=1e-6, rng=rng)
@@ -288,12 +288,9 @@ def test_checks_are_right_as_often_as_they_say():
 # planning
 
 
-@pytest.mark.parametrize(
+@rows(
     ("law", "totals"),
-    [
-        ("linear", (5.28, 1.43, 1.14, 1.41, 2.09, 8.78)),
-        ("exact", (1.01, 1.74, 1.16, 1.32, 2.84, 9.20)),
-    ],
+    [("linear", (5.28, 1.43, 1.14, 1.41, 2.09, 8.78)), ("exact", (1.01, 1.74, 1.16, 1.32, 2.84, 9.20))],
 )
 def test_planned_accuracy_is_the_prototypes(law, totals):
     for start, total in enumerate(totals):
@@ -305,15 +302,10 @@ def test_condition_numbers():
     assert planned(18000.0, "linear").condition == pytest.approx(7.8e4, rel=0.05)
 
 
-@pytest.mark.parametrize(
-    ("law", "duration", "low", "high", "total"),
-    [
-        ("linear", 3600.0, 13.4, 19.8, 1.13),
-        ("linear", 1800.0, 16.7, 19.8, 2.47),
-        ("exact", 3600.0, 0.0, 7.4, 1.01),
-        ("exact", 1800.0, 19.8, 22.6, 2.46),
-    ],
-)
+@rows("law, duration, low, high, total", [
+    ("linear", 3600.0, 13.4, 19.8, 1.13), ("linear", 1800.0, 16.7, 19.8, 2.47), ("exact", 3600.0, 0.0, 7.4, 1.01),
+    ("exact", 1800.0, 19.8, 22.6, 2.46),
+])  # fmt: skip
 def test_the_best_window(law, duration, low, high, total):
     best = al.angle.scan(AngleSettings(LATITUDE, duration, 10.0, q_law=law)).best
     np.testing.assert_allclose(np.degrees(best.h), [low, high], atol=0.06)
@@ -334,7 +326,7 @@ def test_the_papers_table_has_the_trend_of_the_linear_law_only():
     assert np.argmin(exact) == 0
 
 
-@pytest.mark.parametrize("degrees", [0.5, 1.0])
+@rows("degrees", [0.5, 1.0])
 def test_sway_halves_the_time_in_the_middle_but_not_at_the_extreme(degrees):
     sway = (math.radians(degrees), 60.0)
     half = [planned(3600.0 * i + 900, "linear", duration=1800.0, sway=sway).total for i in range(6)]
@@ -361,15 +353,12 @@ def test_a_turn_near_an_error_is_named():
     assert planned(7200.0, turn_period=720.0).total == pytest.approx(4.00, rel=0.01)
 
 
-@pytest.mark.parametrize(
-    ("options", "name", "words"),
-    [
-        ({"start": 18000.0}, "span", "less than one period of its harmonic 128"),
-        ({"start": 0.0, "law": "linear"}, "alike", "S256 h and C128 q|S256 h and S128 q"),
-        ({"start": 0.0, "interval": 200.0}, "sparse", "sample at least four times"),
-        ({"start": 20000.0, "duration": 600.0}, "untold", "carry little information about"),
-    ],
-)
+@rows("options, name, words", [
+    ({"start": 18000.0}, "span", "less than one period of its harmonic 128"),
+    ({"start": 0.0, "law": "linear"}, "alike", "S256 h and C128 q|S256 h and S128 q"),
+    ({"start": 0.0, "interval": 200.0}, "sparse", "sample at least four times"),
+    ({"start": 20000.0, "duration": 600.0}, "untold", "carry little information about"),
+])  # fmt: skip
 def test_caveats_of_a_plan(options, name, words):
     import re
 
@@ -419,7 +408,7 @@ def test_a_harmonic_is_a_sine_with_an_amplitude_and_a_phase():
     np.testing.assert_allclose(sum(size * np.sin(k * angle + at) for k, size, at in parts), found.at(angle), atol=1e-15)
 
 
-@pytest.mark.parametrize(("kind", "unit"), [("rate", "deg/s"), ("increment", "arcsec"), ("angle", "m/s")])
+@rows(("kind", "unit"), [("rate", "deg/s"), ("increment", "arcsec"), ("angle", "m/s")])
 def test_only_angles_are_corrected(kind, unit):
     record = al.Record(np.arange(5.0), rate=1.0, unit=unit, kind=kind, name="x")
     with pytest.raises(al.UsageError, match="'angle' in rad or deg"):
@@ -430,19 +419,6 @@ def test_gaps_stay_gaps():
     record = al.Record([0.1, math.nan, 0.3], rate=1.0, unit="rad", kind="angle")
     values = al.angle.Harmonics.of({2: (1e-3, 0.0)}).apply(record).values
     assert np.isnan(values).tolist() == [False, True, False]
-
-
-def test_harmonics_survive_json():
-    import json
-
-    gimbals = hour()
-    z = al.angle.simulate(gimbals, sensors(), sigma=1e-6, rng=np.random.default_rng(1))
-    found = al.angle.estimate(z, gimbals)["h"]
-    back = al.angle.Harmonics.from_dict(json.loads(json.dumps(found.to_dict())))
-    np.testing.assert_array_equal(back.sine, found.sine)
-    assert [back.interval(k) for k in back.orders] == [found.interval(k) for k in found.orders]
-    assert back.found(128) == found.found(128)
-    assert back.solution is None
 
 
 # any encoder against a reference
@@ -494,7 +470,7 @@ def test_a_harmonic_that_is_not_there_is_seldom_found():
     assert found <= 12
 
 
-@pytest.mark.parametrize("offset", [0.0, 0.5, 3.1, math.pi, -2.9])
+@rows("offset", [0.0, 0.5, 3.1, math.pi, -2.9])
 def test_both_angles_may_wrap_anywhere(offset):
     measured, reference, _ = encoder(offset=offset)
     plain = al.angle.calibrate(measured, reference)
@@ -556,8 +532,8 @@ REFUSED = {
     "infinite angle": (lambda: hour().moved(h=spoiled(hour().h, 3, math.inf)), "h are not finite, the first at"),
     "time back": (lambda: hour().moved(time=spoiled(HOUR, 5, 31.0)), "time decreases at sample 5 .31 s after 40 s"),
     "time still": (lambda: hour().moved(time=spoiled(HOUR, 5, 40.0)), "time does not increase at sample 5"),
-    "degrees": (lambda: hour().moved(h=np.degrees(hour().h)), "is it in degrees"),
-    "latitude": (lambda: al.angle.gimbals(HOUR, latitude=60.0), "is it in degrees"),
+    "degrees": (lambda: hour().moved(h=np.degrees(hour().h)), "in degrees"),
+    "latitude": (lambda: al.angle.gimbals(HOUR, latitude=60.0), "in degrees"),
     "sway": (lambda: al.angle.gimbals(HOUR, latitude=1.0, sway=(2.0, 60.0)), "is that in degrees"),
     "sway shape": (lambda: al.angle.gimbals(HOUR, latitude=1.0, sway=2.0), r"sway must be a Sway"),
     "ring rate": (lambda: al.angle.Ring(0.0, -0.1, 0.1), "a rate in rad/s above 0"),
@@ -591,7 +567,7 @@ REFUSED = {
     "text": (lambda: al.angle.estimate(["a"] * 360, hour()), "real numbers"),
     "calibrate degrees": (
         lambda: al.angle.calibrate(np.arange(0, 720, 0.5) % 360 + 1e-5, np.arange(0, 720, 0.5) % 360),
-        "is it in degrees",
+        "in degrees",
     ),
     "calibrate unit": (lambda: al.angle.calibrate(HOUR, HOUR, unit="deg/s"), "not a unit of an angle"),
     "calibrate still": (lambda: al.angle.calibrate(z360 + 0.1, z360 * 0.5), "Turn the sensor"),
@@ -608,7 +584,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("case", REFUSED)
+@rows("case", REFUSED)
 def test_refused_in_clear_words(case):
     job, words = REFUSED[case]
     with pytest.raises(al.AllaniteError, match=words):

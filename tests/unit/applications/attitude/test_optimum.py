@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.linalg import solve_continuous_are
+from tests.rows import rows
 
 import allanite as al
 import vertical as benchmark
@@ -77,7 +78,7 @@ def test_a_bias_and_gauss_markov_noise():
     assert slow.loss > 0.005
 
 
-@pytest.mark.parametrize(("duration", "tau", "rms"), [(600.0, 0.762, 26.3), (3600.0, 0.691, 28.3)])
+@rows(("duration", "tau", "rms"), [(600.0, 0.762, 26.3), (3600.0, 0.691, 28.3)])
 def test_flicker_and_random_walk(duration, tau, rms):
     # the optimum is flat: at the quoted time constants the error is that of ours to 0.1 %
     found = optimal_time_constant(*WHOLE, duration=duration)
@@ -92,13 +93,13 @@ def test_flicker_and_random_walk_simulated():
     assert simulated == pytest.approx(predicted, rel=0.05)
 
 
-@pytest.mark.parametrize("which", [0, 3, 7, 14])
+@rows("which", [0, 3, 7, 14])
 def test_predicted_against_simulated(which):
     predicted, simulated = benchmark.cell(benchmark.MODELS[which], 2.0, 40)
     assert simulated == pytest.approx(predicted, rel=0.05)
 
 
-@pytest.mark.parametrize("models", benchmark.MODELS)
+@rows("models", benchmark.MODELS)
 def test_no_filter_is_better_than_the_bound(models):
     found = optimal_time_constant(*map(al.Model, models), duration=100.0, rate=10.0)
     assert found.bound <= found.first.rms * (1 + 1e-6)
@@ -133,20 +134,17 @@ def test_density_is_that_of_the_formula():
     assert whole == pytest.approx(2 * (N**2 * 4 + A**2) / (1 + (4 * math.pi * f) ** 2), rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (lambda: predicted_error(GYRO, TILT, 0.0), "a time constant must be a number of seconds above 0, not 0"),
-        (lambda: predicted_error(GYRO, TILT, 0.01, rate=100.0), "above the sample interval of 0.01 s, not 0.01 s"),
-        (lambda: predicted_error(TILT, TILT, 1.0), "that of another sensor"),
-        (lambda: predicted_error(GYRO + al.B(1, "deg/h"), TILT, 1.0), "give a horizon with duration"),
-        (lambda: predicted_error(GYRO + al.Q(1, "arcsec"), TILT, 1.0), "depends on the sampling rate: give it with"),
-        (lambda: predicted_error(GYRO, TILT, 1.0, gyro_bias="10"), "a bias has the form '10 deg/h'"),
-        (lambda: predicted_error(GYRO, TILT, 1.0, gyro_bias="10 ug"), "is a unit of something else"),
-        (lambda: optimal_time_constant(al.N(0, "deg/sqrt(h)"), TILT), "no time constant is best: the longest"),
-        (lambda: Loop(-1.0), "gain k1 above 0"),
-    ],
-)
+@rows("call, said", [
+    (lambda: predicted_error(GYRO, TILT, 0.0), "a time constant must be a number of seconds above 0, not 0"),
+    (lambda: predicted_error(GYRO, TILT, 0.01, rate=100.0), "above the sample interval of 0.01 s, not 0.01 s"),
+    (lambda: predicted_error(TILT, TILT, 1.0), "that of another sensor"),
+    (lambda: predicted_error(GYRO + al.B(1, "deg/h"), TILT, 1.0), "give a horizon with duration"),
+    (lambda: predicted_error(GYRO + al.Q(1, "arcsec"), TILT, 1.0), "depends on the sampling rate: give it with"),
+    (lambda: predicted_error(GYRO, TILT, 1.0, gyro_bias="10"), "a bias has the form '10 deg/h'"),
+    (lambda: predicted_error(GYRO, TILT, 1.0, gyro_bias="10 ug"), "is a unit of something else"),
+    (lambda: optimal_time_constant(al.N(0, "deg/sqrt(h)"), TILT), "no time constant is best: the longest"),
+    (lambda: Loop(-1.0), "gain k1 above 0"),
+])  # fmt: skip
 def test_bad_input(call, said):
     with pytest.raises(al.UsageError, match=said):
         call()

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.reference.regression import dense
+from tests.rows import rows
 
 import allanite as al
 from allanite.applications.compensation import FitSettings, Mixture, Regressor, aligned, compensate, gain_on, load
@@ -42,7 +43,7 @@ def terms_of(theta, symbols="QNBK"):
     return [Term(s, float(np.sqrt(t)), SIGNALS[0]) for s, t in zip(symbols, theta, strict=True) if t > 0]
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@rows("seed", [0, 1, 2])
 def test_powers_enter_together_where_the_lower_one_alone_does_harm(seed):
     """Blocks see other temperatures: a parabola that stands in for a third power leads astray there."""
     x = np.sin(2 * np.pi * HOUR / 2400)
@@ -52,8 +53,8 @@ def test_powers_enter_together_where_the_lower_one_alone_does_harm(seed):
     assert found.held.explained > 0.99
 
 
-@pytest.mark.parametrize("stretches", [[(0, 60)], [(0, 25), (30, 60)]], ids=["whole", "gap"])
-@pytest.mark.parametrize(
+@rows("stretches", [[(0, 60)], [(0, 25), (30, 60)]], ids=["whole", "gap"])
+@rows(
     ("theta", "off"), [([0, 1.0, 0, 0.01], 1e-8), ([0.3, 1.0, 0, 0.01], 0.02), ([0.3, 1.0, 0.5, 0.01], 0.15)],
     ids=["NK", "QNK", "QNBK"],
 )  # fmt: skip
@@ -126,7 +127,7 @@ def test_an_effect_of_a_million_times_the_noise_loses_no_digits():
     assert large["temp"].standard_error == pytest.approx(small["temp"].standard_error, rel=1e-4)
 
 
-@pytest.mark.parametrize("kind", ["rate", "increment", "angle", "count"])
+@rows("kind", ["rate", "increment", "angle", "count"])
 def test_every_kind_of_record_is_corrected_alike(kind):
     found = compensate(gyro(5, 1e-5 * TEMP.values), TEMP, ["temp"])
     rates = 1e-5 * TEMP.values
@@ -173,7 +174,7 @@ BROKEN = [
 ]
 
 
-@pytest.mark.parametrize(("text", "words"), BROKEN)
+@rows(("text", "words"), BROKEN)
 def test_a_file_that_is_no_regression_is_named(tmp_path, text, words):
     path = tmp_path / "wrong.json"
     path.write_text(text)
@@ -321,19 +322,16 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("options", "error", "words"), WRONG, ids=lambda v: str(v)[:40])
+@rows(("options", "error", "words"), WRONG, ids=lambda v: str(v)[:40])
 def test_what_cannot_be_fitted_is_said(options, error, words):
     with pytest.raises(error, match=words):
         compensate(gyro(14), ALONG, options.pop("regressors", []), **options)
 
 
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"terms": "QR"}, "noise terms"), ({"terms": ""}, "noise terms"), ({"terms": "any"}, "noise terms"),
-        ({"blocks": 2}, "from 3 to 50"), ({"least": 0.0}, "positive"),
-    ],
-)  # fmt: skip
+@rows("options, words", [
+    ({"terms": "QR"}, "noise terms"), ({"terms": ""}, "noise terms"), ({"terms": "any"}, "noise terms"),
+    ({"blocks": 2}, "from 3 to 50"), ({"least": 0.0}, "positive"),
+])  # fmt: skip
 def test_settings_are_checked(options, words):
     with pytest.raises(al.UsageError, match=words):
         FitSettings(**options)
@@ -355,9 +353,7 @@ def test_records_that_are_no_use_are_said_to_be():
 def test_too_few_effective_samples_are_refused():
     walk = al.Model((al.K(100.0, "deg/h/sqrt(h)"),))
     short = channel(cycles(300))
-    with pytest.raises(
-        al.DataError, match=r"has \d+(\.\d+)? effective samples, as a whole or where the regressors vary"
-    ):
+    with pytest.raises(al.DataError, match=r"has \d+(\.\d+)? effective samples"):
         compensate(gyro(1, model=walk, n=300), short, ["temp"], settings=FitSettings(least=300))
 
 
@@ -448,7 +444,7 @@ def study(tmp_path_factory):
 def test_a_study_that_was_stored_has_no_samples_to_write(study):
     assert study.corrected.channels == ("z",)
     again = al.from_dict(json.loads(json.dumps(study.to_dict())))
-    with pytest.raises(al.DataError, match="no channel was corrected: there is nothing to write"):
+    with pytest.raises(al.DataError, match="nothing to write"):
         _ = again.corrected
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.applications.constant_rate import (
@@ -69,14 +70,14 @@ def runs(request):
     return model, {m: np.array(e) for m, e in errors.items()}
 
 
-@pytest.mark.parametrize("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
+@rows("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
 def test_predicted_errors_are_those_of_400_runs(runs, method):
     model, errors = runs
     predicted = predicted_standard_error(method, model, size=N, rate=RATE)
     assert np.sqrt(np.square(errors[method]).mean()) == pytest.approx(predicted, rel=0.11)
 
 
-@pytest.mark.parametrize("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
+@rows("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
 def test_intervals_cover(runs, method):
     """95 % intervals hold the truth in 92 to 98 of 100 runs: 2.7 standard errors."""
     model, errors = runs
@@ -143,7 +144,7 @@ def test_under_random_walk_alone_averaging_wins():
     assert mean <= 0.88 * hamming
 
 
-@pytest.mark.parametrize("run", [0, 1])
+@rows("run", [0, 1])
 @pytest.mark.slow("ensemble of simulated gyros")
 def test_the_simulated_gl1(gl1, run):
     found = gl1[run]

@@ -6,6 +6,7 @@ import io
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.applications.constant_rate import EstimatorSettings, ExperimentSettings, closeup, estimate
@@ -59,7 +60,7 @@ def test_a_rate_without_quantum_has_no_staircase():
         closeup(rate, ExperimentSettings(interval=10.0, options=EstimatorSettings(allowed=1e-15)))
 
 
-@pytest.mark.parametrize("start", [-1.0, 41.0])
+@rows("start", [-1.0, 41.0])
 def test_an_interval_outside_is_refused(start, record):
     with pytest.raises(al.UsageError, match="does not fit into 60 s"):
         closeup(record, SETTINGS, start=start)

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import toeplitz
 from tests.reference import rate as referee
+from tests.rows import paired, rows
 
 import allanite as al
 from allanite.applications.constant_rate import (
@@ -75,7 +76,7 @@ def test_regression_is_the_printed_formula_through_all_angles():
     assert estimate(record, "regression").value == pytest.approx(wanted, rel=1e-12)
 
 
-@pytest.mark.parametrize("lines", [1, 2, 25, 300])
+@rows("lines", [1, 2, 25, 300])
 def test_conditional_is_the_mean_of_kept_lines(lines):
     record = counts()
     slopes = np.array(referee.lines(record.angle, record.rate, lines))
@@ -95,15 +96,15 @@ def test_conditional_is_a_copy_of_regression():
     assert abs(one.value - other.value) < 0.1 * other.standard_error
 
 
-@pytest.mark.parametrize("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
-@pytest.mark.parametrize("n", [3, 4, 50, 1001])
+@rows("method", [m for m in RATE_ESTIMATORS if m != "staircase"])
+@rows("n", [3, 4, 50, 1001])
 def test_weights_are_unbiased_symmetric_and_sum_to_one(method, n):
     weights = linear_weights(method, n, model_of("QNBK"))
     assert weights.sum() == pytest.approx(1.0, abs=1e-11)
     np.testing.assert_allclose(weights, weights[::-1], atol=1e-8 / n)
 
 
-@pytest.mark.parametrize("method", ["mean", "hamming", "regression", "optimal"])
+@rows("method", ["mean", "hamming", "regression", "optimal"])
 def test_the_estimate_is_that_of_its_weights(method):
     record = counts(400)
     weights = linear_weights(method, 400, model_of("QN"))
@@ -121,7 +122,7 @@ def test_closed_weights_are_the_dense_ones(n, ratio):
     np.testing.assert_allclose(found, referee.best_linear(C), rtol=0, atol=limit)
 
 
-@pytest.mark.parametrize("rho", [0.01, 0.1, 1.0, 3.0])
+@rows("rho", [0.01, 0.1, 1.0, 3.0])
 def test_closed_weights_to_twelve_digits(rho):
     n = 2000
     r = rho**2 * n
@@ -130,9 +131,9 @@ def test_closed_weights_to_twelve_digits(rho):
     np.testing.assert_allclose(found, referee.best_linear(C), rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("target", TARGETS)
-@pytest.mark.parametrize("name", MODELS)
-@pytest.mark.parametrize("n", [40, 1500])
+@rows("target", TARGETS)
+@rows("name", MODELS)
+@rows("n", [40, 500])
 def test_optimal_reaches_the_bound(name, target, n):
     """w'Cw, without simulation, against the dense optimum: 0.1 %."""
     model = model_of(name)
@@ -165,7 +166,7 @@ def bounded(C, settled, aim, *, ramp):
     return np.linalg.solve(M, right)[:n]
 
 
-@pytest.mark.parametrize("method", RATE_ESTIMATORS)
+@rows("method", RATE_ESTIMATORS)
 def test_nothing_beats_the_optimum(method):
     for model in MODELS.values():
         bound = predicted_standard_error("optimal", model, size=500, rate=100.0)
@@ -182,7 +183,7 @@ EFFICIENCY = {
 }
 
 
-@pytest.mark.parametrize("which", range(8))
+@rows("which", range(8))
 def test_efficiency_against_rho(which):
     rho = (0, 0.03, 0.1, 0.3, 1, 3, 10, 100)[which]
     T = 120.0
@@ -198,7 +199,7 @@ def test_efficiency_against_rho(which):
         assert errors["optimal"] == pytest.approx(WHITE.value / math.sqrt(T - lost), rel=1e-4)
 
 
-@pytest.mark.parametrize("method", ["mean", "hamming", "regression"])
+@rows("method", ["mean", "hamming", "regression"])
 def test_white_noise_factors(method):
     """1, 1.3628 and 1.2 times N^2 / T."""
     wanted = {"mean": 1.0, "hamming": 1.3628, "regression": 1.2}[method]
@@ -206,7 +207,7 @@ def test_white_noise_factors(method):
     assert (found / WHITE.value) ** 2 * 120.0 == pytest.approx(wanted, rel=1e-4)
 
 
-@pytest.mark.parametrize("target", ["mean", "centre", "start"])
+@rows("target", ["mean", "centre", "start"])
 def test_a_random_walk_is_measured_where_it_is_asked_for(target):
     """200 walks, seeds 1 to 200: rms error of the target within 17 % of the prediction (error probability 1e-3)."""
     n, model = 300, al.K(50.0, "deg/h/sqrt(h)") + al.N(0.02, "deg/sqrt(h)")
@@ -236,8 +237,7 @@ def test_a_ramp_is_no_error_of_the_mean_but_one_of_the_start():
 # ---- dither
 
 
-@pytest.mark.parametrize("method", list(RATE_ESTIMATORS))
-@pytest.mark.parametrize("frequency", [30.37, 412.7])
+@rows("method, frequency", paired(list(RATE_ESTIMATORS), [30.37, 412.7]))
 def test_dither_is_taken_out_exactly(method, frequency):
     n, rate = 4001, 400.0
     t = np.arange(n + 1) / rate
@@ -258,7 +258,7 @@ def test_dither_costs_the_methods_what_is_predicted():
     assert abs(optimal @ wave) < 1e-10
 
 
-@pytest.mark.parametrize("frequency", [0.0, -1.0, math.nan, 400.0, 800.001, 0.05])
+@rows("frequency", [0.0, -1.0, math.nan, 400.0, 800.001, 0.05])
 def test_dither_that_cannot_be_told_from_a_rate_is_refused(frequency):
     record = al.Record(np.ones(4000), rate=400.0, unit="deg/h")
     with pytest.raises(al.UsageError, match="dither"):
@@ -268,7 +268,7 @@ def test_dither_that_cannot_be_told_from_a_rate_is_refused(frequency):
 # ---- the same data said in other words
 
 
-@pytest.mark.parametrize("method", RATE_ESTIMATORS)
+@rows("method", RATE_ESTIMATORS)
 def test_counts_increments_angle_and_rate_are_the_same_data(method):
     record = counts(1000)
     steps = record.values * 0.33
@@ -335,7 +335,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("what", BAD)
+@rows("what", BAD)
 def test_bad_input_is_named(what):
     make, error, words = BAD[what]
     values, method, choices = make()

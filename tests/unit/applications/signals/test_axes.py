@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rows import rows
 
 import allanite as al
 from allanite.applications.signals import mixed
@@ -63,7 +64,7 @@ def test_the_command_line_and_the_recipe(currents, tmp_path):
     assert al.from_dict(data).settings == PathSettings((STAGE,), 0.2, 5.0, (0, -1, 1, 0))
 
 
-@pytest.mark.parametrize(
+@rows(
     ("axes", "words"),
     [("0,1", "four numbers"), ("1,2,2,4", "singular"), ("nan,1,1,0", "four numbers"), ("0,0,1,1", "singular")],
 )

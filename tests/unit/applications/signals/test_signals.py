@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.rows import rows
 
 import allanite as al
 from allanite.applications.signals import TorqueScale, rate_from_current
@@ -38,8 +39,8 @@ def test_the_scale_factor_is_the_torque_over_the_momentum():
     assert convert(rate.values[0], "rad/s", "deg/h") == pytest.approx(0.2 * 206264.8, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["turns", "field", "span", "radius", "inertia", "spin", "sides"])
-@pytest.mark.parametrize("value", [0, -1.0, math.nan, math.inf, True, "1"])
+@rows("name", ["turns", "field", "span", "radius", "inertia", "spin", "sides"])
+@rows("value", [0, -1.0, math.nan, math.inf, True, "1"])
 def test_constants_are_positive(name, value):
     with pytest.raises(al.UsageError, match=f"the {name} of a torquer must be a positive number, not"):
         replace(SCALE, **{name: value})
@@ -55,7 +56,7 @@ SAME = [
 ]
 
 
-@pytest.mark.parametrize(("record", "options"), SAME, ids=lambda v: str(getattr(v, "unit", "")))
+@rows(("record", "options"), SAME, ids=lambda v: str(getattr(v, "unit", "")))
 def test_all_ways_to_a_current_give_the_same_rate(record, options):
     rate = rate_from_current(record, SCALE, **options)
     np.testing.assert_allclose(rate.values, [0.2, -0.4], rtol=1e-12)
@@ -85,21 +86,19 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("record", "options", "words"), WRONG)
+@rows(("record", "options", "words"), WRONG)
 def test_what_gives_no_rate_is_said(record, options, words):
     options = dict(options)
     with pytest.raises(al.UsageError, match=words):
         rate_from_current(record, options.pop("scale"), **options)
 
 
-@pytest.mark.parametrize(
-    ("bits", "millivolts"), [(8, 39.06), (12, 2.44), (14, 0.610), (16, 0.153)]
-)  # the paper prints the first two
+@rows(("bits", "millivolts"), [(8, 39.06), (12, 2.44), (14, 0.610), (16, 0.153)])  # the paper prints the first two
 def test_steps_of_converters_over_5_volts(bits, millivolts):
     assert 1e3 * al.Stage("ADC", bits, 5.0, "V").step == pytest.approx(millivolts, rel=3e-3)
 
 
-@pytest.mark.parametrize(("scale", "wanted"), [(10.0, 0.0027), (100.0, 0.027), (500.0, 0.134)])
+@rows(("scale", "wanted"), [(10.0, 0.0027), (100.0, 0.027), (500.0, 0.134)])
 def test_twelve_bits_were_not_the_limit(scale, wanted):
     stage = al.Stage("ADC", 12, scale, "deg/s")
     found = al.budget(rates(), [stage]).stages[0]
@@ -172,7 +171,7 @@ def test_codes_are_read_by_the_first_stage():
     assert found.codes == Codes(np.unique(read).size, int(np.ptp(read)) + 1, 0)
 
 
-@pytest.mark.parametrize(("full_scale", "count"), [(4.0, 20), (3.0, 200)])
+@rows(("full_scale", "count"), [(4.0, 20), (3.0, 200)])
 def test_clipped_readings_are_counted_and_refused_above_a_thousandth(full_scale, count):
     stage = al.Stage("ADC", 12, full_scale, "deg/s")
     values = np.degrees(rates(6).values)
@@ -188,7 +187,7 @@ def test_clipped_readings_are_counted_and_refused_above_a_thousandth(full_scale,
     assert "clipped" in {f.name for f in found.findings}
 
 
-@pytest.mark.parametrize("unit", ["V", "1"], ids=["volts", "codes"])
+@rows("unit", ["V", "1"], ids=["volts", "codes"])
 def test_both_ends_of_a_converter_count_as_clipped(unit):
     stage = al.Stage("ADC", 3, 4.0, "V")
     ends = al.Record([-4, -3, -2, -1, 0, 1, 2, 3] * 2, 1.0, unit)
@@ -232,19 +231,16 @@ STAGES = [
 ]
 
 
-@pytest.mark.parametrize(("text", "wanted"), STAGES)
+@rows(("text", "wanted"), STAGES)
 def test_stages_are_read_from_text(text, wanted):
     assert al.Stage.parse(text) == al.Stage(*wanted)
     assert al.Stage.parse(al.Stage(*wanted).text) == al.Stage(*wanted)
 
 
-@pytest.mark.parametrize(
-    ("text", "error"),
-    [
-        ("ADC", al.UsageError), ("ADC 12", al.UsageError), ("ADC x 5V", al.UsageError), ("ADC 0 5V", al.UsageError),
-        ("ADC 12 -0V", al.UsageError), ("ADC 12 5parsec", al.UnitError), ("ADC 12 5Hz", al.UnitError),
-    ],
-)  # fmt: skip
+@rows("text, error", [
+    ("ADC", al.UsageError), ("ADC 12", al.UsageError), ("ADC x 5V", al.UsageError), ("ADC 0 5V", al.UsageError),
+    ("ADC 12 -0V", al.UsageError), ("ADC 12 5parsec", al.UnitError), ("ADC 12 5Hz", al.UnitError),
+])  # fmt: skip
 def test_a_wrong_stage_is_named(text, error):
     with pytest.raises(error):
         al.Stage.parse(text)
