@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from pathlib import PurePath
 from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
+from allanite.core.names import told_apart
 from allanite.core.record import Record
 from allanite.core.residuals import Statement
 from allanite.core.syntax import toml
@@ -14,6 +14,7 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
+from allanite.study.provenance import sources_of
 from allanite.study.results import Noise
 
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
@@ -44,8 +45,8 @@ class Recorded(Warned, Protocol):
 
 
 def source_of(job: Job[Any]) -> str:
-    """The name of the file, for a title."""
-    return PurePath(job.provenance.get("source", "")).name or say("data in memory")
+    """The names of the files, for a title."""
+    return ", ".join(told_apart(sources_of(job.provenance))) or say("data in memory")
 
 
 def job_face(
