@@ -27,7 +27,7 @@ FEWEST = 2
 GRAVEST = 6
 """Lines of grave remarks for which any row of the answer gives way."""
 
-_END = re.compile(r"[;；。]|(?<=[^.\s]{3})\.(?=\s+[A-ZА-Я])| (?=\([^()]*\)(?:$|[;；。]|\.\s))")
+_END = re.compile(r"[;；。]|(?<=[^.\s]{3})\.(?=\s+[A-ZА-Я])| (?=\([^()]*\)(?:$|[:;；。]|\.\s))")
 """Where a clause ends, or an aside begins that ends it."""
 
 SHORTEST = 12
@@ -102,6 +102,11 @@ class _Part:
     def lines(self) -> list[str]:
         """All of it."""
         return [*(line for text in self.said for line in text.lines), *self.head, *self.rows]
+
+
+def _main(table: Table) -> Table:
+    """Without the columns aside."""
+    return table.only([i for i, column in enumerate(table.columns) if not column.aside])
 
 
 def _found(axes: Axes) -> Axes:
@@ -199,7 +204,7 @@ class _Screen:
         return [*shown, (self.text(more), "")] if room > 0 else []
 
     def remark(self, remark: Remark) -> list[str]:
-        """On one line, for which clauses are left out at the end; but the first clause is whole, on several if need be."""
+        """On one line, for which clauses are left out at the end; the first clause is whole, on several if need be."""
         text = tr(join("; ", remark.clauses))
         made = ""
         for end in _ends(text):
@@ -323,8 +328,16 @@ class _Screen:
         if longest - excess >= SHORTEST:
             cut = [replace(row, title=self.cut(row.title, longest - excess)) for row in rows]
             return self.table(replace(axes, rows=cut).table())
-        short = replace(axes, rows=rows).table(titles=False)
-        return self.table(short if self.wide(short) <= self.width else replace(axes, rows=rows).listed())
+        axes = replace(axes, rows=rows)
+        short, listed = axes.table(titles=False), axes.listed()
+        if self.wide(short) <= self.width or len(axes.names) < 2:
+            return self.table(short)
+        if self.wide(_main(listed)) <= self.width:
+            return self.table(listed)
+        half = (len(axes.names) + 1) // 2
+        return [
+            line for part in (axes.only(slice(half)), axes.only(slice(half, None))) for line in self.axes(part, rank)
+        ]
 
     def wide(self, table: Table) -> int:
         """Cells that the whole table takes."""
@@ -352,11 +365,12 @@ class _Screen:
 
     def table(self, table: Table) -> list[str]:
         """Columns with two blanks between; those aside, and at last those at the end, where all are too wide."""
-        kept = [i for i, column in enumerate(table.columns) if not column.aside]
-        if self.wide(table) > self.width and len(kept) < len(table.columns):
-            return self.table(table.only(kept))
-        if self.wide(table) > self.width and len(kept) > 2:
-            return self.table(table.only(kept[:-1]))
+        kept, every = _main(table), len(table.columns)
+        if self.wide(table) <= self.width:
+            kept = table
+        while self.wide(kept) > self.width - 2 and len(kept.columns) > 2 and kept is not table:
+            kept = kept.only(range(len(kept.columns) - 1))
+        table = kept
         cells, widths = self.cells(table), self.widths(table)
         numbers = [column.kind == "number" for column in table.columns]
         lines = []
@@ -367,4 +381,6 @@ class _Screen:
             )
             lines.append(line.rstrip())
         lines = lines[1:] if not lines[0].strip() else lines
-        return [line if cell_len(line) <= self.width else set_cell_size(line, self.width).rstrip() for line in lines]
+        if len(table.columns) < every:
+            lines[0] += " …"
+        return [self.cut(line) for line in lines]

@@ -12,6 +12,7 @@ from allanite.core.syntax import toml
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
+from allanite.reporting.first import ABOVE
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.provenance import sources_of
@@ -79,8 +80,6 @@ def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     for note, names in common.items():
         which = say("all channels") if len(names) == len(sheets) else say("channels {names}", names=", ".join(names))
         once.append(replace(note, text=say("{channels}: {warning}", channels=which, warning=note.text)))
-    # a refusal that is shown elsewhere becomes a reference
-    see = Note(say("no result: see above"), "alert")
     kept = []
     for sheet in sheets:
         parts: list[Part] = []
@@ -88,7 +87,7 @@ def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
             if not (_warns(part) and part in common):
                 parts.append(part)
             elif part.text.startswith(REFUSED):
-                parts.append(see)
+                parts.append(ABOVE)
         kept.append(replace(sheet, parts=parts))
     return once, kept
 
