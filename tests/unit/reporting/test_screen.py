@@ -29,7 +29,10 @@ def test_of_channels_with_long_names_the_first_is_named_and_what_is_wrong_is_tol
     (about,) = told_of([(name, found) for name in names], 6)
     assert about.about == "accelerometer_m_s2[0] and 3 more"
     shown = render(First("", remarks=[about], after=[]), width=75).splitlines()
-    assert shown == ["accelerometer_m_s2[0] and 3 more: 2 of 9 samples are missing in 1 gap. Try", "  --from 1 --until 2"]
+    assert shown == [
+        "accelerometer_m_s2[0] and 3 more: 2 of 9 samples are missing in 1 gap. Try",
+        "  --from 1 --until 2",
+    ]
 
 
 def test_where_columns_are_too_many_the_grade_is_kept():
