@@ -82,6 +82,7 @@ MADE = {
     "simulate walk.csv --model 'N 0.3 deg/sqrt(h)' --rate 10 --duration 100": r"gx: gyroscope, rate in °/h, 10 Hz",
     "compensate warm.csv --rate 10 --regressors temp": r"gx depends on temp",
     "compensate both.csv --rate 10 --regressors temp --to px4 -o a.params": r"gx +gy\nvariance removed +\d.* no effect",
+    "statespace six.csv --rate 10 --unexplained": r"\nax +1 +sinusoid",
     "watch warm.csv --channels gx --idle 0.2 --rate 10": r"warm\.csv +gyroscope, 10 Hz",
 }
 """The same of verbs that need files of their own, in the folder of `made`."""
@@ -99,6 +100,9 @@ def made(tmp_path_factory):
     np.savetxt(folder / "warm.csv", columns, delimiter=",", header="gx [deg/h],temp [degC]", comments="")
     both = np.column_stack([columns[:, 0], rng.normal(size=2000), temperature])
     np.savetxt(folder / "both.csv", both, delimiter=",", header="gx [deg/h],gy [deg/h],temp [degC]", comments="")
+    six = np.hstack([np.outer(np.sin(np.arange(900) / 4), np.ones(6)) + rng.normal(size=(900, 6))])
+    names = "ax [g],ay [g],az [g],gx [deg/s],gy [deg/s],gz [deg/s]"
+    np.savetxt(folder / "six.csv", six, delimiter=",", header=names, comments="")
     return folder
 
 
