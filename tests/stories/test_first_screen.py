@@ -10,7 +10,7 @@ from tests import ROOT
 
 from allanite.cli import VERBS, main
 
-SAMPLE = str(ROOT / "examples" / "tactical_gyro.csv")
+SAMPLE = shlex.quote(str(ROOT / "examples" / "tactical_gyro.csv"))
 TWO = f"{SAMPLE} --channels gx,gy"
 NOISE = '"N 0.1 deg/sqrt(h), K 10 deg/h/sqrt(h)"'
 CLAIM = "N 0.16 deg/sqrt(h), B 5 deg/h, K 60 deg/h/sqrt(h)"
