@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import allanite as al
+from allanite.reporting import page, plot
 from allanite.reporting.figures.labels import ENOUGH, LabelBox, freedom, place
+from allanite.reporting.style import encode
 
 NOTHING = np.empty((0, 2))
 
@@ -58,3 +60,11 @@ def test_lines_to_labels_are_short_and_do_not_run_across_the_curve(model):
         x, y = (low + ends * (high - low)).T
         side = y - np.interp(x, tau, whole)
         assert side[0] * side[1] > 0 or abs(side[0]) < 0.2, text
+
+
+def test_a_minimum_of_zero_has_no_label_and_no_place():
+    """As of a record that alternates between two numbers."""
+    study = al.analyze(al.Record(np.resize([2.0, 3.0], 2400), rate=50.0, unit="deg/s"))
+    assert al.minimum(study[0].curve).deviation == 0
+    assert b"minimum" not in encode(plot(study), "svg")
+    assert "<svg" in page(study)

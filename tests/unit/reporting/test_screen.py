@@ -167,3 +167,17 @@ def test_recordings_of_many_channels_have_a_first_screen(one_channel, count):
     for found in one_channel.values():
         shown = first_screen(replace(found, channels=found.channels * count))
         assert len(shown.splitlines()) <= LINES
+
+
+@rows("unit, factor", [("deg/s", 3600 * 180 / np.pi), ("m/s^2", 1e6 / 9.80665)])
+def test_the_in_run_minimum_is_that_of_the_curve_in_the_unit_that_is_named(unit, factor):
+    noise = al.N(0.2, "deg/sqrt(h)") if unit != "m/s^2" else al.N(30, "ug/sqrt(Hz)")
+    record = al.simulate(noise, 3000, 10.0, rng=np.random.default_rng(4), unit=unit)
+    study = al.analyze(record)
+    m = round(study[0].readings.minimum.tau * record.rate)
+    curve = al.deviation(record, "oadev", m=(m,), noise=None)
+    assert curve.unit in ("rad/s", "m/s^2")
+    least = float(curve.deviation[0]) * factor
+    named, shown = re.search(r"in-run bias stability +(\S+) +≤? ?([\d.]+) at", first_screen(study)).groups()
+    assert named == ("µg" if unit == "m/s^2" else "°/h")
+    assert float(shown) == pytest.approx(least, rel=5e-3)

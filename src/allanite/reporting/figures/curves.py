@@ -130,6 +130,8 @@ def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: fl
     readings = panel.readings
     if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
         return
+    if not readings.minimum.deviation > 0:  # logarithmic axes have no place for it
+        return
     low, high = readings.minimum.interval(level)
     factor = convert(1.0, readings.unit, panel.unit)
     deviation = readings.minimum.deviation * factor
