@@ -107,6 +107,11 @@ def told_apart(paths: Sequence[str]) -> tuple[str, ...]:
     return tuple(map("".join, zip(names, numbers, strict=True)))
 
 
+def sources_of(provenance: Mapping[str, str]) -> list[str]:
+    """The files of a result, ``source``, ``source 2`` and so on of its provenance."""
+    return [path for key, path in provenance.items() if key.split()[0] == "source" and path]
+
+
 def _as_many(some: Sequence[Hashable], others: Sequence[Hashable]) -> bool:
     """Whether both have the same number of different items."""
     return len(set(some)) == len(set(others))

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+from allanite.core.names import sources_of
 from allanite.phrases.phrase import join, say
-from allanite.study.provenance import sources_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

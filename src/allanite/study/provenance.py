@@ -19,8 +19,3 @@ def joined(provenances: Sequence[Mapping[str, str]]) -> dict[str, str]:
     first = dict(provenances[0]) if provenances else {}
     more = enumerate(provenances[1:], 2)
     return first | {f"{key} {i}": one[key] for i, one in more for key in ("source", "sha256") if key in one}
-
-
-def sources_of(provenance: Mapping[str, str]) -> list[str]:
-    """The files, in their order."""
-    return [path for key, path in provenance.items() if key.split()[0] == "source" and path]

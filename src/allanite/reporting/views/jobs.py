@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
-from allanite.core.names import told_apart
+from allanite.core.names import sources_of, told_apart
 from allanite.core.record import Record
 from allanite.core.residuals import Statement
 from allanite.core.syntax import toml
@@ -15,7 +15,6 @@ from allanite.reporting import words
 from allanite.reporting.first import ABOVE
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
-from allanite.study.provenance import sources_of
 from allanite.study.results import Noise
 
 LEVELS: dict[str, Any] = {EXPLAINED: "good", APPROXIMATE: "fair", UNEXPLAINED: "alert"}
