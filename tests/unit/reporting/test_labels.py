@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
-from allanite.reporting import page, plot
+from allanite.reporting import first_screen, page, plot
 from allanite.reporting.figures.labels import ENOUGH, LabelBox, freedom, place
 from allanite.reporting.style import encode
 
@@ -68,3 +69,11 @@ def test_a_minimum_of_zero_has_no_label_and_no_place():
     assert al.minimum(study[0].curve).deviation == 0
     assert b"minimum" not in encode(plot(study), "svg")
     assert "<svg" in page(study)
+
+
+@rows("show", [lambda value: value._repr_html_(), plot, first_screen, page])
+def test_a_stored_curve_of_a_statistic_that_is_not_known_is_refused_by_its_name(show):
+    curve = al.deviation(al.Record(np.random.default_rng(1).normal(size=200), rate=10.0, unit="deg/h"))
+    stored = type(curve).from_dict(curve.to_dict() | {"statistic": "__class__"})
+    with pytest.raises(al.UsageError, match="unknown statistic '__class__'"):
+        show(stored)

@@ -14,7 +14,7 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.sheet import Card, Column, Mark, Table, known
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 from allanite.study.results import Channel
 
 from .axes import cell_of
@@ -106,7 +106,7 @@ def alternative(channel: Channel, curve: Curve, level: float) -> str:
     unit = shown.unit
     ends = say(
         "{statistic} of {channel}: {first:.3g} {unit} at {start:.4g} s and {last:.3g} {unit} at {end:.4g} s",
-        statistic=STATISTICS[curve.statistic].title, channel=channel.record.name or say("the channel"), unit=unit,
+        statistic=statistic_named(curve.statistic).title, channel=channel.record.name or say("the channel"), unit=unit,
         first=shown.deviation[0], start=shown.tau[0], last=shown.deviation[-1], end=shown.tau[-1],
     )  # fmt: skip
     said: list[str] = [words.capital(ends)]
