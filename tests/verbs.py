@@ -21,6 +21,7 @@ BOTH = "--gyro 'N 0.3 deg/sqrt(h), B 10 deg/h' --accelerometer 'N 100 ug/sqrt(Hz
 TORQUER = "turns=100,field=0.4,span=0.05,radius=0.05,inertia=2e-3,spin=1000,sides=4"
 SAMPLE = "tactical_gyro.csv"
 TWO = f"{SAMPLE} --channels gx,gy"
+SIX = ("ax [g]", "ay [g]", "az [g]", "gx [deg/s]", "gy [deg/s]", "gz [deg/s]")
 
 
 class Row(NamedTuple):
@@ -137,6 +138,7 @@ ROWS = {
         ("--sensor fog --rate 10", ),
         "--unexplained",
         {f"statespace --model {NOISE} --rate 10": r"random walk", f"statespace {TWO}": r"Gauss-Markov rate"},
+        {"statespace sway.csv --rate 10 --unexplained": r"\nax +1 +sinusoid"},
     ),
     "export": Row(
         ("six.csv --to vins-mono", "six.csv --to gazebo --axis each --inflate 2",
@@ -199,6 +201,8 @@ def furnish(folder):
     wild = {"gy [deg/h]": 90 * rng.standard_normal(2000).cumsum(), "gz [deg/h]": np.zeros(2000)}
     _recording(folder / "wild.csv", 4, **wild)
     _six(folder / "six.csv")
+    sway = np.sin(np.arange(900) / 4)[:, None] + rng.normal(size=(900, 6))
+    _table(folder / "sway.csv", dict(zip(SIX, sway.T, strict=True)))
     (folder / "limits.toml").write_text('[limits]\nN = { max = "0.01 deg/sqrt(h)" }\nB = { max = "90 deg/h" }\n')
     (folder / "px4.params").write_text("1\t1\tEKF2_GYR_NOISE\t0.015\t9\n")
     volts = np.round(rng.standard_normal(4000) * 100) * 0.01

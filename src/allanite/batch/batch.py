@@ -8,6 +8,7 @@ from typing import Any
 
 from allanite.core.errors import UsageError
 from allanite.core.limits import Stored
+from allanite.core.names import told_apart
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.readers.sandbox.source import STDIN, STDIN_NAME
@@ -127,10 +128,13 @@ class Batch(Value):
             return ""
 
     def label(self, unit: BatchUnit) -> str:
-        """The name of a unit: its path below `folder`."""
-        if unit.file == STDIN:
-            return STDIN_NAME
-        return os.path.relpath(unit.file, self.folder) if self.folder else unit.file
+        """The name of a unit, which tells its file apart from the others."""
+        return self._labels[unit.file]
+
+    @cached_property
+    def _labels(self) -> dict[str, str]:
+        files = list(dict.fromkeys(unit.file for unit in self.units))
+        return dict(zip(files, told_apart([STDIN_NAME if file == STDIN else file for file in files]), strict=True))
 
     def _summary(self) -> str:
         return f"{len(self.units)} units, {len(self.failed)} failed, {len(self.exceeding)} exceed a limit"

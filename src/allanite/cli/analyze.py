@@ -8,6 +8,7 @@ import click
 from .deliver import Progress, carry_out, outputs, recipe_of
 from .front import DATA
 from .options import IDENTIFYING, RECORDING, RESULTS, SHOWN, options
+from .streams import complain
 from .tasks import ANALYZE, INFO, ends_of_units, perform
 
 if TYPE_CHECKING:
@@ -68,6 +69,6 @@ def end_of_units(batch: "Batch", *, strict: bool) -> None:
     """End with the exit code of the worst that was found, and say on stderr which units it is."""
     ends = ends_of_units(batch, strict=strict)
     for _, words in ends:
-        click.echo(words, err=True)
+        complain(words)
     if ends:
         raise click.exceptions.Exit(ends[0][0])

@@ -23,6 +23,7 @@ from .angle_shared import (
 )
 from .deliver import STDOUT, outputs, put
 from .options import RESULTS, options
+from .streams import show
 from .types import NUMBERS, Converted
 
 if TYPE_CHECKING:
@@ -118,7 +119,7 @@ def simulate(out: str, **choices: Any) -> None:
             figure = figures.plot_error_in_time(true, list(known.values())).printed()
             put(path, encode(figure, demand_figure_path(path, force=where.force)), force=where.force)
     if out != STDOUT and not where.quiet:
-        click.echo("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
+        show("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
 
 
 def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":

@@ -11,6 +11,7 @@ from .analyze import end_of_units
 from .deliver import carry_out, outputs, progress, recipe_of
 from .front import DATA, PARTLY
 from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .streams import complain, show
 
 
 @click.command()
@@ -51,17 +52,17 @@ def batch(source: str, results: str, workers: int | None, scheduler: str | None,
         run = run_batch(source, results, recipe_of(choices), executor=executor, besides=[recipe], progress=tell)
     if not out.quiet:
         for note in run.notes:
-            click.echo(note)
-        click.echo(
+            show(note)
+        show(
             f"{len(run.files)} files, {len(run.failed)} failed; {run.analyzed} analyzed now, {run.before} done "
             f"before; tables in {results}"
         )
     for file in run.failed:
-        click.echo(f"{file.file}: {file.error}", err=True)
+        complain(f"{file.file}: {file.error}")
     if run.failed:
         raise click.exceptions.Exit(PARTLY if len(run.failed) < len(run.files) else DATA)
     if out.strict and run.rejected:
-        click.echo(f"not explained, or without a result: {'; '.join(run.rejected)}", err=True)
+        complain(f"not explained, or without a result: {'; '.join(run.rejected)}")
         raise click.exceptions.Exit(DATA)
 
 

@@ -10,6 +10,7 @@ from allanite.core.errors import UsageError
 
 from .deliver import Extra, Outputs, carry_out, demand_recording, given, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .streams import complain
 
 if TYPE_CHECKING:
     from allanite.exporting.thermal import ThermalTarget
@@ -55,7 +56,7 @@ def compensate(file: str, **choices: Any) -> None:
     def parameters(study: Any) -> bytes:
         made = temperature_parameters(study, str(autopilot), instance=instance)
         for alert in made.alerts:
-            click.echo(f"allanite: {alert}", err=True)
+            complain(f"allanite: {alert}")
         return made.data
 
     data: dict[str, Callable[[Any], str | bytes]] = {

@@ -19,7 +19,7 @@ from allanite.reporting.language import ENGLISH, catalogue
 from .forms import text_of, work_of
 from .front import DATA, LINE
 from .options import FLAGS
-from .streams import while_read
+from .streams import complain, hand_over, show, while_read
 
 if TYPE_CHECKING:
     from allanite.core.record import Recording
@@ -135,7 +135,7 @@ def carry_out(job: Callable[[Progress], Any], out: Outputs, extra: "Extra | None
         deliver(found, out, extra)
     if out.strict and found.rejected:
         names = ", ".join(name or "the record" for name in found.rejected)
-        click.echo(f"not explained, or without a result: {names}", err=True)
+        complain(f"not explained, or without a result: {names}")
         raise click.exceptions.Exit(DATA)
     return found
 
@@ -155,7 +155,7 @@ def _warnings(kind: type[Warning]) -> Iterator[None]:
     """Warnings of this kind are printed as sentences on stderr."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", kind)
-        warnings.showwarning = lambda message, *_, **__: click.echo(f"allanite: {message}", err=True)
+        warnings.showwarning = lambda message, *_, **__: complain(f"allanite: {message}")
         yield
 
 
@@ -192,7 +192,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
         made = done(*text, *map(work, forms))
         if shown:
             with while_read():
-                click.echo(next(made), nl=False)
+                hand_over(next(made))
         for name, path, _ in places:
             if name not in more.recordings:
                 put(path, next(made), force=out.force)
@@ -202,7 +202,7 @@ def deliver(value: Any, out: Outputs, extra: Extra | None = None) -> None:
                 write_recording(more.recordings[name](value), path, force=out.force)
             if path != STDOUT and not out.quiet:
                 with while_read():
-                    click.echo(f"{name}: {path}", err=out.piped)
+                    (complain if out.piped else show)(f"{name}: {path}")
 
 
 CHANNEL = "{channel}"
@@ -228,6 +228,6 @@ def put(path: str, data: str | bytes, *, force: bool) -> None:
     raw = encoded(data) if isinstance(data, str) else data
     if path == STDOUT:
         with while_read():
-            click.echo(raw, nl=False)
+            hand_over(raw)
     else:
         write(path, raw, force=force)

@@ -12,6 +12,7 @@ import click
 from .deliver import deliver, outputs
 from .front import DATA
 from .options import SHOWN, options
+from .streams import show
 
 WRITTEN = {"report": "page.html", "json": "paper.json"}
 """Files of the comparison: option -> name."""
@@ -37,13 +38,13 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
     if paper is None:
         for row in map(paper_of, PAPERS):
             source = textwrap.wrap(row.source, 95, initial_indent="     ", subsequent_indent="     ")
-            click.echo("\n".join([f"{row.name}  {row.title}", *source]))
+            show("\n".join([f"{row.name}  {row.title}", *source]))
         return
     row = paper_of(paper)
     lines = [shlex.split(command) for command in row.commands]
     shown = [shlex.join(["allanite", *line]) for line in lines]
     if commands:
-        click.echo("\n".join(shown))
+        show("\n".join(shown))
         return
     os.makedirs(folder, exist_ok=True)
     own = {name: os.path.join(folder, path) for name, path in WRITTEN.items()}
@@ -51,7 +52,7 @@ def example(paper: str | None, folder: str, commands: bool, **shared: Any) -> No
     with contextlib.chdir(folder):
         for line, text in zip(lines, shown, strict=True):
             if not shared["quiet"]:
-                click.echo(f"$ {text}")
+                show(f"$ {text}")
             _run(line, shared | {"quiet": not shared["details"]})
     deliver(compare(row.within(out.lang), Path(folder)), out)
 

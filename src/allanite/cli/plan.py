@@ -8,6 +8,7 @@ from allanite.study.settings import CheckChoices, NoiseChoices, PlanChoices, Sta
 
 from .deliver import carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, RESULTS, options
+from .streams import complain
 
 if TYPE_CHECKING:
     from allanite.study.modelling import Use
@@ -52,7 +53,7 @@ def selfcheck(file: str | None, **choices: Any) -> None:
 def demand_kept(found: Any) -> None:
     """End with exit code 4, and say why, if a limit is exceeded."""
     for sentence in found.exceeded:
-        click.echo(f"limit exceeded: {sentence}", err=True)
+        complain(f"limit exceeded: {sentence}")
     if found.exceeded:
         raise click.exceptions.Exit(EXCEEDED)
 

@@ -1,4 +1,4 @@
-"""The standard streams, which may be closed or full, or have a reader that has left."""
+"""The standard streams, which may be closed or full, or have a reader that has left: the only door to the terminal."""
 
 import errno
 import io
@@ -65,14 +65,28 @@ def lost() -> str:
     return str(getattr(sys.stdout, "why", ""))
 
 
+def show(text: str) -> None:
+    """Write lines to standard output; names in them must not drive the terminal."""
+    click.echo(_harmless(text))
+
+
+def hand_over(data: str | bytes) -> None:
+    """Write a result to standard output as it is: its renderer made the names harmless, or it is for a program."""
+    click.echo(data, nl=False)
+
+
 def complain(text: str, before: str = "") -> None:
     """Write to standard error, as far as it can be written to: the exit code says the rest.
 
     Names in the text must not drive the terminal; what stands `before` it may.
     """
-    from allanite.reporting.digits import printable
-
     try:
-        click.echo(before + "\n".join(printable(line) for line in text.split("\n")), err=True)
+        click.echo(before + _harmless(text), err=True)
     except OSError:
         sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 - what is left in the old one is not flushed
+
+
+def _harmless(text: str) -> str:
+    from allanite.reporting.digits import printable
+
+    return "\n".join(map(printable, text.split("\n")))

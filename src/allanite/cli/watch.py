@@ -11,6 +11,7 @@ from allanite.study.settings import WatchChoices
 
 from .deliver import deliver, outputs, recipe_of, settings_of
 from .options import RESULTS, options
+from .streams import complain
 from .tasks import WATCH, Reports
 
 BINARY = ("dtype", "columns", "offset")
@@ -40,5 +41,5 @@ def watch(target: str, **choices: Any) -> None:
         os.remove(record)
     out = replace(out, paths={name: path for name, path in out.paths.items() if name != "record"})
     settings, recipe = settings_of(WatchSettings, choices | {"record": record}), recipe_of(choices)
-    reports = Reports(event=lambda words, _: None if out.quiet else click.echo(words, err=True))
+    reports = Reports(event=lambda words, _: None if out.quiet else complain(words))
     deliver(WATCH.run([target], recipe, settings, reports), out)

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
+from allanite.core.names import told_apart
 from allanite.core.plain import Value
 from allanite.core.record import Record, Recording
 from allanite.phrases.phrase import join, say
@@ -107,6 +108,9 @@ def open_source(source: Source | Job[Any], recipe: Recipe, progress: Progress | 
 
 def name_sources(*sources: Source | Job[Any]) -> tuple[str, ...]:
     """The names of files or records where these differ; otherwise "before" and "after", or numbers."""
+    paths = [os.fspath(source) for source in sources if isinstance(source, (str, os.PathLike))]
+    if len(set(paths)) == len(sources):
+        return told_apart(paths)
 
     def own(source: Source | Job[Any]) -> str:
         if isinstance(source, (str, os.PathLike)):

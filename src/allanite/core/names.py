@@ -1,6 +1,7 @@
 """Names in tables: the row of a name, and what is meant by a name that is not in the table."""
 
-from collections.abc import Container, Hashable, Iterable, Mapping
+from collections.abc import Container, Hashable, Iterable, Mapping, Sequence
+from pathlib import PurePath
 from typing import Any, TypeVar
 
 from .errors import UsageError, given
@@ -85,3 +86,32 @@ def row_alike(what: str, name: Any, table: Mapping[str, Row]) -> Row:
     if isinstance(name, str) and name not in table:
         name = next((known for known in table if _plain(known) == _plain(name)), name)
     return row_of(what, name, table)
+
+
+def told_apart(paths: Sequence[str]) -> tuple[str, ...]:
+    """The shortest names that tell files apart: with folders where the last names are equal, numbered where paths are.
+
+    Examples
+    --------
+    >>> told_apart(["/data/a.csv", "/data/b.csv"]), told_apart(["/data/before/run.csv", "/data/after/run.csv"])
+    (('a.csv', 'b.csv'), ('before/run.csv', 'after/run.csv'))
+    >>> told_apart(["/1/imu/raw/run.csv", "/2/imu/raw/run.csv"]), told_apart(["a.csv", "a.csv"])
+    (('1/…/run.csv', '2/…/run.csv'), ('a.csv 1', 'a.csv 2'))
+    """
+    parts = [PurePath(path).parts for path in paths]
+    depth = next(k for k in range(1, max(map(len, parts), default=0) + 2) if _as_many([p[-k:] for p in parts], parts))
+    tails = [p[-depth:] for p in parts]
+    short = [(tail[0], "…", tail[-1]) if len(tail) > 2 else tail for tail in tails]
+    names = [PurePath(*tail).as_posix() for tail in (short if _as_many(short, parts) else tails)]
+    numbers = (f" {names[:i].count(name) + 1}" if names.count(name) > 1 else "" for i, name in enumerate(names))
+    return tuple(map("".join, zip(names, numbers, strict=True)))
+
+
+def sources_of(provenance: Mapping[str, str]) -> list[str]:
+    """The files of a result, ``source``, ``source 2`` and so on of its provenance."""
+    return [path for key, path in provenance.items() if key.split()[0] == "source" and path]
+
+
+def _as_many(some: Sequence[Hashable], others: Sequence[Hashable]) -> bool:
+    """Whether both have the same number of different items."""
+    return len(set(some)) == len(set(others))

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import TypeGuard
 
 from allanite.core.finding import Finding
@@ -21,6 +22,9 @@ NAMED = 32
 DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say("figures"))
 """What next, after any result."""
 
+
+ABOVE = Note(say("no result: see above"), "alert")
+"""Stands in the sheet of a channel whose refusal is told with those of the others."""
 
 PLUS_MINUS, MOST = r"±|\+-", "≤|<="
 """What finds these signs in a line of text."""
@@ -94,6 +98,10 @@ class Axes:
         ]
         rows = [[*lead, printed_unit(row.unit), *row.cells] for lead, row in zip(leads, self.rows, strict=True)]
         return Table(heads, rows)
+
+    def only(self, part: slice) -> "Axes":
+        """Those of some channels."""
+        return replace(self, names=self.names[part], rows=[replace(row, cells=row.cells[part]) for row in self.rows])
 
     def listed(self) -> Table:
         """A row for each channel; where that is too wide, without what is no coefficient and no grade."""
@@ -172,18 +180,19 @@ class First:
 def condensed(face: Face, *, drawn: bool = False) -> First:
     """The first screen of a result that is shown as sheets: sentences and the first table of each, warnings."""
     after = [DETAILS, *([FIGURES] if drawn else [])]
-    alerts = [Remark.of("", part.text, grave=True) for part in face.parts if _warns(part)]
     sections = [_section("", face.parts)] if any(map(_told, face.parts)) else []
     verdicts = [text for sheet in face.sheets for text in sheet.verdicts]
     if sections and not sections[0].said and verdicts:  # tables of all, and below what follows from them
         sections[0] = replace(sections[0], said=verdicts)
-    for sheet in face.sheets:
-        name = "" if len(face.sheets) == 1 and isinstance(sheet.name, Phrase) else sheet.name
-        sections.append(_section(name, sheet.parts))
-        alerts += [Remark.of(name, part.text, grave=True) for part in sheet.parts if _warns(part)]
-    alerts += [Remark.of("", part.text) for part in face.close if _warns(part)]
+    alone = len(face.sheets) == 1
+    sheets = [("" if alone and isinstance(sheet.name, Phrase) else sheet.name, sheet.parts) for sheet in face.sheets]
+    own = [_section(name, parts) for name, parts in sheets]
+    sections += [section for section in own if section.said or section.tables]
+    notes = [(name, part) for name, parts in [("", face.parts), *sheets, ("", face.close)] for part in parts]
+    alerts = merged(_remark_of(name, part) for name, part in notes if _warns(part))
     assumed = face.notes or [text for label, text in face.header if label == "assumed"]
-    return First(face.title, answer=sections, remarks=alerts, read=list(assumed), after=after)
+    remarks = sorted(alerts, key=lambda remark: not remark.grave)
+    return First(face.title, answer=sections, remarks=remarks, read=list(assumed), after=after)
 
 
 def _section(name: str, parts: Iterable[Part]) -> Section:
@@ -204,7 +213,11 @@ def _told(part: Part) -> bool:
 
 
 def _warns(part: Part) -> TypeGuard[Note]:
-    return isinstance(part, Note) and part.level == "alert" and part.where != "page"
+    return isinstance(part, Note) and part.level in ("alert", "warning") and part.where != "page" and part != ABOVE
+
+
+def _remark_of(name: str, note: Note) -> Remark:
+    return Remark.of(name, note.text, grave=note.level == "alert")
 
 
 def shown(remark: Remark, clauses: int | None = None) -> Phrase:
@@ -215,15 +228,33 @@ def shown(remark: Remark, clauses: int | None = None) -> Phrase:
     return say("{what}. Try {command}", what=said, command=remark.command) if remark.command else said
 
 
+def kinds(remarks: Iterable[Remark]) -> list[list[Remark]]:
+    """Remarks of one kind, with one command, together: of one finding, or with the same words but for numbers.
+
+    Two about one channel that differ stay apart.
+    """
+    alike: dict[tuple[object, ...], list[Remark]] = {}
+    for remark in remarks:
+        words = getattr(remark.clauses[0], "templates", remark.clauses[0])  # of a stored result, the text
+        kind = (remark.name or words, remark.command, remark.grave)
+        same = next(n for n in count() if all(not _differ(remark, other) for other in alike.get((*kind, n), ())))
+        alike.setdefault((*kind, same), []).append(remark)
+    return list(alike.values())
+
+
+def _differ(a: Remark, b: Remark) -> bool:
+    return a.about == b.about and str(a.clauses[0]) != str(b.clauses[0])
+
+
+def merged(remarks: Iterable[Remark], every: int = 0) -> list[Remark]:
+    """Remarks, of which those of one kind are one, about all their channels."""
+    told = ((alike[0], [(r.about, str(r.clauses[0])) for r in alike]) for alike in kinds(remarks))
+    return [replace(first, about=sharing(found, every)) for first, found in told]
+
+
 def told_of(notes: Iterable[tuple[str, Finding]], every: int) -> list[Remark]:
     """Findings of several channels, one of each kind, with the names of all channels that have it."""
-    alike: dict[str, list[tuple[str, Finding]]] = {}
-    for name, finding in notes:
-        alike.setdefault(finding.name, []).append((name, finding))
-    return [
-        Remark.about_finding(sharing([(name, finding.what) for name, finding in found], every), found[0][1])
-        for found in alike.values()
-    ]
+    return merged((Remark.about_finding(name, finding) for name, finding in notes), every)
 
 
 def sharing(found: Sequence[tuple[str, str]], every: int) -> str:

@@ -2,8 +2,9 @@
 
 import io
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
 
 from rich.cells import cell_len, set_cell_size
 from rich.console import Console
@@ -14,7 +15,7 @@ from allanite.phrases.phrase import join, say, say_count
 from .digits import in_ascii, printable, printed_heading, printed_unit, with_units
 from .first import Answer, Axes, First, Remark, Section, shown
 from .language import tr
-from .sheet import Table
+from .sheet import Column, Table
 from .text import wrapped
 
 LINES, COLUMNS = 20, 100
@@ -22,6 +23,12 @@ LINES, COLUMNS = 20, 100
 
 FEWEST = 2
 """Lines of remarks for which rows of limits give way."""
+
+GRAVEST = 6
+"""Lines of grave remarks for which any row of the answer gives way."""
+
+_END = re.compile(r"[;；。]|(?<=[^.\s]{3})\.(?=\s+[A-ZА-Я])| (?=\([^()]*\)(?:$|[:;；。]|\.\s))")
+"""Where a clause ends, or an aside begins that ends it."""
 
 SHORTEST = 12
 """Columns to which titles may be cut before they are left out."""
@@ -44,6 +51,62 @@ def _printed(lines: Iterable[tuple[str, str]], *, color: bool) -> str:
     for line, style in lines:
         console.print(Text(line.rstrip(), style=style), soft_wrap=True, highlight=False)
     return out.getvalue()
+
+
+def _wanted(told: "Sequence[tuple[list[str], str]]") -> int:
+    """Lines of remarks for which rows of the answer give way: those that are grave, and a count of the others."""
+    every = sum(len(lines) for lines, _ in told)
+    grave = min(sum(len(lines) for lines, style in told if style), GRAVEST)
+    return max(min(every, FEWEST), grave + (every > grave))
+
+
+def _ends(text: str) -> list[int]:
+    """Where a text may end, the last place first: behind a clause, or before an aside in brackets."""
+    places = (found.start() for found in _END.finditer(text))
+    return [len(text), *(i for i in reversed([*places]) if text.count("(", 0, i) == text.count(")", 0, i))]
+
+
+@dataclass(frozen=True)
+class _Told:
+    """A sentence, what its lines begin with, and their width."""
+
+    text: str
+    first: str
+    rest: str
+    width: int
+
+    @property
+    def lines(self) -> list[str]:
+        """The whole sentence."""
+        return wrapped(self.text, self.width, self.first, self.rest)
+
+    def within(self, room: int, cut: Callable[[str], str]) -> list[str]:
+        """As many whole clauses as fit; of the first one, if need be, the beginning."""
+        lines = list[str]()
+        for end in _ends(self.text):
+            lines = replace(self, text=self.text[:end]).lines
+            if len(lines) <= room:
+                return lines
+        return [*lines[: room - 1], cut(" ".join((lines[room - 1], lines[room].strip())))]
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A section that is laid out: sentences, the heading of its table, and the rows."""
+
+    said: Sequence[_Told]
+    head: Sequence[str]
+    rows: Sequence[str]
+
+    @property
+    def lines(self) -> list[str]:
+        """All of it."""
+        return [*(line for text in self.said for line in text.lines), *self.head, *self.rows]
+
+
+def _main(table: Table) -> Table:
+    """Without the columns aside."""
+    return table.only([i for i, column in enumerate(table.columns) if not column.aside])
 
 
 def _found(axes: Axes) -> Axes:
@@ -70,15 +133,14 @@ class _Screen:
     def lines(self, first: First) -> list[tuple[str, str]]:
         """All lines: the answer, and as many remarks as there is room for."""
         head = [(line, "bold") for line in self.head(first)]
-        foot = self.foot(first)
-        grave, every = sum(remark.grave for remark in first.remarks), len(first.remarks)
-        wanted = max(min(every, FEWEST), min(grave, 6) + (every > min(grave, 6)))  # and how many more there are
-        room = LINES - len(head) - len(foot)
-        answer = [(line, "") for line in self.answer(first.answer, room - wanted)]
+        told = [(self.remark(remark), "red" if remark.grave else "") for remark in first.remarks]
+        limits = any(row.rank for part in first.answer if isinstance(part, Axes) for row in part.rows)
+        below = len(self.foot(replace(first, legend=()))) + bool(first.legend or limits)
+        answer = [(line, "") for line in self.answer(first.answer, LINES - len(head) - below - _wanted(told))]
         used = [(sign, why) for sign, why in first.legend if any(re.search(sign, line) for line, _ in answer)]
-        first = replace(first, legend=used)
-        remarks = [(line, "red" if i < grave else "") for i, line in enumerate(self.remarks(first, room - len(answer)))]
-        parts = [part for part in (answer, remarks, [(line, "dim") for line in self.foot(first)]) if part]
+        foot = [(line, "dim") for line in self.foot(replace(first, legend=used))]
+        remarks = self.remarks(told, LINES - len(head) - len(foot) - len(answer))
+        parts = [part for part in (answer, remarks, foot) if part]
         blanks = LINES - len(head) - sum(map(len, parts))
         made = head
         for part in parts:
@@ -129,28 +191,28 @@ class _Screen:
             line = self.prose(join("; ", [*parts[:count], *more]))
             if cell_len(line) <= self.width:
                 return line
-        return self.cut(parts[0])
+        rest = self.prose(join("", ["; ", *more])) if more else ""
+        return self.cut(self.prose(parts[0]), self.width - cell_len(rest)) + rest
 
-    def remarks(self, first: First, room: int) -> list[str]:
-        """The remarks, a line each, and how many there are beside those."""
-        told = list(first.remarks)
-        if len(told) <= room:
-            return [self.remark(remark) for remark in told]
-        kept = max(room - 1, 0)
-        left = len(told) - kept
-        more = say_count(left, "and {count} more note: --details", "and {count} more notes: --details")
-        return [*(self.remark(remark) for remark in told[:kept]), *([self.text(more)] if room > 0 else [])]
+    def remarks(self, told: "Sequence[tuple[list[str], str]]", room: int) -> list[tuple[str, str]]:
+        """The remarks in their styles, and how many there are beside those."""
+        if sum(len(lines) for lines, _ in told) <= room:
+            return [(line, style) for lines, style in told for line in lines]
+        kept = sum(taken < room for taken in accumulate(len(lines) for lines, _ in told))  # and a line that counts
+        more = say_count(len(told) - kept, "and {count} more note: --details", "and {count} more notes: --details")
+        shown = [(line, style) for lines, style in told[:kept] for line in lines]
+        return [*shown, (self.text(more), "")] if room > 0 else []
 
-    def remark(self, remark: Remark) -> str:
-        """On one line: clauses are left out at the end, and at last the rest of the first one."""
-        for count in range(len(remark.clauses), 0, -1):
-            line = self.prose(shown(remark, count))
-            if cell_len(line) <= self.width:
-                return line
-        command = self.text(say(". Try {command}", command=remark.command)) if remark.command else ""
-        bare = Remark(remark.about, remark.clauses[:1])
-        about = cell_len(self.prose(remark.about)) + 2  # and the colon
-        return self.cut(self.prose(shown(bare)), self.width - cell_len(command), about) + command
+    def remark(self, remark: Remark) -> list[str]:
+        """On one line, for which clauses are left out at the end; the first clause is whole, on several if need be."""
+        text = tr(join("; ", remark.clauses))
+        made = ""
+        for end in _ends(text):
+            stop = "." if end < len(text) and not remark.command else ""
+            made = self.prose(shown(replace(remark, clauses=[text[:end] + stop])))
+            if cell_len(made) <= self.width:
+                return [made]
+        return wrapped(made, self.width, "", "  ")
 
     def cut(self, text: str, width: int | None = None, least: int = 0) -> str:
         """The text up to the last sign or word that fits; more than `least` cells of it, if they fit."""
@@ -168,59 +230,93 @@ class _Screen:
     def answer(self, parts: Sequence[Answer], room: int) -> list[str]:
         """The parts of the answer, of which rows of little weight are left out where there are too many."""
         sections = [part for part in parts if isinstance(part, Section)]
-        if sections:
+        if len(sections) == len(parts):
             return self.sections(sections, room)
-        made = list[str]()
         for rank in (3, 2, 1):
             self.left = []
             made = [line for part in parts for line in self.part(part, rank)]
             if len(made) <= room:
                 return made
-        return list(self.shortened(parts, room))
+        tables = (_found(part).listed() if isinstance(part, Axes) else part for part in parts)
+        made = [line for part in tables for line in self.part(part, 1)]
+        return made if len(made) <= room else self.counted(made[: max(room - 1, 0)], len(made), 0)
+
+    def counted(self, lines: list[str], every: int, channels: int) -> list[str]:
+        """The lines, and how many of every one are left out, with whole channels."""
+        left = every - len(lines)
+        more = say_count(left, "and {count} more line: --details", "and {count} more lines: --details")
+        if channels:
+            more = say_count(
+                channels,
+                "and {lines} more lines, among them {count} whole channel: --details",
+                "and {lines} more lines, among them {count} whole channels: --details",
+                lines=left,
+            )
+        return [*lines, self.text(more)]
 
     def sections(self, sections: Sequence[Section], room: int) -> list[str]:
-        """All sections with equal shares of the room; if that is too little, the first ones."""
-        kept = sections[: room // 2] if 2 * len(sections) > room else sections
-        left, made = len(sections) - len(kept), list[str]()
-        room -= 1 if left else 0
-        for i, section in enumerate(kept):
-            made += self.section(section, (room - len(made)) // (len(kept) - i))
-        more = say_count(left, "and {count} more channel: --details", "and {count} more channels: --details")
-        return [*made, *([self.text(more)] if left else [])]
+        """All sections, or equal shares of them; if the room is too little for that, those of the first ones."""
+        parts = [self.section(section) for section in sections]
+        every = sum(len(part.lines) for part in parts)
+        if every <= room:
+            return [line for part in parts for line in part.lines]
+        joint = self.joint(sections)
+        made = list(joint[0].head) if joint else []
+        parts = [replace(part, head=[]) for part in joint] or parts
+        every = len(made) + sum(len(part.lines) for part in parts)
+        if every <= room:
+            return [*made, *(line for part in parts for line in part.lines)]
+        room -= 1  # of the count
+        least = [min(len(part.lines), 1 if part.said else 1 + len(part.head)) for part in parts]
+        kept = sum(taken <= room - len(made) for taken in accumulate(least))
+        for i in range(kept):
+            spare = room - len(made) - sum(least[i:kept])
+            made += self.beginning(parts[i], least[i] + spare // (kept - i))
+        return self.counted(made, every, len(parts) - kept)
 
-    def section(self, section: Section, room: int) -> list[str]:
-        """Its sentences, then as much of its table as there is room for."""
-        name, said = self.text(section.name), list(section.said)
-        lead, tables = f"{name}  " if name else "", [self.table(table) for table in section.tables]
-        if not said and tables and name and tables[0][0].startswith(" " * (cell_len(name) + 1)):
-            tables[0][0], name = name + tables[0][0][cell_len(name) :], ""  # in the empty heading of the first column
-        wanted = min(sum(map(len, tables)), max(room // 2, 3))
-        lines = wrapped(self.prose(said.pop(0)), self.width, lead, "  ") if said else [name] if name else []
-        for text in said:
-            lines += wrapped(self.prose(text), self.width, "  ", "    ")
-        if len(lines) > room - wanted:
-            kept = max(room - wanted, 1)
-            lines = [*lines[: kept - 1], self.cut(f"{lines[kept - 1]} {self.text('…')}")]
-        rows = [line for table in tables for line in table][: room - len(lines)]
-        return [*lines, *rows]
+    def joint(self, sections: Sequence[Section]) -> "list[_Part]":
+        """Sections that are tables with the same columns as one, whose first column has their names."""
+        tables = [table for section in sections for table in section.tables]
+        alike = {tuple(tr(column.heading) for column in table.columns[1:]) for table in tables}
+        if len(alike) != 1 or len(tables) != len(sections) or any(section.said for section in sections):
+            return []
+        rows = [[section.name if not i else "", *row] for section, table in zip(sections, tables, strict=True)
+                for i, row in enumerate(table.rows)]  # fmt: skip
+        table = replace(tables[0], columns=[Column("", "name"), *tables[0].columns], rows=rows, marks=())
+        head, *lines = self.table(table)
+        ends = list(accumulate(len(table.rows) for table in tables))
+        return [_Part([], [head], lines[end - len(table.rows) : end]) for end, table in zip(ends, tables, strict=True)]
 
-    def shortened(self, parts: Sequence[Answer], room: int) -> Iterator[str]:
-        """Each channel on a line, and how many there are beside those shown."""
-        tables: list[Answer] = [_found(part).listed() if isinstance(part, Axes) else part for part in parts]
-        lines = [line for part in tables for line in self.part(part, 1)]
-        if len(lines) <= room:
-            yield from lines
-            return
-        yield from lines[: room - 1]
-        left = len(lines) - room + 1
-        yield self.text(say_count(left, "and {count} more line: --details", "and {count} more lines: --details"))
+    def section(self, section: Section) -> "_Part":
+        """Its sentences, then its tables."""
+        name, said = self.text(section.name), [self.prose(text) for text in section.said]
+        head, *rows = [line for table in section.tables for line in self.table(table)] or [""]
+        if said:
+            lead = f"{name}  " if name else ""
+            texts = [(said[0], lead, "  "), *((text, "  ", "    ") for text in said[1:])]
+        elif name and head.startswith(" " * (cell_len(name) + 1)):
+            texts, head = [], name + head[cell_len(name) :]  # in the empty heading of the first column
+        else:
+            texts = [(name, "", "  ")] if name else []
+        return _Part([_Told(*text, self.width) for text in texts], [head] if head else [], rows)
+
+    def beginning(self, part: "_Part", room: int) -> list[str]:
+        """Its sentences as far as there is room, with a share for its table; a heading never alone."""
+        share = min(len(part.head) + len(part.rows), max(room // 2, 3))
+        made = list[str]()
+        for text in part.said:
+            rest = max(room - share, 1) - len(made)
+            if rest > 0:
+                made += text.within(rest, self.cut)
+        table = [*part.head, *part.rows][: room - len(made)]
+        return [*made, *(table if len(table) > len(part.head) or not part.rows else [])]
 
     def part(self, part: Answer, rank: int) -> list[str]:
         """The lines of a part, with rows below this rank."""
         if isinstance(part, Axes):
             return self.axes(part, rank)
         if isinstance(part, Section):
-            return self.section(part, LINES)
+            return self.section(part).lines
         return self.table(part) if isinstance(part, Table) else wrapped(self.prose(part), self.width, "", "  ")
 
     def axes(self, axes: Axes, rank: int) -> list[str]:
@@ -232,8 +328,16 @@ class _Screen:
         if longest - excess >= SHORTEST:
             cut = [replace(row, title=self.cut(row.title, longest - excess)) for row in rows]
             return self.table(replace(axes, rows=cut).table())
-        short = replace(axes, rows=rows).table(titles=False)
-        return self.table(short if self.wide(short) <= self.width else replace(axes, rows=rows).listed())
+        axes = replace(axes, rows=rows)
+        short, listed = axes.table(titles=False), axes.listed()
+        if self.wide(short) <= self.width or len(axes.names) < 2:
+            return self.table(short)
+        if self.wide(_main(listed)) <= self.width:
+            return self.table(listed)
+        half = (len(axes.names) + 1) // 2
+        return [
+            line for part in (axes.only(slice(half)), axes.only(slice(half, None))) for line in self.axes(part, rank)
+        ]
 
     def wide(self, table: Table) -> int:
         """Cells that the whole table takes."""
@@ -261,11 +365,12 @@ class _Screen:
 
     def table(self, table: Table) -> list[str]:
         """Columns with two blanks between; those aside, and at last those at the end, where all are too wide."""
-        kept = [i for i, column in enumerate(table.columns) if not column.aside]
-        if self.wide(table) > self.width and len(kept) < len(table.columns):
-            return self.table(table.only(kept))
-        if self.wide(table) > self.width and len(kept) > 2:
-            return self.table(table.only(kept[:-1]))
+        kept, every = _main(table), len(table.columns)
+        if self.wide(table) <= self.width:
+            kept = table
+        while self.wide(kept) > self.width - 2 and len(kept.columns) > 2 and kept is not table:
+            kept = kept.only(range(len(kept.columns) - 1))
+        table = kept
         cells, widths = self.cells(table), self.widths(table)
         numbers = [column.kind == "number" for column in table.columns]
         lines = []
@@ -276,4 +381,6 @@ class _Screen:
             )
             lines.append(line.rstrip())
         lines = lines[1:] if not lines[0].strip() else lines
-        return [line if cell_len(line) <= self.width else set_cell_size(line, self.width).rstrip() for line in lines]
+        if len(table.columns) < every:
+            lines[0] += " …"
+        return [self.cut(line) for line in lines]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
+from allanite.core.names import sources_of
 from allanite.phrases.phrase import join, say
 
 if TYPE_CHECKING:
@@ -283,7 +284,8 @@ def known(form: str, otherwise: str = "", unit: str = "") -> Callable[[float | N
 
 def header_of(provenance: dict[str, str], notes: Iterable[str], method: str = "") -> list[tuple[str, str]]:
     """The first lines of a result: its file, what was assumed, its digest, what made it."""
-    lines: list[tuple[str, str]] = [(say("file"), provenance.get("source") or say("(data in memory)"))]
+    files = sources_of(provenance) or [say("(data in memory)")]
+    lines: list[tuple[str, str]] = [("" if i else say("file"), file) for i, file in enumerate(files)]
     lines += [("" if i else say("assumed"), note) for i, note in enumerate(notes)]
     lines += [("sha256", provenance["sha256"])] if provenance.get("sha256") else []
     return [*lines, (say("made by"), join("", [f"allanite {provenance.get('allanite', '')}", method]))]

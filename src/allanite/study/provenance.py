@@ -1,5 +1,7 @@
 """Where the numbers of a job come from."""
 
+from collections.abc import Mapping, Sequence
+
 from allanite.core.record import Recording
 from allanite.core.version import __version__
 
@@ -9,7 +11,11 @@ def provenance_of(*recordings: Recording) -> dict[str, str]:
     import platform
 
     made = {"allanite": __version__, "python": platform.python_version()}
-    for i, recording in enumerate(recordings, 1):
-        which = "" if i == 1 else f" {i}"
-        made |= {f"source{which}": recording.source, f"sha256{which}": recording.digest}
-    return made
+    return made | joined([{"source": recording.source, "sha256": recording.digest} for recording in recordings])
+
+
+def joined(provenances: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    """Those of several files as one: ``source``, ``source 2`` and so on."""
+    first = dict(provenances[0]) if provenances else {}
+    more = enumerate(provenances[1:], 2)
+    return first | {f"{key} {i}": one[key] for i, one in more for key in ("source", "sha256") if key in one}

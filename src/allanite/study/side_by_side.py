@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import PurePath
 
+from allanite.core.names import told_apart
 from allanite.phrases.phrase import join
 
+from .provenance import joined
 from .survey import Measured, Survey
 
 
@@ -17,22 +18,17 @@ def side_by_side(surveys: Sequence[Survey], files: Sequence[str]) -> Survey:
     surveys : sequence of Survey
         With the same settings.
     files : sequence of path
-        Their files; of two with the same name, the folder tells them apart.
+        Their files; names are those of `told_apart`.
     """
     if len(surveys) == 1:
         return surveys[0]
-    stems = [PurePath(file).stem for file in files]
-    names = stems if len({*stems}) == len(stems) else list(files)
-    pairs = list(zip(names, surveys, strict=True))
+    pairs = list(zip(told_apart(files), surveys, strict=True))
     return replace(
         surveys[0],
         channels=tuple(_of_file(name, channel, len(one.channels)) for name, one in pairs for channel in one),
         findings=tuple(replace(f, what=join(": ", (name, f.what))) for name, one in pairs for f in one.findings),
         notes=tuple(dict.fromkeys(note for one in surveys for note in one.notes)),
-        provenance={
-            key: ", ".join(dict.fromkeys(one.provenance.get(key, "") for one in surveys))
-            for key in surveys[0].provenance
-        },
+        provenance=joined([one.provenance for one in surveys]),
     )
 
 

@@ -1,5 +1,6 @@
 """The system's faults: closed and full streams, a full disk, odd names, signals."""
 
+import ast
 import bz2
 import gzip
 import json
@@ -9,13 +10,17 @@ import re
 import signal
 import subprocess
 import sys
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from tests import thinned
 from tests.rows import paired, rows
 
 import allanite as al
+from allanite.cli import main
 
 COMMAND = [sys.executable, "-m", "allanite.cli"]
 linux = pytest.mark.skipif(sys.platform != "linux", reason="a shell with /dev/full")
@@ -142,6 +147,44 @@ def test_names_do_not_drive_the_terminal(tmp_path):
     assert code == 3
     assert "\x1b" not in words
     assert "\x9b" not in words
+
+
+HOSTILE = "\x1b]0;title\x07\x1b[31mevil\x9b.csv"
+
+
+@rows("verb", ["analyze units", "batch units --out results", "lot results", "analyze units --strict"])
+def test_names_of_units_do_not_drive_the_terminal(verb, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "units").mkdir()
+    values = np.random.default_rng(3).standard_normal(600)
+    np.savetxt(tmp_path / "units" / "good.csv", values, header="gx [deg/h]", comments="")
+    (tmp_path / "units" / HOSTILE).write_text("gx\nnothing\n")
+    run = partial(CliRunner().invoke, main)
+    if verb.startswith("lot"):
+        run(["batch", "units", "--out", "results", "--rate", "10", "--workers", "1"])
+    once = ["--rate", "10"] if not verb.startswith("lot") else []
+    done = run([*verb.split(), *once, *(["--workers", "1"] if verb.startswith("batch") else [])])
+    assert done.exit_code in (3, 5)
+    assert "evil" in done.stderr
+    assert all(line.isprintable() for line in (done.stdout + done.stderr).splitlines())
+
+
+DOORS = {
+    "cli/streams.py", "web/server.py", "web/schema.py",
+    "readers/sandbox/worker.py", "readers/sandbox/xlsx_contents.py",
+}  # fmt: skip
+"""Files that write to a standard stream: of the program, of its server, and of processes that it reads from."""
+
+
+def test_nothing_is_written_to_the_terminal_but_through_one_door():
+    package = Path(al.__file__).parent
+    assert {
+        path.relative_to(package).as_posix()
+        for path in package.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_bytes()))
+        if isinstance(node, ast.Call)
+        and re.fullmatch(r"print|click\.s?echo|sys\.std(out|err)(\.buffer)?\.write", ast.unparse(node.func))
+    } == DOORS
 
 
 @linux

@@ -5,7 +5,9 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
+from allanite.reporting import first_screen, page, plot
 from allanite.reporting.figures.labels import ENOUGH, LabelBox, freedom, place
+from allanite.reporting.style import encode
 
 NOTHING = np.empty((0, 2))
 
@@ -56,3 +58,19 @@ def test_lines_to_labels_are_short_and_do_not_run_across_the_curve(model):
         x, y = (low + ends * (high - low)).T
         side = y - np.interp(x, tau, whole)
         assert side[0] * side[1] > 0 or abs(side[0]) < 0.2, text
+
+
+def test_a_minimum_of_zero_has_no_label_and_no_place():
+    """As of a record that alternates between two numbers."""
+    study = al.analyze(al.Record(np.resize([2.0, 3.0], 2400), rate=50.0, unit="deg/s"))
+    assert al.minimum(study[0].curve).deviation == 0
+    assert b"minimum" not in encode(plot(study), "svg")
+    assert "<svg" in page(study)
+
+
+@rows("show", [lambda value: value._repr_html_(), plot, first_screen, page])
+def test_a_stored_curve_of_a_statistic_that_is_not_known_is_refused_by_its_name(show):
+    curve = al.deviation(al.Record(np.random.default_rng(1).normal(size=200), rate=10.0, unit="deg/h"))
+    stored = type(curve).from_dict(curve.to_dict() | {"statistic": "__class__"})
+    with pytest.raises(al.UsageError, match="unknown statistic '__class__'"):
+        show(stored)

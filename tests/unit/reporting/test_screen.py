@@ -1,8 +1,21 @@
 """The layout of a first screen."""
 
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.rows import rows
+
+import allanite as al
 from allanite.core.finding import Finding
-from allanite.reporting.first import Axes, First, Quantity, Remark, told_of
-from allanite.reporting.screen import render
+from allanite.reporting import first_screen
+from allanite.reporting.first import Axes, First, Quantity, Remark, Section, condensed, told_of
+from allanite.reporting.screen import COLUMNS, LINES, render
+from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
+from allanite.study.modelled import run_model_job
+from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
+from allanite.study.recipe import Recipe
 
 REMARKS = [Remark.of("", f"remark {i}") for i in range(9)]
 
@@ -28,8 +41,9 @@ def test_of_channels_with_long_names_the_first_is_named_and_what_is_wrong_is_tol
     found = Finding("gaps", "2 of 9 samples are missing in 1 gap", "", "the rest: --from 1 --until 2")
     (about,) = told_of([(name, found) for name in names], 6)
     assert about.about == "accelerometer_m_s2[0] and 3 more"
-    (shown,) = render(First("", remarks=[about], after=[]), width=75).splitlines()
-    assert shown == "accelerometer_m_s2[0] and 3 more: 2 of 9 samples…. Try --from 1 --until 2"
+    shown = render(First("", remarks=[about], after=[]), width=75).splitlines()
+    told = "accelerometer_m_s2[0] and 3 more: 2 of 9 samples are missing in 1 gap. Try"
+    assert shown == [told, "  --from 1 --until 2"]
 
 
 def test_where_columns_are_too_many_the_grade_is_kept():
@@ -39,9 +53,131 @@ def test_where_columns_are_too_many_the_grade_is_kept():
     shown = render(First("file", answer=[Axes([f"channel {i}" for i in range(6)], rows)], after=[]))
     assert shown.count("fits, p 0.5") == 6
     assert "in-run" not in shown
+    assert "…" in shown.splitlines()[2]  # of the heading
 
 
 def test_lines_of_channels_beyond_the_screen_are_counted():
     lines = render(First("file", answer=[Axes([f"c{i}" for i in range(40)], quantities(40))])).splitlines()
     (more,) = [line for line in lines if "more line" in line]
     assert sum(line.startswith("c") for line in lines) - 1 + int(more.split()[1]) == 40
+
+
+def test_channels_whose_cells_are_wide_stand_below_each_other():
+    cells = [f"{i} -> {i}.5  no change (-0.57 %), of two units" for i in range(2)]
+    answer = Axes(["gx", "gy"], [Quantity("quantity", symbol, "deg/h", cells) for symbol in "NBK"])
+    shown = render(First("file", answer=[answer]))
+    assert [shown.count(cell) for cell in cells] == [3, 3]
+
+
+def test_warnings_of_sheets_are_remarks_and_those_of_one_kind_share_a_line():
+    grades = [Note(f"p = 0.{i}", "alert") for i in range(3)]
+    sheets = [Sheet(name, (), (note, Note("short", "warning"))) for name, note in zip("abc", grades, strict=True)]
+    first = condensed(Face("title", "brand", [*sheets, Sheet("d", (), (Note("as of d", "warning"),))]))
+    assert [(r.about, r.clauses[0], r.grave) for r in first.remarks] == [
+        *((name, note.text, True) for name, note in zip("abc", grades, strict=True)),
+        ("a, b, c", "short", False), ("d", "as of d", False),
+    ]  # fmt: skip
+
+
+def made(rng):
+    """A first screen of any size whose lines have words of their own."""
+    tokens = (f"t{i}t" for i in range(10_000))
+
+    def sentence():
+        return "; ".join(" ".join(next(tokens) for _ in range(rng.integers(1, 30))) for _ in range(rng.integers(1, 4)))
+
+    def section(i, heads, wide):
+        said = [sentence() for _ in range(rng.integers(0, 3))] if rng.random() < 0.4 else []
+        table = Table(
+            [Column(f"{heads}{j}") for j in range(wide)],
+            [[next(tokens) for _ in range(wide)] for _ in range(rng.integers(1, 13))],
+        )
+        return Section(f"channel{i}", said, [table] if rng.random() < 0.9 or not said else [])
+
+    wide = int(rng.integers(1, 7))
+    sections = [section(i, "head" if rng.random() < 0.7 else f"head{i}", wide) for i in range(rng.integers(1, 25))]
+    remarks = [
+        Remark.of(f"channel{i}", sentence(), grave=bool(rng.random() < 0.3), name=str(i))
+        for i in range(rng.integers(0, 13))
+    ]
+    notes = [sentence() for _ in range(rng.integers(0, 4))]
+    return First("file", "verdict", sections, sorted(remarks, key=lambda remark: not remark.grave), (), notes)
+
+
+def test_nothing_is_lost_in_silence_whatever_the_rows_and_the_room():
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        first, width = made(rng), int(rng.integers(60, COLUMNS + 1))
+        shown = render(first, width=width)
+        lines = shown.splitlines()
+        assert 0 < len(lines) <= LINES
+        assert max(map(len, lines)) <= width
+        lost = [
+            row
+            for section in first.answer
+            for table in section.tables
+            for row in table.rows
+            if not re.search(rf"\b{row[0]}\b", shown)
+        ]
+        counted = re.search(r"and (\d+) more lines?", shown)
+        assert len(lost) <= (int(counted[1]) if counted else 0), seed
+        told = sum(f"{remark.about}: " in shown for remark in first.remarks)
+        more = re.search(r"and (\d+) more notes?: ", shown)
+        assert told + (int(more[1]) if more else 0) == len(first.remarks), seed
+        assert "…." not in shown
+
+
+@rows("command", ["", "--from 12.5 --until 9000", "allanite deviation FILE"])
+def test_a_remark_is_cut_behind_clauses_only(command):
+    rng = np.random.default_rng(len(command))
+    for _ in range(60):
+        clauses = [
+            " ".join([*("word" * int(n) for n in rng.integers(1, 3, rng.integers(1, 25))), f"{rng.random():.3g}"])
+            + (" (an aside of 12 %)" if rng.random() < 0.3 else "")
+            for _ in range(rng.integers(1, 5))
+        ]
+        width = int(rng.integers(60, COLUMNS + 1))
+        shown = render(First("", remarks=[Remark("gx", clauses, command)], after=[]), width=width)
+        text, _, after = " ".join(line.strip() for line in shown.splitlines()).partition(". Try ")
+        assert after == command
+        whole = f"gx: {'; '.join(clauses)}"
+        ends = {len(whole), *(found.start() for found in re.finditer(r";| \((?=[^)]*\)(?:$|;))", whole))}
+        cut = text.removesuffix(".")
+        assert whole.startswith(cut)
+        assert len(cut) in ends
+        assert command or text == whole or text.endswith(".")
+
+
+JOBS = {
+    "plan": PlanSettings(),
+    "statespace": StateSpaceSettings(),
+    "selfcheck": SelfCheckSettings(records=2, samples=500),
+}
+
+
+@pytest.fixture(scope="module")
+def one_channel():
+    """The result of each job for one channel."""
+    record = al.simulate(al.Model("N 0.1 deg/sqrt(h), K 30 deg/h/sqrt(h)"), 4000, 20.0, rng=np.random.default_rng(2))
+    return {verb: run_model_job(al.Recording((record,)), settings, Recipe()) for verb, settings in JOBS.items()}
+
+
+@rows("count", [6, 7, 12, 24])
+def test_recordings_of_many_channels_have_a_first_screen(one_channel, count):
+    for found in one_channel.values():
+        shown = first_screen(replace(found, channels=found.channels * count))
+        assert len(shown.splitlines()) <= LINES
+
+
+@rows("unit, factor", [("deg/s", 3600 * 180 / np.pi), ("m/s^2", 1e6 / 9.80665)])
+def test_the_in_run_minimum_is_that_of_the_curve_in_the_unit_that_is_named(unit, factor):
+    noise = al.N(0.2, "deg/sqrt(h)") if unit != "m/s^2" else al.N(30, "ug/sqrt(Hz)")
+    record = al.simulate(noise, 3000, 10.0, rng=np.random.default_rng(4), unit=unit)
+    study = al.analyze(record)
+    m = round(study[0].readings.minimum.tau * record.rate)
+    curve = al.deviation(record, "oadev", m=(m,), noise=None)
+    assert curve.unit in ("rad/s", "m/s^2")
+    least = float(curve.deviation[0]) * factor
+    named, shown = re.search(r"in-run bias stability +(\S+) +≤? ?([\d.]+) at", first_screen(study)).groups()
+    assert named == ("µg" if unit == "m/s^2" else "°/h")
+    assert float(shown) == pytest.approx(least, rel=5e-3)

@@ -7,6 +7,8 @@ from tests.rows import rows
 import allanite as al
 from allanite.core.errors import DataError
 from allanite.prepare import inspect
+from allanite.study.channels import open_recording
+from allanite.study.recipe import Recipe
 
 SIGMA = 1.0 * np.pi / 180 / 3600 * np.sqrt(0.1)
 """N of a standard deviation of 1 deg/h at 10 Hz, SI."""
@@ -74,3 +76,18 @@ def test_what_gaps_leave_unreadable_contradicts_nothing(seed):
     channel = al.analyze(record.with_values(values, "dropouts", start=None)).channels[0]
     assert not channel.refusal
     assert channel.noise.explained
+
+
+def test_outliers_that_are_to_be_marked_are_missing_for_every_job():
+    values = np.random.default_rng(6).standard_normal(3000)
+    at = [400, 1100, 2700]
+    spiked, missing = values.copy(), values.copy()
+    spiked[at] += 50.0
+    missing[at] = np.nan
+    for how, expected in (("mark", missing), ("keep", spiked)):
+        found = open_recording(al.Record(spiked, rate=10.0, unit="deg/h"), Recipe(outliers=how))[0]
+        curves = [
+            al.deviation(record, "oadev", m=(1, 10), noise=None).deviation
+            for record in (found, al.Record(expected, rate=10.0, unit="deg/h"))
+        ]
+        np.testing.assert_array_equal(*curves)

@@ -74,10 +74,10 @@ def test_channels_of_several_files_are_side_by_side(verb, file, tmp_path):
     one = cells(run(verb, file, *form, "--csv", "-").stdout)
     both = cells(run(verb, file, other, *form, "--csv", "-", "--plot", tmp_path / "a.png").stdout)
     assert [row | {"channel": "x"} for row in both] == one * 2
-    assert [*dict.fromkeys(row["channel"] for row in both)] == [Path(file).stem, "run2"]
+    assert [*dict.fromkeys(row["channel"] for row in both)] == [Path(file).name, "run2.csv"]
     several = run(verb, file, other, "--channels", "x,y", *form[2:], "--json", "-").stdout
     names = [channel["name"] for channel in json.loads(several)["channels"]]
-    assert names == [f"{stem} {name}" for stem in (Path(file).stem, "run2") for name in "xy"]
+    assert names == [f"{file} {name}" for file in (Path(file).name, "run2.csv") for name in "xy"]
 
 
 @pytest.mark.slow("takes more than half a second")

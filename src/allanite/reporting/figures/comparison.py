@@ -16,7 +16,7 @@ from allanite.core.errors import UsageError
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
 from allanite.reporting.digits import printable
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 
 from .drawing import TIME, draw_legend, with_unit
 from .labels import FloatArray
@@ -110,7 +110,7 @@ def frame_curves(ax: Axes, curve: Curve, name: str, curves: Sequence[Curve]) -> 
     style.plain_ticks(ax.xaxis, ax.yaxis)
     style.grid(ax)
     style.title(ax, name)
-    ax.set_ylabel(with_unit(STATISTICS[curve.statistic].title, unit))
+    ax.set_ylabel(with_unit(statistic_named(curve.statistic).title, unit))
 
 
 def _ratio_frame(ax: Axes, ratio: FloatArray) -> None:

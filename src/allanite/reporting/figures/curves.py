@@ -12,7 +12,7 @@ from allanite.core.units import convert
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
 from allanite.reporting.digits import digits
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 
 from .drawing import TIME, UNREAD, draw_label, draw_legend, draw_titles, fractions, shade, with_unit
 from .labels import LabelBox
@@ -105,7 +105,7 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
             drawn.deviation[~few],
             ms=size,
             mew=0,
-            label=STATISTICS[panel.curve.statistic].title,
+            label=statistic_named(panel.curve.statistic).title,
             **dots,
         )
         if few.any():
@@ -122,13 +122,15 @@ def _draw_panel(ax: Axes, panel: CurvePanel, level: float) -> None:
     if panel.drawn is not None:
         draw_model(ax, panel, drawn, placed, level)
     _draw_minimum(ax, panel, placed, level)
-    ax.set_ylabel(with_unit(STATISTICS[panel.curve.statistic].title, panel.unit))
+    ax.set_ylabel(with_unit(statistic_named(panel.curve.statistic).title, panel.unit))
 
 
 def _draw_minimum(ax: Axes, panel: CurvePanel, placed: list[LabelBox], level: float) -> None:
     """The minimum of the Allan deviation with its averaging time, as data sheets quote it."""
     readings = panel.readings
     if readings is None or readings.minimum is None or panel.curve.statistic != "oadev":
+        return
+    if not readings.minimum.deviation > 0:  # logarithmic axes have no place for it
         return
     low, high = readings.minimum.interval(level)
     factor = convert(1.0, readings.unit, panel.unit)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from allanite.phrases.phrase import join, say
 from allanite.reporting import style
 from allanite.reporting.digits import printable
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 
 from .drawing import EXPECTED, TIME, draw_legend, stacked, with_unit
 from .panels import CurvePanel, points, span
@@ -60,7 +60,7 @@ def _draw_group(ax: Axes, group: Sequence[CurvePanel], level: float) -> None:
 
 
 def _called(panel: CurvePanel) -> tuple[str, str]:
-    return printable(panel.name), STATISTICS[panel.curve.statistic].title
+    return printable(panel.name), statistic_named(panel.curve.statistic).title
 
 
 def _draw_curve(ax: Axes, panel: CurvePanel, label: tuple[int, str], level: float | None) -> None:

@@ -15,7 +15,7 @@ from allanite.core.model import Model, Term, model_of
 from allanite.core.readings import Readings
 from allanite.core.units import convert, unit_of
 from allanite.reporting import words
-from allanite.statistics import STATISTICS, expected
+from allanite.statistics import expected, statistic_named
 
 from .labels import FloatArray, IntArray
 
@@ -62,7 +62,7 @@ class CurvePanel(NamedTuple):
         """The deviation expected under a model or term, in the unit that is shown; NaN where it does not hold."""
         scope = None if self.fit is None else self.fit.scope
         holds = True if scope is None else scope.holds(tau)
-        curve, row = self.curve, STATISTICS[self.curve.statistic]
+        curve, row = self.curve, statistic_named(self.curve.statistic)
         scaled = not any(t.row.per_sample or t.row.transient for t in model_of(model))
         if row.differences and not row.summed and not row.power and scaled:
             variance = expected(model, row.name, tau)

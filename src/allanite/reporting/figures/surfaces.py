@@ -16,7 +16,7 @@ from allanite.core.errors import UsageError
 from allanite.core.surface import Surface
 from allanite.phrases.phrase import say
 from allanite.reporting import style, words
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 
 from .drawing import TIME, with_unit
 from .labels import FloatArray
@@ -53,7 +53,7 @@ def _draw(figure: Figure, axes: tuple[Axes, Axes], surface: Surface) -> None:
     norm = Normalize(0, (surface.time[-1] + surface.window / 2) / size)
     _draw_curves(left, tau, deviation, surface.time / size, norm)
     left.set(xlabel=TIME)
-    left.set_ylabel(with_unit(STATISTICS[surface.statistic].title, surface.unit))
+    left.set_ylabel(with_unit(statistic_named(surface.statistic).title, surface.unit))
     style.title(left, surface.name)
     scale = mpl.cm.ScalarMappable(norm=norm, cmap=TIME_COLORS)
     bar = figure.colorbar(scale, cax=left.inset_axes((0.06, 0.14, 0.42, 0.025)), orientation="horizontal")

@@ -11,7 +11,7 @@ from allanite.core.model import Term
 from allanite.phrases.phrase import say
 from allanite.reporting import style
 from allanite.reporting.digits import printable
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 from allanite.terms import TERMS
 
 from .drawing import TIME, draw_legend, stacked, with_unit
@@ -69,7 +69,7 @@ def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -> 
     style.grid(ax)
     first = group[0].panel
     style.title(ax, first.name)
-    ax.set_ylabel(with_unit(STATISTICS[first.curve.statistic].title, first.unit))
+    ax.set_ylabel(with_unit(statistic_named(first.curve.statistic).title, first.unit))
     marked = [curve for curve in group if curve.marked]
     for curve in group:
         if not curve.marked:

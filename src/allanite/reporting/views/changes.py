@@ -9,7 +9,7 @@ from allanite.core.fit import chance
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
 from allanite.reporting.digits import digits
-from allanite.reporting.first import DETAILS, FIGURES, Axes, First, Quantity, Remark
+from allanite.reporting.first import DETAILS, FIGURES, Axes, First, Quantity, Remark, merged
 from allanite.terms import TERMS
 
 from .axes import names_in_order
@@ -38,7 +38,8 @@ def first_of_comparison(value: Comparison, level: float) -> First:
         for name, grade, fits in zip(value.names, pair.grades, pair.explained, strict=False)
         if not fits
     ]
-    remarks += [Remark.of(pair.name, alert) for pair in value.pairs for alert in pair.alerts]
+    remarks += [Remark.about_finding("", finding) for finding in value.findings]
+    remarks += merged(Remark.of(pair.name, alert) for pair in value.pairs for alert in pair.alerts)
     title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
     needed = any(c.outcome == "not resolvable" for pair in value.pairs for c in pair.changes)
     legend = [("", say("unknown: a change by a factor of 2 is not excluded."))] if needed else []

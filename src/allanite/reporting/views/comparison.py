@@ -13,7 +13,7 @@ from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 
 from . import Rows, view
 from .changes import OUTCOME_WORDS, change_of, first_of_comparison
@@ -131,7 +131,7 @@ def _ratios_table(ratios: Ratios, whole: Comparison, levels: tuple[float, float]
     for *numbers, ratio, low, high, p in _ratio_rows(ratios, level):
         rows.append([*numbers, ratio, f"{low:.4g} .. {high:.4g}", p])
         marks.append(MARKS["smaller" if ratio < 1 else "larger"] if p <= alpha else "")
-    title = say("{statistic} and ratio of the variances", statistic=STATISTICS[ratios.before.statistic].title)
+    title = say("{statistic} and ratio of the variances", statistic=statistic_named(ratios.before.statistic).title)
     return Table(heads, rows, title, marks=marks)
 
 

@@ -11,7 +11,7 @@ from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, printable, printed_number
-from allanite.reporting.first import Axes, First, Quantity, Remark, condensed, plus_minus
+from allanite.reporting.first import Axes, First, Quantity, Remark, condensed, merged, plus_minus
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Sheet, Table, known
 
 from . import view
@@ -177,13 +177,11 @@ def first_of_study(study: CompensationStudy, level: float) -> First:
         if c.regression and (c.regression.ambiguous or (c.regression.significant and not c.regression.harmless))
     ]
     doubted = [Remark.of("", verdict(c), grave=True) for c in told]
-    alike: dict[str, list[str]] = {}
-    for name, alert in ((c.record.name, a) for c in shown if c.regression for a in (*c.regression.notes, *c.alerts)):
-        alike.setdefault(alert, []).append(name)
-    merged = [Remark.of(", ".join(names), alert, grave=True) for alert, names in alike.items()]
-    others = [remark for remark in first.remarks if remark.about not in {c.record.name for c in shown}]
+    own = [(c.record.name, alert) for c in shown if c.regression for alert in (*c.regression.notes, *c.alerts)]
+    about = merged(Remark.of(name, alert, grave=True) for name, alert in own)
+    others = [remark for remark in first.remarks if remark.clauses[0] not in [alert for _, alert in own]]
     axes = [_axes([c for c in shown if c.record.signal.name == sensor], level) for sensor in sensors]
-    return replace(first, answer=axes, remarks=[*others, *doubted, *merged])
+    return replace(first, answer=axes, remarks=[*others, *doubted, *about])
 
 
 def _axes(channels: Sequence[Compensated], level: float) -> Axes:

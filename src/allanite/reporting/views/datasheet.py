@@ -7,14 +7,17 @@ import numpy as np
 from allanite.core.curve import Curve
 from allanite.core.datasheet import DataSheetRow
 from allanite.core.display_units import readable_unit
+from allanite.core.estimate import Estimate
 from allanite.core.units import convert
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, graded
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
-from allanite.reporting.digits import digits
+from allanite.reporting.digits import digits, printed_unit
 from allanite.reporting.sheet import Card, Column, Mark, Table, known
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 from allanite.study.results import Channel
+
+from .axes import cell_of
 
 DATA_SHEET = say(
     "N is the square root of the two-sided power spectral density of white noise; a one-sided density, as of most "
@@ -67,10 +70,18 @@ def card_of(channel: Channel, level: float) -> Card | None:
         number = say("{value}, weak", value=number) if e.status == "weak" else number
         name = say("{term} ({symbol})", term=words.title(e.symbol, e.signal), symbol=words.symbol(e))
         rows.append((words.capital(name), number))
-    absent = [e.symbol for e in channel.fit if e.status == "absent"]
+    others = [_without_value(e, level) for e in channel.fit if not e.valued]
     length = words.duration(channel.record.duration)
-    note = say("Not identified in {length}: {symbols}", length=length, symbols=", ".join(absent)) if absent else ""
+    note = say("Not identified in {length}: {symbols}", length=length, symbols=join(", ", others)) if others else ""
     return Card(badge, LEVELS.get(grade, ""), (*rows, *_capital(channel)), note)  # type: ignore[arg-type]
+
+
+def _without_value(estimate: Estimate, level: float) -> str:
+    """A term that was not identified: its limit, or why there is none."""
+    cell, symbol = cell_of(estimate, level), words.symbol(estimate)
+    limited = words.limit(estimate, estimate.sheet_unit) is not None
+    lead = "" if cell.startswith("|") else symbol
+    return join(" ", filter(None, (lead, cell, printed_unit(estimate.sheet_unit) if limited else "")))
 
 
 def _minimum(channel: Channel) -> Iterator[tuple[str, str]]:
@@ -95,7 +106,7 @@ def alternative(channel: Channel, curve: Curve, level: float) -> str:
     unit = shown.unit
     ends = say(
         "{statistic} of {channel}: {first:.3g} {unit} at {start:.4g} s and {last:.3g} {unit} at {end:.4g} s",
-        statistic=STATISTICS[curve.statistic].title, channel=channel.record.name or say("the channel"), unit=unit,
+        statistic=statistic_named(curve.statistic).title, channel=channel.record.name or say("the channel"), unit=unit,
         first=shown.deviation[0], start=shown.tau[0], last=shown.deviation[-1], end=shown.tau[-1],
     )  # fmt: skip
     said: list[str] = [words.capital(ends)]

@@ -13,7 +13,7 @@ from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Deferred, Drawing, Fold, Note, Part, Table
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.results import Channel
 
@@ -39,7 +39,7 @@ def overlay(panels: Sequence[figures.CurvePanel], level: float) -> Iterator[Part
     if len(panels) < 2:
         return
     names = ", ".join(panel.name for panel in panels)
-    title = STATISTICS[panels[0].curve.statistic].title
+    title = statistic_named(panels[0].curve.statistic).title
     label = say("{statistic} of {channels} in one panel", statistic=title, channels=names)
     yield Drawing(lambda: figures.plot_overlay(panels, level=level), label, "", say("all channels"))
 

@@ -15,7 +15,7 @@ from allanite.reporting.first import DETAILS, Answer, First
 from allanite.reporting.sheet import Column, Drawing, Face, Part, Plot, Sheet, Table, one_sheet
 from allanite.reporting.text import spread
 from allanite.simulation.recording import Simulation
-from allanite.statistics import STATISTICS, Expectation, Expectations, expectation
+from allanite.statistics import Expectation, Expectations, expectation, statistic_named
 from allanite.study import theory as theory  # noqa: PLC0414 - its settings, which are read again
 
 from . import view
@@ -54,7 +54,7 @@ def _curves(found: Expectation) -> Iterator[Table]:
         factor = convert(1.0, curve.unit, unit)
         heads = (Column("tau [s]", form=".5g"), Column(say("expected [{unit}]", unit=unit), form=".4g"), *terms)
         rows = [[tau, *(v * factor for v in row)] for tau, *row in _numbers(found, curve)]
-        title = say("expected {statistic}", statistic=STATISTICS[curve.statistic].title)
+        title = say("expected {statistic}", statistic=statistic_named(curve.statistic).title)
         yield Table(heads, rows, title, details=True)
 
 

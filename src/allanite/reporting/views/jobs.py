@@ -2,16 +2,17 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from pathlib import PurePath
 from typing import Any, Protocol, TypeGuard
 
 from allanite.core.header import Header
+from allanite.core.names import sources_of, told_apart
 from allanite.core.record import Record
 from allanite.core.residuals import Statement
 from allanite.core.syntax import toml
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED
 from allanite.phrases.phrase import join, say
 from allanite.reporting import words
+from allanite.reporting.first import ABOVE
 from allanite.reporting.sheet import Face, Note, Part, Sheet, header_of
 from allanite.study.job import Job
 from allanite.study.results import Noise
@@ -44,8 +45,8 @@ class Recorded(Warned, Protocol):
 
 
 def source_of(job: Job[Any]) -> str:
-    """The name of the file, for a title."""
-    return PurePath(job.provenance.get("source", "")).name or say("data in memory")
+    """The names of the files, for a title."""
+    return ", ".join(told_apart(sources_of(job.provenance))) or say("data in memory")
 
 
 def job_face(
@@ -78,8 +79,6 @@ def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
     for note, names in common.items():
         which = say("all channels") if len(names) == len(sheets) else say("channels {names}", names=", ".join(names))
         once.append(replace(note, text=say("{channels}: {warning}", channels=which, warning=note.text)))
-    # a refusal that is shown elsewhere becomes a reference
-    see = Note(say("no result: see above"), "alert")
     kept = []
     for sheet in sheets:
         parts: list[Part] = []
@@ -87,7 +86,7 @@ def told_once(sheets: Sequence[Sheet]) -> tuple[list[Part], list[Sheet]]:
             if not (_warns(part) and part in common):
                 parts.append(part)
             elif part.text.startswith(REFUSED):
-                parts.append(see)
+                parts.append(ABOVE)
         kept.append(replace(sheet, parts=parts))
     return once, kept
 

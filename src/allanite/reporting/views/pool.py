@@ -9,7 +9,7 @@ from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits
 from allanite.reporting.sheet import Column, Face, Mark, Note, Table, known
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 
 from . import Rows, view
 from .comparison import face_of, sheet_of
@@ -91,7 +91,7 @@ def _curve_table(channel: PooledChannel, level: float) -> Table:
     for tau, value, low, high, edf, p, *_ in _curve_rows(channel, level):
         rows.append([tau, *digits(value, low, high).plain(), edf, p])
         marks.append("alarm" if p <= channel.alpha else "")
-    title = say("{statistic} of all runs", statistic=STATISTICS[channel.curve.statistic].title)
+    title = say("{statistic} of all runs", statistic=statistic_named(channel.curve.statistic).title)
     return Table(heads, rows, title, marks=marks)
 
 

@@ -5,7 +5,7 @@ from allanite.planning.properties import Properties
 from allanite.reporting.first import DETAILS, Answer, First
 from allanite.reporting.sheet import Column, Face, Note, Part, Table, one_sheet
 from allanite.reporting.text import spread
-from allanite.statistics.table import STATISTICS
+from allanite.statistics import statistic_named
 
 from . import view
 
@@ -28,19 +28,19 @@ def first_of_properties(value: Properties, _: float) -> First:
     heads = (Column("tau", form=".6g"), *(Column(symbol, form=".4g") for symbol in value.symbols))
     kept = [rows[i] for i in spread(len(rows), MOST)]
     table = Table(heads, [[row[1], *row[2 + terms :]] for row in kept])
-    title = say("{statistic}: a record of {n} samples", statistic=STATISTICS[value.statistic].title, n=value.size)
+    title = say("{statistic}: a record of {n} samples", statistic=statistic_named(value.statistic).title, n=value.size)
     answer: list[Answer] = [say("{what}, by tau in sampling intervals:", what=FREEDOM), table, said]
     return First(title, "", answer, after=[DETAILS])
 
 
 def _ratio(value: Properties) -> str:
-    return RATIO if STATISTICS[value.statistic].order == 2 else HADAMARD
+    return RATIO if statistic_named(value.statistic).order == 2 else HADAMARD
 
 
 @view(rows=lambda value, _: value.rows(), first=first_of_properties)
 def properties_view(value: Properties, _: float) -> Face:
     """Bias and degrees of freedom by averaging time."""
-    statistic = STATISTICS[value.statistic]
+    statistic = statistic_named(value.statistic)
     size = say("a record of {n} samples; tau in sampling intervals", n=value.size)
     terms = len(value.symbols)
     rows = value.rows()[1]

@@ -10,7 +10,7 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
-from allanite.reporting.first import DETAILS, FIGURES, PLUS_MINUS, Answer, Axes, First, Quantity, Remark
+from allanite.reporting.first import DETAILS, FIGURES, PLUS_MINUS, Answer, Axes, First, Quantity, Remark, merged
 
 from .axes import by_sensor, fit_words, how_read, names_of, title_of
 from .rate_experiment import by_time, certain_limits, series_of, told
@@ -21,10 +21,12 @@ def first_of_rates(study: RateStudy, level: float) -> First:
     """The rate of each channel, of the whole record by the first of the methods where it has several intervals."""
     identified = study.settings.noise is None
     remarks = list(doubts([c for c in study.channels if c.refusal or identified]))
+    own = list[Remark]()
     for channel in study.channels:
         name, found = channel.record.name or say("channel"), channel.experiment
         told_here = (text for text in channel.alerts if text not in map(str, warned(channel)))
-        remarks += [Remark.of(name, text) for text in (found.drift if found else "", *told_here) if text]
+        own += [Remark.of(name, text) for text in (found.drift if found else "", *told_here) if text]
+    remarks += merged(own, len(study.channels))
     answer: list[Answer] = [_axes(alike, study, level) for alike in by_sensor(study.channels)]
     ranked = [c.experiment.ranking for c in study.channels if c.experiment is not None]
     answer += dict.fromkeys(told(ranking) for ranking in ranked if ranking is not None)

@@ -6,7 +6,7 @@ from typing import Any
 
 from allanite.core.finding import MOTION, Finding
 from allanite.phrases.phrase import join, say, say_count
-from allanite.reporting.first import Remark, sharing, told_of
+from allanite.reporting.first import Remark, kinds, sharing, told_of
 from allanite.study.job import Job
 from allanite.study.results import Channel, Noise
 
@@ -23,17 +23,15 @@ def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
         if channel.refusal:
             name = channel.record.name or say("channel")
             yield Remark.of(join(" ", (name, say("NO RESULT"))), channel.refusal, grave=True)
-    alike: dict[tuple[Any, str], list[tuple[str, Remark]]] = {}
-    for channel in channels:
-        if not channel.refusal and channel.noise is not None and not channel.noise.explained:
-            why = _cause(channel.noise, channel.quality.warnings)
-            name = channel.record.name or say("channel")
-            kind = why.name or getattr(why.clauses[0], "templates", why.clauses[0])  # of a stored result, the text
-            alike.setdefault((kind, why.command), []).append((name, why))
-    for found in alike.values():
-        named = sharing([(name, str(why.clauses[0])) for name, why in found], len(channels))
-        what = say_count(len(found), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=named)
-        yield replace(found[0][1], about=what)
+    told = [
+        replace(_cause(c.noise, c.quality.warnings), about=c.record.name or say("channel"))
+        for c in channels
+        if not c.refusal and c.noise is not None and not c.noise.explained
+    ]
+    for alike in kinds(told):
+        named = sharing([(why.about, str(why.clauses[0])) for why in alike], len(channels))
+        what = say_count(len(alike), "{channel} DOES NOT FIT", "{channel} DO NOT FIT", channel=named)
+        yield replace(alike[0], about=what)
 
 
 def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:

@@ -8,7 +8,7 @@ from allanite.phrases.phrase import join, say
 from allanite.planning.datasheets import QUANTITIES, SENSORS, Claim, DataSheet
 from allanite.reporting import words
 from allanite.reporting.digits import digits, printed_unit, rounded
-from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, plus_minus
+from allanite.reporting.first import DETAILS, Axes, First, Quantity, Remark, merged, plus_minus
 from allanite.reporting.sheet import Column, Face, Note, Part, Table, one_sheet
 from allanite.study.results import Channel
 
@@ -87,7 +87,7 @@ def first_of_comparison(value: SheetComparison, level: float) -> First:
     """What was measured of every coefficient, beside the data sheet, and the ratio of the two."""
     tables = [axes for sensor in SENSORS if (axes := _axes(value, sensor, level)).rows]
     alerts = [Remark.of(c.record.name, c.refusal, grave=True) for c in value if c.refusal]
-    alerts += [Remark.of(c.record.name, said) for c in value for said in c.alerts[:1]]
+    alerts += merged(Remark.of(c.record.name, said) for c in value for said in c.alerts)
     title = say("{file} beside the data sheet of the {sensor}", file=source_of(value), sensor=value.sheet.name)
     return First(title, value.sheet.document, tables, alerts, read=value.notes)
 

@@ -1,7 +1,6 @@
 """The first screen of many units: what fails, then a row for each channel of a unit, or what they have in common."""
 
 from collections.abc import Iterable, Iterator
-from pathlib import PurePath
 from typing import Any
 
 from allanite.batch.batch import Batch, BatchUnit
@@ -72,9 +71,8 @@ def _table(batch: Batch, signal: Signal, level: float) -> Table:
     for unit, channel in channels:
         usable = {e.symbol: e for e in channel.fit or () if e.row.usable}
         terms = [words.brief(usable[symbol], level) if symbol in usable else "-" for symbol in symbols[:3]]
-        name = PurePath(batch.label(unit)).name
         fit = fit_words(channel.noise, channel.refusal)
-        rows.append([name, channel.record.name, *terms, lowest(channel, level), fit])
+        rows.append([batch.label(unit), channel.record.name, *terms, lowest(channel, level), fit])
     return Table(heads, rows)
 
 

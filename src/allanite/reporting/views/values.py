@@ -16,7 +16,7 @@ from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Plot, Sheet, Table, Where, one_sheet
 from allanite.reporting.text import spread
-from allanite.statistics import STATISTICS
+from allanite.statistics import statistic_named
 
 from . import Rows, view
 
@@ -94,7 +94,7 @@ def _surface_table(surface: Surface, _: float) -> tuple[Sequence[Column], list[l
 
 FORMS: dict[type, NumbersForm] = {
     Curve: NumbersForm(
-        lambda curve: say("{statistic} in {unit}", statistic=STATISTICS[curve.statistic].title, unit=curve.unit),
+        lambda curve: say("{statistic} in {unit}", statistic=statistic_named(curve.statistic).title, unit=curve.unit),
         _curve_table,
         ("channel", "statistic", "m", "tau_s", "deviation", "low", "high", "unit", "edf", "count", "alpha"),
         _curve_lines,
@@ -133,7 +133,7 @@ FORMS: dict[type, NumbersForm] = {
     Surface: NumbersForm(
         lambda surface: say(
             "{statistic} in {unit}, windows of {length:g} s every {step:g} s",
-            statistic=STATISTICS[surface.statistic].title,
+            statistic=statistic_named(surface.statistic).title,
             unit=surface.unit,
             length=surface.window,
             step=surface.step,
