@@ -94,9 +94,9 @@ class Term(Value):
         demand_stored_size(value)
         return cls(symbol, value, read_key(data, "signal", Signal), tuple(shape))
 
-    def __str__(self) -> str:
-        sheet = self.signal.sheet[self.row.power]
-        size = f"{self.symbol} = {self.to(sheet):.4g} {sheet}"
+    @property
+    def shape_words(self) -> str:
+        """The shape with its units, without what is as usual; empty if the term has none."""
         shape = [
             say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value, unit=p.unit)
             if p.unit
@@ -104,7 +104,12 @@ class Term(Value):
             for p, value in zip(self.row.parameters, self.shape, strict=True)
             if value != p.default
         ]
-        return say("{term} with {shape}", term=size, shape=join(", ", shape)) if shape else size
+        return join(", ", shape)
+
+    def __str__(self) -> str:
+        sheet, shape = self.signal.sheet[self.row.power], self.shape_words
+        size = f"{self.symbol} = {self.to(sheet):.4g} {sheet}"
+        return say("{term} with {shape}", term=size, shape=shape) if shape else size
 
     _summary = __str__
 
