@@ -16,6 +16,7 @@ from allanite.comparison.common_likelihood import joint
 from allanite.comparison.contrast import Contrast, gain, homogeneity
 from allanite.comparison.intervals import IntervalContrast
 from allanite.comparison.likelihoods import drawn, reduced, tied
+from allanite.comparison.ramps import RampContrast, RampLaw
 from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
 from allanite.core.estimate import Estimate
 from allanite.core.limits import Below
@@ -202,6 +203,17 @@ def test_a_ramp_keeps_its_sign():
     same = al.compare(up, simulated(NK + ramp, 3))["R"]
     assert not same.significant
     assert same.limits(0.95)[0] < 1 < same.limits(0.95)[1]
+
+
+@rows("level", [1e-4, 0.01, 0.5, 0.95])
+def test_limits_of_a_ratio_of_ramps_hold_the_share_that_they_state(level):
+    # the mean of this mixture lies beside its median
+    first = RampLaw(np.array([1.0, -1.3]) * -2.0, np.array([0.01, 0.4]), np.array([0.99, 0.01]))
+    second = RampLaw(np.array([1.0, 4.0]), np.array([0.02, 0.1]), np.array([0.7, 0.3]))
+    low, high = RampContrast(first, second).limits(level)
+    shares = sorted(second.minus(first, ratio).below for ratio in (low, high))
+    assert low < high
+    assert shares == pytest.approx([(1 - level) / 2, (1 + level) / 2], abs=1e-5)
 
 
 def test_gauss_markov_noise_is_compared_at_one_time_constant():
