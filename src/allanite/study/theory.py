@@ -58,7 +58,7 @@ def expected_curves(
         end = settings.duration or (settings.samples or 0) / (recipe.rate or math.inf)
         first = f"{end:g}" if end else "TIME"
         raise UsageError(
-            f"{spelled('--duration and --samples give', 'duration and samples give')} the length of a record of a model; "
+            f"{spelled('--duration and --samples are', 'duration and samples are')} the length of a record of a model; "
             f"for the beginning of a recording: {spelled(f'--until {first}', f'until={first}')}"
         )
     demand_no_recording(settings, recipe)

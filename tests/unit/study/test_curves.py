@@ -106,7 +106,9 @@ def test_an_unknown_noise_is_refused():
 
 
 @rows("length, rate, end", [
-    ({"duration": 600.0}, None, "until=600"), ({"samples": 500}, 10.0, "until=50"), ({"samples": 500}, None, "until=TIME"),
+    ({"duration": 600.0}, None, "until=600"),
+    ({"samples": 500}, 10.0, "until=50"),
+    ({"samples": 500}, None, "until=TIME"),
 ])  # fmt: skip
 def test_the_length_of_a_model_is_not_that_of_a_recording(length, rate, end):
     with pytest.raises(UsageError, match=end):
