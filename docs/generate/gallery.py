@@ -46,7 +46,7 @@ PICTURES = {
         """),
     "Ways to measure a constant rate": ("ranking", """\
         settings = al.constant_rate.ExperimentSettings(interval=60.0)
-        found = al.constant_rate.experiment(recording["gx"], fit.model, settings)
+        found = al.constant_rate.experiment(recording["gx"], fit, settings)
         al.plot(found, path="ranking.svg")
         """),
     "Where to calibrate the angle sensors of a gimbal": ("scan", """\

@@ -132,10 +132,9 @@ def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, toler
         for limit in own:
             yield _bounded(channel, limit, 1 - 2 * each, tolerance)
         model, fit = claims[channel.record.rate].of(channel.record.signal), fit_of(channel)
-        noise = None if model is None else model.noise
-        if whole and noise is not None and fit is not None and isinstance(channel.record, Record):
+        if whole and model is not None and fit is not None and isinstance(channel.record, Record):
             yield curve_row(
-                channel, noise, fit, 2 * each, lambda low, _: EXCEEDS if low > 1 + tolerance else AGREES
+                channel, model, fit, 2 * each, lambda low, _: EXCEEDS if low > 1 + tolerance else AGREES
             )  # fmt: skip
 
 

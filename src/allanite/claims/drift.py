@@ -187,7 +187,7 @@ class Drift(Value):
         return [
             say("{quantity} {size:.3g} {unit}, required: {text}", quantity=need.quantity,
                 size=reached / convert(1.0, need.unit, QUANTITIES[need.quantity].si), unit=need.unit, text=need.text)
-            for need, reached in found if reached is not None and reached > need.limit
+            for need, reached in found if reached is not None and not reached <= need.limit  # nor where it is NaN
         ]  # fmt: skip
 
     def allowing(self, need: Requirement) -> Iterator[AllowedTerm]:
@@ -203,9 +203,9 @@ class Drift(Value):
             for name in (*PLANNED, TURN_ON):
                 unit = DriftCause(name, Term(name, 1.0, signal)) if name in PLANNED else DriftCause(name, bias=1.0)
                 one = math.sqrt(unit.variance(settings.response(path), at, settings.averaged, None)[0])
-                cause = found.get(name)
+                cause, alone = found.get(name), need.limit / one if one else math.inf
                 known = None if cause is None else cause.term.value if cause.term else cause.bias
-                yield AllowedTerm(path.sensor, name, signal, need.limit / one, need.limit / one / count**0.5, known)
+                yield AllowedTerm(path.sensor, name, signal, alone, alone / count**0.5, known)
 
     @property
     def results(self) -> list[dict[str, Any]]:

@@ -23,6 +23,9 @@ from allanite.study.settings import DriftChoices
 CALIBRATION = 60.0
 """Usual time over which the bias is averaged, s."""
 
+SHORTEST, LONGEST = 1e-9, 1e7
+"""Times without aid, and longest calibration, that are computed with, s: so many Schuler periods have nodes."""
+
 LARGE = 0.1
 """Errors of a scale factor from which on percent are meant."""
 
@@ -100,7 +103,7 @@ class Requirement(NamedTuple):
             seconds = seconds_of(time)
         except ValueError:
             limit, unit, seconds = 0.0, "", 0.0
-        if not (unit and seconds > 0 and 0 < limit < math.inf):
+        if not (unit and SHORTEST <= seconds <= LONGEST and 0 < limit < math.inf):
             raise UsageError(f"a requirement has the form '1 deg in 10 min' or '100 m in 1 min', not {text!r}")
         dimension = unit_of(unit).dimension
         fitting = [q for q, row in QUANTITIES.items() if unit_of(row.si).dimension == dimension]
@@ -138,7 +141,7 @@ class DriftSettings(DriftChoices, Value):
     Raises
     ------
     UsageError
-        A time is not positive, or a text is of another form.
+        A time is not positive or too long, or a text is of another form.
     """
 
     def __post_init__(self) -> None:
@@ -148,11 +151,11 @@ class DriftSettings(DriftChoices, Value):
             texts = getattr(self, name)
             object.__setattr__(self, name, (texts,) if isinstance(texts, str) else tuple(texts))
         times = DURATIONS.read(np.asarray(self.times).tolist())
-        if not times or not all(0 < time < math.inf for time in times):
-            raise UsageError(f"times without aid must be above 0 s, not {given(self.times)}")
+        if not times or not all(SHORTEST <= time <= LONGEST for time in times):
+            raise UsageError(f"times without aid must be from {SHORTEST:g} to {LONGEST:g} s, not {given(self.times)}")
         object.__setattr__(self, "times", tuple(sorted(set(times))))
-        if self.calibration is not None and not 0 <= self.calibration < math.inf:
-            raise UsageError(f"a time of calibration must be 0 s or above, not {given(self.calibration)}")
+        if self.calibration is not None and not 0 <= self.calibration <= LONGEST:
+            raise UsageError(f"a time of calibration must be from 0 to {LONGEST:g} s, not {given(self.calibration)}")
         if not 0 <= self.scale_factor < LARGE:
             said = f"an error of the scale factor is a share below {LARGE:g}, not {self.scale_factor:g}"
             raise UsageError(f"{said}; did you mean {self.scale_factor:g}%?" if self.scale_factor > 0 else said)

@@ -110,7 +110,11 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
         names = ", ".join(f"{axis.label!r} ({axis.sensor})" for axis in found)
         raise DataError(f"heading, velocity and position drift with gyros and accelerometers, not with {names}")
     kept = usable(inertial, How(unexplained=settings.unexplained))
-    axes = tuple(_axis(axis, settings) for axis in kept)
+    axes = tuple(axis for axis in (_axis(axis, settings) for axis in kept) if axis.causes)
+    if not axes:
+        names = ", ".join(axis.label for axis in kept)
+        raise DataError(say("nothing in the noise of {names} makes it drift: all coefficients are 0, or it is a "
+                            "warm-up, which depends on when it was switched on", names=names))  # fmt: skip
     studies = [one for one in sources if isinstance(one, Study)]
     left = [axis for axis in inertial if axis not in kept]
     alerts = alerts_of([replace(axis, alerts=()) for axis in kept], left, [])
@@ -121,11 +125,12 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
 
 
 def _unknown(axes: Sequence[Axis]) -> Iterator[str]:
-    """The terms of which there is neither a value nor a limit, with the channels."""
+    """The terms that are not part of the drift, with the channels: of no value and no limit, or a warm-up."""
     reasons: dict[str, list[str]] = {}
     for axis in axes:
         for e in axis.fit:
-            if e.value is None and not e.upper and not TERMS[e.symbol].slope < WHITE:  # others are bounded
+            row = TERMS[e.symbol]
+            if (e.value is None and not e.upper and not row.slope < WHITE) or (e.value and row.transient):
                 reasons.setdefault(f"{e.symbol} {e.words()}", []).append(axis.label)
     for words, names in reasons.items():
         yield say("{names}: not taken into account: {terms}", names=", ".join(names), terms=words)

@@ -128,9 +128,10 @@ def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
                 yield _estimated(axis.channel, term, count)
             continue
         held = [column if i == sensor.timed and column is not None else i for i in range(form.claimed)]
-        subset = form.having((*held, *(found := form.beside(held, count.channel))))
+        found = form.beside(held, count.channel)
+        settled, subset = form.settled((*held, *found)), form.having((*held, *found))
         for i, term in enumerate(form.terms[: form.claimed]):
-            best, low, high = (scale * v if i == sensor.timed else v for v in form.ratio(subset, held[i], count.term))
+            best, low, high = (scale * v if i == sensor.timed else v for v in form.ratio(settled, held[i], count.term))
             yield replace(
                 channel, quantity=term.symbol, claimed=term.value, found=best * term.value,
                 unit=sensor.signal.sheet[term.row.power], ratio=best, low=low, high=high,
@@ -141,11 +142,10 @@ def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
         for i in found:
             other = form.terms[i]
             yield replace(
-                channel, quantity=other.symbol, found=math.sqrt(float(subset.theta[i])),
+                channel, quantity=other.symbol, found=other.value * math.sqrt(float(subset.theta[i])),
                 unit=sensor.signal.sheet[other.row.power], outcome=UNCLAIMED,
             )  # fmt: skip
-        noise = Model(axis.noise)
-        yield curve_row(axis.channel, noise, noise, count.channel, count.outcome)
+        yield curve_row(axis.channel, axis.model, axis.model, count.channel, count.outcome)
         yield from _distribution(axis, channel, count)
 
 

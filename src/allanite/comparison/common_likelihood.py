@@ -10,8 +10,8 @@ Twice the difference of log-likelihoods is the test. Coefficients end at zero, a
 is no plain chi-square: its law is drawn, from the common model and the binned powers (a parametric bootstrap).
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
 
 import numpy as np
@@ -35,6 +35,8 @@ from allanite.terms import TERMS
 
 from .likelihoods import reduced, tied
 
+Shape = tuple[float, ...]
+
 PASSED = 0.25
 """Share of a filter's cut-off up to which records are compared."""
 
@@ -53,8 +55,8 @@ class Joint(Portable):
     signal : Signal
     band : (low, high)
         The frequencies that every part has, Hz.
-    constant : float or None
-        Time constant of Gauss-Markov noise, s.
+    shapes : dict of tuple of float
+        The shape of each term that has one, SI: the same in all records.
     """
 
     symbols: tuple[str, ...]
@@ -62,12 +64,11 @@ class Joint(Portable):
     seen: tuple[BinnedSpectrum, ...]
     signal: Signal
     band: tuple[float, float]
-    constant: float | None = None
+    shapes: Mapping[str, Shape] = field(default_factory=dict)
 
     def term(self, symbol: str, value: float) -> Term:
         """A term of a model, with a coefficient in SI."""
-        shape = () if self.constant is None or not TERMS[symbol].parameters else (self.constant,)
-        return Term(symbol, value, self.signal, shape)
+        return Term(symbol, value, self.signal, self.shapes.get(symbol, ()))
 
     @cached_property
     def whole(self) -> Likelihood:
@@ -99,7 +100,7 @@ def joint(
     symbols: Sequence[str],
     band: tuple[float, float] | None = None,
     *,
-    constant: float | None = None,
+    shapes: Mapping[str, Shape] | None = None,
     scopes: Sequence[Scope | None] = (),
 ) -> Joint:
     """The likelihoods of records in the band of frequencies that all of them have.
@@ -112,8 +113,8 @@ def joint(
         Keys of `TERMS`; a deterministic one is integrated out of each record.
     band : (low, high), optional
         Frequencies that count, Hz, within the common band.
-    constant : float, optional
-        Time constant of Gauss-Markov noise, s, in all records, where that is among the terms.
+    shapes : dict of tuple of float, optional
+        The shape of each term that has one, SI, in all records; a term whose shape is not given is left out.
     scopes : sequence of Scope, optional
         Where the model of each record holds: all are compared where all of them do, each behind its own filter.
 
@@ -123,6 +124,7 @@ def joint(
         The records are of different sensors, too short, constant, or have no band in common.
     """
     demand_one_kind(records)
+    shapes = shapes or {}
     for record in records:
         if record.size < SHORTEST:
             short = say_count(
@@ -134,19 +136,19 @@ def joint(
             )
             raise DataError(short)
     plain = [s for s in symbols if not TERMS[s].parameters]
-    shaped = [s for s in symbols if constant and TERMS[s].parameters and TERMS[s].waveform is None]
+    shaped = [s for s in symbols if s in shapes]
     quiet = [s for s in plain if TERMS[s].waveform is None]
     noise = (*quiet, *shaped)
     seen = tuple(spectrum(record, detrend=len(quiet) < len(plain)) for record in records)
     band, scopes = common_band(records, band, scopes), scopes or [None] * len(records)
     wholes = [likelihood(found, plain) for found in seen]
     for symbol in shaped:
-        one = Term(symbol, 1.0, records[0].signal, (constant or 0.0,))
+        one = Term(symbol, 1.0, records[0].signal, shapes[symbol])
         every = zip(wholes, records, seen, strict=True)
         wholes = [whole.with_more(column(one.sampled(record.rate), found)) for whole, record, found in every]
     own = zip(wholes, seen, scopes, strict=True)
     parts = tuple(part_of(whole, found, noise, scope, band=band, scopes=scopes) for whole, found, scope in own)
-    return Joint(noise, parts, seen, records[0].signal, band, constant)
+    return Joint(noise, parts, seen, records[0].signal, band, shapes)
 
 
 def part_of(

@@ -44,12 +44,16 @@ class RampLaw:
         )
 
     @property
-    def p(self) -> float:
-        """Two-sided probability of zero."""
+    def below(self) -> float:
+        """Probability of less than zero."""
         from scipy.special import ndtr
 
-        below = float(self.weight @ ndtr(-self.centre / self.spread))
-        return 2 * min(below, 1 - below, 0.5)
+        return float(self.weight @ ndtr(-self.centre / self.spread))
+
+    @property
+    def p(self) -> float:
+        """Two-sided probability of zero."""
+        return 2 * min(self.below, 1 - self.below, 0.5)
 
 
 def ramp_law(joint: Joint, i: int) -> RampLaw | None:
@@ -88,22 +92,24 @@ class RampContrast:
 
         From minus to plus infinity where the first ramp itself is not distinguished from zero.
         """
+        if self.first.p >= 1 - level:
+            return -math.inf, math.inf
+        # where the mean is, the median need not be: each end is sought on both sides of it
+        ends = [self._quantile((1 - level) / 2), self._quantile((1 + level) / 2)]
+        return min(ends), max(ends)
+
+    def _quantile(self, share: float) -> float:
+        """The ratio at which the probability is `share` that the second less ratio times the first is below zero."""
         from scipy.optimize import brentq
 
-        alpha, best = 1 - level, self.ratio
-        if self.first.p >= alpha:
-            return -math.inf, math.inf
+        def off(ratio: float) -> float:
+            return self.second.minus(self.first, ratio).below - share
 
-        def inside(ratio: float) -> float:
-            return self.second.minus(self.first, ratio).p - alpha
-
-        ends = []
-        for sign in (-1, 1):
-            step = 0.1 * max(abs(best), 1.0)
-            while inside(best + sign * step) > 0:
-                step *= 2
-            ends.append(float(brentq(inside, best, best + sign * step, rtol=1e-6)))
-        return ends[0], ends[1]
+        best = self.ratio
+        step = 0.1 * max(abs(best), 1.0)
+        while off(best - step) * off(best + step) > 0:
+            step *= 2
+        return float(brentq(off, best - step, best + step, rtol=1e-6))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,12 +1,11 @@
 """Preparation of records for a joint likelihood: no outliers, no sinusoids, the same terms and frequencies in each."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from allanite.core.errors import DataError, UsageError
+from allanite.core.errors import DataError
 from allanite.core.fit import Fit
 from allanite.core.record import Record
 from allanite.core.validity import graded
@@ -18,7 +17,7 @@ from allanite.study.recipe import Recipe
 from allanite.study.results import Noise
 from allanite.terms import TERMS
 
-from .common_likelihood import Joint, common_band, demand_one_kind, joint
+from .common_likelihood import Joint, Shape, common_band, demand_one_kind, joint
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +66,8 @@ class Joined:
 def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     """The joint likelihood of records of one kind of sensor.
 
-    Outliers are omitted, and sinusoids removed as the fits found them. Where one record has Gauss-Markov noise it is
-    asked of all, and compared at one time constant.
+    Outliers are omitted, and sinusoids removed as the fits found them. Where one record has a term with a shape it is
+    asked of all, and compared with one shape.
 
     Raises
     ------
@@ -88,8 +87,7 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
         records = [marked(record, some) for record, some in zip(records, found, strict=True)]
     noises, shown = _identify_alike(records, replace(recipe, outliers="keep"))
     fits = [noise.fit for noise in noises]
-    constants = [e.shape[0] for fit in fits for e in fit if e.shape and TERMS[e.symbol].waveform is None]
-    constant = math.exp(sum(map(math.log, constants)) / len(constants)) if constants else None
+    shapes = _common_shapes(fits)
     quiet = [without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
     notes += [
         say(
@@ -100,12 +98,19 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
         for i, fit in enumerate(fits, 1)
         if fit.lines
     ]
-    if constant is not None:
-        notes.append(
-            say("Gauss-Markov noise is compared at a common time constant, {constant:.3g} s", constant=constant)
-        )
-    both = joint(quiet, shown, asked_band(recipe), constant=constant, scopes=[fit.scope for fit in fits])
+    both = joint(quiet, shown, asked_band(recipe), shapes=shapes, scopes=[fit.scope for fit in fits])
+    notes += [
+        say("{term} is compared with a common shape: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
+        for symbol in shapes
+    ]
     return Joined(both, noises, tuple(notes), tuple(records))
+
+
+def _common_shapes(fits: Sequence[Fit]) -> dict[str, Shape]:
+    """The shape of each term that has one in any of the fits, the geometric mean of theirs."""
+    noise = [e for fit in fits for e in fit if e.shape and TERMS[e.symbol].waveform is None]
+    each = {symbol: [e.shape for e in noise if e.symbol == symbol] for symbol in dict.fromkeys(e.symbol for e in noise)}
+    return {symbol: tuple(np.exp(np.log(shapes).mean(axis=0)).tolist()) for symbol, shapes in each.items()}
 
 
 def _demand_different(records: Sequence[Record]) -> None:
@@ -133,12 +138,6 @@ def _identify_alike(records: Sequence[Record], recipe: Recipe) -> tuple[tuple[No
     cut = any(r.rate / 2 > high * (1 + 1e-9) or 0.75 / r.duration <= low for r in records)
     band = (low * (1 - 1e-9), high * (1 + 1e-9)) if cut else None
     symbols = [s for s in symbols_of(recipe.terms) if TERMS[s].scatters]
-    wide = [s for s in symbols if len(TERMS[s].parameters) > 1]
-    if wide:
-        raise UsageError(
-            f"records are compared by terms with one time constant at most, and {wide[0]} ({TERMS[wide[0]].title}) has "
-            "more parameters: omit it from the terms"
-        )
     noises = tuple(noise_of(record, recipe, band=band) for record in records)
     shown = tuple(dict.fromkeys((*symbols, *(e.symbol for noise in noises for e in noise.fit))))
     if len(shown) > len(symbols):

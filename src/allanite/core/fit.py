@@ -196,6 +196,24 @@ class Fit(Value):
         _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GML", "GMA", "GM2", "Sine")
     )
 
+    def __post_init__(self) -> None:
+        doubt = self._doubt or ("" if self.goodness else self.model.doubt)
+        object.__setattr__(self, "model", Model(self.model.terms, doubt=doubt))
+
+    @property
+    def _doubt(self) -> str:
+        """Why `model` is not used as it stands."""
+        if self.validity == UNEXPLAINED:
+            return say("the model does not explain the record")
+        wrong = [term.symbol for term in self.model if term.symbol in self._wrong]
+        return say("not valid in this model: {terms}; the fit leaves it out: pass the fit in place of its model",
+                   terms=", ".join(wrong)) if wrong else ""  # fmt: skip
+
+    @property
+    def _wrong(self) -> set[str]:
+        """The terms whose coefficients are no part of a model to be used."""
+        return {e.symbol for e in self if e.status in ("not valid", "not observable")}
+
     @property
     def averaged(self) -> Averaged:
         """The models consistent with the record, with their weights; only `model` if the method has no alternatives."""
@@ -217,12 +235,21 @@ class Fit(Value):
 
         None if the model does not explain the record, or has no other terms.
         """
-        wrong = {e.symbol for e in self if e.status in ("not valid", "not observable")}
-        kept = tuple(term for term in self.model if term.symbol not in wrong)
+        kept = tuple(term for term in self.model if term.symbol not in self._wrong)
         if self.validity == UNEXPLAINED or not kept:
             return None
         sizes = {e.symbol: e.value for e in self if e.value is not None}
         return Model(tuple(replace(term, value=sizes.get(term.symbol, term.value)) for term in kept))
+
+    def usable(self, *, unexplained: bool = False) -> Model:
+        """The model from which a job may go on: `valid`, or with `unexplained` the best one, whatever it explains.
+
+        Raises
+        ------
+        DataError
+            No model explains the record, and `unexplained` does not accept the best one.
+        """
+        return self.valid or self.model.usable(unexplained=unexplained)
 
     def complete(self, noise: Model) -> Model:
         """What the record is made of under a model of its noise: with the warm-up that was found."""

@@ -2,17 +2,18 @@
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
 
-from allanite.phrases.phrase import join, say
+from allanite.phrases.phrase import Phrase, join, say
+from allanite.phrases.wording import spelled
 from allanite.terms import TERMS, NoiseTerm
 
 from .arrays import LARGEST, FloatArray
 from .encoding import read_key
-from .errors import StoredError, UnitError, UsageError, WrongTypeError, given
+from .errors import DataError, StoredError, UnitError, UsageError, WrongTypeError, given
 from .limits import demand_stored_size
 from .names import demand_name, row_of
 from .plain import Value
@@ -94,9 +95,9 @@ class Term(Value):
         demand_stored_size(value)
         return cls(symbol, value, read_key(data, "signal", Signal), tuple(shape))
 
-    def __str__(self) -> str:
-        sheet = self.signal.sheet[self.row.power]
-        size = f"{self.symbol} = {self.to(sheet):.4g} {sheet}"
+    @property
+    def shape_words(self) -> str:
+        """The shape with its units, without what is as usual; empty if the term has none."""
         shape = [
             say("{parameter} {value:.4g} {unit}", parameter=p.title, value=value, unit=p.unit)
             if p.unit
@@ -104,7 +105,12 @@ class Term(Value):
             for p, value in zip(self.row.parameters, self.shape, strict=True)
             if value != p.default
         ]
-        return say("{term} with {shape}", term=size, shape=join(", ", shape)) if shape else size
+        return join(", ", shape)
+
+    def __str__(self) -> str:
+        sheet, shape = self.signal.sheet[self.row.power], self.shape_words
+        size = f"{self.symbol} = {self.to(sheet):.4g} {sheet}"
+        return say("{term} with {shape}", term=size, shape=shape) if shape else size
 
     _summary = __str__
 
@@ -168,9 +174,16 @@ class Model(Value):
         has a symbol, a number and a unit, followed by the parameters of a term with a shape, whose units may be omitted
         if they are s, Hz and rad. The output of ``str(model)`` is accepted, too.
 
+    doubt : str, optional
+        As the attribute.
+
     Attributes
     ----------
     terms : tuple of Term
+    doubt : str
+        Why it is no model of the record that it was identified from: it does not explain it, or a coefficient is not
+        valid. Empty otherwise, and for any model that was not identified. Models that differ in it alone are equal;
+        sums keep it.
 
     Raises
     ------
@@ -188,12 +201,14 @@ class Model(Value):
     """
 
     terms: tuple[Term, ...]
+    doubt: str = field(default="", compare=False)
 
-    def __init__(self, terms: str | Term | Iterable[Term]) -> None:
+    def __init__(self, terms: str | Term | Iterable[Term], *, doubt: str = "") -> None:
         from .notation import terms_of
 
         found = terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
         object.__setattr__(self, "terms", found)
+        object.__setattr__(self, "doubt", doubt)
         symbols = [t.symbol for t in self.terms]
         if not symbols:
             raise UsageError("a model needs at least one term, for example N(0.01, 'deg/sqrt(h)')")
@@ -221,13 +236,26 @@ class Model(Value):
         return np.asarray(sum(t.value**2 * t.sampled(1 / interval).spectrum(f, interval) for t in self.terms))
 
     def __add__(self, other: "Term | Model") -> "Model":
-        return Model((*self, *model_of(other)))
+        added = model_of(other)
+        return Model((*self, *added), doubt=self.doubt or added.doubt)
+
+    def usable(self, *, unexplained: bool = False) -> "Model":
+        """The model from which a job may go on: a plan, a filter, a simulation, a prediction.
+
+        Raises
+        ------
+        DataError
+            There is a `doubt`, and `unexplained` does not accept the model nevertheless.
+        """
+        if self.doubt and not unexplained:
+            raise DataError(nevertheless(self.doubt, spelled("--unexplained", "pass model.usable(unexplained=True)")))
+        return Model(self.terms) if self.doubt else self
 
     @property
     def noise(self) -> "Model | None":
         """The model without its sinusoids and warm-ups; None if no term remains."""
         kept = tuple(t for t in self.terms if t.row.scatters)
-        return Model(kept) if kept else None
+        return Model(kept, doubt=self.doubt) if kept else None
 
     def __getitem__(self, symbol: str) -> Term:
         found = [t for t in self.terms if t.symbol == symbol]
@@ -248,7 +276,8 @@ class Model(Value):
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data; a model has no limits, so that `level` changes nothing."""
         terms = [t.plain for t in self.terms]
-        return {"allanite": 1, "type": "Model", "signal": self.signal.name, "terms": terms}
+        doubt = {"doubt": str(self.doubt)} if self.doubt else {}
+        return {"allanite": 1, "type": "Model", "signal": self.signal.name, "terms": terms, **doubt}
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> "Model":
@@ -256,7 +285,8 @@ class Model(Value):
         terms = [common | term for term in read_key(data, "terms", tuple[dict[str, Any], ...])]
         if not terms:
             raise StoredError("a model has at least one term")
-        return cls(read_key({"terms": terms}, "terms", tuple[Term, ...]))
+        doubt = read_key({"doubt": "", **data}, "doubt", str)
+        return cls(read_key({"terms": terms}, "terms", tuple[Term, ...]), doubt=doubt)
 
 
 class HasModel(Protocol):
@@ -268,6 +298,23 @@ class HasModel(Protocol):
 
 ModelLike = Model | Term | HasModel
 """What is accepted wherever a model is expected."""
+
+
+def nevertheless(why: str, remedy: str) -> Phrase:
+    """Why the coefficients of a model that does not explain its record are not used, and how they are nevertheless."""
+    return say("{why}. To use the coefficients nevertheless: {remedy}", why=why, remedy=remedy)
+
+
+def usable_model(value: ModelLike) -> Model:
+    """The model from which a job may go on: given, or identified without a doubt; of a fit its valid coefficients.
+
+    Raises
+    ------
+    DataError
+        The model does not explain the record that it was identified from.
+    """
+    usable = getattr(value, "usable", None)
+    return usable() if usable is not None else model_of(value).usable()
 
 
 def model_of(value: ModelLike) -> Model:

@@ -8,7 +8,7 @@ from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term, model_of
-from allanite.phrases.phrase import join, say
+from allanite.phrases.phrase import join
 from allanite.study.results import Channel, Study
 
 from .content import Axis
@@ -66,7 +66,7 @@ def _of_channel(channel: Channel, level: float, known: Mapping[str, str]) -> Ite
 
 @axes_of.register
 def _(source: Fit) -> Iterator[Axis]:
-    doubt = "" if source.valid is not None else say("the model does not explain the record")
+    doubt = "" if source.valid is not None else source.model.doubt
     yield Axis(source.name, source, source.curve.rate if source.curve else None, doubt)
 
 
@@ -75,7 +75,7 @@ def _(source: Fit) -> Iterator[Axis]:
 def _(source: Model | Term) -> Iterator[Axis]:
     model = model_of(source)
     given = tuple(Estimate(t.symbol, t.signal, t.value, None, "reported", None, "given", shape=t.shape) for t in model)
-    yield Axis("", Fit(given, "given", model.signal, model))
+    yield Axis("", Fit(given, "given", model.signal, model), None, model.doubt)
 
 
 @axes_of.register

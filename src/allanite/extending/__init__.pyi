@@ -37,7 +37,7 @@ from allanite.core.model import Model as Model
 from allanite.core.model import ModelLike as ModelLike
 from allanite.core.model import Term as Term
 from allanite.core.model import coefficient_factor as coefficient_factor
-from allanite.core.model import model_of as model_of
+from allanite.core.model import usable_model as usable_model
 from allanite.core.names import demand_name as demand_name
 from allanite.core.names import row_of as row_of
 from allanite.core.notation import split_quantities as split_quantities

@@ -11,7 +11,7 @@ import numpy as np
 from allanite.core.aliases import public, size_and_rate
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
-from allanite.core.model import Model, ModelLike, Term, model_of
+from allanite.core.model import Model, ModelLike, Term, usable_model
 from allanite.core.plain import Value
 from allanite.phrases.phrase import join
 from allanite.terms import TERMS
@@ -115,7 +115,7 @@ def bound(
     >>> [round(bound(noise, 500, 1.0, terms=terms)["N"], 3) for terms in ("known", "auto")]
     [0.032, 0.073]
     """
-    model = model_of(model)
+    model = usable_model(model)
     n, rate = size_and_rate(size, rate, duration)
     if n < 8:
         raise UsageError(f"a bound needs at least 8 samples, not {n}")

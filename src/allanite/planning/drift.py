@@ -15,8 +15,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.core.model import Term
@@ -33,8 +35,11 @@ INSTANT = 1.0
 BRIEF = 1e-5
 """The same of a random walk and a ramp, which have one, as a share of t: the limit at 0."""
 
+SMALL = 0.1
+"""Size of an exponent below which an integral is taken from its series."""
+
 NODES, HALVINGS, MOST = 24, 40, 4000
-"""Gauss-Legendre nodes of a panel; panels, of which each is half as long as the next; periods that have panels."""
+"""Gauss-Legendre nodes of a panel; panels, of which each is half as long as the next; half periods that have panels."""
 
 
 @dataclass(frozen=True)
@@ -98,20 +103,33 @@ def schuler(order: int, gain: float = 1.0) -> Response:
 
 @lru_cache(maxsize=1024)
 def _panels(response: Response, t: float, period: float) -> Panels:
-    """Nodes of panels that grow from 0 to t, with ends at every half of a period."""
+    """Nodes of panels that grow from 0 to t, with ends at every half of a period, and of those of the response."""
     x, w = np.polynomial.legendre.leggauss(NODES)
     edges = np.append(0.0, t * 0.5 ** np.arange(HALVINGS, -1, -1.0))
-    if period > 0:
-        turns = np.arange(1, min(MOST, int(2 * t / period) + 1)) * period / 2
-        edges = np.unique(np.concatenate([edges, turns[turns < t]]))
-    half = np.diff(edges)[:, None] / 2
-    h, weight = (edges[:-1, None] + half * (1 + x)).ravel(), (half * w).ravel()
-    inner, own = np.polynomial.legendre.leggauss(2 * NODES)
-    age = (t - h)[:, None] / 2 * (1 + inner)
-    products = (response.psi(age) * response.psi(age + h[:, None])) @ own * (t - h) / 2
+    for half in (period / 2, *(math.pi / nu for _, _, nu in response.kernel if nu)):
+        if half > 0:
+            edges = np.append(edges, np.arange(1, min(MOST, int(t / half) + 1)) * half)
+    edges = np.unique(edges[edges <= t])
+    wide = np.diff(edges)[:, None] / 2
+    h, weight = (edges[:-1, None] + wide * (1 + x)).ravel(), (wide * w).ravel()
     recent, early = weight * response.psi(h), weight * response.psi(t - h)
     whole = response.at + recent.sum()
-    return Panels(h, 2 * weight * products, recent, early, float(whole), float(t * whole - recent @ h))
+    pairs = 2 * weight * _products(response, h, t)
+    return Panels(h, pairs, recent, early, float(whole), float(t * whole - recent @ h))
+
+
+def _products(response: Response, h: FloatArray, t: float) -> FloatArray:
+    """The integral of psi(a) psi(a + h) over all ages a from 0 to t - h, shape of h.
+
+    Of the real parts of x and y it takes half the real part of x y + conj(x) y.
+    """
+    total = np.zeros(h.shape)
+    for (c, k, nu), (d, n, mu) in product(response.kernel, repeat=2):
+        for first, w in ((c, nu), (np.conj(c), -nu)):
+            for j in range(n + 1):  # of (a + h)^n
+                inner = math.comb(n, j) * h ** (n - j) * _moment(k + j, 1j * (w + mu), t - h)
+                total += 0.5 * (first * d * np.exp(1j * mu * h) * inner).real
+    return total
 
 
 def drift_variance(
@@ -169,18 +187,22 @@ def _sum(response: Response, t: float, window: float, D: Callable[[FloatArray], 
 
 def _sinusoid(response: Response, t: float, window: float, w: float) -> float:
     """The mean over the phase of the square, for a rate of amplitude 1: half the square of the complex response."""
-    p, turned = _panels(response, t, 0.0), response.at + 0j
+    p, turned = _panels(response, t, 0.0), np.asarray(response.at + 0j)
     for c, k, nu in response.kernel:  # the real part of c exp(i nu a) is half of it and of its conjugate
-        turned += (c * _moment(k, 1j * (nu - w), t) + c.conjugate() * _moment(k, -1j * (nu + w), t)) / 2
+        turned = turned + (c * _moment(k, 1j * (nu - w), t) + c.conjugate() * _moment(k, -1j * (nu + w), t)) / 2
     r = p.bias / window if window else 0.0
     total = turned * np.exp(1j * w * t) - p.whole - r + r * np.exp(-1j * w * window)
     return float(abs(total) ** 2 / (2 * w**2))
 
 
-def _moment(k: int, u: complex, t: float) -> complex:
-    """The integral of a^k exp(u a) from 0 to t; k is 0 or 1."""
-    z = u * t
-    if abs(z) < 0.1:
-        return t ** (k + 1) * sum(z**j / (math.factorial(j) * (j + k + 1)) for j in range(12))
-    whole = complex(np.exp(z))
-    return (whole - 1) / u if k == 0 else (whole * (z - 1) + 1) / u**2
+def _moment(k: int, u: complex, t: float | FloatArray) -> NDArray[np.complex128]:
+    """The integral of a^k exp(u a) from 0 to t, shape of t."""
+    z = u * np.asarray(t)
+    near = sum(z**j / (math.factorial(j) * (j + k + 1)) for j in range(12)) * np.asarray(t) ** (k + 1)
+    if not u:
+        return np.asarray(near)
+    whole = np.exp(z)
+    found = (whole - 1) / u
+    for j in range(1, k + 1):
+        found = (t**j * whole - j * found) / u
+    return np.where(np.abs(z) < SMALL, near, found)

@@ -12,7 +12,7 @@ from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray
 from allanite.core.encoding import finite, plain
 from allanite.core.errors import UsageError, given
-from allanite.core.model import Model, ModelLike, model_of
+from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
 from allanite.core.record import SHORTEST
 
@@ -102,7 +102,7 @@ def plan(
     Parameters
     ----------
     model : Model, Term or Fit
-        The expected noise: from a data sheet, from `sensor`, or ``identify(record).model`` of a first record.
+        The expected noise: from a data sheet, from `sensor`, or ``identify(record)`` of a first record.
     rate : float
         Sampling rate, Hz.
     durations : sequence of float
@@ -137,7 +137,7 @@ def plan(
             f"the sampling rate, the accuracy and all lengths must be above 0, not {given(rate)} Hz, "
             f"{given(accuracy)}, ({', '.join(map(given, durations))})"
         )
-    model = model_of(model)
+    model = usable_model(model)
     unknown = model.drifts if ramp is None else ramp
 
     names = bound(model, SHORTEST, rate, ramp=unknown).names

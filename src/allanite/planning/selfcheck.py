@@ -12,7 +12,7 @@ from allanite.core.encoding import plain
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.limits import demand_level
-from allanite.core.model import Model, ModelLike, model_of
+from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
 from allanite.core.titles import title_of
 from allanite.core.validity import Band
@@ -171,7 +171,7 @@ def selfcheck(  # noqa: PLR0913 - the choices of the identification among its ow
     >>> check["N"].found[0], abs(check["N"].bias[0]) < 0.02, round(check["N"].bound, 4)
     (1.0, True, 0.0158)
     """
-    truth, (n, rate) = model_of(model), size_and_rate(size, rate, duration)
+    truth, (n, rate) = usable_model(model), size_and_rate(size, rate, duration)
     demand_level(level)
     if records < 2:
         raise UsageError(f"a check needs at least 2 records, not {records}")

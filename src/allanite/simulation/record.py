@@ -7,7 +7,7 @@ import numpy as np
 
 from allanite.core.aliases import generator, public, size_and_rate
 from allanite.core.errors import UnitError, UsageError
-from allanite.core.model import ModelLike, Term, model_of
+from allanite.core.model import ModelLike, Term, usable_model
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.statistics.row import FloatArray
@@ -78,7 +78,7 @@ def simulate(
     >>> bool(9.8 < record.values.std() < 10.2)
     True
     """
-    model, rng = model_of(model), generator(rng)
+    model, rng = usable_model(model), generator(rng)
     size, rate = size_and_rate(size, rate, duration)
     if size < 2:
         raise UsageError(f"a record needs at least 2 samples, not {size}")

@@ -9,7 +9,7 @@ import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.errors import StoredError, UsageError, given
-from allanite.core.model import Model, ModelLike, model_of
+from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say, say_count
 from allanite.statistics.moments.expect import expected
@@ -160,7 +160,7 @@ def state_space(
     >>> space.Phi.shape, space.measurement, space.ripple < 0.02
     ((3, 3), 'sample', True)
     """
-    model = model_of(model)
+    model = usable_model(model)
     if not 0 <= turn_on < math.inf:
         raise UsageError(f"the turn-on bias must be 0 or a positive number of SI units, not {given(turn_on)}")
     if measurement not in ("auto", *MEASUREMENTS):

@@ -13,7 +13,7 @@ from allanite.core.finding import Finding, Quality
 from allanite.core.fit import Fit
 from allanite.core.header import Header, header_from
 from allanite.core.limits import Stored
-from allanite.core.model import Model
+from allanite.core.model import Model, nevertheless
 from allanite.core.plain import Portable, Value, read_fields, stored_fields
 from allanite.core.readings import Readings
 from allanite.core.record import Record, Recording, header_dict
@@ -81,7 +81,7 @@ class Noise(Portable):
         """
         if not (self.explained or unexplained):
             raise DataError(rejected(self.rejection))
-        model = self.fit.valid or self.fit.model
+        model = self.fit.usable(unexplained=True)
         if not any(t.row.waveform is None and t.value for t in model):
             raise DataError(say("no noise was identified"))
         return model
@@ -99,8 +99,7 @@ class Noise(Portable):
 
 def rejected(why: str) -> str:
     """Why the coefficients of a model that does not explain its record are not used, and how they are nevertheless."""
-    remedy = spelled("--unexplained", "unexplained=True")
-    return say("{why}. To use the coefficients nevertheless: {remedy}", why=why, remedy=remedy)
+    return nevertheless(why, spelled("--unexplained", "unexplained=True"))
 
 
 def noise_dict(noise: Noise | None, level: float) -> dict[str, Any]:

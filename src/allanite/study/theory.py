@@ -1,5 +1,6 @@
 """Expected curves of a given model: what the deviations of a file would be, without the file."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -44,8 +45,7 @@ def expected_curves(
     Raises
     ------
     UsageError
-        There is no model, or a recording beside it; an option applies only to recordings; the rate or the length is
-        needed.
+        There is no model, or a recording; an option applies only to recordings; the rate or the length is needed.
 
     Examples
     --------
@@ -54,7 +54,13 @@ def expected_curves(
     ['oadev', 'ohdev']
     """
     recipe, model = recipe or Recipe(), settings.instead_of(source)
-    assert model is not None  # noqa: S101 - a recording is refused
+    if model is None:
+        end = settings.duration or (settings.samples or 0) / (recipe.rate or math.inf)
+        first = f"{end:g}" if end else "TIME"
+        raise UsageError(
+            f"{spelled('--duration and --samples are', 'duration and samples are')} the length of a record of a model; "
+            f"for the beginning of a recording: {spelled(f'--until {first}', f'until={first}')}"
+        )
     demand_no_recording(settings, recipe)
     if wanted.m is not None or wanted.to is not None:
         raise UsageError(

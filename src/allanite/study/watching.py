@@ -179,7 +179,7 @@ class Watch:
             words += [say("{symbol} = {value}", symbol=e.symbol, value=e.words()) for e in fit if e.claimed]
             why = channel.noise.rejection if channel.noise is not None else ""
             words += [why] if why else [finding.what for finding in fit.findings]
-            needs = plan(fit.model, record.rate, durations=(), accuracy=self.settings.accuracy)
+            needs = plan(fit.usable(unexplained=True), record.rate, durations=(), accuracy=self.settings.accuracy)
             for name, needed in zip(needs.names, needs.needed, strict=True):
                 rest = float(needed) - record.size / record.rate
                 if 0 < rest < math.inf:

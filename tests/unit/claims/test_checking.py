@@ -10,6 +10,7 @@ import allanite as al
 from allanite.claims.result import AGREES, CONTRADICTS, DIFFERS, EXCEEDS, NOT_SHOWN, UNCLAIMED
 from allanite.core.errors import DataError, UsageError
 from allanite.study.analysis import analyzed
+from allanite.terms import TERMS
 
 RATE, SIZE = 50.0, 20_000
 GYRO, ACCELEROMETER = "N 1 deg/sqrt(h), K 300 deg/h/sqrt(h)", "N 100 ug/sqrt(Hz)"
@@ -73,8 +74,41 @@ def test_the_factor_of_white_noise_is_found_and_named(recording, factor, name):
 def test_noise_that_is_not_claimed_is_found(recording):
     found = al.check(recording, "N 1 deg/sqrt(h)")
     assert {c.record.name for c in found.checked} == {"gx", "gy"}
-    assert outcomes(found, "gx")["K"] == outcomes(found, "gy")["K"] == UNCLAIMED
+    slow = [{name for name, outcome in outcomes(found, axis).items() if outcome == UNCLAIMED} for axis in ("gx", "gy")]
+    assert slow == [{"R"}, {"K"}]  # the walk of gx goes one way, and its likelihood is that of a ramp
     assert not found.agrees
+
+
+BESIDE_WHITE = {
+    "Q": "Q 3 arcsec", "F": "F 3 arcsec", "N": "", "B": "B 100 deg/h", "K": "K 300 deg/h/sqrt(h)",
+    "R": "R -3000 deg/h^2", "W": "W 200 deg/h 60 s", "GM": "GM 100 deg/h 10 s", "GML": "GML 100 deg/h 10 s",
+    "GMA": "GMA 9 arcsec 2 s", "GM2": "GM2 100 deg/h 0.3 Hz 0.3", "Sine": "Sine 100 deg/h 2 Hz",
+}  # fmt: skip
+"""Each term, well seen beside N 1 deg/sqrt(h) in the records of this file."""
+
+
+@rows("symbol", TERMS)
+def test_each_term_agrees_with_the_claim_that_is_true(symbol):
+    model = ", ".join(filter(None, ("N 1 deg/sqrt(h)", BESIDE_WHITE[symbol])))
+    record = simulated(model, "gx", 11)
+    exact, bound = al.check(record, model), al.check(record, model, at_most=True)
+    assert [(row.quantity, row.outcome) for row in (*exact.terms, *bound.terms) if row.contradicts] == []
+    assert symbol in outcomes(exact, "gx")
+
+
+@rows("model, unclaimed", [
+    ("N 1 deg/sqrt(h), R 900 deg/h^2", {"R"}),
+    ("N 1 deg/sqrt(h), R -1e6 deg/h^2", {"R"}),
+    ("N 1 deg/sqrt(h), B 50 deg/h, R 20000 deg/h^2", {"R", "B"}),
+    ("N 1 deg/sqrt(h), K 2000 deg/h/sqrt(h)", {"K"}),
+])  # fmt: skip
+def test_a_ramp_and_a_random_walk_that_are_not_claimed_are_told_apart(model, unclaimed):
+    found = al.check(simulated(model, "gx", 7), "N 1 deg/sqrt(h)")
+    own = {row.quantity: row for row in found.terms}
+    assert {name for name, row in own.items() if row.outcome == UNCLAIMED} == unclaimed
+    assert own["N"].outcome == AGREES
+    if "R" in unclaimed:
+        assert own["R"].found == pytest.approx(abs(al.Model(model)["R"].value), rel=0.15)
 
 
 def test_a_bias_that_is_missing_is_said(recording):

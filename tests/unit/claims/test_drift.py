@@ -10,7 +10,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.rows import paired, rows
 
 import allanite as al
 import drift as script
@@ -129,9 +129,12 @@ def test_what_is_allowed_just_keeps_the_requirement(text):
 @rows(
     ("choices", "words"),
     [
-        ({"times": ()}, "above 0 s"),
-        ({"times": (0,)}, "above 0 s"),
-        ({"calibration": -1}, "0 s or above, not -1"),
+        ({"times": ()}, "from 1e-09 to 1e+07 s"),
+        ({"times": (0,)}, "from 1e-09 to 1e+07 s"),
+        ({"times": (1e300,)}, "from 1e-09 to 1e+07 s"),
+        ({"calibration": -1}, "from 0 to 1e+07 s, not -1"),
+        ({"calibration": 1e160}, "from 0 to 1e+07 s, not 1e+160"),
+        ({"require": ("1 m in 1e-30 s",)}, "not '1 m in 1e-30 s'"),
         ({"scale_factor": 0.5, "maneuver": ("90 deg",)}, "did you mean 0.5%?"),
         ({"scale_factor": 0.01}, "give both"),
         ({"maneuver": ("90 deg",)}, "give both"),
@@ -171,6 +174,31 @@ def test_sources_that_are_refused():
                 al.DriftSettings(require=("attitude 1 deg in 1 s",)).requirements[0]
             )
         )
+
+
+@rows("model", ["W 1 deg/h 10 s", "N 0 deg/sqrt(h)", "Sine 0 deg/h 3 Hz"])
+def test_noise_that_makes_nothing_drift_is_refused_unless_a_constant_error_does(model):
+    with pytest.raises(DataError, match="nothing in the noise of given gyro"):
+        al.drift(al.Model(model))
+    alone = al.drift(al.Model(model), turn_on="3 deg/h", calibration=0, times=60)
+    assert alone["heading"].to("deg")[0] == pytest.approx(3 / 60)
+
+
+def test_a_warm_up_is_named_as_no_part_of_the_drift():
+    with_warm_up, alone = al.drift(GYRO + al.W(5, "deg/h", time_constant=60.0)), al.drift(GYRO)
+    assert with_warm_up["heading"].sigma.tolist() == alone["heading"].sigma.tolist()
+    (note,) = set(with_warm_up.notes) - set(alone.notes)
+    assert "W" in note
+
+
+@rows("schuler, calibration, time", paired((False, True), (0, 1e-3, 1e7), (1e-9, 1.0, 1e5, 1e7)))
+def test_at_the_ends_of_the_times_no_requirement_passes_unknown(schuler, calibration, time):
+    model = al.Model("Q 1 arcsec, N 0.1 deg/sqrt(h), B 1 deg/h, K 1 deg/h/sqrt(h), R 1 deg/h^2")
+    need = tuple(f"{size} in {time} s" for size in ("1e-30 deg", "1e-30 m", "1e-30 m/s"))
+    found = al.drift(model, schuler=schuler, calibration=calibration, times=(time,), require=need)
+    assert len(found.exceeded) == len(need)
+    assert all(not np.isnan(found.reached(required)) for required in found.settings.requirements)
+    json.dumps(found.to_dict())
 
 
 def run(*words):

@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from allanite.comparison.common_likelihood import joint
 from allanite.comparison.contrast import Contrast, gain, homogeneity
 from allanite.comparison.intervals import IntervalContrast
 from allanite.comparison.likelihoods import drawn, reduced, tied
+from allanite.comparison.ramps import RampContrast, RampLaw
 from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
 from allanite.core.estimate import Estimate
 from allanite.core.limits import Below
@@ -206,14 +208,52 @@ def test_a_ramp_keeps_its_sign():
     assert same.limits(0.95)[0] < 1 < same.limits(0.95)[1]
 
 
-@pytest.mark.slow("takes more than half a second")
+@rows("level", [1e-4, 0.01, 0.5, 0.95])
+def test_limits_of_a_ratio_of_ramps_hold_the_share_that_they_state(level):
+    # the mean of this mixture lies beside its median
+    first = RampLaw(np.array([1.0, -1.3]) * -2.0, np.array([0.01, 0.4]), np.array([0.99, 0.01]))
+    second = RampLaw(np.array([1.0, 4.0]), np.array([0.02, 0.1]), np.array([0.7, 0.3]))
+    low, high = RampContrast(first, second).limits(level)
+    shares = sorted(second.minus(first, ratio).below for ratio in (low, high))
+    assert low < high
+    assert shares == pytest.approx([(1 - level) / 2, (1 + level) / 2], abs=1e-5)
+
+
 def test_gauss_markov_noise_is_compared_at_one_time_constant():
     model = al.N(0.3, "deg/sqrt(h)") + al.GM(60, "deg/h", time_constant=5.0)
     found = al.compare(simulated(model, 1, n=40_000), scaled(simulated(model, 2, n=40_000), 1.3))
     assert found["GM"].outcome == "larger"
     assert found["GM"].interval()[0] < 30 < found["GM"].interval()[1]
     assert found["B"].outcome == "not resolvable"
-    assert any("a common time constant" in alert for alert in found.pairs[0].alerts)
+    assert any("GM is compared with a common shape" in alert for alert in found.pairs[0].alerts)
+
+
+SHAPED = {
+    "GM": al.GM(100, "deg/h", time_constant=2.0), "GML": al.GML(100, "deg/h", time_constant=4.0),
+    "GMA": al.GMA(20, "arcsec", time_constant=0.2), "GM2": al.GM2(100, "deg/h", frequency=0.7, damping=0.3),
+}  # fmt: skip
+
+
+@rows("first, second", combinations(SHAPED, 2))
+def test_terms_with_shapes_of_any_kind_are_compared(first, second):
+    white = al.N(0.3, "deg/sqrt(h)")
+    one, two = (simulated(white + SHAPED[s], seed) for seed, s in enumerate((first, second)))
+    terms = ",".join(dict.fromkeys(("N", first, second)))
+    found = al.compare(one, two, terms=terms).pairs[0]
+    assert found.refusal == ""
+    assert found.changed or {first, second} == {"GM", "GML"}
+    for e in (e for fit in found.fits for e in fit if e.shape):
+        assert any(f"{e.symbol} is compared with a common shape" in alert for alert in found.alerts)
+
+
+def test_a_damped_oscillation_is_pooled_and_held_against_its_beginning():
+    model = al.N(0.3, "deg/sqrt(h)") + SHAPED["GM2"]
+    runs = [simulated(model, seed, n=8000) for seed in range(3)]
+    pooled = al.pool(runs, terms="N,GM,GM2").channels[0]
+    low, high = next(term for term in pooled.terms if term.symbol == "GM2").limits(0.95)
+    assert low < model["GM2"].value < high
+    part = al.truncation(runs[0], 40.0, al.Recipe(terms="N,GM2")).pairs[0]
+    assert part["GM2"].limits(0.95)[0] < 1 < part["GM2"].limits(0.95)[1]
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -133,3 +133,13 @@ def test_noise_of_the_samples_depends_on_the_rate():
         drift_variance(al.F(1, "rad"), flat(0), np.array([60.0]), calibration=T, rate=rate)[0] for rate in (1.0, 100.0)
     )
     assert fast > slow
+
+
+@rows("order, variance", [
+    (0, lambda t: t / 2 + np.sin(2 * W * t) / (4 * W)),
+    (1, lambda t: (t / 2 - np.sin(2 * W * t) / (4 * W)) / W**2),
+    (2, lambda t: (1.5 * t - 2 * np.sin(W * t) / W + np.sin(2 * W * t) / (4 * W)) / W**4),
+])  # fmt: skip
+def test_many_schuler_periods_do_not_spoil_the_drift(order, variance):
+    t = np.array([3e3, 6e4, 1e5, 2e5, 1e6])
+    np.testing.assert_allclose(drift_variance(TERMS["N"], schuler(order), t), variance(t), rtol=1e-6)

@@ -5,7 +5,10 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
+from allanite.core.errors import UsageError
 from allanite.study import curves
+from allanite.study.survey import Deviations
+from allanite.study.theory import TheorySettings, expected_curves
 
 GYRO = al.Model("N = 0.1 deg/sqrt(h), K = 0.5 deg/h/sqrt(h)")
 
@@ -88,3 +91,13 @@ def test_a_fit_that_explains_nothing_is_named_as_such():
 def test_an_unknown_noise_is_refused():
     with pytest.raises(al.UsageError, match="'identified', 'auto' or None, not 'known'"):
         al.deviation(simulated(), noise="known")
+
+
+@rows("length, rate, end", [
+    ({"duration": 600.0}, None, "until=600"),
+    ({"samples": 500}, 10.0, "until=50"),
+    ({"samples": 500}, None, "until=TIME"),
+])  # fmt: skip
+def test_the_length_of_a_model_is_not_that_of_a_recording(length, rate, end):
+    with pytest.raises(UsageError, match=end):
+        expected_curves(simulated(), TheorySettings(**length), Deviations(("oadev",)), al.Recipe(rate=rate))

@@ -16,8 +16,8 @@ from allanite.extending import (
     UsageError,
     convert,
     given,
-    model_of,
     spelled,
+    usable_model,
 )
 
 GRAVITY = convert(1.0, "g", "m/s^2")
@@ -53,7 +53,7 @@ class SensorNoise:
         UsageError, UnitError
             A model is of another sensor, or needs a horizon or a sampling rate that is not given.
         """
-        models = model_of(gyro), model_of(accelerometer)
+        models = usable_model(gyro), usable_model(accelerometer)
         for model, sensor in zip(models, SENSORS, strict=True):
             if model.signal.name != sensor:
                 raise UnitError(f"the noise of the {sensor} is that of another sensor ({model.signal.name}): {model}")

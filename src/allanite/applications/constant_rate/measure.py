@@ -3,7 +3,7 @@
 import math
 from typing import Unpack
 
-from allanite.extending import ModelLike, Record, Samples, Sampling, UnitError, as_record, model_of, public
+from allanite.extending import ModelLike, Record, Samples, Sampling, UnitError, as_record, public, usable_model
 
 from .estimates import RateEstimate
 from .estimators import estimator_named
@@ -33,7 +33,8 @@ def estimate(
     method : str
         A name in `RATE_ESTIMATORS`.
     model : Model, Term or Fit, optional
-        The noise; required by "optimal", and by all methods for a standard error.
+        The noise; required by "optimal", and by all methods for a standard error. A fit that does not explain its
+        record is refused; `measure_rates` then looks for one that explains means over blocks of samples.
     target : {"mean", "centre", "start", "constant"}
         What is estimated if the model contains drift terms (B, K, R).
     dither : tuple of float
@@ -103,7 +104,7 @@ def task_of(
     options: EstimatorSettings | None = None,
 ) -> Task:
     """What the weights follow from, for a record."""
-    whole = None if model is None else model_of(model)
+    whole = None if model is None else usable_model(model)
     if whole is not None and whole.signal is not record.signal:
         raise UnitError(f"the model is that of a {whole.signal.name}, but the record is that of a {record.signal.name}")
     options = options or EstimatorSettings()

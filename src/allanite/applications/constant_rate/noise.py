@@ -97,12 +97,13 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
 
 def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
     """The model, with the noise at its upper limits that was not identified but would matter to n samples."""
-    present = {t.symbol for t in fit.model}
+    model = fit.usable()
+    present = {t.symbol for t in model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
-    worst = Model((*fit.model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
-    bound, seen = (rank(model, size=n, rate=rate).best for model in (worst, fit.model))
+    worst = Model((*model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
+    bound, seen = (rank(noise, size=n, rate=rate).best for noise in (worst, model))
     if bound < HIDDEN * seen:
-        return fit.model, ()
+        return model, ()
     unit = fit.signal.sheet[0]
     limits = ", ".join(str(worst[e.symbol]) for e in absent)
     factor = unit_of(unit).factor

@@ -13,11 +13,11 @@ from allanite.extending import (
     ModelLike,
     Signal,
     Value,
-    model_of,
     public,
     say,
     size_and_rate,
     unit_of,
+    usable_model,
 )
 
 from .estimators import RATE_ESTIMATORS, estimator_named
@@ -212,4 +212,4 @@ def _expected(
     """The task of samples that nobody has recorded yet."""
     options = options or EstimatorSettings()
     pulse = math.nan if options.quantum is None else options.quantum
-    return Task(*sampling, model_of(model), target, dither, options, pulse)
+    return Task(*sampling, usable_model(model), target, dither, options, pulse)

@@ -81,7 +81,7 @@ def experiment(
     ----------
     record : Record
     model : Model, Term or Fit, optional
-        The noise, ``identify(record).model``; "optimal" and predictions need it.
+        The noise, ``identify(record)``; "optimal" and predictions need it.
     settings : ExperimentSettings, optional
         By default intervals of two minutes and all methods.
 

@@ -92,7 +92,7 @@ class Task:
         """The model, or the words that it is needed."""
         if self.model is None:
             raise UsageError(
-                "this needs a noise model: pass model=allanite.identify(record).model, or that of the data sheet"
+                "this needs a noise model: pass model=allanite.identify(record), or that of the data sheet"
             )
         return self.model
 

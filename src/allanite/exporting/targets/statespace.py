@@ -25,7 +25,7 @@ def spaces(content: Content) -> Iterator[tuple[str, dict[str, FloatArray], list[
     """Name, matrices and remarks of each channel; of white noise only R."""
     called = [axis.name or f"axis{i}" for i, axis in enumerate(content.axes, 1)]
     for axis, name in zip(content.axes, identifiers(called, "axis", longest=LONGEST, taken=KEYWORDS), strict=True):
-        noise = (axis.fit.valid or axis.fit.model).noise
+        noise = axis.fit.usable(unexplained=True).noise
         if noise is None:
             raise DataError(f"{axis.name}: no noise was identified")
         model = Model(tuple(replace(t, value=t.value * content.inflate) for t in noise))

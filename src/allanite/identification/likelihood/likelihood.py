@@ -214,12 +214,16 @@ class Likelihood(Portable):
         return np.asarray(np.maximum(smooth, 1e-12 * smooth.max()))
 
     def _start(self, free: BoolArray) -> FloatArray:
-        """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere."""
+        """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere.
+
+        A term that is in the directions alone starts at 1.
+        """
         from allanite.kernels.leastsquares import weighted_nnls
 
-        columns = self.columns[free, : self.power.size]
+        columns = self.columns[:, : self.power.size]
         share = (columns / self._smooth).max(axis=1)
-        theta = np.zeros(free.size)
-        found = weighted_nnls(columns, self._smooth, self.count / self._smooth**2, np.zeros(share.size))
-        theta[free] = np.maximum(found, 1e-3 / share)
+        theta, shown = np.where(free, 1.0, 0.0), free & (share > 0)
+        weight, start = self.count / self._smooth**2, np.zeros(np.count_nonzero(shown))
+        found = weighted_nnls(columns[shown], self._smooth, weight, start)
+        theta[shown] = np.maximum(found, 1e-3 / share[shown])
         return theta

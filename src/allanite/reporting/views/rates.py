@@ -67,7 +67,7 @@ def _whole(channel: RateChannel, study: RateStudy) -> RateEstimate | None:
         return next(iter((*channel.certain, *channel.estimates)), None)
     chosen, model = study.settings.experiment_on(channel.record), study.settings.noise
     if model is None and channel.noise is not None and channel.noise.explained:
-        model = channel.noise.fit.model
+        model = channel.noise.fit.usable()
     method = channel.experiment.methods[0]
     found = estimate(channel.record, method, model=model, dither=chosen.dither, options=chosen.options)
     return subtract_bias(found, chosen.bias, channel.record.signal.unit) if chosen.bias else found

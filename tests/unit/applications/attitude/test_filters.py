@@ -191,3 +191,14 @@ def test_a_steep_pitch_is_refused_by_angles_and_not_by_quaternions():
         FILTERS["complementary"].run(data, Setting(Loop.of(5.0)))
     found, _ = FILTERS["mahony"].run(data, Setting(Loop.of(5.0)))
     assert math.degrees(found[:, 1].max()) > 89
+
+
+@rows("k1, k2", [(0.5, 0.0), (0.5, 0.04), (2.0, 3.0), (0.02, 1e-5)])
+def test_a_short_interval_makes_the_response_of_continuous_time(k1, k2):
+    loop, f = Loop(k1, k2), np.geomspace(1e-5, 1.0, 25)
+    errors = []
+    for interval in (2e-4, 1e-4):
+        pairs = zip(loop.responses(f, interval), loop.responses(f), strict=True)
+        errors.append(max(np.abs(sampled / exact - 1).max() for sampled, exact in pairs))
+    assert errors[0] < 2e-3
+    assert errors[1] == pytest.approx(errors[0] / 2, rel=0.05)  # of first order in the interval

@@ -320,7 +320,7 @@ BAD = {
         al.UsageError,
         "hann",
     ),
-    "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, r"allanite.identify\(record\).model"),
+    "no model": (lambda: (np.ones(9), "optimal", {}), al.UsageError, r"allanite.identify\(record\)"),
     "no quantum": (lambda: (np.ones(9), "staircase", {}), al.UsageError, "quantum="),
     "a quantum of nothing": (
         lambda: (np.ones(9), "staircase", {"options": EstimatorSettings(quantum=0.0)}),
