@@ -46,13 +46,13 @@ class Age(NamedTuple):
     @property
     def verdict(self) -> str:
         """Whether the table describes the code of today."""
-        if not self.lines:
-            return "stale: no commit of the history"
+        if "before" in self.stamp or not self.lines:
+            return "stale: not of a commit of the history"
         return "stale" if self.changed > MOST * self.lines else "fresh"
 
     def __str__(self) -> str:
         share = f"{self.commits} commits, {self.changed} of {self.lines} lines"
-        return f"{self.name:24} {self.stamp}  {share:36} {self.verdict:8} {self.rooms or 'all'}"
+        return f"{self.name:24} {self.stamp:14} {share:36} {self.verdict:6} {self.rooms or 'all'}"
 
 
 def git(*words: str) -> str:
@@ -73,13 +73,10 @@ def script(page: Page) -> str:
 
 
 def stamp(page: Page) -> tuple[str, str]:
-    """The oldest commit that a page names, in its head or in a column, and its date."""
-    rows = (
-        f"{row['commit']}, {row['date']}" for table in page.tables() for row in table if {"commit", "date"} <= {*row}
-    )
-    named = re.findall(
-        r"^(?:- commit )?([0-9a-f]{7})\b.*?, (\d{4}-\d\d-\d\d)", "\n".join((page.head, *rows)), re.MULTILINE
-    )
+    """The oldest commit that a page names, in its head or in a column, and its date; also "before COMMIT"."""
+    rows = (f"{row['commit']}, {row['date']}" for table in page.tables() for row in table if "date" in row)
+    pattern = r"^(?:- commit )?((?:before )?[0-9a-f]{7})\b.*?, (\d{4}-\d\d-\d\d)"
+    named = re.findall(pattern, "\n".join((page.head, *rows)), re.MULTILINE)
     return min(named, key=lambda each: each[1], default=("", ""))
 
 
@@ -93,7 +90,7 @@ def differences(commit: str) -> list[tuple[int, str]]:
 
 def known(commit: str) -> bool:
     """Whether a commit belongs to the history."""
-    return bool(commit) and git("merge-base", commit, "HEAD").startswith(commit)
+    return bool(commit) and git("merge-base", commit[-7:], "HEAD").startswith(commit[-7:])
 
 
 def age(page: Page, name: str) -> Age:
@@ -103,10 +100,10 @@ def age(page: Page, name: str) -> Age:
         return Age(name, rooms, commit, 0, 0, 0)
     places = [f"{SOURCE}/{room}".rstrip("/") for room in rooms.split() or [""]]
     inside = tuple(place if place.endswith(".py") else f"{place}/" for place in places)
-    changed = sum(lines for lines, path in differences(commit) if path.startswith(inside))
+    changed = sum(lines for lines, path in differences(commit[-7:]) if path.startswith(inside))
     modules = [path for path in git("ls-files", "--", *places).splitlines() if path.endswith(".py")]
     size = sum((ROOT / path).read_bytes().count(b"\n") for path in modules)
-    commits = int(git("rev-list", "--count", "--no-merges", f"{commit}..HEAD", "--", *places))
+    commits = int(git("rev-list", "--count", "--no-merges", f"{commit[-7:]}..HEAD", "--", *places))
     return Age(name, rooms, commit, commits, changed, size)
 
 
