@@ -1,4 +1,4 @@
-"""A part of each committed table is made again: the same within what chance does to fewer records, or digit by digit."""
+"""A part of each committed table is made again: as chance allows where records are fewer, else digit by digit."""
 
 import table
 from table import RESULTS, read
