@@ -1,35 +1,30 @@
 """Records of any values, rate, gaps and length: a result or a refusal in words.
 
-The first records of which `benchmarks/fuzz_records.py` takes many more; and those in which something was found.
+The first records of which `benchmarks/fuzz.py` takes many more; and those in which something was found.
 """
 
-import importlib.util
 import time
 
 import numpy as np
 import pytest
-from tests import ROOT, thinned
+from tests import thinned
 from tests.pace import pace
 
 import allanite as al
 from allanite.prepare.stillness import level
 from allanite.prepare.view import View
-
-spec = importlib.util.spec_from_file_location("fuzz_records", ROOT / "benchmarks" / "fuzz_records.py")
-fuzz = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(fuzz)
+from fuzz import TARGETS, judged, worked
 
 
 @pytest.mark.parametrize("first", thinned(range(0, 200, 20), 3, "200 records"))
 def test_each_job_has_a_result_or_refuses_in_words(first):
     found = set()
     for k in range(first, first + 20):
-        _, job, record, rng = fuzz.drawn(k)
         start = time.process_time()
-        found.add(said := fuzz.outcome(job, record, rng))
-        assert said in ("done", "refused"), (k, job, said)
-        assert time.process_time() - start < 4 * fuzz.SLOW * pace(), (k, job)  # compiled for the first time
-    assert "done" in found
+        found.add(said := judged(worked, k))
+        assert said in ("taken", "refused"), (k, said)
+        assert time.process_time() - start < 4 * TARGETS["records"].seconds * pace(), k  # compiled for the first time
+    assert "taken" in found
 
 
 def record(values, **more):
