@@ -28,16 +28,15 @@ CODE = ("src", "benchmarks/*.py", "tests/reference")
 """What a figure depends on."""
 
 ROOMS = {
-    "angle": "applications/angle", "bags": "readers", "batch": "batch", "bound": "planning/bound.py statespace",
-    "check": "claims", "comparison": "comparison", "compensation": "applications/compensation",
-    "confidence_coverage": "statistics", "consistency": "exporting", "data_sheets": "claims interpretation planning",
-    "drift": "planning", "end_to_end": "cli reporting study", "environments": "", "explanations": "identification",
+    "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace", "check": "claims",
+    "comparison": "comparison", "compensation": "applications/compensation", "confidence_coverage": "statistics",
+    "consistency": "exporting", "data_sheets": "claims interpretation planning", "drift": "planning",
+    "end_to_end": "cli reporting study", "environments": "", "explanations": "identification",
     "fuzz": "batch cli core readers study web", "gaps": "identification statistics", "hybrids": "statistics",
-    "identification": "identification", "interruption": "cli parallel statistics", "methods": "identification",
-    "limits": "identification statistics", "mutants": "", "noise_identification": "statistics",
-    "out_of_core": "stream statistics",
+    "identification": "identification", "limits": "identification statistics", "methods": "identification",
+    "mutants": "", "noise_identification": "statistics", "out_of_core": "stream statistics",
     "rate": "applications/constant_rate", "real_sensors": "identification prepare", "selection": "identification",
-    "signals": "cli exporting readers", "simulation": "simulation", "slow_noise": "identification",
+    "signals": "cli parallel statistics", "simulation": "simulation", "slow_noise": "identification",
     "speed": "identification kernels statistics", "stranger": "cli kernels", "stream": "stream",
     "terms": "identification terms", "theoh_paper": "identification statistics", "vertical": "applications/attitude",
     "window_moments": "statistics/moments",

@@ -1,4 +1,4 @@
-"""Ctrl-C is answered at once; every verb and every statistic are interrupted by benchmarks/interruption.py."""
+"""Ctrl-C is answered at once; every verb and every statistic are interrupted by benchmarks/signals.py."""
 
 import signal
 import subprocess
