@@ -430,10 +430,11 @@ def _serve(target: str, name: str, span: tuple[int, int], place: Any, pipe: Any)
         tempfile.tempdir = None
 
 
-def run(target: str, name: str, first: int, count: int) -> tuple[Counter[str], float, int]:
-    """Counts, slowest case and memory of the cases of a kind, in processes that are watched."""
+def run(target: str, name: str, first: int, count: int) -> tuple[Counter[str], float, int, list[str]]:
+    """Counts, slowest case, memory and failures of the cases of a kind, in processes that are watched."""
     context, last = multiprocessing.get_context("spawn"), first + count
     place, counts, slowest, peak = context.Value(ctypes.c_long, first), Counter[str](), 0.0, 0
+    failed: list[str] = []
     while first < last:
         pipe, end = context.Pipe(duplex=False)
         process = context.Process(target=_serve, args=(target, name, (first, last), place, end))
@@ -450,9 +451,10 @@ def run(target: str, name: str, first: int, count: int) -> tuple[Counter[str], f
         else:
             more, slow, high = told[-1]
             counts, slowest, peak = counts + more, max(slowest, slow), max(peak, high)
-        for k, why in failures[:5]:
+        for k, why in failures:
             print(f"{target} {name}, case {k}: {why}", file=sys.stderr, flush=True)
-    return counts, slowest, peak
+            failed.append(f"{name}, case {k}: {why.strip().splitlines()[-1]}")
+    return counts, slowest, peak, failed
 
 
 def _followed(process: Any, pipe: Any, place: Any) -> list[Any]:
@@ -477,22 +479,22 @@ def main() -> None:
     asked, target = this.asked, TARGETS[this.asked.target]
     kinds = {name: max(1, round(asked.share * count)) for name, count in target.kinds.items()}
     kinds = {name: count for name, count in kinds.items() if not asked.only or name in asked.only.split(",")}
-    rows, failures = [], 0
+    rows, failed = [], []
     with ThreadPoolExecutor(asked.jobs) as pool:
-        for (name, count), (counts, slowest, peak) in zip(
-            kinds.items(), pool.map(lambda name: run(asked.target, name, asked.first, kinds[name]), kinds), strict=True
-        ):
+        done = pool.map(lambda name: run(asked.target, name, asked.first, kinds[name]), kinds)
+        for (name, count), (counts, slowest, peak, failures) in zip(kinds.items(), done, strict=True):
             cells = (count, counts["taken"], counts["refused"], counts["failure"], round(1e3 * slowest), peak)
             rows.append((name, *map(str, cells)))
-            failures += counts["failure"]
+            failed += failures
             print(*rows[-1], sep=" | ", file=sys.stderr, flush=True)
     notes = (
         f"case k of a kind has the seed (crc32 of its name, k), k from {asked.first}",
-        f"failures: {failures}; over {target.seconds:g} s of processor time or {target.megabytes} MB is one",
+        f"failures: {len(failed)}; over {target.seconds:g} s of processor time or {target.megabytes} MB is one",
+        *(f"failed: {one}" for one in failed[:20]),
     )
     headings = ("kind", "cases", "taken", "refused", "failures", "slowest ms", "memory MB")
     this.publish(target.title, notes, markdown(headings, rows))
-    sys.exit(bool(failures))
+    sys.exit(bool(failed))
 
 
 if __name__ == "__main__":
