@@ -55,6 +55,15 @@ def test_a_table_of_the_commit_before_a_rewrite_is_stale(head):
         assert stale.age(lost, "a.md").verdict.startswith("stale: ")
 
 
+def test_a_release_waits_for_tables_of_the_code_as_it_is(head, monkeypatch):
+    first = stale.git("rev-list", "--max-parents=0", "HEAD")[:7]
+    for commit, names in ((head, []), (first, ["a.md"]), ("0000000", ["a.md"])):
+        monkeypatch.setattr(stale, "pages", lambda commit=commit: [("a.md", page(commit))])
+        assert [line.partition(":")[0] for line in stale.unfit()] == names
+    monkeypatch.setattr(stale, "whole", lambda: False)
+    assert stale.unfit() == [stale.SHALLOW]
+
+
 def test_counts_of_statistics_are_those_of_the_program():
     assert "**Seventeen statistics**" in (figures.ROOT / "README.md").read_text("utf-8")
     assert len(al.STATISTICS) == 17
