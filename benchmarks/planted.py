@@ -12,7 +12,7 @@ import io
 import re
 import tokenize
 from collections import Counter
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -27,22 +27,6 @@ UNORDERED |= {"isinstance", "issubclass"}
 
 ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow)
 
-EQUIVALENT: dict[str, str] = {
-    "compensation/mixture.py _reach: … = float(best[which]) + 3 / math.sqrt(likelihood.… → "
-    "… = float(best[which]) + 6 / math.sqrt(likelihood.…": "only where a search begins: it ends where 2 L has "
-    "risen by REACH, and at most 1.6 times as far, in both",
-    "comparison/contrast.py Contrast._solve: …nside, share = outside, 3 * share → "
-    "…nside, share = outside, 6 * share": "only the steps by which a root is bracketed: it is"
-    " the same within its tolerance",
-    "comparison/sinusoids.py _amplitude: …np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.… → "
-    "…np.arange(rates.size) + 1.0) / rates.size) ** 2, 0.…": "a window that is shifted by half a sample",
-    "kernels/leastsquares.py weighted_nnls: c[a] = dot(weighted, power) / size[a] → "
-    "c[a] = dot(power, weighted) / size[a]": "the product of two vectors is the same in either order",
-    "terms/oscillation.py modes: … - 1) > CRITICAL else 1 - CRITICAL → "
-    "… - 1) > CRITICAL else 1 + CRITICAL": "on the other side of critical damping, as near to it as the tolerance says",
-}
-"""Faults that change nothing that can be observed, and why; the next of their room and kind is taken instead."""
-
 
 @dataclass(frozen=True)
 class Fault:
@@ -55,8 +39,8 @@ class Fault:
     end: int
     new: bytes
     lines: range
-    called: bool
-    """Whether the place runs when a function is called, not once when the module is imported."""
+    scope: int
+    """Line of the innermost function around it; 0 where it runs once, when the module is imported."""
 
     old: str = ""
     after: str = ""
@@ -99,7 +83,7 @@ class _Finder(ast.NodeVisitor):
 
     def __init__(self, file: str, text: bytes) -> None:
         self.file, self.text, self.found = file, text, list[Fault]()
-        self.names, self.called = list[str](), False
+        self.names, self.scope = list[str](), 0
         lengths = [0, *(len(line) for line in text.splitlines(keepends=True))]
         self.starts = [sum(lengths[: i + 1]) for i in range(len(lengths))]
 
@@ -114,7 +98,7 @@ class _Finder(ast.NodeVisitor):
 
     def add(self, kind: str, node: ast.AST, place: tuple[int, int], new: bytes) -> None:
         lines = range(node.lineno, node.end_lineno + 1)
-        fault = Fault(self.file, ".".join(self.names) or "module", kind, *place, new, lines, self.called)
+        fault = Fault(self.file, ".".join(self.names) or "module", kind, *place, new, lines, self.scope)
         self.found.append(_shown(fault, self.text))
 
     def visit_all(self, nodes: Iterable[ast.AST | None]) -> None:
@@ -124,11 +108,11 @@ class _Finder(ast.NodeVisitor):
 
     def visit_FunctionDef(self, node: ast.FunctionDef | ast.AsyncFunctionDef) -> None:
         self.visit_all([*node.decorator_list, *node.args.defaults, *node.args.kw_defaults])
-        before, self.called = self.called, True
+        before, self.scope = self.scope, node.lineno
         self.names.append(node.name)
         self.visit_all(node.body)
         self.names.pop()
-        self.called = before
+        self.scope = before
 
     visit_AsyncFunctionDef = visit_FunctionDef  # noqa: N815  named by ast
 
@@ -136,12 +120,6 @@ class _Finder(ast.NodeVisitor):
         self.names.append(node.name)
         self.visit_all([*node.decorator_list, *node.body])
         self.names.pop()
-
-    def visit_Lambda(self, node: ast.Lambda) -> None:
-        self.visit_all([*node.args.defaults, *node.args.kw_defaults])
-        before, self.called = self.called, True
-        self.visit(node.body)
-        self.called = before
 
     def visit_AnnAssign(self, node: ast.AnnAssign) -> None:
         self.visit_all([node.target, node.value])
@@ -261,29 +239,16 @@ def order(faults: Iterable[Fault], seed: int) -> list[Fault]:
     return sorted(faults, key=lambda fault: hashlib.sha256(f"{seed} {fault.key}".encode()).digest())
 
 
-def drawn(count: int, seed: int, left_out: Container[str] | None = None) -> Iterator[tuple[Fault, int]]:
-    """So many faults, and which one of its room and kind each is: rooms and kinds take turns.
-
-    A room without a fault of the kind has one of the next kind. Those of `left_out` are passed over.
-    """
-    left_out, every = EQUIVALENT if left_out is None else left_out, rooms()
-    pools: dict[str, dict[str, list[tuple[int, Fault]]]] = {}
+def drawn(count: int, seed: int) -> Iterator[Fault]:
+    """So many faults: rooms and kinds take turns; a room without a fault of the kind has one of the next kind."""
+    every, pools = rooms(), dict[tuple[str, str], list[Fault]]()
     for i in range(count):
         room = every[i % len(every)]
-        if room not in pools:
-            pools[room] = _pools(room, seed, left_out)
-        turns = [KINDS[(i + k) % len(KINDS)] for k in range(len(KINDS))]
-        pool = next((pools[room][kind] for kind in turns if pools[room][kind]), None)
+        if (room, "sign") not in pools:
+            faults = [fault for path in sorted((PACKAGE / room).rglob("*.py")) for fault in found(path)]
+            pools |= {(room, kind): order((f for f in faults if f.kind == kind), seed) for kind in KINDS}
+        turns = (pools[room, KINDS[(i + k) % len(KINDS)]] for k in range(len(KINDS)))
+        pool = next((pool for pool in turns if pool), None)
         if pool is None:
             raise ValueError(f"no fault is left in {room}")
-        k, fault = pool.pop(0)
-        yield fault, k
-
-
-def _pools(room: str, seed: int, left_out: Container[str]) -> dict[str, list[tuple[int, Fault]]]:
-    """The faults of a room by kind, numbered in their order."""
-    faults, pools = [fault for path in sorted((PACKAGE / room).rglob("*.py")) for fault in found(path)], {}
-    for kind in KINDS:
-        ordered = order((fault for fault in faults if fault.kind == kind), seed)
-        pools[kind] = [(k, fault) for k, fault in enumerate(ordered, 1) if fault.key not in left_out]
-    return pools
+        yield pool.pop(0)

@@ -1,15 +1,18 @@
-"""Programs that are ended at random moments: the target is the old file or the whole new one, nothing else is left.
+"""Programs that are ended at random moments: soon, whole or not at all, and without anything that is left behind.
 
-    python benchmarks/signals.py [--runs 200] [--write PATH]
+    python benchmarks/signals.py targets [--runs 200] [--write PATH]
+    python benchmarks/signals.py verbs [--runs 3] [--samples 5000000] [--write PATH]
 
-A signal of SIGINT, SIGTERM and SIGHUP is sent at a moment that is drawn from the time the whole job takes, after the
-time the interpreter needs to begin. Run k of a job on a disk has the seed (crc32 of both names, k). Each job runs on a
-usual disk and, by the superuser, on one of 5 MB in memory, which is too small for some of them. Ends with exit code 1
-if something is left, the target is neither the old nor a whole new file, the words are those of a defect, or the
-program needs more than 1 s to end.
+targets: SIGINT, SIGTERM and SIGHUP by turns, on a usual disk and, by the superuser, on one of 5 MB in memory, which is
+too small for some jobs; the target has to be the old file or a whole new one, and nothing else may be left.
+verbs: Ctrl-C in every verb and every statistic.
+
+The moment is drawn from the time that the job takes, at most the first 10 s, after the time that the interpreter needs
+to begin. Run k of a job has the seed (crc32 of its name, k). Ends with exit code 1 if a program needs more than 1 s to
+end, leaves a process or a file behind, or ends in the words of a defect.
 """
 
-from table import begin, markdown
+from table import Run, begin, markdown
 
 import contextlib
 import gzip
@@ -21,8 +24,7 @@ import sys
 import tempfile
 import time
 import zlib
-from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -30,52 +32,128 @@ import numpy as np
 
 import allanite as al
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-STARTED, LIMIT = 0.25, 1.0
-"""Seconds until the program has taken the signals over, and in which it has to end."""
+STARTED, LONGEST, LIMIT = 0.25, 10.0, 1.0
+"""Seconds until the program has taken the signals over, of a job that are looked at, and in which it has to end."""
 
-SMALL = "5m"
+ENDED, FINISHED = {-2, 129, 130, 143}, {0, 4, 5}
+"""Exit codes of a program that a signal has ended, -2 is how Python itself ends at Ctrl-C; of one that was done."""
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 OLD = b"what was there before\n"
-ENDED = {-2, 129, 130, 143}
-"""Exit codes of a program that a signal has ended; -2 is how Python itself ends at Ctrl-C, 130 in a shell."""
+SMALL = "5m"
+
+MODEL = ("--model", "N 0.01 deg/sqrt(h), B 0.1 deg/h, K 0.1 deg/h^1.5")
+
+VERBS = {
+    "info": "info gyro.npz",
+    "analyze": "analyze gyro.npz",
+    "analyze --report": "analyze gyro.npz --report page.html --force",
+    "analyze of a .csv": "analyze gyro.csv",
+    "analyze of a .csv.gz": "analyze gyro.csv.gz",
+    "analyze --memory": "analyze gyro.npy --rate 100 --unit deg/s --memory 20MB",
+    "analyze --method gls": "analyze gyro.npz --method gls",
+    "deviation --taus all": "deviation gyro.npz --taus all",
+    "deviation --taus all, mtie": "deviation gyro.npz --statistic mtie --taus all",
+    "deviation --threads 2, mtotdev": "deviation gyro.npz --statistic mtotdev --threads 2",
+    "spectrum": "spectrum gyro.npz",
+    "spectrum --estimator multitaper": "spectrum gyro.npz --estimator multitaper",
+    "dynamic": "dynamic gyro.npz",
+    "dynamic --statistic theo1": "dynamic gyro.npz --statistic theo1",
+    "compare": "compare gyro.npz other.npz",
+    "compare --part": "compare gyro.npz --part 10000",
+    "rate": "rate gyro.npz",
+    "compensate": "compensate warm.npz --rate 100 --regressors temperature --degree 3",
+    "vertical": "vertical six.npz --rate 100",
+    "export": ("export", "gyro.npz", "--to", "kalibr", "--model", "N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)"),
+    "statespace": "statespace gyro.npz",
+    "plan of a file": "plan gyro.npz",
+    "selfcheck of a file": "selfcheck gyro.npz --records 50",
+    "batch": "batch folder --out results",
+    "simulate": ("simulate", "made.npz", *MODEL, "--rate", "100", "--samples", "{samples}", "--force"),
+    "plan": ("plan", *MODEL, "--rate", "100", "--durations", "50000,500000"),
+    "selfcheck": ("selfcheck", *MODEL, "--rate", "100", "--samples", "{samples}", "--records", "50"),
+    "example": "example 000 papers --force",
+}
+VERBS = {f"deviation --statistic {name}": f"deviation gyro.npz --statistic {name}" for name in al.STATISTICS} | VERBS
 
 
 class Job(NamedTuple):
     """A command, and how its target begins and ends when it is whole."""
 
-    words: tuple[str, ...]
+    words: str
     target: str
     whole: tuple[bytes, bytes]
 
 
+SIMULATED = "simulate {out}/s.npz --sensor mems --rate 100 --force --samples "
 JOBS = {
     "analyze --report": Job(
-        ("analyze", "{in}/a.npz", "--quiet", "--force", "--report", "{out}/a.html"),
-        "a.html",
-        (b"<!DOCTYPE html>", b"</html>"),
+        "analyze {in}/a.npz --quiet --force --report {out}/a.html", "a.html", (b"<!DOCTYPE html>", b"</html>")
     ),
-    "simulate .npz": Job(
-        ("simulate", "{out}/s.npz", "--sensor", "mems", "--rate", "100", "--samples", "300000", "--force"),
-        "s.npz",
-        (b"PK", b""),
-    ),
-    "simulate .npz, too large": Job(
-        ("simulate", "{out}/s.npz", "--sensor", "mems", "--rate", "100", "--samples", "3000000", "--force"),
-        "s.npz",
-        (b"PK", b""),
-    ),
-    "info of a .csv.gz": Job(
-        ("info", "{in}/a.csv.gz", "--quiet", "--force", "--json", "{out}/i.json"), "i.json", (b"{", b"}")
-    ),
+    "simulate .npz": Job(f"{SIMULATED}300000", "s.npz", (b"PK", b"")),
+    "simulate .npz, too large": Job(f"{SIMULATED}3000000", "s.npz", (b"PK", b"")),
+    "info of a .csv.gz": Job("info {in}/a.csv.gz --quiet --force --json {out}/i.json", "i.json", (b"{", b"}")),
 }
 
 
-def recordings(folder: Path) -> None:
-    """The files that are read: one as it is, one packed."""
-    record = al.simulate(al.sensor("mems"), 400_000, 100.0, rng=np.random.default_rng(1))
-    al.write(record, folder / "a.npz")
-    lines = "".join(f"{value:.9f}\n" for value in record.values.tolist())
-    (folder / "a.csv.gz").write_bytes(gzip.compress(("# rate: 100\ngx [rad/s]\n" + lines).encode()))
+# --- a run -----------------------------------------------------------------------------------------------------------
+
+
+def started(words: str | Sequence[str], folder: Path, **more: str) -> subprocess.Popen[bytes]:
+    """A command in a folder, with variables besides."""
+    command = [sys.executable, "-m", "allanite.cli", *(words.split() if isinstance(words, str) else words)]
+    quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
+    return subprocess.Popen(command, cwd=folder, env=os.environ | more, start_new_session=True, **quiet)
+
+
+def alone(group: int) -> bool:
+    """Whether no process of the group runs on for half a second; one that has ended may wait to be asked how."""
+    for _ in range(10):
+        listed = subprocess.run(["ps", "-A", "-o", "pgid=,stat="], capture_output=True, text=True, check=True).stdout
+        states = [state for of, state in map(str.split, listed.splitlines()) if int(of) == group]
+        if all(state.startswith("Z") for state in states):
+            return True
+        time.sleep(0.05)
+    os.killpg(group, signal.SIGKILL)
+    return False
+
+
+def moments(
+    name: str, start: Callable[[], subprocess.Popen[bytes]], look: Callable[[], str], signals: Sequence[int], runs: int
+) -> tuple[list[str], list[str]]:
+    """The line of a job that is started anew for each run, and what went wrong; `look` tells what is left."""
+    begun, running = time.perf_counter(), start()
+    try:
+        said = running.communicate(timeout=LONGEST)[1].decode().strip().splitlines()
+        takes, usual = time.perf_counter() - begun, running.returncode
+    except subprocess.TimeoutExpired:
+        os.killpg(running.pid, signal.SIGKILL)
+        running.communicate()
+        takes, usual, said = LONGEST, 0, []
+    wrong = [f"{name}: {said[-1:]}"] if signals == SIGNALS[:1] and usual not in FINISHED else []
+    ended, slowest = 0, 0.0
+    for k in range(runs):
+        rng = np.random.default_rng((zlib.crc32(name.encode()), k))
+        at, number = rng.uniform(STARTED, max(takes, 2 * STARTED)), signals[k % len(signals)]
+        running = start()
+        time.sleep(at)
+        sent = time.perf_counter()
+        running.send_signal(number)
+        words, took = running.communicate()[1], time.perf_counter() - sent
+        ended, slowest = ended + (running.returncode in ENDED), max(slowest, took)
+        why = [
+            f"{took:.2f} s" if took > LIMIT else "",
+            "" if running.returncode in {*ENDED, *FINISHED, usual} else f"exit code {running.returncode}",
+            "words of a defect" if b"Traceback" in words or b"internal error" in words else "",
+            "" if alone(running.pid) else "a process is left",
+            look(),
+        ]
+        wrong += [f"{name}, run {k}, {signal.Signals(number).name} at {at:.3f} s: {one}" for one in why if one]
+    seconds = f"{takes:.1f}" if takes < LONGEST else f"over {LONGEST:g}"
+    return [name, seconds, str(runs), str(ended), f"{slowest:.2f}", str(len(wrong))], wrong
+
+
+# --- targets ---------------------------------------------------------------------------------------------------------
 
 
 @contextlib.contextmanager
@@ -87,7 +165,7 @@ def disks(root: Path) -> Iterator[dict[str, Path]]:
     mount = ["mount", "-t", "tmpfs", "-o", f"size={SMALL}", "tmpfs", str(small)]
     mounted = os.name == "posix" and not subprocess.run(mount, capture_output=True, check=False).returncode
     try:
-        yield {"usual": usual} | ({"5 MB": small} if mounted else {})
+        yield {"usual disk": usual} | ({"disk of 5 MB": small} if mounted else {})
     finally:
         if mounted:
             subprocess.run(["umount", str(small)], check=True)
@@ -98,93 +176,108 @@ class Place(NamedTuple):
 
     source: Path
     disk: Path
+    job: Job
 
-    def begin(self, job: Job) -> subprocess.Popen[bytes]:
+    def start(self) -> subprocess.Popen[bytes]:
         """Start it, with an old file in the place of its target."""
         out, copies = self.disk / "out", self.disk / "copies"
         for folder in (out, copies):
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir()
-        (out / job.target).write_bytes(OLD)
-        words = [word.replace("{in}", str(self.source)).replace("{out}", str(out)) for word in job.words]
-        command = [sys.executable, "-m", "allanite.cli", *words]
-        environment = {**os.environ, "TMPDIR": str(copies)}
-        return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        (out / self.job.target).write_bytes(OLD)
+        words = self.job.words.replace("{in}", str(self.source)).replace("{out}", str(out))
+        return started(words, self.disk, TMPDIR=str(copies))
 
-    def wrong(self, job: Job, words: bytes) -> str:
+    def wrong(self) -> str:
         """What is not as it should be once the program has ended."""
-        target = self.disk / "out" / job.target
-        data = target.read_bytes()
-        begins, ends = job.whole
-        left = [p.name for folder in ("out", "copies") for p in (self.disk / folder).iterdir() if p != target]
-        if left:
-            return f"left: {', '.join(left)}"
-        if data != OLD and not (data.startswith(begins) and data.rstrip().endswith(ends) and _read(target)):
-            return f"a target of {len(data)} bytes that is not whole"
-        return "a defect" if b"Traceback" in words or b"internal error" in words else ""
+        target = self.disk / "out" / self.job.target
+        data, (begins, ends) = target.read_bytes(), self.job.whole
+        others = [p.name for folder in ("out", "copies") for p in (self.disk / folder).iterdir() if p != target]
+        if others:
+            return f"left: {', '.join(others)}"
+        whole = data.startswith(begins) and data.rstrip().endswith(ends) and readable(target)
+        return "" if data == OLD or whole else f"a target of {len(data)} bytes that is not whole"
 
 
-def _read(target: Path) -> bool:
-    if target.suffix != ".npz":
-        return True
+def readable(target: Path) -> bool:
+    """Whether a record is read from a target that holds one."""
     try:
-        return al.read(target)[0].size > 0
+        return target.suffix != ".npz" or al.read(target)[0].size > 0
     except al.AllaniteError:
         return False
 
 
-def moments(name: str, disk: str, place: Place, runs: int) -> tuple[list[str], list[str]]:
-    """The line of a job on a disk, and what went wrong."""
-    job, counts, slowest, wrong = JOBS[name], Counter(), 0.0, []
-    start = time.perf_counter()
-    usual = place.begin(job)
-    usual.communicate()
-    whole = time.perf_counter() - start
-    for k in range(runs):
-        rng = np.random.default_rng((zlib.crc32(f"{name} {disk}".encode()), k))
-        at, number = rng.uniform(STARTED, max(whole, 2 * STARTED)), SIGNALS[k % len(SIGNALS)]
-        running = place.begin(job)
-        time.sleep(at)
-        running.send_signal(number)
-        start = time.perf_counter()
-        words = running.communicate()[1]
-        took = time.perf_counter() - start
-        code = running.returncode
-        counts["ended" if code in ENDED else "finished" if code == usual.returncode else "other"] += 1
-        slowest = max(slowest, took)
-        why = place.wrong(job, words) or (f"{took:.1f} s" if took > LIMIT else "")
-        if why:
-            wrong.append(f"{name}, {disk}, run {k}, {number.name} at {at:.3f} s: {why}")
-    cells = (name, disk, runs, counts["ended"], counts["finished"], counts["other"], f"{slowest:.2f}", len(wrong))
-    return list(map(str, cells)), wrong
+def targets(run: Run, folder: Path) -> Iterator[tuple[list[str], list[str]]]:
+    """The lines of jobs that write a file."""
+    source = folder / "in"
+    source.mkdir()
+    record = al.simulate(al.sensor("mems"), 400_000, 100.0, rng=np.random.default_rng(1))
+    al.write(record, source / "a.npz")
+    lines = "".join(f"{value:.9f}\n" for value in record.values.tolist())
+    (source / "a.csv.gz").write_bytes(gzip.compress(("# rate: 100\ngx [rad/s]\n" + lines).encode()))
+    with disks(folder) as found:
+        for name, job in JOBS.items():
+            for disk, path in found.items():
+                place = Place(source, path, job)
+                yield moments(f"{name}, {disk}", place.start, place.wrong, SIGNALS, run.asked.runs)
 
 
-HEADINGS = ("job", "disk", "runs", "ended by the signal", "finished before", "ended otherwise", "slowest s", "failures")
+# --- verbs -----------------------------------------------------------------------------------------------------------
+
+
+def recordings(folder: Path, samples: int) -> None:
+    """The files that the verbs read."""
+    rng = np.random.default_rng(1)
+    gyro, other = (al.simulate(al.sensor("mems"), samples, 100.0, rng=rng) for _ in range(2))
+    al.write(gyro, folder / "gyro.npz")
+    al.write(other, folder / "other.npz")
+    al.write(gyro, folder / "gyro.csv")
+    with open(folder / "gyro.csv", "rb") as plain, gzip.open(folder / "gyro.csv.gz", "wb", 1) as packed:
+        shutil.copyfileobj(plain, packed)
+    np.save(folder / "gyro.npy", gyro.values)
+    names = ("gx [deg/s]", "gy [deg/s]", "gz [deg/s]", "ax [g]", "ay [g]", "az [g]")
+    still = gyro.values[: samples // 6]
+    np.savez(folder / "six.npz", **{name: still + (name == "az [g]") for name in names})
+    slow = np.cumsum(rng.standard_normal(samples)) / np.sqrt(samples)
+    np.savez(folder / "warm.npz", **{"gyro [deg/s]": gyro.values + slow / 100, "temperature [degC]": 20 + slow})
+    (folder / "folder").mkdir()
+    for name in ("gyro.npz", "other.npz"):
+        os.link(folder / name, folder / "folder" / name)
+
+
+def verbs(run: Run, folder: Path) -> Iterator[tuple[list[str], list[str]]]:
+    """The lines of verbs and statistics."""
+    recordings(folder, run.asked.samples)
+    for name, line in VERBS.items():
+        words = line.split() if isinstance(line, str) else line
+        words = [word.replace("{samples}", str(run.asked.samples)) for word in words]
+
+        def start(words: Sequence[str] = words) -> subprocess.Popen[bytes]:
+            shutil.rmtree(folder / "results", ignore_errors=True)  # a batch goes on where it has stopped
+            return started(words, folder)
+
+        yield moments(name, start, str, SIGNALS[:1], run.asked.runs)
 
 
 def main() -> None:
-    run = begin(__doc__, runs=200)
+    run = begin(__doc__, what=("targets", "verbs"), runs=3, samples=5_000_000)
     for number in SIGNALS:  # which a shell or nohup may have let programs ignore
-        signal.signal(number, signal.SIG_DFL)
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
     rows, wrong = [], []
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
-        (root / "in").mkdir()
-        recordings(root / "in")
-        with disks(root) as found:
-            for name in JOBS:
-                for disk, path in found.items():
-                    row, why = moments(name, disk, Place(root / "in", path), run.asked.runs)
-                    rows.append(row)
-                    wrong += why
-                    print(*row, *why, sep=" | ", flush=True)
+    with tempfile.TemporaryDirectory() as name:
+        for row, why in {"targets": targets, "verbs": verbs}[run.asked.what](run, Path(name)):
+            rows.append(row)
+            wrong += why
+            print(*row, *why, sep=" | ", file=sys.stderr, flush=True)
     notes = (
-        "run k of a job on a disk has the seed (crc32 of both names, k)",
-        "a failure is a file that is left, a target that is neither the old file nor a whole new one, the words of a "
-        f"defect, or more than {LIMIT:g} s from the signal to the end; the slowest is that of all runs",
+        "run k of a job has the seed (crc32 of its name, k); the slowest is that of all runs, to the end",
+        f"a failure is more than {LIMIT:g} s, a process or a file that is left, a target that is neither the old file "
+        "nor a whole new one, or the words of a defect",
         *(f"failed: {one}" for one in wrong),
     )
-    run.publish("Programs ended at random moments", notes, markdown(HEADINGS, rows))
+    titles = {"targets": "Programs ended at random moments", "verbs": "Ctrl-C in every verb and every statistic"}
+    headings = ("job", "takes s", "runs", "ended by the signal", "slowest s", "failures")
+    run.publish(titles[run.asked.what], notes, markdown(headings, rows))
     sys.exit(bool(wrong))
 
 

@@ -27,6 +27,22 @@ RESULTS = ROOT / "benchmarks" / "results"
 CODE = ("src", "benchmarks/*.py", "tests/reference")
 """What a figure depends on."""
 
+ROOMS = {
+    "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace", "check": "claims",
+    "comparison": "comparison", "compensation": "applications/compensation", "confidence_coverage": "statistics",
+    "consistency": "exporting", "data_sheets": "claims interpretation planning", "drift": "planning",
+    "end_to_end": "cli reporting study", "environments": "", "explanations": "identification",
+    "fuzz": "batch cli core readers study web", "gaps": "identification statistics", "hybrids": "statistics",
+    "identification": "identification", "limits": "identification statistics", "methods": "identification",
+    "mutants": "", "noise_identification": "statistics", "out_of_core": "stream statistics",
+    "rate": "applications/constant_rate", "real_sensors": "identification prepare", "selection": "identification",
+    "signals": "cli parallel statistics", "simulation": "simulation", "slow_noise": "identification",
+    "speed": "identification kernels statistics", "stranger": "cli kernels", "stream": "stream",
+    "terms": "identification terms", "theoh_paper": "identification statistics", "vertical": "applications/attitude",
+    "window_moments": "statistics/moments",
+}  # fmt: skip
+"""Folders and files of the package that the tables of a script describe, "" all of it: see tools/stale.py."""
+
 sys.path.insert(0, str(ROOT))  # the referees are among the tests
 
 Row = tuple[str, ...]
@@ -66,7 +82,8 @@ class Run:
             f"commit {self.commit}, {date.today()}, {processor()}, Python {platform.python_version()}, "
             f"numpy {np.__version__}, {time.perf_counter() - self.begin:.0f} s"
         )
-        listed = (f"- {note}" for note in (origin, f"command: `{self.command}`", *notes))
+        rooms = ROOMS[Path(sys.argv[0]).stem] or "all"
+        listed = (f"- {note}" for note in (f"{origin}, of {rooms}", f"command: `{self.command}`", *notes))
         text = "\n".join([f"# {title}", "", *listed, "", *body])
         print(text)
         if self.asked.write:

@@ -1,22 +1,6 @@
-"""Shares of so many records in committed tables, and what chance does to them."""
+"""Shares of so many records, and what chance does to them."""
 
 import math
-import re
-
-
-def records(page):
-    """Number of records of each cell of a committed table."""
-    return int(re.search(r"--records (\d+)", page.head)[1])
-
-
-def first(cell):
-    """The share of a cell that says more."""
-    return float(cell.split()[0])
-
-
-def chance(share, count):
-    """2.6 standard errors of a share, %: one of 100 of so many records lies beyond, on either side one of 200."""
-    return 260 * math.sqrt(share / 100 * (1 - share / 100) / count)
 
 
 def binomial_tail(k, n, p):

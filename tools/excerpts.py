@@ -1,10 +1,11 @@
-"""Renew the output that pages show: each block of the kind `console` is run, and shows what its commands print.
+"""Renew what pages show: each block of the kind `console` is run, and figures are those of their tables.
 
     python tools/excerpts.py [--check] [PAGE ...]
 
 Without pages: the README and all pages of the documentation. With --check, nothing is written, and the exit code is 1
 if a page shows something else than its commands print. Commands run one after the other in a folder of the page, which
 has the sample; a command that fails ends this one. `| head -14`, `| tail -5` and `| grep gz` shorten what is shown.
+Figures of tables are renewed as tools/figures.py does, on every page.
 """
 
 import argparse
@@ -20,6 +21,7 @@ from pathlib import Path
 
 from click.testing import CliRunner
 
+import figures
 from allanite.cli import main
 from allanite.cli.front import EXCEEDED
 
@@ -82,6 +84,7 @@ def renew() -> None:
     parser.add_argument("pages", nargs="*", type=Path)
     parser.add_argument("--check", action="store_true", help="end with exit code 1 if a page is not up to date")
     asked, stale = parser.parse_args(), 0
+    figures.main(["--check"] if asked.check else [])
     for page in asked.pages or pages():
         text = page.read_text("utf-8")
         new = renewed(text) if BLOCK.search(text) else text

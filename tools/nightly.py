@@ -32,11 +32,11 @@ PARTS = {
     "languages": f"{PYTEST} {LANGUAGES}",
     "site": f"{PYTEST} {SITE}",
     "browser": f"{PYTEST} tests/web",
-    "fuzz: files": "benchmarks/fuzz_readers.py --share 0.1",
-    "fuzz: results": "benchmarks/fuzz_results.py --count 50",
-    "fuzz: records": "benchmarks/fuzz_records.py --count 500",
-    "fuzz: inputs": "benchmarks/fuzz_inputs.py",
-    "fuzz: page": "benchmarks/fuzz_page.py --requests 1000 --files 100",
+    "fuzz: files": "benchmarks/fuzz.py files --share 0.1",
+    "fuzz: records": "benchmarks/fuzz.py records --share 0.2",
+    "fuzz: results": "benchmarks/fuzz.py results --share 0.1",
+    "fuzz: inputs": "benchmarks/fuzz.py inputs --share 0.2",
+    "fuzz: page": "benchmarks/fuzz.py page --share 0.2",
     "planted faults": "benchmarks/mutants.py --faults 20",
 }
 """What is run, from the root of the project: arguments of `python -m`, or a script with its own."""

@@ -5,7 +5,8 @@
 The bill of materials (CycloneDX, JSON) lists the wheel and all that it needs, with the versions of constraints.txt,
 as they are installed into an environment of its own. benchmarks/environments.py tries the wheel with other versions,
 tools/advisories.py looks the versions up in a folder of advisories. Every sentence of the reports has to be translated,
-and every fragment of the changelog joined (tools/changes.py).
+every fragment of the changelog joined (tools/changes.py), and every table of the benchmarks made of the code as it is
+(tools/stale.py).
 """
 
 import hashlib
@@ -32,13 +33,14 @@ def unfinished() -> list[str]:
     import allanite
     import catalogues
     import changes
+    import stale
 
     found = catalogues.templates()
     english = (catalogues.english(catalogues.renewed(lang, found)) for lang in catalogues.languages())
     lines = [f"{line}: run make catalogues, and translate them" for line in english if line]
     if changes.fragments() or f"\n## {allanite.__version__} (" not in changes.LOG.read_text("utf-8"):
         lines.append(f"CHANGELOG.md lacks changes of {allanite.__version__}: run python tools/changes.py")
-    return lines
+    return lines + stale.unfit()
 
 
 def built(folder: Path) -> tuple[Path, Path]:

@@ -12,7 +12,7 @@ def benchmark_pages(results: Path, folder: Path) -> None:
     """A page for each table, and their index."""
     folder.mkdir(parents=True, exist_ok=True)
     names = sorted(path.stem for path in results.glob("*.md"))
-    for source in (*results.glob("*.md"), *results.glob("*.svg")):
+    for source in results.glob("*.md"):
         shutil.copy(source, folder / source.name)
     (folder / "index.md").write_text("\n".join(_index(results, names)) + "\n", encoding="utf-8")
 
@@ -26,7 +26,7 @@ def _index(results: Path, names: Iterable[str]) -> list[str]:
     return [
         "# Benchmarks", "",
         "Every claim of accuracy, coverage or speed has a script that measures it and a table that it wrote. Each "
-        "table names the commit, the machine, the command and the seeds. The tests repeat a part of each.", "",
+        "table names the commit, the machine, the command and the seeds. Nightly tests make a part of each again.", "",
         *table(("table", "made by"), rows),
         "```{toctree}", ":hidden:", "", *names, "```",
     ]  # fmt: skip

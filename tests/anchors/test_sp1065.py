@@ -1,8 +1,8 @@
 """Published values: NIST Special Publication 1065 (W. J. Riley, 2008), tables 30 to 32, and its 1000-point set."""
 
 import numpy as np
-import pytest
-from tests.anchors.values import WHO, Data, disagreements, value
+from tests.anchors.values import WHO, Data, disagreements, lcg, value
+from tests.rows import rows
 
 import allanite as al
 
@@ -54,15 +54,6 @@ PDEV = {
 }
 
 
-def lcg():
-    """n_0 = 1234567890, n_{i+1} = 16807 n_i mod 2147483647; y = n / 2147483647."""
-    n, values = 1234567890, []
-    for _ in range(1000):
-        values.append(n / 2147483647)
-        n = 16807 * n % 2147483647
-    return np.array(values)
-
-
 DATA = {"nbs14": Data.of_rate(NBS14), "lcg": Data.of_rate(lcg())}
 
 
@@ -71,15 +62,15 @@ def test_the_generator_is_the_published_one():
     assert round(lcg().std(ddof=1), 7) == 0.2884664
 
 
-@pytest.mark.parametrize("who", WHO)
-@pytest.mark.parametrize(("data", "statistic", "m", "printed"), PUBLISHED)
-def test_every_printed_digit(who, data, statistic, m, printed):
+@rows("data, statistic, m, printed", PUBLISHED)
+def test_every_printed_digit(data, statistic, m, printed):
     bias, first = PUBLISHED_BIAS.get(statistic, (1, 1))
-    found = value(who, statistic, DATA[data], m) / np.where(np.array(m) < first, 1, bias) ** 0.5
-    assert not disagreements(found, printed.split())
+    for who in WHO:
+        found = value(who, statistic, DATA[data], m) / np.where(np.array(m) < first, 1, bias) ** 0.5
+        assert not disagreements(found, printed.split()), who
 
 
-@pytest.mark.parametrize("who", WHO)
+@rows("who", WHO)
 def test_parabolic_deviation_of_sigmatheta(who):
     np.testing.assert_allclose(value(who, "pdev", DATA["lcg"], PDEV), list(PDEV.values()), rtol=2e-12)
 
@@ -94,7 +85,7 @@ GOLDEN_EDF = [
 ]
 
 
-@pytest.mark.parametrize(("where", "expected"), GOLDEN_EDF)
+@rows("where, expected", GOLDEN_EDF)
 def test_degrees_of_freedom(where, expected):
     from allanite.statistics import STATISTICS, edf
 

@@ -6,6 +6,7 @@ angle, 40 Hz for an hour. Their data are not published: the coefficients here ar
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 
@@ -23,8 +24,8 @@ def fit(angle):
     return al.identify(angle)
 
 
-@pytest.mark.parametrize(
-    ("symbol", "unit", "error"),
+@rows(
+    "symbol, unit, error",
     [("N", "arcsec*sqrt(s)", 0.03), ("GM", "arcsec", 0.15), ("R", "arcsec/s", 0.02)],
 )
 def test_the_coefficients_come_back_in_units_of_the_angle(fit, symbol, unit, error):

@@ -1,74 +1,87 @@
-"""Every deviation of the Stable32 1.53 and 1.60 tables that are published with allantools, to the five printed digits.
+"""Every deviation that Stable32 1.53 and 1.60 printed for three records, to the five printed digits.
 
-The tables and the records they were made of (Stable32's PHASE.DAT; a caesium clock against a maser; simulated flicker
-of 42 s sampling) are not part of this project: the tests find them in ALLANITE_REFERENCE, or beside the project.
+Its sample record PHASE.DAT is made here by the published rule. The records of a caesium clock against a maser and of
+simulated flicker, 42 s apart, are not part of this project: they are asked for nightly, where ALLANITE_REFERENCE or a
+folder beside the project has them.
 """
 
 import re
-from functools import cache
 
 import numpy as np
 import pytest
-from tests.anchors.values import WHO, Data, affordable, disagreements, value
+from tests.anchors.values import WHO, Data, affordable, disagreements, lcg, printed, value
+from tests.reference.terms import phase
+from tests.rows import rows
+
+RATE = lcg() - lcg().mean()
+PHASE = Data(1.0, phase(RATE, 1.0))
+TABLES = {name: values for (name,), values in printed("stable32.txt")}
+SLOW_CLOCK = 42.0
+"""Seconds between samples, which a table for 1 s is scaled to."""
+
+
+def biases(name, values):
+    """The one table with a bias removed: its variances are raw / 0.995 where white noise was identified and m > 1."""
+    return [0.995 if name == "htotdev_bias" and m > 1 and more == ["0"] else 1.0 for m, _, *more in values]
+
+
+@rows("name", TABLES)
+def test_every_printed_digit(name):
+    statistic, values = name.partition("_")[0], TABLES[name]
+    for who in WHO:
+        asked = [row for row in values if affordable(who, statistic, PHASE, row[0])]
+        assert len(asked) >= 5
+        found = value(who, statistic, PHASE, [row[0] for row in asked]) / np.sqrt(biases(name, asked))
+        assert not disagreements(found, [row[1] for row in asked]), who
+
+
+@rows("name", ["adev_octave", "mdev_octave", "tdev_octave", "ohdev_octave", "totdev", "theo1", "tierms", "mtie"])
+def test_the_interval_between_samples_scales_what_it_must(name):
+    """Of the same phase twice as far apart in time, deviations of the rate are smaller, those of the phase the same."""
+    statistic, (factors, expected) = name.partition("_")[0], list(zip(*TABLES[name], strict=True))[:2]
+    scale = 1.0 if statistic in ("tdev", "tierms", "mtie") else SLOW_CLOCK
+    found = value("allanite", statistic, Data(SLOW_CLOCK, PHASE.x), factors) * scale
+    assert not disagreements(found, expected)
+
+
+def test_every_published_value_is_read():
+    assert sum(len(values) for values in TABLES.values()) == 1063
+    assert set(WHO) == {"referee", "allanite"}
+
 
 ALLAN = ["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
-TOTAL = ["totdev", "mtotdev", "ttotdev", "htotdev"]
-
-TABLES = [
-    # record, file, statistic
-    *(("PHASE.DAT", f"phasedat/phase_dat_{name}.txt", name) for name in [*ALLAN, "tierms", "mtie"]),
-    *(("PHASE.DAT", f"phasedat/phase_dat_{name}_octave.txt", name) for name in ALLAN + TOTAL),
-    ("PHASE.DAT", "phasedat/phase_dat_mtotdev_octave_alpha0.txt", "mtotdev"),
-    ("PHASE.DAT", "phasedat/phase_dat_htotdev_octave_nobias.txt", "htotdev"),
-    ("PHASE.DAT", "phasedat/phase_dat_theo1_alpha0_decade.txt", "theo1"),
-    *(("5071A", f"Cs5071A/{name}_decade.txt", name) for name in [*ALLAN, "totdev", "tierms", "mtie"]),
-    ("5071A", "Cs5071A/mtie_fast.txt", "mtie"),
-    *(("pink", f"pink_frequency/{name}.txt", name) for name in ALLAN),
-    ("pink", "pink_frequency/totdev_alpha0.txt", "totdev"),
-    ("pink", "pink_frequency/s32_oadev_octave.txt", "oadev"),
+ELSEWHERE = [
+    # folder, record, seconds between samples, file, statistic
+    *(("Cs5071A", f"{name}_decade.txt", name) for name in [*ALLAN, "totdev", "tierms", "mtie"]),
+    ("Cs5071A", "mtie_fast.txt", "mtie"),
+    *(("pink_frequency", f"{name}.txt", name) for name in ALLAN),
+    ("pink_frequency", "totdev_alpha0.txt", "totdev"),
+    ("pink_frequency", "s32_oadev_octave.txt", "oadev"),
 ]
 
-BIAS_REMOVED = "phasedat/phase_dat_htotdev_octave.txt"
-"""The one table with a bias removed: its variances are raw / 0.995 where white noise was identified and m > 1."""
 
-
-@cache
-def record_of(folder, name):
-    if name == "PHASE.DAT":
-        return Data(1.0, np.loadtxt(folder / "phasedat/PHASE.DAT"))
-    if name == "5071A":
-        return Data(1.0, np.loadtxt(folder / "Cs5071A/5071A_phase.txt.gz"))
-    return Data.of_rate(np.loadtxt(folder / "pink_frequency/pink_frequency.txt.gz"), 42.0)
+@pytest.fixture(scope="module")
+def records(reference):
+    """The records that are not part of the project."""
+    clock = np.loadtxt(reference / "Cs5071A" / "5071A_phase.txt.gz")
+    pink = np.loadtxt(reference / "pink_frequency" / "pink_frequency.txt.gz")
+    return {"Cs5071A": Data(1.0, clock), "pink_frequency": Data.of_rate(pink, SLOW_CLOCK)}
 
 
 def rows_of(path):
-    """(m, noise identified or None, printed value) of every row, those commented out too."""
-    rows = []
-    for line in path.read_text(encoding="latin-1").splitlines():
-        cells = line.lstrip("# ").split()
-        if not all(re.fullmatch(r"[-+.\de]+", cell) for cell in cells):
-            continue
-        if len(cells) == 7:  # m, tau, terms, noise, low, deviation, high
-            rows.append((int(cells[0]), int(cells[3]), cells[5]))
-        elif len(cells) == 4:  # m, tau, terms, value
-            rows.append((int(cells[0]), None, cells[3]))
-    return rows
+    """(m, printed value) of every row of a table of Stable32, those commented out too."""
+    lines = (line.lstrip("# ").split() for line in path.read_text(encoding="latin-1").splitlines())
+    cells = [line for line in lines if all(re.fullmatch(r"[-+.\de]+", cell) for cell in line)]
+    return [(int(line[0]), line[{7: 5, 4: 3}[len(line)]]) for line in cells if len(line) in (4, 7)]
 
 
-@pytest.mark.parametrize("who", WHO)
-@pytest.mark.parametrize(("record", "file", "statistic"), TABLES, ids=str)
-def test_every_printed_digit(reference, who, record, file, statistic):
-    data = record_of(reference, record)
-    rows = [row for row in rows_of(reference / file) if affordable(who, statistic, data, row[0])]
-    assert len(rows) >= 5
-    found = value(who, statistic, data, [m for m, _, _ in rows])
-    bias = [0.995 if file == BIAS_REMOVED and m > 1 and noise == 0 else 1 for m, noise, _ in rows]
-    assert not disagreements(found / np.sqrt(bias), [printed for _, _, printed in rows])
-
-
-def test_every_table_is_asked_for(reference):
-    """No table without a test, no row that was not read: what the files hold is counted once."""
-    folders = ("phasedat", "Cs5071A", "pink_frequency")
-    files = {str(path.relative_to(reference)) for name in folders for path in (reference / name).glob("*.txt")}
-    assert files == {file for _, file, _ in TABLES}
-    assert sum(len(rows_of(reference / file)) for file in files) == 2673
+@pytest.mark.nightly("records that are not part of the project, half a million samples")
+@rows("folder, file, statistic", ELSEWHERE)
+def test_every_printed_digit_of_records_elsewhere(reference, records, folder, file, statistic):
+    for who in WHO:
+        asked = [
+            row for row in rows_of(reference / folder / file) if affordable(who, statistic, records[folder], row[0])
+        ]
+        assert len(asked) >= 5
+        found = value(who, statistic, records[folder], [m for m, _ in asked])
+        assert not disagreements(found, [number for _, number in asked]), who

@@ -1,15 +1,16 @@
-"""Who is asked for a published number: the referee, and the package once it has the statistic."""
+"""The records of published numbers, by the rules that make them, and who is asked: the referee and the package."""
 
+import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
-import pytest
 from tests.reference import REFEREES
 from tests.reference.terms import phase
 
 import allanite as al
-from allanite.statistics import STATISTICS
 
+FOLDER = Path(__file__).parent / "data"
 WHO = ["referee", "allanite"]
 
 COSTLY = ("mdev", "tdev", "mtie")
@@ -32,12 +33,35 @@ class Data:
         return cls(tau0, phase(y, tau0), y)
 
 
+def lcg(count=1000):
+    """Numbers of NIST SP 1065: n_0 = 1234567890, n_{i+1} = 16807 n_i mod 2147483647; n / 2147483647."""
+    n, values = 1234567890, []
+    for _ in range(count):
+        values.append(n / 2147483647)
+        n = 16807 * n % 2147483647
+    return np.array(values)
+
+
+def flicker(white):
+    """White noise through N. J. Kasdin's filter of flicker noise (Proc. IEEE 83, 1995, p. 802), summed exactly."""
+    h = np.cumprod([1.0, *((k - 0.5) / k for k in range(1, len(white)))])
+    return np.array([math.fsum(h[: k + 1] * white[k::-1]) for k in range(len(white))])
+
+
+def printed(file):
+    """Tables of a file of published values: words before the values of a line, and (averaging factor, value, more)."""
+    for line in (FOLDER / file).read_text("utf-8").splitlines():
+        words = line.split()
+        if line.startswith("#"):
+            continue
+        cells = [word.split(":") for word in words if ":" in word]
+        yield tuple(word for word in words if ":" not in word), [(int(m), *rest) for m, *rest in cells]
+
+
 def value(who, name, data, m):
     """Deviations at the averaging factors m, plain definition."""
     if who == "referee":
         return np.array([float(REFEREES[name](data.x, int(k), data.tau0)) for k in m]) ** 0.5
-    if name not in STATISTICS:
-        pytest.skip(f"no {name} in STATISTICS")
     if data.y is None:
         record = al.Record(data.x.astype(float), rate=1 / data.tau0, unit="s", kind="angle")
     else:

@@ -1,244 +1,256 @@
-"""Committed tables hold what is claimed of them, and a part of each is made again."""
+"""A part of each committed table is made again: as chance allows where records are fewer, else digit by digit."""
 
+import table
 from table import RESULTS, read
 
+import importlib
+import math
 import re
+import shlex
+import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
-from tests import thinned
+from tests import ROOT
+from tests.rows import rows
 from tests.shares import binomial_tail
 
 import allanite as al
+import check
+import comparison
 import compensation
 import confidence_coverage
-import growth
+import limits
+import methods
 import noise_identification
+import rate
+import real_sensors
 import simulation
+import speed
 from identification import Job, identified, summary, symbols
 from selection import PURE, claimed, fitted
 
-SHORT = {
-    ("known", "FOG", "262144", "B", "rmse"): "1.17 of the bound, standard error 0.04: K, whose bound is 39 %, is left "
-    "out of half the models, and what it leaves goes to B",
-}
-"""Figures of identification.md that fall short, and why."""
+again = pytest.mark.nightly("a part of a committed table made again")
 
 
-def demanded(row):
-    """Least and most of figures of a row, by their headings."""
-    if row["term"].endswith("(absent)"):
-        return {"claimed %": (0, 7)}
-    bound = float(row["bound %"])
-    return (
-        ({"profile %": (91.5, 98)} if bound <= 40 else {})
-        | ({"width": (0, 1.25)} if bound < 12 else {})
-        | ({"rmse": (0, 1.15), "bias": (-0.3, 0.3)} if bound < 12 and row["terms"] == "known" else {})
-        | ({"identified %": (98, 100)} if bound <= 10 else {})
-    )
+def rows_of(name, section="", **where):
+    """Rows of a committed table whose cells are as given."""
+    every = (row for part in read(name).tables(section) for row in part)
+    return [row for row in every if all(row.get(heading) == cell for heading, cell in where.items())]
 
 
-def test_identification_meets_its_demands():
-    assert {
-        (*list(row.values())[:4], heading)
-        for row in read("identification.md").rows()
-        for heading, (least, most) in demanded(row).items()
-        if not least <= float(row[heading]) <= most
-    } == set(SHORT)
+def within(share, count, table_share, least, error=1e-4):
+    """Whether a share of so many records, %, is one of a table's share, which is at least so far from 0 and 1."""
+    p = min(max(float(table_share) / 100, least), 1 - least)
+    return binomial_tail(round(float(share) * count / 100), count, p) > error
 
 
-def test_every_sensor_length_and_term_is_there():
-    found = {(r["sensor"], r["n"], r["term"][0]) for r in read("identification.md").rows() if r["terms"] == "auto"}
-    sizes = ("65536", "262144")
-    assert found == {(s, n, t) for s in ("MEMS", "FOG", "RLG") for n in sizes for t in "QNBKR"}
+def test_the_command_of_every_table_is_taken_by_its_script(monkeypatch):
+    monkeypatch.setattr(table, "commit", sys.exit)  # asked for when the command line has been read
+    for page in map(read, (path.name for path in RESULTS.glob("*.md"))):
+        now = re.findall(r"`(python [^`]+)`", re.search(r"^- command: .*", page.head, re.MULTILINE)[0])[-1]
+        _, script, *options = shlex.split(now)
+        monkeypatch.setattr(sys, "argv", [script, *options])
+        assert (ROOT / script).is_file(), now
+        with pytest.raises(SystemExit) as end:
+            importlib.import_module(Path(script).stem).main()
+        assert end.value.code is None, now
 
 
-@pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("terms", ["auto", "known"])
-@pytest.mark.parametrize("sensor", thinned(["MEMS", "FOG", "RLG"], 1, "a part of a committed table made again"))
-def test_a_part_made_again_agrees(sensor, terms):
-    """The first 25 records of each sensor; each count within the table's share at an error probability of 1e-5."""
-    records = 25
-    jobs = [Job(terms, sensor, 65536, seed) for seed in range(1, records + 1)]
+@again
+@rows("sensor, terms", [(sensor, terms) for sensor in ("MEMS", "FOG", "RLG") for terms in ("auto", "known")])
+def test_identification(sensor, terms):
+    count = 25
+    jobs = [Job(terms, sensor, 65536, seed) for seed in range(1, count + 1)]
     found = [identified(job) for job in jobs]
-    where = (terms, sensor, "65536")
-    table = [row for row in read("identification.md").rows() if (row["terms"], row["sensor"], row["n"]) == where]
-    assert [row["term"][0] for row in table] == list(symbols(terms, sensor))
-    for which, row in enumerate(table):
+    expected = rows_of("identification.md", terms=terms, sensor=sensor, n="65536")
+    assert [row["term"][0] for row in expected] == list(symbols(terms, sensor))
+    for which, row in enumerate(expected):
         made = summary(jobs[0], row["term"][0], [record[which] for record in found])
         for column, heading in ((5, "claimed %"), (7, "cover %"), (8, "profile %")):
-            share = min(max(float(row[heading]) / 100, 0.002), 0.998)
-            assert binomial_tail(round(float(made[column]) * records / 100), records, share) > 1e-5
+            assert within(made[column], count, row[heading], 0.002, 1e-5)
         assert made[4] == row["bound %"] or float(made[4]) == pytest.approx(float(row["bound %"]), rel=0.03)
 
 
-UNMET = {("goodness of fit p < 5 %", "FOG"): "9.5 ± 2.1 %; of 400 records in robustness.md 9.5 ± 1.5 %"}
-"""Rows of selection.md that fall short."""
-
-
-def met(row):
-    value = float(row["value"].split()[0])
-    bounds = [float(x) for x in re.findall(r"[\d.]*\d", row["demand"])]
-    if row["demand"].startswith("<="):
-        return value <= bounds[0]
-    if row["demand"].startswith(">="):
-        return value >= bounds[0]
-    return bounds[0] <= value <= bounds[1]
-
-
-def test_selection_meets_its_demands():
-    rows = [row for row in read("selection.md").rows() if row["demand"]]
-    assert {(row["what"], row["model"]) for row in rows if not met(row)} == set(UNMET)
-
-
-@pytest.mark.slow("takes more than half a second")
-def test_a_part_of_the_selection_made_again_agrees():
-    """False claims in the first 20 records of white noise: more than 5 of 3.5 % each have a probability of 1e-4."""
+@again
+def test_selection():
+    """False claims in 20 records of white noise: more than 5 of 3.5 % each have a probability of 1e-4."""
     found = [fitted((PURE[0], seed)) for seed in range(1, 21)]
     assert all("N" in claimed(terms) for terms, _, _ in found)
     assert sum(bool(claimed(terms) - {"N", "R"}) for terms, _, _ in found) <= 5
     assert sum(p < 0.05 for _, p, _ in found) <= 6
 
 
-GROWN = {"oadev, every tau of 3.6e6 [s]", "theo1, 100 m of 720000 [s]", "oadev, 100 tau of 3.6e6 with integration"}
-"""Beginnings of the rows that are missed: made under a load of 7 to 9 on 2 cores, and by what the page says."""
-
-
-def test_growth_meets_its_demands():
-    rows = [list(row.values()) for row in read("growth.md").rows()]
-    missed = {row[0].split(":")[0] for row in rows if row[5] != "met"}
-    assert missed == GROWN
-    assert (RESULTS / "growth.svg").stat().st_size > 10_000
-
-
-@pytest.mark.slow("a part of a committed table made again")
-def test_a_part_of_the_growth_made_again_agrees():
+@again
+def test_growth():
     """The errors of every tau and of Theo1 for a shorter record, and the memory of one."""
-    for _, allan, theo in growth.errors(5000):
-        assert allan < 1e-9
-        assert theo < 1e-9
-    assert growth.memory("oadev", "all", 400_000) < 20
+    for _, allan, theo in speed.errors(5000):
+        assert max(allan, theo) < 1e-9
+    assert speed.memory("oadev", "all", 400_000) < 20
 
 
-# what the autocorrelation is known to reach, in percent at so many points, less three standard errors of 200 records
-KNOWN = {
-    ("oadev", "WFM"): {4097: 98, 513: 98, 129: 95, 65: 87, 33: 68},
-    ("oadev", "FFM"): {4097: 98, 513: 98, 129: 95, 65: 80, 33: 46},
-    ("oadev", "RWFM"): {4097: 98, 513: 98, 129: 98, 65: 93, 33: 82},
-    ("ohdev", "RWFM"): {257: 98, 129: 92, 65: 87},
-    ("ohdev", "FWFM"): {257: 98, 129: 94, 65: 88},
-    ("ohdev", "RRFM"): {257: 98, 129: 98, 65: 95},
-}
-
-
-IDENTIFIED = read("noise_identification.md").rows()
-
-
-def test_noise_is_identified_as_often_as_it_can_be():
-    rows = [row for row in IDENTIFIED if (row["row"], row["noise"]) in KNOWN]
-    assert {(row["row"], row["noise"]) for row in rows} == set(KNOWN)
-    least = [KNOWN[row["row"], row["noise"]].get(int(row["points"]), 50) for row in rows]
-    assert [row for row, share in zip(rows, least, strict=True) if float(row["found %"]) < share] == []
-
-
-def test_plain_rounding_takes_flicker_for_random_walk():
-    rows = [row for row in IDENTIFIED if (row["row"], row["noise"]) == ("oadev", "FFM")]
-    for row in rows:
-        assert float(row["plain rounding %"]) < float(row["found %"]) - 10
-
-
-@pytest.mark.parametrize("which", range(0, len(IDENTIFIED), 5))
-def test_a_part_of_noise_identification_made_again_agrees(which):
+@again
+@rows("which", range(0, len(noise_identification.CELLS), 5))
+def test_noise_identification(which):
     """The same 200 seeds: two records may fall on the other side of a threshold by rounding."""
-    script = noise_identification
-    row = IDENTIFIED[which]
+    script, row = noise_identification, rows_of("noise_identification.md")[which]
     made = dict(zip(script.HEADINGS, script.made(script.CELLS[which], 200), strict=True))
-    for heading in script.HEADINGS[:5]:
-        assert made[heading] == row[heading]
+    assert [made[heading] for heading in script.HEADINGS[:5]] == [row[heading] for heading in script.HEADINGS[:5]]
     for heading in script.HEADINGS[5:]:
         assert float(made[heading]) == pytest.approx(float(row[heading]), abs=1.0)
 
 
-def test_confidence_limits_cover_in_every_cell_of_the_table():
-    rows, script = read("coverage.md").rows(), confidence_coverage
-    assert {(row["noise"], row["statistic"]) for row in rows} <= set(script.CELLS)
-    assert len({row["statistic"] for row in rows}) == len(script.FACTORS)
-    missed = [row for row in rows if not script.within(tuple(row.values()))]
-    # the upper limit of the folded statistic is wide under white noise of the angle, and not only that
-    assert {row["statistic"] for row in missed} == {"totdev"}
-    assert all("Q" in row["noise"] and 0 < float(row["above"]) < 1 for row in missed)
-    assert len(missed) <= 5
-
-
-@pytest.mark.parametrize(("noise", "name"), [("NK", "oadev"), ("QK", "theo1"), ("NBKR", "totdev"), ("K", "mtotdev")])
-def test_a_part_of_the_coverage_made_again_agrees(noise, name):
+@again
+@rows("noise, name", [("NK", "oadev"), ("QK", "theo1"), ("NBKR", "totdev"), ("K", "mtotdev")])
+def test_coverage(noise, name):
     """The first 200 of the same seeds: within 5 standard errors of 200 records (one failure in a million)."""
     script = confidence_coverage
-    again = script.made((noise, name), script.records_of(noise, 200))
-    rows = [row for row in read("coverage.md").rows() if (row["noise"], row["statistic"]) == (noise, name)]
-    for line, row in zip(again, rows, strict=True):
+    lines = script.made((noise, name), script.records_of(noise, 200))
+    for line, row in zip(lines, rows_of("coverage.md", noise=noise, statistic=name), strict=True):
         made = dict(zip(script.HEADINGS, line, strict=True))
         assert made["edf"] == row["edf"]
         assert float(made["68 %"]) == pytest.approx(float(row["68 %"]), abs=17)
         assert float(made["95 %"]) == pytest.approx(float(row["95 %"]), abs=8)
 
 
-def test_simulated_records_have_the_expected_curve_and_spectrum():
-    """Within 3 standard errors of 200 records at every octave, of every term and mixture."""
-    rows, script = read("simulation.md").rows(), simulation
-    again = "python benchmarks/simulation.py --write benchmarks/results/simulation.md"
-    assert {row["noise"] for row in rows} == set(script.MODELS), f"make the table again: {again}"
-    simulated = {t.symbol for text in script.MODELS.values() for t in al.Model(text)}
+def test_every_term_is_in_a_model_of_the_simulation():
+    simulated = {term.symbol for text in simulation.MODELS.values() for term in al.Model(text)}
     assert set(al.TERMS) == simulated, "add a model with each term to MODELS in benchmarks/simulation.py"
-    assert all(float(row["largest"]) < 3 for row in rows)
+    again = "python benchmarks/simulation.py --write benchmarks/results/simulation.md"
+    assert {row["noise"] for row in rows_of("simulation.md")} == set(simulation.MODELS), f"make it again: {again}"
 
 
-@pytest.mark.parametrize("name", ["Q", "K", "all"])
-def test_a_part_of_the_simulation_made_again_agrees(name):
+@again
+@rows("name", ["Q", "K", "all"])
+def test_simulation(name):
     """The same 200 seeds: the same numbers but for rounding."""
     script = simulation
-    again = script.made(name, 200)
-    for line, row in zip(again, [row for row in read("simulation.md").rows() if row["noise"] == name], strict=True):
+    for line, row in zip(script.made(name, 200), rows_of("simulation.md", noise=name), strict=True):
         made = dict(zip(script.HEADINGS, line, strict=True))
         assert made["of"] == row["of"]
         for heading in script.HEADINGS[2:]:
             assert float(made[heading]) == pytest.approx(float(row[heading]), abs=0.02)
 
 
-def compensated(row):
-    """Whether false effects, limits and promises are as demanded."""
-    demanded, (false, within) = row["noise"] == "table 2", map(float, (row["false %"], row["within 95 % limits"]))
-    most = 99 if demanded else 100
-    if not (2.5 * demanded <= false <= 8 and 92 <= within <= most):
-        return False
-    if not row["gain met %"]:
-        return True
-    surplus, error = map(float, row["surplus"].split(" +- "))
-    bold = surplus <= -0.1 - 3 * error or (demanded and surplus >= 0.15 + 3 * error)
-    return 92 <= float(row["gain met %"]) <= most and not bold
-
-
-def test_compensation_meets_its_demands():
-    """Of 400 records: false effects, limits and promises under the noise of table 2; never too bold under any."""
-    assert [row for row in read("compensation.md").rows() if not compensated(row)] == []
-
-
-def test_ordinary_least_squares_sees_what_is_not_there():
-    slow = [r for r in read("compensation.md").rows() if r["noise"] != "white" and r["regressor"] == "temp"]
-    assert len(slow) == 9
-    assert all(float(row["ordinary %"]) > 20 for row in slow)
-    assert all(3 <= float(row["noise known %"]) <= 8 for row in slow)
-
-
-@pytest.mark.parametrize("which", [0, 1])
-@pytest.mark.slow("a part of a committed table made again")
-def test_a_part_of_the_compensation_made_again_agrees(which):
-    """The first 10 of the same seeds; each count within the table's share at an error probability of 1e-4."""
-    script, records = compensation, 10
+@again
+@rows("which", [0, 1])
+def test_compensation(which):
+    script, count = compensation, 10
     cell = script.CELLS[which]
-    lines = script.made(cell, [script.run_one((cell, seed)) for seed in range(1, records + 1)])
-    table = [r for r in read("compensation.md").rows() if (r["noise"], r["temperature"]) == (cell.noise, cell.drift)]
-    for line, row in zip(lines, table, strict=True):
+    lines = script.made(cell, [script.run_one((cell, seed)) for seed in range(1, count + 1)])
+    expected = rows_of("compensation.md", noise=cell.noise, temperature=cell.drift)
+    for line, row in zip(lines, expected, strict=True):
         made = dict(zip(script.HEADINGS, line, strict=True))
         for heading in ("false %", "ordinary %", "within 95 % limits"):
-            share = min(max(float(row[heading]) / 100, 0.005), 0.995)
-            assert binomial_tail(round(float(made[heading]) * records / 100), records, share) > 1e-4
+            assert within(made[heading], count, row[heading], 0.005)
+
+
+@again
+def test_check():
+    expected = rows_of("check.md", "Defects")
+    for number, defect in list(enumerate(check.DEFECTS))[::6]:
+        row, found, named = check.defect_row(number, defect, 1)
+        assert row[:2] == list(expected[number].values())[:2]
+        assert (found, named) == (True, True)
+    assert check.checked(check.RIGHT["pegasus"], np.random.default_rng((2, 2, 0)), "ga").agrees
+
+
+def near(share, expected, count, more):
+    """Whether a share lies within 5 standard errors of so many records."""
+    return abs(share - expected) < 5 * math.sqrt(expected * (1 - expected) / count) + more
+
+
+@again
+@rows("model", ["N", "NK"])
+def test_comparison(model):
+    for _, test, share in comparison.verdict_rows(model, 30):
+        (row,) = (row for row in read("comparison.md").tables()[0] if (row["model"], row["test"]) == (model, test))
+        assert near(float(share) / 100, float(row["called different %"]) / 100, 30, 0.03)
+
+
+@again
+def test_comparison_of_ratios():
+    made = {row[1]: row for row in comparison.ratio_rows("NK", 15)}
+    for row in rows_of("comparison_ratio.md", model="NK"):
+        assert made[row["tau, s"]][2] == row["edf"]
+        for cell, expected in zip(made[row["tau, s"]][4:], list(row.values())[4:], strict=True):
+            measured, predicted = map(float, cell.split(" / "))
+            assert predicted == pytest.approx(float(expected.split(" / ")[1]), abs=0.1)
+            assert near(measured / 100, min(max(predicted / 100, 0.01), 0.99), 15, 0.05)
+
+
+@again
+def test_limits():
+    """Values and places of the truth of a few records, the numbers of a whole table being shares of many."""
+    found = [limits.coefficients_of(("edge K", i)) for i in range(3)]
+    assert all(record["N"][3] for record in found)
+    assert all(0.9 < record["N"][0] < 1.1 for record in found)
+    assert sum(record["K"][4] for record in found) >= 2
+    curves = [limits.curves_of(("N+weak K", 256, i)) for i in range(3)]
+    assert sum(record["averaged", "oadev", 102].place[0] == 0 for record in curves) >= 2
+    widths = [
+        record["averaged", "totdev", 204].width[0] / record["selected", "totdev", 204].width[0] for record in curves
+    ]
+    assert np.median(widths) > 1.2
+
+
+def test_the_efficiency_of_a_method_is_that_of_the_table():
+    good = [row for row in rows_of("methods.md") if float(row["bound %"]) <= 12]
+    for name, method in al.METHODS.items():
+        stated = re.fullmatch(r"([\d.]+) to ([\d.]+) times the Cramer-Rao bound", method.efficiency)
+        errors = [float(row["rmse"]) for row in good if row["method"] == name]
+        assert [float(number) for number in stated.groups()] == pytest.approx([min(errors), max(errors)], rel=0.01), (
+            name
+        )
+
+
+@again
+@rows("sensor", ["MEMS", "FOG", "RLG"])
+def test_methods(sensor):
+    """The first 10 records of well determined terms.
+
+    The mean square of 10 lies within 0.1 and 4.5 times that of all (chi-square, 5e-5 on each side if errors are
+    normal), and the mean within 5 standard errors.
+    """
+    count = 10
+    found = [methods.identified(methods.Job("known", sensor, 2**16, seed)) for seed in range(1, count + 1)]
+    made = [dict(zip(methods.HEADINGS, row, strict=True)) for row in methods.rows_of(sensor, 2**16, found)]
+    for new, row in zip(made, rows_of("methods.md", sensor=sensor, n="65536"), strict=True):
+        assert list(new.values())[:5] == list(row.values())[:5]
+        assert (new["cover %"] == "-") == (row["cover %"] == "-")
+        if (
+            float(row["bound %"]) > 12 or row["method"] == "slopes"
+        ):  # which point a slope is read from is no normal error
+            continue
+        rmse, bias = float(row["rmse"]), float(row["bias"])
+        assert 0.1 <= (float(new["rmse"]) / rmse) ** 2 <= 4.5
+        scatter = np.sqrt(max(rmse**2 - bias**2, 0.0) + 0.02)
+        assert abs(float(new["bias"]) - bias) <= 5 * scatter / np.sqrt(count)
+
+
+@again
+def test_rate():
+    """The exact rows, the models that fit, when to average, and the run with seed 1: to the last printed digit."""
+    headings, lines = rate.efficiency()
+    assert [dict(zip(headings, line, strict=True)) for line in lines] == rows_of("rate.md", "When to average")
+    for row, deviation in zip(
+        rows_of("rate.md", "The paper's experiment"), rate.deviations(rate.gl1_run(1)), strict=True
+    ):
+        assert row["exact covariance"] == f"{rate.exact(row['method']):.5f}"
+        assert float(row["seed 1"]) == pytest.approx(deviation, abs=2e-5)
+
+
+def test_the_example_of_the_page_on_rates_runs():
+    page = (ROOT / "docs" / "rate_paper.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"^```python\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    said = []
+    exec(code, {"print": said.append})  # noqa: S102 - our own page
+    assert said == [line.strip().split("# ")[1] for line in code.splitlines() if "# " in line]
+
+
+@again
+def test_real_sensors():
+    answers = [real_sensors.simulated(("MEMS", "2nd-order filter, fs/6", 2**15, i)) for i in range(4)]
+    assert all(answer.filtered for answer in answers)
+    assert sum(answer.terms["N"][1] for answer in answers) >= 3

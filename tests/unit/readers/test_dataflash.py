@@ -10,7 +10,8 @@ from tests.rows import rows
 import allanite as al
 from allanite.cli import main
 from allanite.core.errors import DataError, UsageError
-from fuzz_readers import generator, mutated, outcome
+from damaged import generator, mutated, read
+from fuzz import judged
 
 RNG = np.random.default_rng(7)
 KINDS = {
@@ -209,8 +210,8 @@ def test_mutations_of_a_log_as_text_are_read_or_refused(tmp_path):
     data, found = as_text(*UNITS, *imu, *rate).encode(), set()
     for k in range(200):
         path.write_bytes(mutated(generator(path.name, k), data))
-        found.add(outcome(path, {"channels": "IMU/0"}))
-    assert found == {"read", "refused"}
+        found.add(judged(read, path, {"channels": "IMU/0"}))
+    assert found == {"taken", "refused"}
 
 
 def test_damaged_logs(flight, tmp_path):

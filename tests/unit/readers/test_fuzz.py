@@ -1,54 +1,50 @@
 """Dozens of damaged files of each format: read or refused in words, never anything else.
 
-The first mutations of the same seed files of which `benchmarks/fuzz_readers.py` reads thousands.
+The first mutations of the same seed files of which `benchmarks/fuzz.py` reads thousands.
 """
 
-import importlib.util
 from pathlib import Path
 
 import pytest
-from tests import ALL, ROOT, thinned
+from tests import ALL, thinned
 from tests.rows import rows
 
 from allanite.readers.formats.registry import reader_for, reader_of_type
 from allanite.readers.options import channel_names
 from allanite.testing import check_reader
-
-SCRIPT = ROOT / "benchmarks" / "fuzz_readers.py"
-spec = importlib.util.spec_from_file_location("fuzz_readers", SCRIPT)
-fuzz = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(fuzz)
+from damaged import IMPORTED, SEEDS, generator, mutated, options_of, read
+from fuzz import judged
 
 
 @pytest.mark.slow("takes more than half a second")
 @pytest.mark.ensemble
-@rows("name", thinned(fuzz.SEEDS, 13))
+@rows("name", thinned(SEEDS, 13))
 def test_damaged_files_are_read_or_refused(tmp_path, name):
-    if (suffix := Path(name).suffix) in fuzz.IMPORTED:
-        pytest.importorskip(fuzz.IMPORTED[suffix])
-    seed = fuzz.SEEDS[name]
+    if (suffix := Path(name).suffix) in IMPORTED:
+        pytest.importorskip(IMPORTED[suffix])
+    seed = SEEDS[name]
     data, path = seed.make(), tmp_path / name
     path.write_bytes(data)
-    assert fuzz.outcome(path, seed.options) == "read"
-    found, contained = set(), name.endswith(fuzz.CONTAINED)  # in a process of its own
+    read(path, seed.options)
+    found, contained = set(), name.endswith(tuple(IMPORTED))  # in a process of its own
     count = (2 if ALL else 1) if contained else 48 if ALL else 24
     for k in range(count):
-        rng = fuzz.generator(name, k)
-        path.write_bytes(fuzz.mutated(rng, data))
-        found.add(said := fuzz.outcome(path, fuzz.options_of(rng, seed.options)))
-        assert said in ("read", "refused"), (name, k)
+        rng = generator(name, k)
+        path.write_bytes(mutated(rng, data))
+        found.add(outcome := judged(read, path, options_of(rng, seed.options)))
+        assert outcome in ("taken", "refused"), (name, k)
     assert "refused" in found or (contained and not ALL)
 
 
-BARE = [name for name in fuzz.SEEDS if not name.endswith((".zip", ".gz", ".bz2", ".xz"))]
+BARE = [name for name in SEEDS if not name.endswith((".zip", ".gz", ".bz2", ".xz"))]
 
 
 @pytest.mark.ensemble
 @rows("name", thinned(BARE, 4))
 def test_files_cut_off_are_read_or_refused(tmp_path, name):
-    if (suffix := Path(name).suffix) in fuzz.IMPORTED:
-        pytest.importorskip(fuzz.IMPORTED[suffix])
-    seed, path = fuzz.SEEDS[name], tmp_path / name
+    if (suffix := Path(name).suffix) in IMPORTED:
+        pytest.importorskip(IMPORTED[suffix])
+    seed, path = SEEDS[name], tmp_path / name
     path.write_bytes(data := seed.make())
     choices = {key: channel_names(value) if key == "channels" else value for key, value in seed.options.items()}
     dtype = choices.get("dtype")

@@ -1,24 +1,16 @@
-"""Hostile requests and damaged files of the page: each is answered, or refused in words, and the rest is served.
+"""Hostile requests to the page in the browser and damaged files of its folder: the target `page` of benchmarks/fuzz.py.
 
-    python benchmarks/fuzz_page.py [--requests 5000] [--files 400] [--first 0] [--write PATH]
-
-Request k has the seed "page k", damage k of a file that of `damaged.generator`, k from --first. Requests go to every
-route of the application, with the workspaces, files and jobs that are there, and with others; a job that is begun by
-one is cancelled, or waited for. A failure is a status of 500 or more, an answer without a sentence, an internal error
-of a job, a workspace that cannot be read any more, or more than 5 s. Ends with exit code 1 if there is one.
+Request k has the seed "page k", damage k of a file that of `damaged.generator`. Requests go to every route of the
+application, with the workspaces, files and jobs that are there, and with others; a job that is begun by one is
+cancelled, or waited for. A failure is a status of 500 or more, an answer without a sentence, an internal error of a
+job, or a workspace that cannot be read any more.
 """
-
-from table import Run, begin, markdown
 
 import asyncio
 import json
 import random
 import shutil
-import sys
-import tempfile
-import time
-from collections import Counter
-from contextlib import asynccontextmanager
+from collections.abc import Callable
 from pathlib import Path
 
 import httpx
@@ -26,6 +18,7 @@ import numpy as np
 
 from allanite.cli.tasks import jobs as verbs
 from allanite.core.choices import choices_of
+from allanite.core.errors import DataError
 from allanite.exporting.exports import EXPORTS
 from allanite.exporting.fields import How
 from allanite.study.recipe import Recipe
@@ -35,74 +28,18 @@ from allanite.web.jobs import UNFINISHED, Jobs
 from allanite.web.store import Store
 from damaged import generator, mutated
 
-SLOW = 5.0
-"""Seconds that an answer may take."""
-
 RAW = (
-    b"",
-    b"{",
-    b"[1]",
-    b"null",
-    b"\xff\xfe",
-    b'{"a":NaN}',
-    b'{"a":1e999}',
-    b'{"a":"\\ud800"}',
-    b'{"a":' * 90_000,
-    b'{"a":' + b"9" * 5000 + b"}",
-    b'{"a":1' + b"0" * 400 + b"}",
-    b"[" * 40 + b"]" * 40,
-)
+    b"", b"{", b"[1]", b"null", b"\xff\xfe", b'{"a":NaN}', b'{"a":1e999}', b'{"a":"\\ud800"}', b'{"a":' * 90_000,
+    b'{"a":' + b"9" * 5000 + b"}", b'{"a":1' + b"0" * 400 + b"}", b"[" * 40 + b"]" * 40,
+)  # fmt: skip
 """Bodies that are no object, or hold what cannot be kept."""
 
 WORDS = (
-    "",
-    "x",
-    "\0",
-    "\n",
-    "..",
-    "../../x",
-    "/etc/passwd",
-    "nan",
-    "inf",
-    "-inf",
-    "1e308",
-    "-1",
-    "0",
-    "1e999",
-    "9" * 400,
-    "<img src=x onerror=alert(1)>",
-    "\u202egpj",
-    "a" * 5000,
-    "--help",
-    "gx",
-    "N",
-    "NBK",
-    "0.1,10",
-    "100..160",
-    "oadev",
-    "theo1",
-    "all",
-    "log",
-    "1,2,3",
-    "deg/h",
-    "gyro=deg/s",
-    "ru",
-    "xx",
-    "report",
-    "csv",
-    "figure.svg",
-    "kalibr",
-    "each",
-    "yes",
-    "N 0.1 deg/h",
-    "10 min",
-    "%",
-    "{}",
-    "1 1",
-    "=",
-    ":",
-    ",",
-)
+    "", "x", "\0", "\n", "..", "../../x", "/etc/passwd", "nan", "inf", "-inf", "1e308", "-1", "0", "1e999", "9" * 400,
+    "<img src=x onerror=alert(1)>", "\u202egpj", "a" * 5000, "--help", "gx", "N", "NBK", "0.1,10", "100..160",
+    "oadev", "theo1", "all", "log", "1,2,3", "deg/h", "gyro=deg/s", "ru", "xx", "report", "csv", "figure.svg",
+    "kalibr", "each", "yes", "N 0.1 deg/h", "10 min", "%", "{}", "1 1", "=", ":", ",",
+)  # fmt: skip
 NUMBERS = (0, 1, -1, 2, 10**15, 10**300, 1e308, -1e308, 5e-324, 0.5, 100, 1e-9, True, None)
 
 
@@ -118,26 +55,15 @@ def value(rng: random.Random, deep: int = 3):
 
 
 SOUND = {
-    "channel": "gx",
-    "statistic": "hdev",
-    "lang": "ru",
-    "form": "coefficients",
-    "points": "50",
-    "from": "1",
-    "to": "9",
-    "inline": "1",
-    "dark": "0",
-    "name": "a.csv",
-}
+    "channel": "gx", "statistic": "hdev", "lang": "ru", "form": "coefficients", "points": "50", "from": "1", "to": "9",
+    "inline": "1", "dark": "0", "name": "a.csv",
+}  # fmt: skip
 """Parameters of a query that can be answered."""
 
 BODIES = {
-    "jobs": schema.JobBody,
-    "refit": schema.RefitBody,
-    "export": schema.ExportBody,
-    "open": schema.PathBody,
+    "jobs": schema.JobBody, "refit": schema.RefitBody, "export": schema.ExportBody, "open": schema.PathBody,
     "example": schema.ExampleBody,
-}
+}  # fmt: skip
 
 
 class Page:
@@ -197,16 +123,10 @@ class Page:
         if kind is None or rng.random() < 0.1:
             return json.dumps({rng.choice(WORDS): value(rng) for _ in range(rng.randrange(4))}).encode()
         plausible = {
-            "verb": verbs(),
-            "files": ([self.file], [self.file] * 2, []),
-            "target": ("datasheet",) * 9 + tuple(EXPORTS),
-            "lang": ("en", "ru", ""),
-            "channel": ("gx",),
-            "channels": ([], ["gx"]),
-            "statistics": ([], ["hdev"]),
-            "name": ("mems",),
-            "recipe": ({"rate": 100},),
-        }
+            "verb": verbs(), "files": ([self.file], [self.file] * 2, []), "target": ("datasheet",) * 9 + tuple(EXPORTS),
+            "lang": ("en", "ru", ""), "channel": ("gx",), "channels": ([], ["gx"]), "statistics": ([], ["hdev"]),
+            "name": ("mems",), "recipe": ({"rate": 100},),
+        }  # fmt: skip
         body = {key: rng.choice(plausible.get(key, (None,))) for key in kind.model_fields}
         if kind is schema.JobBody:
             body["target"] = ""
@@ -219,18 +139,16 @@ class Page:
             body[rng.choice(list(body))] = value(rng)
         return json.dumps({key: part for key, part in body.items() if part is not None}).encode()
 
-    async def outcome(self, rng: random.Random) -> tuple[str, str, str]:
-        """Route of a request, what became of it, and the request if that is a failure."""
+    async def outcome(self, rng: random.Random) -> None:
+        """Ask; raise what is wrong, or an error in words where the request is refused."""
         route, method, path, query, body = self.drawn(rng)
-        if "/events" in route:
-            return route, "not followed", ""
-        begun = time.perf_counter()
+        if "/events" in route:  # followed until its job ends
+            return
         answer = await self.http.request(method, path, params=query, content=body, timeout=None)
-        said = "answered" if answer.status_code < 400 else "refused"
-        wrong = await self._wrong(answer, route)
-        if (took := time.perf_counter() - begun) > SLOW:
-            wrong = wrong or f"{took:.1f} s"
-        return route, "failure" if wrong else said, f"{method} {path} {query} {body[:300]!r}: {wrong}" if wrong else ""
+        if wrong := await self._wrong(answer, route):
+            raise AssertionError(f"{method} {path} {query} {body[:300]!r}: {wrong}")
+        if answer.status_code >= 400:
+            raise DataError(f"status {answer.status_code}: {answer.json()['error'][:900]}")
 
     async def _wrong(self, answer: httpx.Response, route: str) -> str:
         if answer.status_code >= 400:
@@ -268,71 +186,31 @@ class Page:
         return ""
 
 
-@asynccontextmanager
-async def page(folder: Path):
-    """A page that is prepared."""
-    one = Page(folder)
-    try:
-        await one.prepare()
-        yield one
-    finally:
-        one.jobs.workers.close()
-        await one.http.aclose()
+def prepared(folder: Path) -> tuple[Page, asyncio.Runner]:
+    """A page that is prepared, and what runs its requests."""
+    runner, opened = asyncio.Runner(), Page(folder)
+    runner.run(opened.prepare())
+    return opened, runner
 
 
-KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy", "session")
-"""Files that the page keeps, by the end of their name."""
+def requests(opened: Page, runner: asyncio.Runner) -> Callable[[int], object]:
+    """What asks the page for request k."""
+    return lambda k: runner.run(opened.outcome(random.Random(f"page {k}")))  # noqa: S311 - no secret
 
 
-async def damaged_file(one: Page, name: str, k: int, sound: Path) -> str:
-    """What is wrong with a page whose file was damaged; it is opened on a copy of a sound folder."""
-    copy = sound.with_name("copy")
-    shutil.rmtree(copy, ignore_errors=True)
-    shutil.copytree(sound, copy)
-    (path,) = copy.rglob(f"*{name}")
-    path.write_bytes(mutated(generator(name, k), path.read_bytes()))
-    try:
+def damage(opened: Page, runner: asyncio.Runner, name: str) -> Callable[[int], object]:
+    """What opens a copy of a sound folder in which a file, named by its end, has damage k."""
+    opened.store.session()
+    sound, copy = Path(shutil.copytree(opened.store.folder, "sound")), Path("copy")
+
+    def take(k: int) -> None:
+        shutil.rmtree(copy, ignore_errors=True)
+        shutil.copytree(sound, copy)
+        (path,) = copy.rglob(f"*{name}")
+        path.write_bytes(mutated(generator(name, k), path.read_bytes()))
         other = Page(copy)
-        other.home, other.file, other.job = one.home, one.file, one.job
-        return await other.looked()
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
+        other.home, other.file, other.job = opened.home, opened.file, opened.job
+        if wrong := runner.run(other.looked()):
+            raise AssertionError(wrong)
 
-
-async def attacked(run: Run) -> int:
-    """Ask and damage, and print the tables."""
-    counts, wrong, span = Counter(), [], range(run.asked.first, run.asked.first + run.asked.requests)
-    with tempfile.TemporaryDirectory() as folder:
-        async with page(Path(folder, "page")) as one:
-            one.store.session()
-            sound = Path(shutil.copytree(one.store.folder, Path(folder, "sound")))
-            for k in span:
-                route, said, why = await one.outcome(random.Random(f"page {k}"))  # noqa: S311 - no secret
-                counts[route, said] += 1
-                wrong += [f"request {k}: {why}"] if why else []
-            for name in KEPT:
-                for k in range(run.asked.first, run.asked.first + run.asked.files):
-                    why = await damaged_file(one, name, k, sound)
-                    counts[name, "failure" if why else "answered"] += 1
-                    wrong += [f"{name}, damage {k}: {why}"] if why else []
-    print(*wrong[:20], sep="\n")
-    said = ("answered", "refused", "failure")
-    rows = [
-        (name, *(str(counts[name, what]) for what in said))
-        for name in dict.fromkeys(name for name, _ in sorted(counts))
-    ]
-    notes = (
-        'request k has the seed "page k", damage k of a file the seed (crc32 of its name, k)',
-        f"failures: {len(wrong)}",
-    )
-    run.publish("Requests and files of the page", notes, markdown(("route or file", *said), rows))
-    return int(bool(wrong))
-
-
-def main() -> int:
-    """Read the command line, and attack."""
-    return asyncio.run(attacked(begin(__doc__, requests=5000, files=400, first=0)))
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return take

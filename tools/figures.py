@@ -1,0 +1,423 @@
+"""Numbers on pages that were measured: each is that of a committed table, and each table is cited with its date.
+
+    python tools/figures.py [--check]
+
+Renews the numbers of every sentence of `SENTENCES`, and the date and commit behind each link to a table. What it cannot
+renew ends with exit code 1, with --check also what would be renewed: a sentence that a page does not have, a table that
+a page quotes without a link to it, a row or a cell that no table has, a measured number that is not tied to a table.
+"""
+
+# ruff: noqa: D103  what a helper of the table below reads stands in its name and its one line
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "tools")]
+
+import table  # noqa: E402  the number of threads
+from table import RESULTS, Page  # noqa: E402
+
+from scipy.special import chdtri  # noqa: E402
+
+from aided import OUTAGES  # noqa: E402
+from allanite.exporting.exports import EXPORTS  # noqa: E402
+from consistency import SENSORS as NOISES  # noqa: E402
+from stale import stamp  # noqa: E402
+
+READ: list[str] = []
+"""Tables that have been read since it was emptied."""
+
+
+def read(name: str) -> Page:
+    """A committed table, which is noted."""
+    READ.append(name)
+    return table.read(name)
+
+
+def figures(file, section, column, /, **where):
+    """A column of a table as numbers: the first of each cell, of the rows whose cells are as given."""
+    rows = [
+        row for rows in read(file).tables(section) for row in rows if column in row and row[column] not in ("", "-")
+    ]
+    kept = [row for row in rows if all(row[name.replace("_", " ")] in wanted for name, wanted in where.items())]
+    return [float(re.findall(r"[-+]?[\d.]+(?:e[-+]?\d+)?", row[column])[0]) for row in kept if row[column] != "nan"]
+
+
+def span(numbers):
+    return min(numbers), max(numbers)
+
+
+def one(*cell, **where):
+    (number,) = figures(*cell, **where)
+    return number
+
+
+def stated(file, pattern):
+    """Numbers in what a page says above its table."""
+    return [float(number) for number in re.search(pattern, read(file).text).groups()]
+
+
+def coefficients(column, most, least=0.0):
+    """Of terms whose bound is below a percentage."""
+    rows = [row for row in read("coefficients.md").rows() if row["bound, %"] and least < float(row["bound, %"]) < most]
+    return [float(row[column]) for row in rows if row[column]]
+
+
+def rms_but_three():
+    ratios = sorted(coefficients("rms", 12))
+    return ratios[0], ratios[-4]
+
+
+def theoh(column, statistic, method="gls"):
+    return one("theoh_paper.md", "Coefficients", column, method=[method], statistic=[statistic])
+
+
+def held(term, statistic):
+    return one("theoh_paper.md", "95 % limits", term, statistic=[statistic])
+
+
+def two(parameter, column):
+    """Of the first cell of two Gauss-Markov processes."""
+    shown = next(row[column] for row in read("two_shapes.md").rows() if row["parameter"] == parameter)
+    return float(shown.split()[0])
+
+
+def gained(term, statistic):
+    return 100 * (1 - theoh(term, statistic) / theoh(term, "oadev"))
+
+
+def curves(column, sensor, term, *methods):
+    return [one("curves.md", "", column, sensor=[sensor], term=[term], method=[f"gls of {m}"]) for m in methods]
+
+
+def exact(method):
+    return one("rate.md", "The paper's experiment", "exact covariance", method=[method])
+
+
+def sum_of(base, minutes, law="linear"):
+    return figures("angle.md", "", "planned", base=[base], min=[minutes], law_of_q=[law])
+
+
+def worse():
+    """Half an hour under sway over an hour at rest, in percent, in the four middle ranges."""
+    pairs = zip(sum_of("sway 1 deg", "30"), sum_of("still", "60"), strict=True)
+    return [100 * (swaying / still - 1) for swaying, still in pairs][1:5]
+
+
+ADIS = [f"adis_16405_imu{k}.rda" for k in (1, 2)]
+ACCELEROMETER = [f"mpu6050_static10min/mpu6050_{name}.mat" for name in ("gyroscope", "accelerometer")]
+
+
+def n_off(files, channels):
+    """Largest difference of N from the deviation at 1 s, percent."""
+    ratios = figures("recordings.md", "", "N over deviation at 1 s", file=files, channel=channels)
+    return max(abs(100 * (ratio - 1)) for ratio in ratios)
+
+
+def corners():
+    rows = [row for row in read("recordings.md").rows() if "Bartlett" in row["read"] and "Gyro" in row["channel"]]
+    return span([float(re.search(r"-3 dB at ([\d.]+)", row["read"])[1]) for row in rows])
+
+
+def compensated(column, noise=("table 2",), regressor=("temp",)):
+    return span(figures("compensation.md", "", column, noise=noise, regressor=regressor))
+
+
+def filters(what, cover, until, *targets):
+    """Errors of filters over those predicted, or over those of the best, of the simulated sensors up to an outage."""
+    rows = read("consistency.md").rows(f"{what}, aid to 0.1 deg")
+    kept = [row for row in rows if row["cover"] == cover and set(targets) & set(row["targets"].split(", "))]
+    return [float(row[f"{t} s"].split()[0]) for row in kept for t in OUTAGES if row["sensor"] in NOISES and t <= until]
+
+
+def closed(what, column="here"):
+    return one("vertical.md", "Closed forms", column, what=[what])
+
+
+def flicker(column, seconds):
+    return one("vertical.md", "Flicker and random walk", column, **{"T [s]": [seconds]})
+
+
+def loss(gyro, accelerometer, column="loss"):
+    return one("vertical.md", "Loss", column, gyro=[gyro], accelerometer=[accelerometer])
+
+
+def beside(sensor, *quantities):
+    """What was measured over what the data sheet says, least and most, in channels of a sensor."""
+    channels = [f"{sensor}. {axis}" for axis in "XYZ"]
+    return span(figures("data_sheets.md", "", "ratio", channel=channels, quantity=quantities))
+
+
+WALK, STABLE = ("Angular Random Walk", "Velocity Random Walk"), ("In-Run Bias Stability",)
+FIRST, GROWTH, SPEED, LISTED = (
+    "stranger.md",
+    "growth.md",
+    "speed.md",
+    "N 0.3 deg/sqrt(h), B 10 deg/h, K 20 deg/h/sqrt(h)",
+)
+FIT = "src/allanite/applications/compensation/fit.py"
+KERNELS = r"(\d+) kernels and parts take ([\d.]+) s"
+HALF = "95 % intervals covered the truth in {:.0f} to {:g} % of simulated records of sixteen noises"
+
+SENTENCES = [
+    ("README.md", HALF, lambda: span(coefficients("95", 60))),
+    ("README.md", "At most {:g} % of the same records claimed any", lambda: [max(coefficients("false, %", 60))]),
+    ("README.md", "Allan deviation in {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
+    ("README.md", "analysis in {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
+    ("README.md", "of {} in all", lambda: [len(EXPORTS) - 2]),  # data sheet and matrices are no filter and no simulator
+    ("README.md", "| {} targets |", lambda: [len(EXPORTS) - 2]),
+    ("docs/data_sheets.md", "{:.2f} to {:.2f} times the angular random walk", lambda: beside("Gyro", *WALK)),
+    ("docs/data_sheets.md", "the accelerometers {:.2f} to {:.2f} times", lambda: beside("Accel", *WALK)),
+    ("docs/data_sheets.md", "the in-run stabilities are {:.2f} to {:.2f} and", lambda: beside("Gyro", *STABLE)),
+    ("docs/data_sheets.md", "and {:.2f} to {:.2f} times the printed ones", lambda: beside("Accel", *STABLE)),
+    ("docs/recordings.md", "is {:.2f} to {:.2f} times what it states", lambda: beside("Gyro", *WALK)),
+    ("docs/accuracy.md", "| 95 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("95", 60))),
+    ("docs/accuracy.md", "| 68 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("68", 60))),
+    ("docs/accuracy.md", "| {:g} to {:g}, except for three terms", rms_but_three),
+    ("docs/accuracy.md", "claimed | at most {:g} % of", lambda: [max(coefficients("false, %", 60))]),
+    ("docs/accuracy.md", "at least {:g} % of records", lambda: [min(coefficients("claimed, %", 12))]),
+    ("docs/accuracy.md", "in {:g} to {:g} % in single cells", lambda: span(figures("limits.md", "", "averaged: 95"))),
+    ("docs/accuracy.md", "in {:.1f} % of records on average", lambda: [mean(figures("limits.md", "", "averaged: 95"))]),
+    ("docs/accuracy.md", "cells of {:g} records", lambda: stated("limits.md", r"- (\d+) records a cell")),
+    ("docs/speed.md", "Allan deviation take {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
+    ("docs/speed.md", "analysis {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
+    ("docs/speed.md", "720 000 samples {:.1f} s", lambda: stated(GROWTH, r"theo1, 100 m of 720000 \[s\][ |]+([\d.]+)")),
+    ("docs/speed.md", "times {:.2f} s. All", lambda: stated(GROWTH, r"mtotdev, 50 m of 1e5 \[s\][ |]+([\d.]+)")),
+    ("docs/speed.md", "{:g} kernels and parts take {:g} s", lambda: stated(FIRST, KERNELS)),
+    ("docs/speed.md", "takes {:g} s, the second {:g} s", lambda: figures(
+        FIRST, "First run", "median", run=["first", "second"])),
+    ("docs/speed.md", "report in {:.0f} s from nothing", lambda: stated(FIRST, r"`uvx [^`]*` \| ([\d.]+)")),
+    ("docs/speed.md", "in {:.0f} s when they are", lambda: stated(FIRST, r"`uvx [^`]*` \| [\d.]+ \| ([\d.]+)")),
+    ("docs/speed.md", "takes {:.1f} to {:.1f} times as", lambda: span(figures(FIRST, "For this", "ratio"))),
+    ("docs/stream.md", "of about {:.0f} kB", lambda: [stated("stream.md", r"holds (\d+) bytes")[0] / 1000]),
+    ("docs/stream.md", "are {:.2f} to {:.2f} times", lambda: span(figures("stream.md", "Coeff", "stream / bound"))),
+    ("docs/compare.md", "between {:.2f} and {:.0f} times the one seen (95 %)", lambda: [
+        chdtri(1, tail) ** -0.5 for tail in (0.025, 0.975)]),
+    ("docs/compare.md", "calls {:.2f} to {:.2f} % of 2000 pairs", lambda: span(
+        figures("comparison.md", "Equal", "called different %", test=["verdict"]))),
+    ("docs/compensation_method.md", "temperature in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
+    ("docs/compensation_method.md", "is found in {:.0f} to {:.0f} % of 400", lambda: compensated(
+        "false %", regressor=("temp", "d temp/dt"))),
+    ("docs/compensation_method.md", "squares: {:.0f} to {:.0f} %)", lambda: compensated("ordinary %")),
+    ("docs/compensation_method.md", "effect in {:.0f} to {:.0f} %, and", lambda: compensated(
+        "within 95 % limits", regressor=("temp", "d temp/dt"))),
+    ("docs/compensation_method.md", "its interval, in {:.0f} to {:.0f} %", lambda: compensated("gain met %")),
+    ("docs/compensation_method.md", "truth in {:.0f} to {:.0f} % of records", lambda: compensated(
+        "within 95 % limits", ("white",), ("temp", "d temp/dt"))),
+    (FIT, "effect in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
+    ("docs/stabilizer_paper.md", "in {:.0f} % of 150 records, and its limits held the truth in {:.0f} and {:.0f} %",
+        lambda: [two(name, column) for name, column in (
+            ("GML", "found, %"), ("GML", "coverage, %"), ("GML time constant", "coverage, %"))]),
+    ("docs/theoh_paper.md", "K and R are {:.0f} and {:.0f} % better", lambda: [gained(s, "theoh") for s in "KR"]),
+    ("docs/theoh_paper.md", "alone gains {:.0f} % of R", lambda: [gained("R", "theo1")]),
+    ("docs/theoh_paper.md", "zero, K {:g} beside {:g} and R {:g} beside {:g},", lambda: [
+        theoh(column, statistic) for term in "KR" for column, statistic in
+        ((term, "theo1"), (f"{term}, 0 if not claimed", "oadev"))]),
+    ("docs/theoh_paper.md", "in {:.0f} % of 240 records and those of R in {:.0f} %", lambda:
+        [held(s, "oadev") for s in "KR"]),
+    ("docs/theoh_paper.md", "in {:.0f} and {:.0f} % by TheoH", lambda: [held(s, "theoh") for s in "KR"]),
+    ("docs/methods.md", "has {:.2f} times the bound by theoh and {:.2f} by oadev", lambda:
+        curves("rmse", "MEMS", "K", "theoh", "oadev")),
+    ("docs/methods.md", "B {:g} and {:g}, R", lambda: curves("rmse", "MEMS", "B", "theoh", "oadev")),
+    ("docs/methods.md", "is {:.0f} %, {:g} and {:g}.", lambda: [
+        *curves("bound %", "FOG", "R", "oadev"), *curves("rmse", "FOG", "R", "theoh", "oadev")]),
+    ("docs/methods.md", "is {:g} to {:g} % here", lambda:
+        span(figures("curves.md", "", "cover %", sensor=["MEMS"], term=["N"]))),
+    ("docs/gyro_vertical.md", "{:.3f} s and {:.1f} arcsec. A", lambda: [
+        closed("best time constant, s"), closed("error there, arcsec")]),
+    ("docs/gyro_vertical.md", "shorter: {:.2f} s", lambda: [closed("with a bias of 10 deg/h: s, arcsec")]),
+    ("docs/gyro_vertical.md", "is {:.2f} s ({:.1f} arcsec) for 10", lambda: [
+        flicker(c, "600") for c in ("time constant [s]", "predicted [arcsec]")]),
+    ("docs/gyro_vertical.md", "and {:.2f} s ({:.1f} arcsec) for an", lambda: [
+        flicker(c, "3600") for c in ("time constant [s]", "predicted [arcsec]")]),
+    ("docs/gyro_vertical.md", "of the {:.1f} arcsec", lambda:
+        [loss(LISTED, "N 100 ug/sqrt(Hz), B 50 ug", "first order")]),
+    ("docs/gyro_vertical.md", "is {:.0f} % for the sensors", lambda: [loss(LISTED, "N 100 ug/sqrt(Hz), B 50 ug")]),
+    ("docs/gyro_vertical.md", "and {:.0f} % with K = 500", lambda: [
+        loss("N 0.3 deg/sqrt(h), K 500 deg/h/sqrt(h)", "N 100 ug/sqrt(Hz)")]),
+    ("docs/recordings.md", "(-3 dB at {:g} to {:g} Hz)", corners),
+    ("docs/recordings.md", "at 1 s within {:.1f} %; the", lambda: [n_off(ADIS, ["Gyro. X", "Gyro. Y"])]),
+    ("docs/recordings.md", "at 1 s within {:.1f} %; narrow", lambda: [
+        n_off(ACCELEROMETER, [f"{kind}Buffer {k}" for kind in ("gyro", "accel") for k in (2, 3, 4)])]),
+    ("docs/log_to_filter.md", "are up to {:.2f} times what it predicts. With", lambda: [
+        max(filters("Consistency", "no", 1000, "kalibr"))]),
+    ("docs/log_to_filter.md", "are {:.2f} to {:.2f} times that after 1 to 60 s", lambda: span(
+        filters("Consistency", "default", 60, "kalibr"))),
+    ("docs/log_to_filter.md", "correlation time, {:.2f} to {:.2f} times after 1 to 1000 s", lambda: span(
+        filters("Consistency", "default", 1000, "navego"))),
+    ("docs/log_to_filter.md", "`--cover 1,1000` they are {:.2f} to {:.2f} and {:.2f} to {:.2f} times.", lambda: [
+        *span(filters("Consistency", "1,1000", 1000, "kalibr")),
+        *span(filters("Consistency", "1,1000", 1000, "navego"))]),
+    ("docs/log_to_filter.md", "{:.0f} % above those of the best filter with the default cover, and {:.0f} %",
+        lambda: [
+            100 * max(filters("Accuracy", cover, 10, "kalibr", "navego")) - 100 for cover in ("default", "1,1000")]),
+    ("docs/rate_paper.md", "regression is {:.2f} times better", lambda: [exact("mean") / exact("regression")]),
+    ("docs/rate_paper.md", "loses {:.1f} %, Hamming {:.1f} %", lambda: [
+        100 * (figures("rate.md", "When", name)[0] - 1) for name in ("regression", "hamming")]),
+    ("docs/angle_paper.md", "at least {:.1f} % lie", lambda: [
+        min(figures("angle.md", "", "within 3 sigma %", base=["still"])) // 0.1 / 10]),
+    ("docs/angle_paper.md", "in {:g} to {:g} %;", lambda: span(figures("angle.md", "", "95 % cover", base=["still"]))),
+    ("docs/angle_paper.md", "then hold {:.0f} to {:.0f} %", lambda: span(
+        figures("angle.md", "", "95 % cover", base=["still, random walk"]))),
+    ("docs/angle_paper.md", "is {:.0f} to {:.0f} % worse", lambda: span(worse())),
+    ("docs/angle_paper.md", "sum is {:.1f}, {:.1f} times", lambda: [
+        stated("angle.md", r"30 min, linear law: .* deviations ([\d.]+)")[0],
+        stated("angle.md", r"30 min, linear law: .* deviations ([\d.]+)")[0]
+        / stated("angle.md", r"60 min, linear law: .* deviations ([\d.]+)")[0]]),
+]  # fmt: skip
+"""Page, sentence, and the numbers of its braces from the tables."""
+
+
+def mean(numbers):
+    return sum(numbers) / len(numbers)
+
+
+ROWS = [
+    ("docs/theoh_paper.md", "theoh_paper.md", "Coefficients"),
+    ("docs/theoh_paper.md", "theoh_paper.md", "Noise that changes"),
+]
+"""Page, and the section whose rows it shows as they are."""
+
+
+CELLS = [
+    ("docs/rate_paper.md", "Comparison", "rate.md", "The paper's experiment"),
+    ("docs/rate_paper.md", "Why the staircase", "rate.md", "Noise that fits"),
+    ("docs/theoh_paper.md", "The joint", "theoh_paper.md", "TheoH at its joint"),
+    ("docs/theoh_paper.md", "The paper's own fit", "theoh_paper.md", "Unweighted fit"),
+    ("docs/angle_paper.md", "Table of accuracy", "angle.md", ""),
+    ("docs/angle_paper.md", "Under sway", "angle.md", ""),
+    ("docs/gyro_vertical.md", "No filter is the best", "vertical.md", "Scenarios"),
+]
+"""Page, its section, and the table whose numbers the rows there show, rounded; a row of the paper quotes it."""
+
+
+def as_printed(number, cell):
+    """Whether a cell rounds a number of a table, which is rounded itself: a tie may go either way."""
+    return abs(number - float(cell)) <= 0.5 * 10.0 ** -len(cell.partition(".")[2]) * (1 + 1e-9)
+
+
+MEASURED = re.compile(r"\d[\d.]* (?:%|times|ms\b|kB\b|s of)(?! intervals?\b| level)")
+"""A number that somebody may have measured."""
+
+TIED = ("README.md", "docs/accuracy.md", "docs/compensation_method.md", "docs/theoh_paper.md", "docs/compare.md")
+"""Pages on which each such number belongs to a sentence above, but for those of definitions."""
+
+DEFINED = re.compile(
+    r"95 % (?:intervals?|confidence|band)|68 % interval|level of \d+ %|bound is (?:below|at most) \d+ %"
+    r"|below 12 % \||the truth \||within 4 %|15 % below|8\.40 %|up to 4 %|-8 to \+33 %"
+)
+
+
+LINK = re.compile(
+    r"\[([^\]]*?)(?:, (?:\w+ )?\d{4}-\d\d-\d\d\W* ?\w* [0-9a-f]{7})?\]"
+    r"\(((?:generated/benchmarks|(?:\S*/)?benchmarks/results)/(\w+)\.md)\)"
+)
+"""A link to a table, with what `noted` writes into it."""
+
+NOTES = {"_ru": "{date}, {commit}", "_zh": "{date}, {commit}"}
+"""What stands behind a link on pages in other languages."""
+
+
+def pages() -> list[str]:
+    """The pages at the top, and those of the documentation that are written by hand."""
+    return ["README.md", "SECURITY.md", *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))]
+
+
+def noted(page: str, text: str) -> str:
+    """A page that says at each link to a table of what commit and day it is."""
+
+    def link(found: re.Match[str]) -> str:
+        path = RESULTS / f"{found[3]}.md"
+        if not path.exists():  # the index of all
+            return found[0]
+        commit, date = stamp(Page(path.read_text("utf-8")))
+        how = NOTES.get(Path(page).stem[-3:], "measured {date} at {commit}")
+        said = how.format(date=date, commit=commit).replace("at before", "before")
+        return f"[{found[1]}, {said}]({found[2]})"
+
+    return LINK.sub(link, text)
+
+
+def pattern(sentence: str) -> re.Pattern[str]:
+    """A sentence with any numbers in its braces, however its lines are broken."""
+    parts = [r"\s+".join(map(re.escape, part.split(" "))) for part in re.split(r"\{[^}]*\}", sentence)]
+    return re.compile(r"[-+\d.e]*\d".join(parts))
+
+
+def counted(page: str, text: str, problems: list[str]) -> str:
+    """A page with the numbers of its sentences."""
+    for where, sentence, numbers in SENTENCES:
+        if where != page:
+            continue
+        READ.clear()
+        new = sentence.format(*numbers())
+        (*lacking,) = (name for name in dict.fromkeys(READ) if not re.search(rf"benchmarks/(?:results/)?{name}", text))
+        if not page.startswith("src/"):
+            problems += [f"{page}: {sentence[:40]!r} quotes {name} without a link to it" for name in lacking]
+        found = list(pattern(sentence).finditer(text))
+        if len(found) != 1:
+            problems.append(f"{page}: {len(found)} times {sentence!r}, once was expected")
+        elif " ".join(found[0][0].split()) != new:
+            text = text[: found[0].start()] + new + text[found[0].end() :]
+    return text
+
+
+def lost_rows() -> Iterator[str]:
+    """Rows of tables that pages do not show as they are."""
+    for page, file, section in ROWS:
+        shown = (ROOT / page).read_text("utf-8")
+        rows = (f"| {' | '.join(row.values())} |" for row in read(file).rows(section))
+        yield from (f"{page} lacks a row of {file}: {row}" for row in rows if row not in shown)
+
+
+def lost_cells() -> Iterator[str]:
+    """Numbers in rows of pages that no cell of their table rounds to."""
+    for page, part, file, section in CELLS:
+        rows = Page((ROOT / page).read_text("utf-8")).rows(part)
+        own = (row for row in rows if "paper," not in row.get("range of h, deg", ""))
+        shown = [cell.strip("*") for row in own for cell in list(row.values())[1:]]
+        measured = {cell.split()[0] for row in read(file).rows(section) for cell in list(row.values())[1:] if cell}
+        numbers = [float(cell) for cell in measured if re.fullmatch(r"[\d.]+", cell)]
+        for cell in shown:
+            if re.fullmatch(r"[\d.]+", cell) and not any(as_printed(number, cell) for number in numbers):
+                yield f"{page}, {part}: {cell} is no number of {file}"
+
+
+def untied() -> Iterator[str]:
+    """Measured numbers on pages that belong to no sentence."""
+    for page in TIED:
+        left = " ".join(re.sub(r"```.*?```", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL).split())
+        for where, sentence, _ in SENTENCES:
+            left = pattern(sentence).sub("", left) if where == page else left
+        yield from (f"{page}: {number!r} is of no table" for number in MEASURED.findall(DEFINED.sub("", left)))
+
+
+def renewed() -> tuple[dict[str, str], list[str]]:
+    """Texts of pages that are not up to date, and what cannot be renewed."""
+    problems, texts = [], {}
+    for page in dict.fromkeys((*pages(), *(page for page, _, _ in SENTENCES))):
+        text = (ROOT / page).read_text("utf-8")
+        new = counted(page, noted(page, text), problems)
+        if new != text:
+            texts[page] = new
+    return texts, [*problems, *lost_rows(), *lost_cells(), *untied()]
+
+
+def main(words: list[str]) -> None:
+    """Renew or check."""
+    texts, problems = renewed()
+    if "--check" in words:
+        problems += [f"{page} is not up to date: run python tools/figures.py" for page in texts]
+    else:
+        for page, text in texts.items():
+            (ROOT / page).write_text(text, "utf-8")
+            print(f"{page}: renewed")
+    if problems:
+        sys.exit("\n".join(problems))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
