@@ -113,6 +113,7 @@ def test_two_runs_do_not_write_to_the_same_folder(units, tmp_path):
     assert parts(tmp_path / "r") == 0
 
 
+@pytest.mark.slow("libraries of others")
 @rows("name", ["files", "coefficients", "curves", "findings"])
 def test_duckdb_pandas_and_polars_open_the_tables(plain, name):
     duckdb, pd, pl = map(pytest.importorskip, ("duckdb", "pandas", "polars"))
@@ -121,6 +122,7 @@ def test_duckdb_pandas_and_polars_open_the_tables(plain, name):
     assert count == len(pd.read_parquet(path)) == pl.read_parquet(path).height > 0
 
 
+@pytest.mark.slow("libraries of others")
 def test_duckdb_answers_a_question_over_two_tables(plain):
     duckdb = pytest.importorskip("duckdb")
     (found,) = duckdb.sql(

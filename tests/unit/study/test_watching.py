@@ -100,6 +100,7 @@ def arrived(path, count):
         time.sleep(0.01)
 
 
+@pytest.mark.slow("a process that watches a terminal")
 @pytest.mark.skipif(os.name == "nt", reason="a pseudo-terminal")
 def test_through_a_terminal_moved_unplugged_and_ended(tmp_path):
     pytest.importorskip("serial", reason="the extra 'live'")
@@ -450,20 +451,20 @@ def test_the_time_of_a_report_is_no_silence(monkeypatch):
     (np.nan, "has no time stamp in 100 of"),
 ])  # fmt: skip
 def test_time_stamps_that_jump_are_named_at_once_and_the_lines_are_kept(monkeypatch, jump, words):
-    monkeypatch.setattr("allanite.study.watching.RECENT", 10.0)  # later on there are only rows after the jump
-    source = Clock(monkeypatch, 35, lambda times: np.where(times > 15.995, times + jump, times))
-    with watch_of(al.Recipe(unit="deg/h", time="1"), duration=36) as watch:
+    monkeypatch.setattr("allanite.study.watching.RECENT", 4.0)  # later on there are only rows after the jump
+    source = Clock(monkeypatch, 12, lambda times: np.where(times > 5.995, times + jump, times))
+    with watch_of(al.Recipe(unit="deg/h", time="1"), duration=13) as watch:
         events = watch.events()
         said = next(said for said in events if "cannot be analyzed" in said)
         assert re.search(f"the last rows cannot be analyzed: .*{words}", said)
-        assert source.now == 16.0
+        assert source.now == 6.0
         list(events)
         with pytest.raises(al.DataError, match=r"came, kept in '.*', cannot .* time stamp") as refused:
             watch.study()
     kept = Path(str(refused.value).split("'")[1])
     rows = kept.read_bytes().count(b"\n")
     kept.unlink()
-    assert rows == 3500
+    assert rows == 1200
 
 
 @pytest.mark.slow("long streams")
