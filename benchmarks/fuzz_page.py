@@ -125,7 +125,6 @@ SOUND = {
     "points": "50",
     "from": "1",
     "to": "9",
-    "inline": "1",
     "dark": "0",
     "name": "a.csv",
 }
@@ -264,7 +263,6 @@ class Page:
                 return f"{path}: {answer.status_code} {answer.text[:300]}"
             if path in ("/api/workspaces", "/api/tables") and answer.status_code != 200:
                 return f"{path}: {answer.status_code}"
-        self.store.session()
         return ""
 
 
@@ -280,7 +278,7 @@ async def page(folder: Path):
         await one.http.aclose()
 
 
-KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy", "session")
+KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy")
 """Files that the page keeps, by the end of their name."""
 
 
@@ -304,7 +302,6 @@ async def attacked(run: Run) -> int:
     counts, wrong, span = Counter(), [], range(run.asked.first, run.asked.first + run.asked.requests)
     with tempfile.TemporaryDirectory() as folder:
         async with page(Path(folder, "page")) as one:
-            one.store.session()
             sound = Path(shutil.copytree(one.store.folder, Path(folder, "sound")))
             for k in span:
                 route, said, why = await one.outcome(random.Random(f"page {k}"))  # noqa: S311 - no secret

@@ -165,7 +165,7 @@ def tab(client: Client, folder: Path, samples: int) -> str:
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         context = browser.new_context()
-        context.add_cookies([{"name": c.name, "value": c.value, "url": address} for c in client.http.cookies.jar])
+        context.add_init_script(f"localStorage.setItem('secret', '{client.secret}')")
         page = context.new_page()
         page.goto(f"{address}/#{client.workspace()}")
         page.wait_for_selector("body[data-ready=true]")

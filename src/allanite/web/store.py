@@ -7,24 +7,17 @@ import secrets
 import shutil
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import DRAFTS, draft, reason, write
+from allanite.core.files import DRAFTS, reason, write
 from allanite.phrases.wording import spelled
 from allanite.readers.memory import size_in_words
 
 from . import schema
-
-DAYS = 30.0
-"""Days after which a cookie is no longer valid."""
-
-_SECRET = re.compile(rb"[A-Za-z0-9_-]{43}")
-"""32 random bytes; what is left of an interrupted start is shorter."""
 
 _ID = re.compile(r"[0-9a-f]{16}")
 _SUFFIX = re.compile(r"(\.[A-Za-z0-9]{1,8}){1,2}$")
@@ -75,19 +68,6 @@ class Store:
         self.stored, self.coming = 0, dict[str, int]()
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         folder.chmod(0o700)
-
-    def session(self) -> str:
-        """The value of the cookie: the same after a restart, for some weeks."""
-        path = self.folder / "session"
-        if path.is_file() and time.time() - path.stat().st_mtime < DAYS * 86400:
-            kept = path.read_bytes()
-            if _SECRET.fullmatch(kept):
-                return kept.decode("ascii")
-        made = secrets.token_urlsafe(32)
-        with draft(path, force=True) as part:  # whole or not at all
-            part.chmod(0o600)
-            part.write_text(made, "ascii")
-        return made
 
     def all(self) -> list[State]:
         """Every workspace, the last one first; a damaged one is left out, and noted."""
