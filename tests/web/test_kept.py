@@ -15,7 +15,9 @@ import pytest
 from tests import thinned
 from tests.rows import rows
 
+from allanite.core.errors import UsageError
 from allanite.web.jobs import EVENTS, Live
+from allanite.web.server import serve
 
 from .served import WAIT, Client, served, waiting_job
 
@@ -130,6 +132,49 @@ def test_a_damaged_state_is_set_aside_and_the_rest_is_served(tmp_path, file):
     assert (foreign / "state.json").read_text() == "{}"
 
 
+def test_damaged_work_is_named_at_every_start_and_can_be_deleted(tmp_path, file):
+    with served(tmp_path) as (_, link), Client(link) as client:
+        name = client.workspace()
+        client.upload(name, file)
+    damage(kept(tmp_path) / name, "no jobs")
+    for _ in range(2):  # the second time it has its other name already
+        with served(tmp_path, "--quota", "40kB") as (_, link), Client(link) as client:
+            (aside,) = client.get("/api/tables").json()["first"]["aside"]
+            assert aside["id"] == name
+            assert aside["bytes"] > file.stat().st_size
+            workspace = client.workspace()
+            path = f"/api/workspaces/{workspace}/files"
+            large = b"1" * (40_000 - file.stat().st_size)
+            assert client.http.post(path, params={"name": "a"}, content=large).status_code == 413
+            client.http.delete(f"/api/workspaces/{workspace}")
+    with served(tmp_path, "--quota", "40kB") as (_, link), Client(link) as client:
+        assert client.http.delete(f"/api/workspaces/{name}").status_code == 200
+        assert client.http.delete(f"/api/workspaces/{name}").status_code == 404
+        assert client.get("/api/tables").json()["first"]["aside"] == []
+        path = f"/api/workspaces/{client.workspace()}/files"
+        assert client.http.post(path, params={"name": "a"}, content=large).status_code == 200
+        assert not (kept(tmp_path) / name).exists()
+
+
+def test_the_quota_holds_for_the_trace_of_a_file_that_is_opened(tmp_path):
+    recipe, statuses = {"rate": 100, "unit": "deg/s"}, []
+    with served(tmp_path, "--quota", "300kB") as (_, link), Client(link) as client:
+        workspace = client.workspace()
+        for size, option in ((100_000, "quota"), (25_000, None)):
+            path = tmp_path / f"{size}.npy"
+            np.save(path, np.random.default_rng(2).normal(size=size))
+            opened = client.post(f"/api/workspaces/{workspace}/open", {"path": str(path)}).json()["id"]
+            events = list(client.events(client.begin(workspace, "info", [opened], recipe)))
+            assert [(data["problem"] or {}).get("option") for kind, data in events if kind == "trace"] == [option]
+            assert events[-1][0] == "done"
+            statuses.append(client.get(f"/api/files/{opened}/trace").status_code)
+        assert statuses == [400, 200]
+        taken = sum(path.stat().st_size for path in kept(tmp_path).rglob("*") if path.is_file())
+        assert taken <= 300_000
+        answer = client.http.post(f"/api/workspaces/{workspace}/files", params={"name": "a"}, content=b"1234")
+        assert answer.status_code == 200
+
+
 PARTS = ["value.json", "shown.json", "meta.json", "0.0.npy"]
 
 
@@ -143,7 +188,7 @@ def test_a_damaged_result_is_told_and_can_be_made_again(client, folder, file, pa
     path.write_bytes(path.read_bytes()[:-400])
     answers = [client.get(f"/api/jobs/{job}"), client.get(f"/api/files/{uploaded}/trace")]
     assert sorted(answer.status_code for answer in answers) in ([200, 400], [200, 404])
-    assert any("again" in answer.text or "not read yet" in answer.text for answer in answers)
+    assert any("again" in answer.text or "no trace" in answer.text for answer in answers)
     job, last = client.run(workspace, "analyze", [uploaded], {"rate": 100})
     assert client.get(f"/api/jobs/{job}").status_code == client.get(f"/api/files/{uploaded}/trace").status_code == 200
     client.http.delete(f"/api/workspaces/{workspace}")
@@ -207,6 +252,28 @@ def test_a_job_is_begun_once_more_after_ctrl_c(tmp_path):
         assert client.get(f"/api/workspaces/{workspace}").json()["jobs"][0]["state"] in ("waiting", "running")
         client.post(f"/api/jobs/{job}/cancel")
         assert list(client.events(job))[-1][1]["error"] == "cancelled"
+
+
+def blocked(place, how):
+    """What the page keeps its files in, with something in its way."""
+    base = place / "allanite"
+    if how in ("file", "link"):
+        base.mkdir()
+        (base / "serve").write_text("") if how == "file" else (base / "serve").symlink_to(place / "nowhere")
+    elif how == "below a file":
+        base.write_text("")
+    else:
+        (base / "serve").mkdir(parents=True)
+        (base / "serve" / "address").mkdir() if how == "address" else os.mkfifo(base / "serve" / ".lock")
+
+
+@rows("how", ["file", "link", "below a file", "address", "lock"])
+def test_what_stands_in_the_way_is_named(tmp_path, monkeypatch, how):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    blocked(tmp_path, how)
+    with pytest.raises(UsageError, match="cannot be used") as refused:
+        serve([], port=0, browser=False, lang="en", limit=1, quota=1)
+    assert str(tmp_path / "allanite") in str(refused.value)
 
 
 def test_a_name_that_is_not_utf_8_is_refused_in_words(tmp_path):

@@ -24,6 +24,7 @@ from .access import Door
 from .api import application
 from .filing import open_file
 from .jobs import Jobs
+from .protocol import PromptProtocol
 from .store import Store, private_folder
 
 HOST = "127.0.0.1"
@@ -103,8 +104,8 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
     app = application(store, jobs, first)
     door = app.state.door = Door(app, port=port)
     server = uvicorn.Server(
-        uvicorn.Config(door, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off",
-                       server_header=False)
+        uvicorn.Config(door, http=PromptProtocol, ws="none", log_level="error", access_log=False, lifespan="off",
+                       timeout_graceful_shutdown=1, server_header=False)
     )  # fmt: skip
     with draft(store.folder / ADDRESS, force=True) as part:
         part.chmod(0o600)

@@ -55,6 +55,7 @@ export const tables = (lang) => ask(query("/api/tables", { lang }));
 export const workspaces = () => ask("/api/workspaces");
 export const newWorkspace = () => ask("/api/workspaces", sent("POST"));
 export const workspace = (id) => ask(`/api/workspaces/${id}`);
+export const dropWorkspace = (id) => ask(`/api/workspaces/${id}`, { method: "DELETE" });
 export const keepChoices = (id, choices) => ask(`/api/workspaces/${id}/choices`, sent("PUT", choices));
 export const openPath = (id, path) => ask(`/api/workspaces/${id}/open`, sent("POST", { path }));
 export const example = (id, name) => ask(`/api/workspaces/${id}/example`, sent("POST", { name }));
