@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests import thinned
 from tests.rows import rows
 
 from allanite.core.errors import UsageError
@@ -178,7 +177,7 @@ def test_the_quota_holds_for_the_trace_of_a_file_that_is_opened(tmp_path):
 PARTS = ["value.json", "shown.json", "meta.json", "0.0.npy"]
 
 
-@pytest.mark.parametrize("part", thinned(PARTS, 1, "every file of a result, damaged"))
+@rows("part", PARTS)
 def test_a_damaged_result_is_told_and_can_be_made_again(client, folder, file, part):
     workspace = client.workspace()
     uploaded = client.upload(workspace, file)
