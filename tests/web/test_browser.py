@@ -190,6 +190,30 @@ def test_a_job_is_cancelled(page: Any, tmp_path: Path) -> None:
         assert state(page)["jobs"][-1]["state"] == "cancelled"
 
 
+def test_a_stream_of_reports_that_breaks_off_is_taken_up_again(page: Any, six: Path) -> None:
+    broken = []
+
+    def once(route: Any) -> None:
+        route.continue_() if broken else (broken.append(route.request.url), route.abort())
+
+    page.route("**/events", once)
+    drop(page, six)
+    page.get_by_text("Waiting for the server").wait_for()
+    curves(page)
+    assert len(broken) == 1
+
+
+def test_who_has_no_secret_is_told_where_the_link_is(browser: Any, context: Any) -> None:
+    stranger = browser.new_page()
+    for place in ("", "#token=used"):
+        stranger.goto(f"{context.address}{place}")
+        stranger.reload()
+        stranger.wait_for_selector("body[data-ready=false]")
+        assert "allanite serve" in stranger.get_by_test_id("problem").inner_text()
+        assert stranger.get_by_test_id("choose-file").is_hidden()
+    stranger.close()
+
+
 def test_hostile_names_stay_text(page: Any, bare: Path) -> None:
     path = bare.with_name(HOSTILE)
     header = "gx<script>document.title='broken'</script> [deg/s]"

@@ -1,6 +1,5 @@
 """What the page says and shows: the answer first, names instead of paths, controls instead of options, and ways on."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -179,17 +178,6 @@ def test_every_control_says_of_what(page: Any, files: Path) -> None:
     ]  # fmt: skip
     labels = page.locator("aside label:not(.drop), #trace-section label").all_inner_texts()
     assert len(set(labels)) == len(labels) > 20
-
-
-def test_every_word_is_there_in_each_language() -> None:
-    folder = Path(al.__file__).parent / "web" / "static"
-    texts = {path.name: path.read_text("utf-8") for path in folder.iterdir() if not path.name.startswith("plotly")}
-    rows = dict(re.findall(r"^  (\w+): \[(.*)\],$", texts.pop("words.js"), re.MULTILINE))
-    assert len(rows) > 100
-    assert {key: row for key, row in rows.items() if len(re.findall(r'"[^"]+"', row)) != 3} == {}
-    asked = re.findall(r'\bt\("(\w+)"\)|data-(?:word|label)="(\w+)"', "".join(texts.values()))
-    assert len(asked) > 80
-    assert {one or other for one, other in asked} <= rows.keys()
 
 
 @pytest.mark.parametrize(

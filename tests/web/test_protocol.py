@@ -7,7 +7,7 @@ import uvicorn
 from tests.rows import rows
 from uvicorn.server import ServerState
 
-from allanite.web.protocol import PATIENCE, PromptProtocol
+from allanite.web.protocol import MOST, PATIENCE, PromptProtocol
 
 WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
@@ -16,7 +16,7 @@ class Loop:
     """Keeps what is to be called later, and does nothing by itself."""
 
     def __init__(self):
-        self.calls, self.work = {}, []
+        self.calls, self.work, self.now = {}, [], 0.0
 
     def call_later(self, delay, act):
         handle = Call(self, act)
@@ -29,6 +29,10 @@ class Loop:
 
     def get_debug(self):
         return False
+
+    def time(self):
+        self.now += 1.0
+        return self.now
 
     def pass_time(self):
         """What was to be called by now."""
@@ -70,11 +74,17 @@ async def answered(scope, receive, send):
     await send({"type": "http.response.body", "body": b""})
 
 
+def connected(loop, state):
+    """A connection to a server in this state."""
+    protocol, transport = PromptProtocol(uvicorn.Config(answered, ws="none"), state, {}, _loop=loop), Transport()
+    protocol.connection_made(transport)
+    return protocol, transport
+
+
 @pytest.fixture
 def connection():
-    loop, transport = Loop(), Transport()
-    protocol = PromptProtocol(uvicorn.Config(answered, ws="none"), ServerState(), {}, _loop=loop)
-    protocol.connection_made(transport)
+    loop = Loop()
+    protocol, transport = connected(loop, ServerState())
     yield protocol, loop, transport
     for work in loop.work:
         work.close()
@@ -82,9 +92,8 @@ def connection():
 
 @rows("sent", [b"", b"GET / HT", WHOLE[:-2], b"POST / HTTP/1.1\r\nHost: a\r\nX: "])
 def test_half_a_request_is_closed(sent):
-    loop, transport = Loop(), Transport()
-    protocol = PromptProtocol(uvicorn.Config(answered, ws="none"), ServerState(), {}, _loop=loop)
-    protocol.connection_made(transport)
+    loop = Loop()
+    protocol, transport = connected(loop, ServerState())
     for k in range(len(sent)):  # bytes that come one by one do not put it off
         protocol.data_received(sent[k : k + 1])
     assert len(loop.calls) == 1
@@ -110,3 +119,13 @@ def test_half_of_the_next_request_is_closed_too(connection):
     assert list(loop.calls.values()) == [PATIENCE]
     loop.pass_time()
     assert transport.closed
+
+
+def test_of_too_many_connections_the_oldest_that_asks_for_nothing_is_closed():
+    loop, state = Loop(), ServerState()
+    many = [connected(loop, state) for _ in range(MOST)]
+    many[0][0].data_received(WHOLE)
+    many += [connected(loop, state) for _ in range(3)]
+    assert all(transport.closed for _, transport in many[1:4])
+    assert not any(transport.closed for _, transport in [many[0], *many[4:]])
+    loop.work.pop().close()

@@ -24,7 +24,7 @@ from .access import Door
 from .api import application
 from .filing import open_file
 from .jobs import Jobs
-from .protocol import PromptProtocol
+from .protocol import AT_ONCE, PromptProtocol
 from .store import Store, private_folder
 
 HOST = "127.0.0.1"
@@ -105,7 +105,7 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
     door = app.state.door = Door(app, port=port)
     server = uvicorn.Server(
         uvicorn.Config(door, http=PromptProtocol, ws="none", log_level="error", access_log=False, lifespan="off",
-                       timeout_graceful_shutdown=1, server_header=False)
+                       backlog=AT_ONCE, timeout_graceful_shutdown=1, server_header=False)
     )  # fmt: skip
     with draft(store.folder / ADDRESS, force=True) as part:
         part.chmod(0o600)
@@ -172,7 +172,7 @@ def listen(port: int) -> socket.socket:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((HOST, port))
-        found.listen(128)
+        found.listen(AT_ONCE)
     except OSError as error:
         found.close()
         words = f"{port} cannot be used ({error.strerror}); give another, or 0 for any that is free"
