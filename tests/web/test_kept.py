@@ -14,9 +14,12 @@ import numpy as np
 import pytest
 from tests.rows import rows
 
+import allanite as al
 from allanite.core.errors import UsageError
-from allanite.web.jobs import EVENTS, Live
+from allanite.web.held import Held
+from allanite.web.jobs import EVENTS, Jobs, Live
 from allanite.web.server import serve
+from allanite.web.store import FullError, MissingError, Store
 
 from .served import WAIT, Client, served, waiting_job
 
@@ -128,50 +131,70 @@ def test_a_damaged_state_is_set_aside_and_the_rest_is_served(tmp_path, file):
             assert sum(name in note for note in notes) == 1
             assert client.get(f"/api/workspaces/{name}").status_code == 404
         assert all("state.json.damaged" in note for note in notes)
+        for one in client.get("/api/tables").json()["first"]["aside"]:
+            assert client.http.delete(f"/api/workspaces/{one['id']}").status_code == 200
+        assert not any((kept(tmp_path) / name).exists() for name in names[:-1])
     assert (foreign / "state.json").read_text() == "{}"
 
 
-def test_damaged_work_is_named_at_every_start_and_can_be_deleted(tmp_path, file):
-    with served(tmp_path) as (_, link), Client(link) as client:
-        name = client.workspace()
-        client.upload(name, file)
-    damage(kept(tmp_path) / name, "no jobs")
+def arrive(store, workspace, size):
+    """An upload of so many bytes."""
+    with store.arriving(workspace, "a.csv") as (file, path):
+        store.measure()
+        store.reserve(file, size)
+        path.write_bytes(b"1" * size)
+        file["bytes"] = size
+
+
+def test_damaged_work_is_named_at_every_start_and_can_be_deleted(tmp_path):
+    store = Store(tmp_path, limit=MB, quota=40_000)
+    name = store.new()["id"]
+    arrive(store, name, 30_000)
+    damage(tmp_path / name, "no jobs")
     for _ in range(2):  # the second time it has its other name already
-        with served(tmp_path, "--quota", "40kB") as (_, link), Client(link) as client:
-            (aside,) = client.get("/api/tables").json()["first"]["aside"]
-            assert aside["id"] == name
-            assert aside["bytes"] > file.stat().st_size
-            workspace = client.workspace()
-            path = f"/api/workspaces/{workspace}/files"
-            large = b"1" * (40_000 - file.stat().st_size)
-            assert client.http.post(path, params={"name": "a"}, content=large).status_code == 413
-            client.http.delete(f"/api/workspaces/{workspace}")
-    with served(tmp_path, "--quota", "40kB") as (_, link), Client(link) as client:
-        assert client.http.delete(f"/api/workspaces/{name}").status_code == 200
-        assert client.http.delete(f"/api/workspaces/{name}").status_code == 404
-        assert client.get("/api/tables").json()["first"]["aside"] == []
-        path = f"/api/workspaces/{client.workspace()}/files"
-        assert client.http.post(path, params={"name": "a"}, content=large).status_code == 200
-        assert not (kept(tmp_path) / name).exists()
+        store = Store(tmp_path, limit=MB, quota=40_000)
+        (aside,) = store.aside()
+        assert aside["id"] == name
+        assert 30_000 < aside["bytes"] == 40_000 - store.room() < 31_000
+        workspace = store.new()["id"]
+        with pytest.raises(FullError):
+            arrive(store, workspace, 20_000)
+        store.remove(workspace)
+    Jobs(store).forget(name)
+    store.remove(name)
+    with pytest.raises(MissingError):
+        store.remove(name)
+    assert store.aside() == []
+    assert store.room() == 40_000
+    arrive(store, store.new()["id"], 20_000)
+
+
+class Heard:
+    """A connection that keeps what is said of traces."""
+
+    def __init__(self):
+        self.problems = []
+
+    def send(self, message):
+        kind, data = message
+        if kind == "trace":
+            self.problems.append(data["problem"])
 
 
 def test_the_quota_holds_for_the_trace_of_a_file_that_is_opened(tmp_path):
-    recipe, statuses = {"rate": 100, "unit": "deg/s"}, []
-    with served(tmp_path, "--quota", "300kB") as (_, link), Client(link) as client:
-        workspace = client.workspace()
-        for size, option in ((100_000, "quota"), (25_000, None)):
-            path = tmp_path / f"{size}.npy"
-            np.save(path, np.random.default_rng(2).normal(size=size))
-            opened = client.post(f"/api/workspaces/{workspace}/open", {"path": str(path)}).json()["id"]
-            events = list(client.events(client.begin(workspace, "info", [opened], recipe)))
-            assert [(data["problem"] or {}).get("option") for kind, data in events if kind == "trace"] == [option]
-            assert events[-1][0] == "done"
-            statuses.append(client.get(f"/api/files/{opened}/trace").status_code)
-        assert statuses == [400, 200]
-        taken = sum(path.stat().st_size for path in kept(tmp_path).rglob("*") if path.is_file())
-        assert taken <= 300_000
-        answer = client.http.post(f"/api/workspaces/{workspace}/files", params={"name": "a"}, content=b"1234")
-        assert answer.status_code == 200
+    held = Held(Heard())
+    held.room, held.quota, held.files = 300_000, 300_000, {}
+    recipe = al.Recipe(rate=100, unit="deg/s")
+    for size in (50_000, 100_000, 10_000):
+        path, place = tmp_path / f"{size}.npy", tmp_path / f"trace of {size}"
+        np.save(path, np.random.default_rng(2).normal(size=size))
+        place.mkdir()
+        held.files[str(path)] = ("id", str(place), path.name)
+        assert held.source(str(path), recipe)[0].size == size
+    assert [problem and problem["option"] for problem in held.connection.problems] == [None, "quota", None]
+    assert sorted(path.parent.name for path in tmp_path.rglob("trace")) == ["trace of 10000", "trace of 50000"]
+    taken = sum(path.stat().st_size for path in tmp_path.rglob("trace/*"))
+    assert 240_000 < taken <= 300_000 - held.room + 4000
 
 
 PARTS = ["value.json", "shown.json", "meta.json", "0.0.npy"]

@@ -127,8 +127,9 @@ class Held:
     def _traced(self, path: str, key: str, recording: Recording, raw: Sequence[str] = ()) -> None:
         if path in self.files:
             file, folder, _ = self.files[path]
-            self.room = trace.build(Path(folder), recording, key, raw, room=self.room)
-            full = problem_of(overfull(self.quota)) if self.room < 0 else None
+            rest = trace.build(Path(folder), recording, key, raw, room=self.room)
+            self.room = self.room if rest is None else rest
+            full = problem_of(overfull(self.quota)) if rest is None else None
             self.send("trace", {"file": file, "problem": full})
 
     def send(self, kind: str, data: Answer) -> None:

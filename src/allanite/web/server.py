@@ -87,7 +87,11 @@ def _lock(folder: Path) -> IO[bytes] | None:
         raise FileExistsError(errno.EEXIST, "not a file", str(path))
     held = locked(path)
     if held is not None:
-        (folder / ADDRESS).unlink(missing_ok=True)
+        try:
+            (folder / ADDRESS).unlink(missing_ok=True)
+        except OSError:
+            held.close()
+            raise
     return held
 
 

@@ -42,11 +42,11 @@ Array = NDArray[Any]
 
 def build(
     folder: Path, recording: Recording, key: str, raw: Sequence[str] = (), *, room: float = math.inf
-) -> float:  # fmt: skip
+) -> float | None:  # fmt: skip
     """Write the trace of a recording that was read with the choices `key`; the one before it is replaced.
 
-    `raw` are the choices that are not known yet, unit or rate: numbers are shown as they are, or by their count. Where
-    it would take more than `room` bytes, it is not written. Gives the bytes that are left.
+    `raw` are the choices that are not known yet, unit or rate: numbers are shown as they are, or by their count. Gives
+    the bytes that are left of `room`; where they are not enough, nothing is written, and the answer is None.
     """
     place = folder / "trace"
     if _meta(place).get("key") == key:
@@ -55,7 +55,7 @@ def build(
     room -= sum(BYTES * record.size for record in recording)
     if room < 0:
         shutil.rmtree(place, ignore_errors=True)
-        return room
+        return None
     draft = folder / "trace.part"
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(mode=0o700)
