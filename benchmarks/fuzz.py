@@ -376,7 +376,7 @@ class Target(NamedTuple):
 
 INPUTS = dict.fromkeys(("manifest.csv", "manifest.txt", "recipe.toml"), (1000, text_of))
 INPUTS |= {"stream": (200, stream), "call": (10_000, calls)}
-KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy", "session")
+KEPT = ("state.json", "meta.json", "value.json", "shown.json", "0.0.npy")
 """Files that the page keeps, by the end of their name."""
 
 TARGETS = {

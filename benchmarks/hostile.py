@@ -56,7 +56,7 @@ def value(rng: random.Random, deep: int = 3):
 
 SOUND = {
     "channel": "gx", "statistic": "hdev", "lang": "ru", "form": "coefficients", "points": "50", "from": "1", "to": "9",
-    "inline": "1", "dark": "0", "name": "a.csv",
+    "dark": "0", "name": "a.csv",
 }  # fmt: skip
 """Parameters of a query that can be answered."""
 
@@ -182,7 +182,6 @@ class Page:
                 return f"{path}: {answer.status_code} {answer.text[:300]}"
             if path in ("/api/workspaces", "/api/tables") and answer.status_code != 200:
                 return f"{path}: {answer.status_code}"
-        self.store.session()
         return ""
 
 
@@ -200,7 +199,6 @@ def requests(opened: Page, runner: asyncio.Runner) -> Callable[[int], object]:
 
 def damage(opened: Page, runner: asyncio.Runner, name: str) -> Callable[[int], object]:
     """What opens a copy of a sound folder in which a file, named by its end, has damage k."""
-    opened.store.session()
     sound, copy = Path(shutil.copytree(opened.store.folder, "sound")), Path("copy")
 
     def take(k: int) -> None:

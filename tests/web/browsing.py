@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-needed = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
-SUITE = [needed, pytest.mark.slow("the whole suite of the page in a browser")]
-"""Marks of its modules but the story."""
+SUITE = pytest.mark.nightly("the page in a browser")
+"""Mark of every module that drives the browser, but those of one story and of who may come in."""
 
 AXE = Path(__file__).with_name("axe.min.js")
 
@@ -42,8 +41,12 @@ def finished(page: Any, text: str) -> None:
 
 
 def state(page: Any) -> dict[str, Any]:
-    ask = "fetch('/api/workspaces/' + location.hash.slice(1)).then((r) => r.json())"
-    return page.evaluate(ask)
+    return page.evaluate("import('/api.js').then((api) => api.workspace(location.hash.slice(1)))")
+
+
+def kept(page: Any) -> None:
+    """Wait until the choices are kept by the server."""
+    page.wait_for_selector("body[data-kept=yes]")
 
 
 def saved(page: Any, form: str) -> str:

@@ -1,5 +1,7 @@
 """What the tests of the page share: one server and one browser a session, and a client of the server of a module."""
 
+import importlib.util
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -25,13 +27,16 @@ def client(link):
 @pytest.fixture(scope="session")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """The link that opens the page, once."""
-    with served(tmp_path_factory.mktemp("cache")) as (_, link):
+    with served(tmp_path_factory.mktemp("cache"), waiting=True) as (_, link):
         yield link
 
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
-    api = pytest.importorskip("playwright.sync_api", reason="the stories of the page need playwright")
+    api = importlib.util.find_spec("playwright") and importlib.import_module("playwright.sync_api")
+    if api is None or CHROMIUM is None:
+        words = "the page in a browser was not tried: Playwright or Chromium is not installed"
+        pytest.fail(words) if os.environ.get("ALLANITE_CI") == "1" else pytest.skip(words)
     with api.sync_playwright() as play:
         one = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         yield one
@@ -49,7 +54,9 @@ def context(browser: Any, address: str) -> Iterator[Any]:
     one.on("weberror", lambda error: one.broken.append(str(error.error)))
     first = one.new_page()
     first.goto(address)
+    first.wait_for_selector("body[data-ready=true]")
     one.address = first.url.partition("#")[0]
+    one.secret = first.evaluate("localStorage.getItem('secret')")
     first.close()
     yield one
     one.close()
@@ -63,10 +70,11 @@ def outside(context: Any, url: str) -> None:
 @pytest.fixture
 def page(context: Any) -> Iterator[Any]:
     """The page with nothing in it."""
-    made = context.request.post(f"{context.address}api/workspaces", headers={"Origin": context.address.rstrip("/")})
+    own = {"Origin": context.address.rstrip("/"), "Authorization": f"Bearer {context.secret}"}
+    made = context.request.post(f"{context.address}api/workspaces", headers=own)
     assert made.ok, made.text()
     one = context.new_page()
-    one.add_init_script("localStorage.clear()")
+    one.add_init_script("for (const key of ['lang', 'workspace']) localStorage.removeItem(key)")
     one.goto(f"{context.address}#{made.json()['id']}")
     one.wait_for_selector("body[data-ready=true]")
     yield one

@@ -6,16 +6,21 @@ import signal
 import subprocess
 import sys
 from contextlib import contextmanager
+from pathlib import Path
 
 import httpx
 
 WAIT = 120.0
+"""Seconds after which something that should come does not come any more."""
+
+PLUGIN = Path(__file__).with_name("plugin")
+"""Where the format of `waiting_job` is installed, for a server that is `waiting`."""
 
 
 @contextmanager
-def served(folder, *arguments):
+def served(folder, *arguments, waiting=False):
     """A server whose cache is in `folder`; gives its process and the link that it prints."""
-    environment = os.environ | {"XDG_CACHE_HOME": str(folder)}
+    environment = os.environ | {"XDG_CACHE_HOME": str(folder)} | ({"PYTHONPATH": str(PLUGIN)} if waiting else {})
     process = subprocess.Popen(
         [sys.executable, "-m", "allanite.cli", "serve", "--no-browser", *map(str, arguments)],
         env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
@@ -25,24 +30,24 @@ def served(folder, *arguments):
     finally:
         process.send_signal(signal.SIGINT)
         try:
-            process.wait(20)
+            process.wait(WAIT)
         except subprocess.TimeoutExpired:
             process.kill()
-            raise
-        finally:
-            process.stdout.close()
-            process.stderr.close()
+        process.stdout.close()
+        process.stderr.close()
 
 
 class Client:
     """What the page does, without a browser."""
 
     def __init__(self, link, enter=True):
-        self.link, self.base = link, link.partition("/?")[0]
+        self.link = link
+        self.base, _, self.token = link.partition("/#token=")
         self.http = httpx.Client(base_url=self.base, headers={"Origin": self.base}, timeout=WAIT, trust_env=False)
         if enter:
-            answer = self.http.get(link)
-            assert answer.status_code == 303, answer.text
+            answer = self.exchange()
+            assert answer.status_code == 200, answer.text
+            self.hold(answer.json()["secret"])
 
     def __enter__(self):
         return self
@@ -50,10 +55,23 @@ class Client:
     def __exit__(self, *_):
         self.http.close()
 
+    @property
+    def secret(self):
+        """What was given for the token."""
+        return self.http.headers["Authorization"].removeprefix("Bearer ")
+
+    def exchange(self):
+        """The answer to the token of the link."""
+        return self.http.post("/api/enter", headers={"Authorization": f"Bearer {self.token.partition('&')[0]}"})
+
+    def hold(self, secret):
+        """Send a secret with every request from now on."""
+        self.http.headers["Authorization"] = f"Bearer {secret}"
+
     def again(self):
-        """A client that has the cookie of this one."""
+        """A client that has the secret of this one."""
         other = Client(self.link, enter=False)
-        other.http.cookies = self.http.cookies
+        other.hold(self.secret)
         return other
 
     def get(self, path, **query):
@@ -94,3 +112,23 @@ class Client:
         """A job to its end: its id, and its last event."""
         job = self.begin(workspace, verb, files, recipe, **extra)
         return job, list(self.events(job))[-1]
+
+
+def waiting_file(folder):
+    """A pipe, and a file that is read until the pipe is opened and closed."""
+    pipe, path = folder / "pipe", folder / "waiting.dat"
+    os.mkfifo(pipe)
+    path.write_text(f"WAIT {pipe}\n", encoding="utf-8")
+    return pipe, path
+
+
+@contextmanager
+def waiting_job(client, folder, workspace=None):
+    """A job that goes on until it is cancelled or the context ends: its workspace and id; it has begun to read."""
+    pipe, path = waiting_file(folder)
+    workspace = workspace or client.workspace()
+    file = client.post(f"/api/workspaces/{workspace}/open", {"path": str(path)}).json()["id"]
+    job = client.begin(workspace, "info", [file])
+    with open(pipe, "wb"):  # once the job has opened the other end
+        next(client.events(job))
+        yield workspace, job

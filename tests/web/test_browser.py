@@ -11,11 +11,8 @@ import pytest
 
 import allanite as al
 
-from .browsing import AXE, PATIENCE, SUITE, curves, drag, drop, finished, saved, state, written
-from .served import served
-
-pytest.importorskip("playwright.sync_api", reason="the stories of the page need playwright")
-pytest.importorskip("fastapi", reason="the page needs allanite[web]")
+from .browsing import AXE, PATIENCE, SUITE, curves, drag, drop, finished, kept, saved, state, written
+from .served import served, waiting_file
 
 pytestmark = SUITE
 
@@ -30,23 +27,15 @@ def test_a_channel_without_a_name_has_its_curve(page: Any, tmp_path: Path) -> No
     curves(page)
 
 
-def test_a_first_curve_comes_before_the_fit(page: Any, tmp_path: Path) -> None:
-    path = tmp_path / "long.npy"
-    np.save(path, np.random.default_rng(6).normal(size=3_000_000))
-    page.evaluate(
-        """() => new MutationObserver((seen) => {
-            const plot = document.querySelector("#curve-plot");
-            const only = plot.dataset.early !== undefined && plot.dataset.curves === undefined;
-            if (only) document.body.dataset.before = "yes";
-        }).observe(document.querySelector("#curve-plot"), {attributes: true})"""
-    )
+def test_a_first_curve_is_drawn_before_the_fit(page: Any, tmp_path: Path) -> None:
+    path = tmp_path / "plain.npy"
+    np.save(path, np.random.default_rng(6).normal(size=30_000))
     drop(page, path)
     page.get_by_test_id("error-rate").wait_for()
     page.get_by_test_id("option-rate").fill("1000")
     page.get_by_test_id("option-rate").press("Enter")
     page.get_by_test_id("unit-deg/s").click()
     curves(page)
-    assert page.locator("body").get_attribute("data-before") == "yes"
     assert page.locator("#curve-plot").get_attribute("data-early") == "column 1"
 
 
@@ -170,7 +159,7 @@ def test_work_is_restored_after_a_reload(page: Any, six: Path) -> None:
     page.get_by_test_id("statistic").select_option("mdev")
     page.get_by_test_id("over").nth(1).check()
     curves(page, 2)
-    page.wait_for_timeout(500)
+    kept(page)
     page.reload()
     curves(page, 2)
     page.wait_for_selector("#curve-plot[data-statistic=mdev]")
@@ -192,16 +181,37 @@ def test_two_records_are_compared(page: Any, tmp_path: Path) -> None:
 
 
 def test_a_job_is_cancelled(page: Any, tmp_path: Path) -> None:
-    path = tmp_path / "long.npy"
-    np.save(path, np.random.default_rng(3).normal(size=(3_000_000,)))
-    drop(page, path)
-    page.get_by_test_id("error-rate").wait_for()
-    page.get_by_test_id("option-rate").fill("1000")
-    page.get_by_test_id("option-rate").press("Enter")
-    page.get_by_test_id("unit-deg/s").click()
-    page.get_by_test_id("cancel").click()
-    page.wait_for_selector("#progress[hidden]", state="attached")
-    assert state(page)["jobs"][-1]["state"] == "cancelled"
+    pipe, path = waiting_file(tmp_path)
+    page.get_by_test_id("open-path").fill(str(path))
+    page.get_by_test_id("open").click()
+    with open(pipe, "wb"):  # once the job has begun to read
+        page.get_by_test_id("cancel").click()
+        page.wait_for_selector("#progress[hidden]", state="attached")
+        assert state(page)["jobs"][-1]["state"] == "cancelled"
+
+
+def test_a_stream_of_reports_that_breaks_off_is_taken_up_again(page: Any, six: Path) -> None:
+    broken = []
+
+    def once(route: Any) -> None:
+        route.continue_() if broken else (broken.append(route.request.url), route.abort())
+
+    page.route("**/events", once)
+    drop(page, six)
+    page.get_by_text("Waiting for the server").wait_for()
+    curves(page)
+    assert len(broken) == 1
+
+
+def test_who_has_no_secret_is_told_where_the_link_is(browser: Any, context: Any) -> None:
+    stranger = browser.new_page()
+    for place in ("", "#token=used"):
+        stranger.goto(f"{context.address}{place}")
+        stranger.reload()
+        stranger.wait_for_selector("body[data-ready=false]")
+        assert "allanite serve" in stranger.get_by_test_id("problem").inner_text()
+        assert stranger.get_by_test_id("choose-file").is_hidden()
+    stranger.close()
 
 
 def test_hostile_names_stay_text(page: Any, bare: Path) -> None:
@@ -232,8 +242,7 @@ def test_everything_often_done_has_a_key(page: Any, six: Path) -> None:
     assert page.locator("html").get_attribute("data-theme") == "dark"
 
 
-@pytest.mark.parametrize("width", [1280, 390])
-@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize(("width", "theme"), [(1280, "light"), (390, "dark")])
 def test_no_serious_barrier_and_nothing_wider_than_the_screen(page: Any, six: Path, width: int, theme: str) -> None:
     page.emulate_media(color_scheme=theme)
     page.set_viewport_size({"width": width, "height": 844})
@@ -270,14 +279,11 @@ def test_a_server_that_was_killed_comes_back_with_the_work(browser: Any, six: Pa
         curves(one)
         one.get_by_test_id("statistic").select_option("mdev")
         one.wait_for_selector("#curve-plot[data-statistic=mdev]")
-        one.wait_for_timeout(500)
-        workspace = one.url.partition("#")[2]
+        kept(one)
         first.kill()
         first.wait()
     with served(tmp_path) as (_, link):
         one.goto(link)
-        one.wait_for_selector("body[data-ready=true]")
-        one.goto(f"{one.url.partition('#')[0]}#{workspace}")
         one.wait_for_selector("#curve-plot[data-statistic=mdev]")
         assert one.get_by_test_id("file").inner_text() == "six.csv"
     one.close()

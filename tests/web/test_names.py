@@ -11,7 +11,6 @@ import allanite as al
 
 from .browsing import SUITE, curves
 
-api = pytest.importorskip("playwright.sync_api", reason="the stories of the page need playwright")
 pytestmark = SUITE
 
 HIT = "window.hit=(window.hit||0)+1;document.title='broken';alert(1)"
@@ -95,7 +94,7 @@ def test_names_are_text_wherever_they_are_clicked(page: Any, stored: Path, width
     for target in page.get_by_test_id("target").locator("option").evaluate_all("(all) => all.map((one) => one.value)"):
         page.get_by_test_id("target").select_option(target)
         page.get_by_test_id("export").click()
-    page.wait_for_timeout(1000)
+        page.wait_for_selector("#exported[aria-busy=false]")
     for summary in page.locator("summary").all():
         if summary.is_visible():  # one within another that was open is closed with it
             summary.click()

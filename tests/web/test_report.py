@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.rows import paired
 
 import allanite as al
 from allanite.reporting.fonts import FontWarning
@@ -55,9 +56,7 @@ def test_a_channel_and_the_summary_have_two_screens_each(opened: Any, lang: str)
     assert max(heights) <= 2 * HIGH, heights
 
 
-@pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize("width", [1280, 390])
-@pytest.mark.parametrize("lang", ["en", "ru", "zh"])
+@pytest.mark.parametrize(("lang", "width", "theme"), paired(("en", "ru", "zh", "en"), (1280, 390), ("light", "dark")))
 def test_no_barrier_and_nothing_beyond_the_screen(opened: Any, lang: str, width: int, theme: str) -> None:
     page = opened(lang, width, theme)
     page.evaluate("document.querySelectorAll('details').forEach((part) => { part.open = true })")

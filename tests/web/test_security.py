@@ -2,22 +2,22 @@
 
 import http.client
 import importlib.util
-import os
 import re
 import socket
 import stat
+from itertools import product
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests import ROOT, thinned
+from tests import ROOT
+from tests.rows import rows
 
 from allanite.cli import main
 from allanite.cli.front import EXCEEDED
-from allanite.core.errors import UsageError
 from allanite.reporting.digits import printable
-from allanite.web.access import Door
-from allanite.web.store import Store
+from allanite.web.access import AGE, LINKS, Door
+from allanite.web.api import ROUTES
 
 from .served import Client, served
 
@@ -52,11 +52,6 @@ def raw(link, method, path, **headers):
     return answer
 
 
-def entered(client):
-    """The header of a cookie that is valid."""
-    return "; ".join(f"{cookie.name}={cookie.value}" for cookie in client.http.cookies.jar)
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_it_listens_at_this_machine_alone(client, link):
     _, port = address(link)
@@ -67,50 +62,88 @@ def test_it_listens_at_this_machine_alone(client, link):
         assert other.connect_ex(("::1", port)) != 0
 
 
-def test_nothing_is_answered_without_the_token(client, link):
+def test_nothing_is_answered_without_the_secret(client, link):
+    """By no route: with nothing, with a guess, or with what browsers send by themselves."""
+    cookie = {"Cookie": f"secret={client.secret}; allanite_{address(link)[1]}={client.secret}"}
+    values = ("", "Bearer", "Bearer guess", f"Basic {client.secret}")
+    given = [{}, cookie, *({"Authorization": value} for value in values)]
     with Client(link, enter=False) as stranger:
-        _refused(stranger)
+        for route, (method, _) in ROUTES.items():
+            path = re.sub(r"\{.*?\}", "x", route.partition(" ")[2])
+            assert stranger.http.request(method, path).status_code == (200 if path == "/report.css" else 401), path
+        for method, headers in product(("GET", "POST"), given):
+            answer = stranger.http.request(method, "/api/workspaces", headers=headers)
+            assert answer.status_code == 401, (method, headers)
+        assert "open the link that allanite serve prints" in answer.json()["error"]
+        assert client.secret not in stranger.get("/").text
 
 
-def _refused(stranger):
-    for path in ("/", "/index.html", "/report.css", "/api/tables", "/api/workspaces", "/docs", "/openapi.json"):
-        answer = stranger.get(path)
-        assert answer.status_code == 401, path
-        assert "open the link that allanite serve prints" in answer.text
-    assert stranger.http.get("/?token=guess").status_code == 403
-    assert stranger.http.get("/api/tables", headers={"Cookie": "allanite=guess"}).status_code == 401
-
-
-def test_the_token_opens_once_and_the_cookie_is_for_this_page(client, link):
+def test_a_link_opens_once(client, link):
     with Client(link, enter=False) as other:
-        assert other.http.get(link).status_code == 403
-    assert client.get("/").status_code == 200
-    (cookie,) = client.http.cookies.jar
-    assert cookie.has_nonstandard_attr("HttpOnly")
-    assert cookie.get_nonstandard_attr("SameSite").lower() == "strict"
+        assert other.exchange().status_code == 403
+        other.token = other.token[:-1]
+        assert other.exchange().status_code == 403
+        assert other.http.post("/api/enter").status_code == 403
+    assert client.exchange().status_code == 403
+    assert not client.http.cookies.jar
+    again = client.post("/api/link").json()["link"]
+    with Client(again) as other:
+        assert other.secret == client.secret
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1", "127.0.0.1.evil.example", ""])
+def test_links_are_few_and_grow_old():
+    now = [0.0]
+    door = Door(None, port=1, clock=lambda: now[0])
+    links = [door.link() for _ in range(1000)]
+    assert len(set(links)) == 1000
+    assert list(door.tokens) == [link.partition("token=")[2] for link in links[-LINKS:]]
+    now[0] = AGE / 2
+    newer = door.link()
+    now[0] = AGE
+    last = door.link()
+    assert list(door.tokens) == [link.partition("token=")[2] for link in (newer, last)]
+
+
+@pytest.mark.slow("two servers, one after the other")
+def test_a_secret_ends_with_its_server(tmp_path):
+    """The next one has another, and so has that of another user; what a killed one has left opens nothing."""
+    with served(tmp_path) as (process, link), Client(link) as one:
+        ended, (left,) = one.secret, tmp_path.rglob("address")
+        kept = left.read_bytes()
+        assert ended.encode() in kept
+        process.kill()
+        process.wait()
+    with served(tmp_path) as (_, link), Client(link) as other:
+        assert left.read_bytes() != kept
+        assert other.secret != ended
+        other.hold(ended)
+        assert other.get("/api/workspaces").status_code == 401
+        assert other.post("/api/workspaces").status_code == 401
+    assert not left.exists()
+    assert not [path for path in tmp_path.rglob("*") if path.is_file() and ended.encode() in path.read_bytes()]
+
+
+@rows("host", ["evil.example", "evil.example:80", "127.0.0.1", "127.0.0.1.evil.example", ""])
 def test_another_host_is_refused(client, link, host):
-    cookie = entered(client)
-    assert raw(link, "GET", "/api/tables", Host=host, Cookie=cookie).status == 421
+    authorization = client.http.headers["Authorization"]
+    assert raw(link, "GET", "/api/tables", Host=host, Authorization=authorization).status == 421
     own = "{}:{}".format(*address(link))
-    assert raw(link, "GET", "/api/tables", Host=own, Cookie=cookie).status == 200
+    assert raw(link, "GET", "/api/tables", Host=own, Authorization=authorization).status == 200
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "", "https://127.0.0.1", "http://127.0.0.1:1"])
+@rows("origin", ["http://evil.example", "null", "", "https://127.0.0.1", "http://127.0.0.1:1"])
 def test_another_origin_changes_nothing(client, link, origin):
     before = client.get("/api/workspaces").json()
     answer = client.http.post("/api/workspaces", json={}, headers={"Origin": origin})
     assert answer.status_code == 403
-    own = "{}:{}".format(*address(link))
-    assert raw(link, "POST", "/api/workspaces", Host=own, Cookie=entered(client)).status == 403
+    own, authorization = "{}:{}".format(*address(link)), client.http.headers["Authorization"]
+    assert raw(link, "POST", "/api/workspaces", Host=own, Authorization=authorization).status == 403
     assert client.get("/api/workspaces").json() == before
 
 
-@pytest.mark.parametrize("path", ["/", "/api/tables", "/nothing", "/api/jobs/x", "/?token=x"])
+@rows("path", ["/", "/api/tables", "/nothing", "/api/jobs/x", "/api/enter"])
 def test_every_answer_has_the_headers(client, path):
-    answer = client.get(path) if "?" not in path else client.http.get(path)
+    answer = client.get(path)
     policy = dict(part.split(maxsplit=1) for part in answer.headers["content-security-policy"].split("; "))
     assert policy["default-src"] == "'self'"
     assert "unsafe" not in answer.headers["content-security-policy"]
@@ -125,27 +158,7 @@ def test_files_are_of_this_user_alone(client, folder):
     client.workspace()
     store = folder / "allanite" / "serve"
     assert stat.S_IMODE(store.stat().st_mode) == 0o700
-    assert stat.S_IMODE((store / "session").stat().st_mode) == 0o600
-
-
-@pytest.mark.parametrize("left", [b"", b"short", b"x" * 42 + b"\n"])
-def test_what_an_interrupted_start_leaves_is_no_secret(tmp_path, left):
-    """An empty file once made the missing cookie of any user of the machine the right one."""
-    (tmp_path / "session").write_bytes(left)
-    (tmp_path / "session").chmod(0o600)
-    store = Store(tmp_path, limit=1, quota=1)
-    made = store.session()
-    assert len(made) == 43
-    assert (store.session(), stat.S_IMODE((tmp_path / "session").stat().st_mode)) == (made, 0o600)
-    with pytest.raises(ValueError, match="at least 32 characters"):
-        Door(None, port=1, session="")
-
-
-def test_a_start_on_a_full_disk_leaves_no_session(tmp_path, monkeypatch):
-    monkeypatch.setattr(os, "fsync", lambda _: (_ for _ in ()).throw(OSError(28, "No space left on device")))
-    with pytest.raises(UsageError, match="No space left"):
-        Store(tmp_path, limit=1, quota=1).session()
-    assert not list(tmp_path.iterdir())
+    assert stat.S_IMODE((store / "address").stat().st_mode) == 0o600
 
 
 def test_an_upload_beyond_the_limit_is_refused_and_leaves_nothing(client, folder):
@@ -178,17 +191,18 @@ def test_the_quota_is_kept_and_room_is_made_by_deleting(client):
     assert client.http.delete(f"/api/workspaces/{workspace}").status_code == 200
 
 
-@pytest.mark.parametrize(
+@rows(
     "path",
     ["/../../../etc/passwd", "/%2e%2e/%2e%2e/%2e%2e/etc/passwd", "/..%2f..%2f..%2fetc%2fpasswd", "/static/../door.py",
      "/%2e%2e/door.py", "/..\\door.py", "//etc/passwd"],
 )  # fmt: skip
 def test_no_path_leads_out_of_the_page(client, link, path):
-    answer = raw(link, "GET", path, Host="{}:{}".format(*address(link)), Cookie=entered(client))
+    authorization = client.http.headers["Authorization"]
+    answer = raw(link, "GET", path, Host="{}:{}".format(*address(link)), Authorization=authorization)
     assert answer.status == 404
 
 
-@pytest.mark.parametrize("name", ["..", "../..", "%2e%2e", "0" * 15, "0" * 16 + "/..", "0" * 16 + "-..", "x\0y"])
+@rows("name", ["..", "../..", "%2e%2e", "0" * 15, "0" * 16 + "/..", "0" * 16 + "-..", "x\0y"])
 def test_no_id_is_a_path(client, name):
     quoted = name.replace("\0", "%00").replace("/", "%2f")
     for path in (f"/api/workspaces/{quoted}", f"/api/files/{quoted}/trace", f"/api/jobs/{quoted}"):
@@ -200,35 +214,35 @@ HOSTILE = ["../../evil.csv", "/etc/passwd", "a\0b.csv", "<script>alert(1)</scrip
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", thinned(HOSTILE, 2, "every hostile name"))
-def test_names_of_files_are_words(client, folder, name):
-    workspace = client.workspace()
-    rng = np.random.default_rng(1)
-    rows = "\n".join(f"{v:.4f}" for v in rng.normal(0.0, 1.0, 2000))
-    column = "<img src=x onerror=alert(1)>"
-    data = f"{column} [deg/h]\n{rows}\n".encode()
-    answer = client.http.post(f"/api/workspaces/{workspace}/files", params={"name": name}, content=data)
-    assert answer.status_code == 200, answer.text
-    store = (folder / "allanite" / "serve").resolve()
-    written = [path for path in store.rglob("data*") if path.stat().st_size == len(data)]
-    assert written
-    assert all(path.name in ("data", "data.csv") for path in written)
+def test_names_of_files_are_words(client, folder):
+    workspace, store = client.workspace(), (folder / "allanite" / "serve").resolve()
+    values = "\n".join(f"{value:.4f}" for value in np.random.default_rng(1).normal(0.0, 1.0, 2000))
+    data = f"<img src=x onerror=alert(1)> [deg/h]\n{values}\n".encode()
+    for count, name in enumerate(HOSTILE, 1):
+        answer = client.http.post(f"/api/workspaces/{workspace}/files", params={"name": name}, content=data)
+        assert answer.status_code == 200, answer.text
+        written = [path for path in store.rglob("data*") if path.stat().st_size == len(data)]
+        assert len(written) == count
+        assert all(path.name in ("data", "data.csv") for path in written)
+        asked = {"verb": "info", "files": [answer.json()["id"]], "recipe": {"rate": 10.0, "unit": "deg/h"}}
+        begun = client.post(f"/api/workspaces/{workspace}/jobs", asked).json()
+        assert "\n" not in begun["command"]
     assert not list(folder.rglob("evil*"))
-    recipe = {"rate": 10.0, "unit": "deg/h"}
-    job, last = client.run(workspace, "info", [answer.json()["id"]], recipe)
-    found = client.get(f"/api/jobs/{job}").json()
-    assert "\n" not in found["command"]
-    for one in found.get("channels", ()):
-        assert "<img" not in one["html"]
-        assert "<script" not in one["html"]
-    if last[0] == "failed":
-        assert last[1]["exit"] in (2, 3)
     client.http.delete(f"/api/workspaces/{workspace}")
 
 
-@pytest.mark.parametrize(
-    "key", ["report", "json", "csv", "plot", "force", "recipe", "threads", "lang", "debug", "limits"]
-)
+def test_names_of_channels_are_words(client, tmp_path):
+    (tmp_path / "a.csv").write_text("<img src=x onerror=alert(1)> [deg/h]\n" + "1\n2\n4\n" * 500)
+    workspace = client.workspace()
+    job, last = client.run(workspace, "info", [client.upload(workspace, tmp_path / "a.csv")], {"rate": 10.0})
+    assert last[0] == "done"
+    (channel,) = client.get(f"/api/jobs/{job}").json()["channels"]
+    assert "<img" not in channel["html"]
+    assert "&lt;img" in channel["html"] + channel["name"].replace("<", "&lt;")
+    client.http.delete(f"/api/workspaces/{workspace}")
+
+
+@rows("key", ["report", "json", "csv", "plot", "force", "recipe", "threads", "lang", "debug", "limits"])
 def test_no_choice_writes_or_reads_another_file(client, key, tmp_path):
     workspace = client.workspace()
     target = tmp_path / "written"
@@ -248,9 +262,7 @@ def test_other_verbs_are_refused(client):
         assert answer.json()["error"].startswith("unknown job")
 
 
-@pytest.mark.parametrize(
-    "body", [b"", b"{", b"[1]", b"null", b"\xff\xfe", b'{"verb": 3, "files": 7}', b"x" * 2_000_000]
-)
+@rows("body", [b"", b"{", b"[1]", b"null", b"\xff\xfe", b'{"verb": 3, "files": 7}', b"x" * 2_000_000])
 def test_requests_that_are_no_requests_are_refused(client, body):
     workspace = client.workspace()
     answer = client.http.post(f"/api/workspaces/{workspace}/jobs", content=body)
@@ -296,8 +308,8 @@ def words(text, name):
     return printable(re.sub(rf"\S*{re.escape(name)}", name, text).strip())
 
 
-@pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize("name", thinned(DAMAGED, 1, "every damaged file"))
+@rows("name", DAMAGED)
+@pytest.mark.nightly("damaged files at the page, and at the command line")
 def test_a_damaged_file_is_answered_in_the_words_of_the_command_line(client, tmp_path, name):
     workspace, seed = client.workspace(), damaged.SEEDS[name]
     data = seed.make()

@@ -3,14 +3,12 @@
 import json
 import os
 import signal
-import socket
-import time
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests import thinned, translated
-from tests.pace import pace
+from tests import translated
+from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
@@ -18,14 +16,14 @@ from allanite.core.choices import choices_of
 from allanite.phrases.phrase import say
 from allanite.reporting.digits import printed_unit
 
-from .served import Client, served
+from .served import Client, served, waiting_job
 
 RATE = 100.0
 
 
 @pytest.fixture(scope="module")
 def link(folder):
-    with served(folder, "--limit", "3MB", "--quota", "60MB") as (_, link):
+    with served(folder, "--limit", "3MB", "--quota", "60MB", waiting=True) as (_, link):
         yield link
 
 
@@ -159,7 +157,7 @@ def test_a_file_for_a_filter_is_that_of_the_command_line(client, analyzed, file)
     assert refused.json()["error"].startswith("unknown target 'nonsense'; known targets: kalibr")
 
 
-@pytest.mark.parametrize(
+@rows(
     ("form", "begins"),
     [("report", b"<!DOCTYPE html>"), ("csv", b"channel,"), ("figure.png", b"\x89PNG"), ("coefficients", b"channel,")],
 )
@@ -171,25 +169,21 @@ def test_results_are_saved(client, analyzed, form, begins):
 
 
 @pytest.mark.slow("takes more than half a second")
-@pytest.mark.parametrize(
+@rows(
     ("recipe", "option"),
-    thinned(
-        [
-            ({}, "rate"),
-            ({"rate": RATE, "unit": "parsec"}, "unit"),
-            ({"rate": RATE, "level": 95}, "level"),
-            ({"rate": "fast"}, "rate"),
-            ({"rate": RATE, "band": "3"}, "band"),
-            ({"rate": RATE, "exclude": "60..40"}, "exclude"),
-            ({"rate": RATE, "exclude": [[100, 900]]}, None),
-            ({"rate": RATE, "terms": "XY"}, "terms"),
-            ({"rate": RATE, "channels": ["gz"]}, "channels"),
-            ({"rate": RATE, "method": "magic"}, "method"),
-            ({"rate": RATE, "start": 50, "until": 40}, None),
-        ],
-        4,
-        "every choice of the page",
-    ),
+    [
+        ({}, "rate"),
+        ({"rate": RATE, "unit": "parsec"}, "unit"),
+        ({"rate": RATE, "level": 95}, "level"),
+        ({"rate": "fast"}, "rate"),
+        ({"rate": RATE, "band": "3"}, "band"),
+        ({"rate": RATE, "exclude": "60..40"}, "exclude"),
+        ({"rate": RATE, "exclude": [[100, 900]]}, None),
+        ({"rate": RATE, "terms": "XY"}, "terms"),
+        ({"rate": RATE, "channels": ["gz"]}, "channels"),
+        ({"rate": RATE, "method": "magic"}, "method"),
+        ({"rate": RATE, "start": 50, "until": 40}, None),
+    ],
 )
 def test_bad_input_has_the_words_of_the_command_line_and_its_control(client, file, recipe, option):
     workspace = client.workspace()
@@ -218,7 +212,7 @@ def test_two_recordings_are_compared(client, file):
     assert client.get(f"/api/jobs/{job}").json()["value"]["type"] == "Comparison"
 
 
-@pytest.mark.parametrize("verb", ["spectrum", "dynamic", "deviation"])
+@rows("verb", ["spectrum", "dynamic", "deviation"])
 @pytest.mark.slow("the page without a browser, in full")
 def test_a_selection_has_its_spectrum_and_surface(client, file, verb):
     workspace = client.workspace()
@@ -245,40 +239,22 @@ def test_a_stream_is_watched_until_it_is_ended(client, tmp_path):
     assert next(term["status"] for term in terms if term["symbol"] == "N") == "identified"
 
 
-def long_job(client, tmp_path, workspace=None):
-    """A job of many seconds."""
-    path = tmp_path / "long.csv"
-    rng = np.random.default_rng(3)
-    np.savetxt(path, rng.normal(0.0, 2.0, 100_000), fmt="%.4g", header="gx [deg/h]", comments="")
-    workspace = workspace or client.workspace()
-    recipe = {"rate": RATE, "statistic": ["theo1"], "taus": "all", "bias": "exact"}
-    job = client.begin(workspace, "deviation", [client.upload(workspace, path)], recipe)
-    for kind, data in client.events(job):
-        assert kind in ("progress", "trace", "curves")
-        if kind == "progress" and data["what"].startswith("measuring"):
-            return workspace, job
-    pytest.fail("the job ended by itself")
-    return None
-
-
 @pytest.mark.slow("takes more than half a second")
 def test_a_job_is_cancelled_at_once_and_the_next_one_runs(client, file, tmp_path):
-    workspace, job = long_job(client, tmp_path)
-    begun = time.monotonic()
-    client.post(f"/api/jobs/{job}/cancel")
-    assert list(client.events(job))[-1] == ("failed", {"error": "cancelled", "option": None, "exit": 130})
-    assert time.monotonic() - begun < 3 * pace()
-    assert client.get(f"/api/jobs/{job}").json()["state"] == "cancelled"
-    _, last = client.run(workspace, "info", [client.upload(workspace, file)], {"rate": RATE})
-    assert last[0] == "done"
+    with waiting_job(client, tmp_path) as (workspace, job):
+        client.post(f"/api/jobs/{job}/cancel")
+        assert list(client.events(job))[-1] == ("failed", {"error": "cancelled", "option": None, "exit": 130})
+        assert client.get(f"/api/jobs/{job}").json()["state"] == "cancelled"
+        _, last = client.run(workspace, "info", [client.upload(workspace, file)], {"rate": RATE})
+        assert last[0] == "done"
 
 
 @pytest.mark.slow("the page without a browser, in full")
 def test_a_worker_that_is_killed_is_an_error_in_a_sentence(client, file, tmp_path):
-    workspace, job = long_job(client, tmp_path)
-    for pid in workers_of(client):
-        os.kill(pid, signal.SIGKILL)
-    kind, problem = list(client.events(job))[-1]
+    with waiting_job(client, tmp_path) as (workspace, job):
+        for pid in workers_of(client):
+            os.kill(pid, signal.SIGKILL)
+        kind, problem = list(client.events(job))[-1]
     assert kind == "failed"
     assert problem["error"].startswith("the process of this job was ended by signal 9")
     assert "--channels" in problem["error"]
@@ -332,11 +308,7 @@ def descendants(pid):
 
 @pytest.mark.slow("the page without a browser, in full")
 def test_a_server_that_is_killed_goes_on_after_a_restart(tmp_path, file):
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    with served(tmp_path, "--port", port) as (process, link):
-        client = Client(link)
+    with served(tmp_path) as (process, link), Client(link) as client:
         workspace = client.workspace()
         uploaded = client.upload(workspace, file)
         done, _ = client.run(workspace, "analyze", [uploaded], {"rate": RATE, "channels": ["gy"]})
@@ -345,9 +317,8 @@ def test_a_server_that_is_killed_goes_on_after_a_restart(tmp_path, file):
         unfinished = client.begin(workspace, "analyze", [uploaded], {"rate": RATE})
         process.kill()
         process.wait()
-        client.http.close()
-    with served(tmp_path, "--port", port), client.again() as client:
-        state = client.get(f"/api/workspaces/{workspace}").json()  # by the cookie of before
+    with served(tmp_path) as (_, link), Client(link) as client:
+        state = client.get(f"/api/workspaces/{workspace}").json()
         assert state["choices"] == {"cut": [40, 60]}
         assert [one["name"] for one in state["files"]] == ["gyro.csv"]
         assert client.get(f"/api/jobs/{done}").content == before

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.rows import rows
 
 import allanite as al
 from allanite.web.trace import build, window
@@ -17,7 +18,7 @@ def folder(tmp_path_factory):
     return place
 
 
-@pytest.mark.parametrize(("start", "stretches", "size"), [(0, 500, 2), (280_000, 500, 2), (250_000, 400, 40)])
+@rows(("start", "stretches", "size"), [(0, 500, 2), (280_000, 500, 2), (250_000, 400, 40)])
 def test_a_window_has_the_extremes_and_middles_of_its_stretches(folder, start, stretches, size):
     stop = start + stretches * size
     found = window(folder, "gx", start / RATE, stop / RATE, stretches)
@@ -49,7 +50,7 @@ def test_the_whole_has_every_extreme(folder):
     assert found["t"][-1] == pytest.approx(2998.5, abs=1.5)
 
 
-@pytest.mark.parametrize(("wild", "shown"), [([], None), ([5], 10.0), ([5, 250_000], 10.0)])
+@rows(("wild", "shown"), [([], None), ([5], 10.0), ([5, 250_000], 10.0)])
 def test_a_few_wild_samples_do_not_set_the_range(tmp_path, wild, shown):
     values = VALUES.copy()
     values[wild] = 1e5

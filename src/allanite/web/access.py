@@ -1,14 +1,13 @@
-"""Who may come in: this machine's browser with the token, at this address, from this page."""
+"""Who may come in: scripts of this page with the secret, at this address."""
 
 import hmac
 import secrets
+import time
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
-from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.requests import cookie_parser
-from starlette.responses import JSONResponse, PlainTextResponse, RedirectResponse
+from starlette.responses import JSONResponse, PlainTextResponse
 
 from allanite.phrases.wording import command_line
 
@@ -36,40 +35,43 @@ HEADERS = {
 """Headers of every answer."""
 
 
-SHORTEST = 32
-"""Characters of a session that cannot be guessed."""
+ENTRY = "/api/enter"
+"""Where the token of a link is exchanged for the secret."""
+
+LINKS, AGE = 16, 3600.0
+"""Links that can be open at once, the newest ones, and seconds until one is too old."""
 
 
 class Door:
-    """Refuses requests of other hosts, other pages, and without the session's cookie.
+    """Refuses requests of other hosts, of other pages, and to the API without the secret.
+
+    The secret is made at each start and comes in a header, which no browser adds by itself: a cookie would be sent to
+    every other port of this machine. The files of the page are those of every installation, and open to all.
 
     Parameters
     ----------
     inside : application
     port : int
         That of this server.
-    session : str
-        Value of the cookie.
-
-    Raises
-    ------
-    ValueError
-        The session is so short that it can be guessed; a request without a cookie would have that of an empty one.
+    clock : callable
+        Seconds.
     """
 
-    def __init__(self, inside: Application, *, port: int, session: str) -> None:
-        if len(session) < SHORTEST:
-            raise ValueError(f"a session has at least {SHORTEST} characters, not {len(session)}")
-        self.inside, self.port, self.session = inside, port, session
-        self.tokens = set[str]()
+    def __init__(self, inside: Application, *, port: int, clock: Callable[[], float] = time.monotonic) -> None:
+        self.inside, self.port, self.clock = inside, port, clock
+        self.secret = secrets.token_urlsafe(32)
+        self.tokens = dict[str, float]()
         self.hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
-        self.cookie = f"allanite_{port}"
 
     def link(self) -> str:
-        """A link that opens the session once."""
+        """A link that opens the page once; its token is in the fragment, which is in no request and no referrer."""
         token = secrets.token_urlsafe(24)
-        self.tokens.add(token)
-        return f"http://127.0.0.1:{self.port}/?token={token}"
+        newest = list(self._valid().items())[1 - LINKS :]
+        self.tokens = {**dict(newest), token: self.clock() + AGE}
+        return f"http://127.0.0.1:{self.port}/#token={token}"
+
+    def _valid(self) -> dict[str, float]:
+        return {token: end for token, end in self.tokens.items() if end > self.clock()}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Let a request in, or answer it here."""
@@ -96,22 +98,21 @@ class Door:
             return PlainTextResponse("this server answers at 127.0.0.1 only", 421)
         if scope["method"] not in SAFE and headers.get("origin", "") not in {f"http://{host}" for host in self.hosts}:
             return JSONResponse({"error": "the request comes from another page", "option": None, "exit": 2}, 403)
-        given = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
-        if scope["path"] == "/" and given and scope["method"] in SAFE:
+        if not scope["path"].startswith("/api/"):
+            return None
+        given = headers.get("authorization", "").removeprefix("Bearer ").encode()
+        if scope["path"] == ENTRY and scope["method"] == "POST":
             return self._entered(given)
-        found = (cookie_parser(line).get(self.cookie) for line in headers.getlist("cookie"))
-        if not hmac.compare_digest(next((value for value in found if value), "").encode(), self.session.encode()):
-            words = "open the link that allanite serve prints"
-            if scope["path"].startswith("/api/"):
-                return JSONResponse({"error": words, "option": None, "exit": 2}, 401)
-            return PlainTextResponse(words, 401)
+        if not hmac.compare_digest(given, self.secret.encode()):
+            words = "open the link that allanite serve prints; run it once more for a new one"
+            return JSONResponse({"error": words, "option": None, "exit": 2}, 401)
         return None
 
-    def _entered(self, given: str) -> Application | None:
-        token = next((one for one in self.tokens if hmac.compare_digest(given.encode(), one.encode())), None)
+    def _entered(self, given: bytes) -> Application:
+        self.tokens = self._valid()
+        token = next((token for token in self.tokens if hmac.compare_digest(given, token.encode())), None)
         if token is None:
-            return PlainTextResponse("this link was used already; open the one that allanite serve prints", 403)
-        self.tokens.discard(token)
-        response = RedirectResponse("/", 303)
-        response.set_cookie(self.cookie, self.session, httponly=True, samesite="strict", path="/")
-        return response
+            words = "this link was used already, or is too old; run allanite serve once more for a new one"
+            return JSONResponse({"error": words, "option": None, "exit": 2}, 403)
+        del self.tokens[token]
+        return JSONResponse({"secret": self.secret})

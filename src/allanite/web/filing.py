@@ -22,8 +22,8 @@ def menus(request: Request, lang: Lang = "") -> dict[str, Any]:
     """The menus, and what the page opens with."""
     from .tables import tables
 
-    first = request.app.state.first
-    return tables(lang or first["lang"]) | {"first": first | {"notes": request.app.state.store.notes}}
+    first, store = request.app.state.first, request.app.state.store
+    return tables(lang or first["lang"]) | {"first": first | {"notes": store.notes, "aside": store.aside()}}
 
 
 def style() -> Response:

@@ -19,6 +19,8 @@ from allanite.study.parts import in_parts
 from allanite.study.recipe import READING, Recipe
 
 from . import faces, trace
+from .requests import problem_of
+from .store import overfull
 
 KEPT = 2
 """Recordings that stay in memory."""
@@ -40,7 +42,7 @@ Answer = dict[str, Any]
 class Held:
     """What the process has in memory, and where it reports to.
 
-    `values` are results by job, `recordings` what was read, by path and choices.
+    `values` are results by job, `recordings` what was read, by path and choices; `room` is left of the `quota`, bytes.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -48,6 +50,7 @@ class Held:
         self.values: dict[str, Any] = {}
         self.recordings: dict[tuple[str, str], Recording] = {}
         self.files: Mapping[str, tuple[str, str, str]] = {}
+        self.room, self.quota = 0.0, 0
         self.drawn: dict[tuple[Any, ...], Any] = {}
         self.said = self.seen = 0.0
         self.lang = "en"
@@ -124,8 +127,10 @@ class Held:
     def _traced(self, path: str, key: str, recording: Recording, raw: Sequence[str] = ()) -> None:
         if path in self.files:
             file, folder, _ = self.files[path]
-            trace.build(Path(folder), recording, key, raw)
-            self.send("trace", {"file": file})
+            rest = trace.build(Path(folder), recording, key, raw, room=self.room)
+            self.room = self.room if rest is None else rest
+            full = problem_of(overfull(self.quota)) if rest is None else None
+            self.send("trace", {"file": file, "problem": full})
 
     def send(self, kind: str, data: Answer) -> None:
         """Report to the server; without one there is nothing to go on for."""

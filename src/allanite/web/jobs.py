@@ -121,7 +121,7 @@ class Jobs:
 
     def forget(self, workspace: str) -> None:
         """End what is done for a workspace."""
-        jobs = self.store.state(workspace)["jobs"].values()
+        jobs = (self.store.find(known(workspace)) or {"jobs": {}})["jobs"].values()
         for job in jobs:
             self._set(job, "cancelled")
         self.workers.close(f"{workspace} main", *map(_lane, jobs))
@@ -217,10 +217,11 @@ class Jobs:
 
     def _arguments(self, job: State) -> dict[str, Any]:
         files = [self.store.file(name) for name in job["files"]]
+        places = {file["path"]: (file["id"], str(self.store.place(file["id"])), _called(file)) for file in files}
         return {
             "job": job["id"], "verb": job["verb"], "choices": job["recipe"], "shown": job["command"],
             "lang": job["lang"], "paths": [job["target"]] if job["target"] else [file["path"] for file in files],
-            "files": {file["path"]: (file["id"], str(self.store.place(file["id"])), _called(file)) for file in files},
+            "kept": (places, self.store.room(), self.store.quota),
         }  # fmt: skip
 
     def _paths(self, name: str) -> tuple[Path, Path]:

@@ -1,5 +1,6 @@
 """The server: on this machine alone, until Ctrl-C."""
 
+import errno
 import http.client
 import json
 import os
@@ -9,12 +10,13 @@ import threading
 import time
 import webbrowser
 from collections.abc import Sequence
-from typing import Any
+from pathlib import Path
+from typing import IO, Any
 
 import uvicorn
 
 from allanite.core.errors import UsageError
-from allanite.core.files import locked, reason, write
+from allanite.core.files import draft, locked, reason
 from allanite.phrases.wording import spelled
 from allanite.reporting.language import catalogue
 
@@ -22,13 +24,14 @@ from .access import Door
 from .api import application
 from .filing import open_file
 from .jobs import Jobs
+from .protocol import AT_ONCE, PromptProtocol
 from .store import Store, private_folder
 
 HOST = "127.0.0.1"
 """The address: nobody on another machine can reach it."""
 
-LOCK, ADDRESS = ".lock", "port"
-"""Files of the folder: one that the only server of it has locked, and the port of that."""
+LOCK, ADDRESS = ".lock", "address"
+"""Files of the folder: one that the only server of it has locked, and port and secret of that, for its user alone."""
 
 PATIENCE = 5.0
 """Seconds in which the server that runs already answers."""
@@ -58,11 +61,15 @@ def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: i
         A file does not exist.
     """
     catalogue(lang)
-    store = Store(private_folder(), limit=limit, quota=quota)
+    folder = private_folder()
     try:
-        held = locked(store.folder / LOCK)
+        store = Store(folder, limit=limit, quota=quota)
+        held = _lock(folder)
     except OSError as error:
-        raise UsageError(f"{str(store.folder)!r} cannot be written to ({reason(error)}); the page needs it") from None
+        raise UsageError(
+            f"{str(error.filename or folder)!r} cannot be used ({reason(error)}); remove it, or make it writable: the "
+            f"page keeps its files in {str(folder)!r}"
+        ) from None
     if held is None:
         link = joined(store, paths)
         _announce(link, "a server of yours runs already, with options of its own")
@@ -73,8 +80,22 @@ def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: i
         _serve(store, paths, port, browser, lang)
 
 
+def _lock(folder: Path) -> IO[bytes] | None:
+    """The lock of the only server of a folder, without the address of the one before it; None if another has it."""
+    path = folder / LOCK
+    if path.exists() and not path.is_file():  # a pipe would not be opened until somebody else does
+        raise FileExistsError(errno.EEXIST, "not a file", str(path))
+    held = locked(path)
+    if held is not None:
+        try:
+            (folder / ADDRESS).unlink(missing_ok=True)
+        except OSError:
+            held.close()
+            raise
+    return held
+
+
 def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: str) -> None:
-    (store.folder / ADDRESS).unlink(missing_ok=True)
     store.clear()
     listener = listen(port)
     port = listener.getsockname()[1]
@@ -85,12 +106,14 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
         for path in paths:
             open_file(store, first["workspace"], path)
     app = application(store, jobs, first)
-    door = app.state.door = Door(app, port=port, session=store.session())
+    door = app.state.door = Door(app, port=port)
     server = uvicorn.Server(
-        uvicorn.Config(door, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off",
-                       server_header=False)
+        uvicorn.Config(door, http=PromptProtocol, ws="none", log_level="error", access_log=False, lifespan="off",
+                       backlog=AT_ONCE, timeout_graceful_shutdown=1, server_header=False)
     )  # fmt: skip
-    write(store.folder / ADDRESS, str(port).encode(), force=True)
+    with draft(store.folder / ADDRESS, force=True) as part:
+        part.chmod(0o600)
+        part.write_text(json.dumps({"port": port, "secret": door.secret}), "ascii")
     link = door.link()
     _announce(link, "Ctrl-C ends the server")
     if browser:
@@ -101,6 +124,7 @@ def _serve(store: Store, paths: Sequence[str], port: int, browser: bool, lang: s
     finally:
         jobs.workers.close()
         listener.close()
+        (store.folder / ADDRESS).unlink(missing_ok=True)
 
 
 def _announce(link: str, words: str) -> None:
@@ -119,12 +143,12 @@ def joined(store: Store, paths: Sequence[str]) -> str:
     until = time.monotonic() + PATIENCE
     while time.monotonic() < until:
         try:
-            port = int((store.folder / ADDRESS).read_text("ascii"))
-            place = _asked(store, port, "workspaces", {})["id"] if paths else ""
+            address = json.loads((store.folder / ADDRESS).read_text("ascii"))
+            place = _asked(address, "workspaces", {})["id"] if paths else ""
             for path in paths:
-                _asked(store, port, f"workspaces/{place}/open", {"path": os.path.abspath(path)})
-            link: str = _asked(store, port, "link", {})["link"]
-            return f"{link}#{place}" if place else link
+                _asked(address, f"workspaces/{place}/open", {"path": os.path.abspath(path)})
+            link: str = _asked(address, "link", {})["link"]
+            return f"{link}&workspace={place}" if place else link
         except UsageError:
             raise
         except (OSError, ValueError, http.client.HTTPException):  # it is just starting
@@ -133,10 +157,10 @@ def joined(store: Store, paths: Sequence[str]) -> str:
     raise UsageError(f"another server of yours keeps its files in {str(store.folder)!r} and {words}")
 
 
-def _asked(store: Store, port: int, path: str, body: dict[str, str]) -> Any:
-    host = f"{HOST}:{port}"
+def _asked(address: dict[str, Any], path: str, body: dict[str, str]) -> Any:
+    host = f"{HOST}:{address['port']}"
     connection = http.client.HTTPConnection(host, timeout=PATIENCE)
-    headers = {"Origin": f"http://{host}", "Cookie": f"allanite_{port}={store.session()}"}
+    headers = {"Origin": f"http://{host}", "Authorization": f"Bearer {address['secret']}"}
     connection.request("POST", f"/api/{path}", json.dumps(body), headers)
     answer = connection.getresponse()
     found = json.loads(answer.read())
@@ -152,7 +176,7 @@ def listen(port: int) -> socket.socket:
         found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         found.bind((HOST, port))
-        found.listen(128)
+        found.listen(AT_ONCE)
     except OSError as error:
         found.close()
         words = f"{port} cannot be used ({error.strerror}); give another, or 0 for any that is free"

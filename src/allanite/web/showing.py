@@ -54,22 +54,19 @@ async def export(request: Request, name: str) -> dict[str, Any]:
     )
 
 
-async def save(  # noqa: PLR0917 - parameters of the query
-    request: Request, name: str, form: str, lang: Lang = "", inline: bool = False, dark: bool = False
-) -> Response:
-    """A file to download, as the command line writes it; a figure is shown `inline`, for a `dark` ground."""
+async def save(request: Request, name: str, form: str, lang: Lang = "", dark: bool = False) -> Response:
+    """A file as the command line writes it; a figure may be for a `dark` ground."""
     jobs: Jobs = request.app.state.jobs
     found = jobs.job(name)
-    how = "inline" if inline and form.startswith("figure") else "attachment"
     if form == "recipe":
         return _download(toml(found["recipe"]).encode(), "recipe.toml", "application/toml; charset=utf-8")
     demand_name("form", form, (*FORMS, "recipe"))
     _, path, kind = FORMS[form]
     if form == "json":
-        return _download((await run_in_threadpool(jobs.result, name))[0], f"allanite-{path}", kind, how)
+        return _download((await run_in_threadpool(jobs.result, name))[0], f"allanite-{path}", kind)
     made = await jobs.ask(name, "save", form=form, lang=lang or found["lang"], dark=dark and form == "figure.svg")
-    return _download(made["data"], f"allanite-{path}", kind, how)
+    return _download(made["data"], f"allanite-{path}", kind)
 
 
-def _download(data: bytes, name: str, kind: str, how: str = "attachment") -> Response:
-    return Response(data, media_type=kind, headers={"Content-Disposition": f'{how}; filename="{name}"'})
+def _download(data: bytes, name: str, kind: str) -> Response:
+    return Response(data, media_type=kind, headers={"Content-Disposition": f'attachment; filename="{name}"'})

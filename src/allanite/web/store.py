@@ -7,24 +7,17 @@ import secrets
 import shutil
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from allanite.core.errors import DataError, UsageError
-from allanite.core.files import DRAFTS, draft, reason, write
+from allanite.core.files import DRAFTS, reason, write
 from allanite.phrases.wording import spelled
 from allanite.readers.memory import size_in_words
 
 from . import schema
-
-DAYS = 30.0
-"""Days after which a cookie is no longer valid."""
-
-_SECRET = re.compile(rb"[A-Za-z0-9_-]{43}")
-"""32 random bytes; what is left of an interrupted start is shorter."""
 
 _ID = re.compile(r"[0-9a-f]{16}")
 _SUFFIX = re.compile(r"(\.[A-Za-z0-9]{1,8}){1,2}$")
@@ -76,24 +69,21 @@ class Store:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         folder.chmod(0o700)
 
-    def session(self) -> str:
-        """The value of the cookie: the same after a restart, for some weeks."""
-        path = self.folder / "session"
-        if path.is_file() and time.time() - path.stat().st_mtime < DAYS * 86400:
-            kept = path.read_bytes()
-            if _SECRET.fullmatch(kept):
-                return kept.decode("ascii")
-        made = secrets.token_urlsafe(32)
-        with draft(path, force=True) as part:  # whole or not at all
-            part.chmod(0o600)
-            part.write_text(made, "ascii")
-        return made
-
     def all(self) -> list[State]:
         """Every workspace, the last one first; a damaged one is left out, and noted."""
-        found = [path for path in self.folder.glob("*/state.json") if _ID.fullmatch(path.parent.name)]
-        found.sort(key=lambda path: path.stat().st_mtime, reverse=True)
-        return [state for path in found if (state := self._state(path.parent.name)) is not None]
+        found = [path for path in self._places() if (path / "state.json").is_file()]
+        found.sort(key=lambda path: (path / "state.json").stat().st_mtime, reverse=True)
+        return [state for path in found if (state := self.find(path.name)) is not None]
+
+    def aside(self) -> list[State]:
+        """Workspaces that cannot be read, and the bytes that they take: their uploads are still on the disk."""
+        with self.lock:
+            return [
+                {"id": path.name, "bytes": self._taken(path)} for path in self._places() if not self.find(path.name)
+            ]
+
+    def _places(self) -> list[Path]:
+        return [path for path in self.folder.iterdir() if _ID.fullmatch(path.name) and path.is_dir()]
 
     def clear(self) -> None:
         """Remove what interrupted uploads and jobs have left; for the only server of this folder."""
@@ -110,9 +100,9 @@ class Store:
     def new(self) -> State:
         """A workspace."""
         name = secrets.token_hex(8)
-        (self.folder / name).mkdir(mode=0o700)
         state: State = {"id": name, "files": {}, "jobs": {}, "choices": {}}
         with self.lock:
+            (self.folder / name).mkdir(mode=0o700)
             self.states[name] = state
             self.save(state)
         return state
@@ -125,12 +115,13 @@ class Store:
         UsageError
             There is none.
         """
-        found = self._state(known(name))
+        found = self.find(known(name))
         if found is None:
             raise MissingError(f"there is no workspace {name!r}; reload the page to begin a new one")
         return found
 
-    def _state(self, name: str) -> State | None:
+    def find(self, name: str) -> State | None:
+        """The state of a workspace; None if there is none that can be read."""
         with self.lock:
             if name not in self.states:
                 found = self.kept(self.folder / name / "state.json", schema.workspace(name))
@@ -160,11 +151,12 @@ class Store:
         write(self.folder / state["id"] / "state.json", json.dumps(state).encode(), force=True)
 
     def remove(self, name: str) -> None:
-        """Delete a workspace."""
+        """Delete a workspace, also one that cannot be read."""
         with self.lock:
-            self.state(name)
-            del self.states[name]
-            shutil.rmtree(self.folder / known(name))
+            if not (place := self.folder / known(name)).is_dir():
+                self.state(name)
+            self.states.pop(name, None)
+            shutil.rmtree(place)
 
     def file(self, name: str) -> State:
         """A file by its id.
@@ -228,11 +220,22 @@ class Store:
     def measure(self) -> None:
         """Look how many bytes all workspaces take, without what is being written."""
         with self.lock:
-            self.stored = 0
-            for folder, _, names in os.walk(self.folder):
-                for name in names if "-".join(Path(folder).parts[-2:]) not in self.coming else ():
-                    with suppress(FileNotFoundError):  # drafts come and go
-                        self.stored += os.lstat(os.path.join(folder, name)).st_size
+            self.stored = self._taken(self.folder)
+
+    def _taken(self, place: Path) -> int:
+        """Bytes of the files below a folder, without what is being written."""
+        taken = 0
+        for folder, _, names in os.walk(place):
+            for name in names if "-".join(Path(folder).parts[-2:]) not in self.coming else ():
+                with suppress(FileNotFoundError):  # drafts come and go
+                    taken += os.lstat(os.path.join(folder, name)).st_size
+        return taken
+
+    def room(self) -> int:
+        """Bytes that the quota has room for."""
+        with self.lock:
+            self.measure()
+            return self.quota - self.stored - sum(self.coming.values())
 
     def reserve(self, file: State, size: int) -> None:
         """Reserve bytes for a file that is being written, or refuse it: it is too large, or there is no room."""
@@ -244,12 +247,17 @@ class Store:
             )
         with self.lock:
             if self.stored + sum(self.coming.values()) + max(0, size - self.coming[file["id"]]) > self.quota:
-                raise FullError(
-                    f"the files of the page would take more than {size_in_words(self.quota)}: delete some of them, "
-                    f"open the file by its path, or allow more with {spelled('--quota', 'quota')}",
-                    choice="quota",
-                )
+                raise overfull(self.quota, "open the file by its path, ")
             self.coming[file["id"]] = max(size, self.coming[file["id"]])
+
+
+def overfull(quota: int, remedy: str = "") -> FullError:
+    """The error where the files of the page would take more than these bytes."""
+    return FullError(
+        f"the files of the page would take more than {size_in_words(quota)}: delete some of them, {remedy}or allow "
+        f"more with {spelled('--quota', 'quota')}",
+        choice="quota",
+    )
 
 
 class MissingError(UsageError):

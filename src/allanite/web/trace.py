@@ -26,6 +26,9 @@ FACTOR = 16
 FEWEST = 1024
 """Stretches of the coarsest level at least."""
 
+BYTES = 4 * (1 + 2 / (FACTOR - 1))
+"""Bytes of a sample in the trace at most: a number of 32 bits, and two of them for each stretch of each level."""
+
 MOST = 2000
 """Gaps and outliers that are listed."""
 
@@ -37,14 +40,22 @@ USUAL, ROOM = (0.02, 0.98), 1.0
 Array = NDArray[Any]
 
 
-def build(folder: Path, recording: Recording, key: str, raw: Sequence[str] = ()) -> None:
+def build(
+    folder: Path, recording: Recording, key: str, raw: Sequence[str] = (), *, room: float = math.inf
+) -> float | None:  # fmt: skip
     """Write the trace of a recording that was read with the choices `key`; the one before it is replaced.
 
-    `raw` are the choices that are not known yet, unit or rate: numbers are shown as they are, or by their count.
+    `raw` are the choices that are not known yet, unit or rate: numbers are shown as they are, or by their count. Gives
+    the bytes that are left of `room`; where they are not enough, nothing is written, and the answer is None.
     """
     place = folder / "trace"
     if _meta(place).get("key") == key:
-        return
+        return room
+    room += sum(path.stat().st_size for path in place.glob("*"))
+    room -= sum(BYTES * record.size for record in recording)
+    if room < 0:
+        shutil.rmtree(place, ignore_errors=True)
+        return None
     draft = folder / "trace.part"
     shutil.rmtree(draft, ignore_errors=True)
     draft.mkdir(mode=0o700)
@@ -53,6 +64,7 @@ def build(folder: Path, recording: Recording, key: str, raw: Sequence[str] = ())
     write(draft / "meta.json", meta.encode("utf-8", "replace"))
     shutil.rmtree(place, ignore_errors=True)
     draft.rename(place)
+    return room
 
 
 def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str, Any]:
@@ -93,7 +105,7 @@ def window(folder: Path, channel: str, start: float | None, end: float | None, p
     """
     meta = _meta(folder / "trace")
     if not meta:
-        raise UsageError("the file was not read yet: ask for its info first")
+        raise UsageError("there is no trace of this file: it was not read yet, or the quota has no room for it")
     names = [one["name"] for one in meta["channels"]]
     if channel and channel not in names:
         raise UsageError(f"no channel {channel!r}; channels: {', '.join(names)}")

@@ -32,12 +32,15 @@ def run(
     choices: dict[str, Any],
     shown: str,
     lang: str,
-    files: dict[str, tuple[str, str, str]],
+    kept: tuple[dict[str, tuple[str, str, str]], float, int],
 ) -> Answer:
-    """Do a job; its result as JSON, and as it is shown. `files` are id, folder and name of each path."""
+    """Do a job; its result as JSON, and as it is shown.
+
+    `kept` are id, folder and name of each path, the bytes of the quota that are not taken yet, and the quota.
+    """
     from allanite.reporting.json import to_json
 
-    held.files, held.lang = files, lang
+    (held.files, held.room, held.quota), held.lang = kept, lang
     request = Request.of(verb, choices)
     with processes(None), importing(IDENTIFICATION, kernels=True):
         value = request.task.run(paths, request.recipe, request.settings, Reports(held.tell, held.event, held.source))

@@ -1,9 +1,8 @@
 // Two records side by side: did the noise change?
 
-import * as api from "./api.js";
 import { byId, complaint, el, fill, fragment, menu, show } from "./dom.js";
 import { perform } from "./jobs.js";
-import { dark } from "./plots.js";
+import { picture } from "./plots.js";
 import { on, recipe, state } from "./state.js";
 import { t } from "./words.js";
 
@@ -21,10 +20,9 @@ export async function compare() {
   try {
     const made = await perform("compare", [state.choices.file, byId("compare-with").value], recipe());
     const job = made.id ?? made.job ?? state.jobs.findLast((one) => one.verb === "compare").id;
-    const image = el("img", { src: api.saved(job, "figure.svg", { inline: 1, dark: dark() ? 1 : 0 }), alt: t("compare"), test: "picture-compare" });
-    image.addEventListener("error", () => image.parentElement.remove());
+    const image = await picture(job, t("compare"), "picture-compare");
     fill(place, made.html ? fragment(el("div", { class: "fragment" }), made.html) : [],
-      el("div", { class: "paper scroll", tabIndex: 0 }, image),
+      image,
       (made.channels ?? []).map((one) => fragment(el("div", { class: "fragment", test: "compared" }), one.html)));
   } catch (error) {
     fill(place, complaint(error, "error-compare"));

@@ -75,6 +75,17 @@ async function remove(id) {
   });
 }
 
+/** Work that cannot be read any more: its files still take room. */
+function damaged({ id, bytes }) {
+  const drop = () => guarded(async () => {
+    await api.dropWorkspace(id);
+    state.tables.first.aside = state.tables.first.aside.filter((one) => one.id !== id);
+    draw();
+  });
+  return el("li", { test: "damaged" }, t("damaged"), el("span", { class: "quiet" }, size(bytes)),
+    button("×", "damaged-remove", drop, { class: "small", "aria-label": `${t("remove")} ${t("damaged")}` }));
+}
+
 export function draw() {
   const rows = state.files.map((file) => {
     const current = file.id === state.choices.file;
@@ -83,7 +94,7 @@ export function draw() {
       el("span", { class: "quiet" }, size(file.bytes)),
       button("×", "file-remove", () => remove(file.id), { class: "small", "aria-label": `${t("remove")} ${file.name}` }));
   });
-  fill(byId("files"), rows);
+  fill(byId("files"), rows, (state.tables.first?.aside ?? []).map(damaged));
   document.body.classList.toggle("empty", state.files.length === 0);
 }
 

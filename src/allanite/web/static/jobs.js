@@ -64,6 +64,7 @@ export function follow(job, verb, heard = () => {}) {
     api.events(job, (name, told) => {
       if (name in ends) ends[name](told);
       else if (name === "progress") progress(job, told.word ? t(told.word) : (told.what ?? t(verb)), told.fraction);
+      else if (name === "trace" && told.problem) tell("error", new api.Refusal(told.problem));
       else if (name === "trace") tell("readable", files(job));
       else if (name === "curves") tell("early", { file: files(job)[0], curves: told.channels });
       else if (name !== "away") heard(name, told);

@@ -122,6 +122,7 @@ function nextChannel() {
 }
 
 async function begin() {
+  await api.enter();
   const asked = new URLSearchParams(location.search).get("lang");
   await load(asked ?? localStorage.getItem("lang"));
   state.choices.lang ??= asked ?? state.tables.first?.lang ?? "en";

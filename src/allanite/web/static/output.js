@@ -17,19 +17,23 @@ const FORMS = [
   ["figure.png", "figure", "PNG"],
 ];
 
+const KEPT = 60_000; // ms in which the browser takes a file over
+
 let fresh = async () => {};
 
-function download(address, name) {
-  const link = el("a", { href: address, download: name ?? "" });
+/** Have the browser save a file. */
+function download({ blob, name }) {
+  const link = el("a", { href: URL.createObjectURL(blob), download: name });
   document.body.append(link);
   link.click();
   link.remove();
+  setTimeout(() => URL.revokeObjectURL(link.href), KEPT);
 }
 
 async function save(form) {
   try {
     await fresh();
-    download(api.saved(run(), form));
+    download(await api.saved(run(), form));
   } catch (error) {
     tell("error", error);
   }
@@ -37,15 +41,17 @@ async function save(form) {
 
 async function give(target) {
   const place = byId("exported");
+  place.ariaBusy = "true";
   try {
     await fresh();
     const channels = [...byId("export-channels").querySelectorAll("input:checked")].map((box) => box.value);
     const { text, filename } = await api.exported(run(), { channels, target });
-    const file = () => download(URL.createObjectURL(new Blob([text], { type: "text/plain" })), filename);
+    const file = () => download({ blob: new Blob([text], { type: "text/plain" }), name: filename });
     fill(place, el("h3", {}, filename ?? target), copyable(text, "export-text", t("copy")), button(`${t("save")}: ${filename}`, "export-save", file));
   } catch (error) {
     fill(place, complaint(error, "error-target"));
   }
+  place.ariaBusy = "false";
 }
 
 function draw() {

@@ -1,5 +1,8 @@
 // What every chart has in common: colors of the page, axes, and the settings of the drawing library.
 
+import * as api from "./api.js";
+import { el } from "./dom.js";
+
 const SERIES = ["#2E5C94", "#C1272D", "#008F6B", "#B97700", "#AA4499", "#444B54"];
 const DARK = ["#79b0ff", "#ff7b72", "#3fc9a0", "#e3b341", "#dc8fd0", "#b0b8c1"];
 
@@ -85,3 +88,12 @@ export function at(x, y, wanted) {
 }
 
 export const digits = (value) => Number(value.toPrecision(3)).toString();
+
+/** The figure of a result as the command line draws it; nothing where there is none. */
+export async function picture(job, alt, test) {
+  const made = await api.saved(job, "figure.svg", { dark: dark() ? 1 : 0 }).catch(() => null);
+  if (!made) return [];
+  const image = el("img", { src: URL.createObjectURL(made.blob), alt, test });
+  image.addEventListener("load", () => URL.revokeObjectURL(image.src));
+  return el("div", { class: "paper scroll", tabIndex: 0 }, image);
+}

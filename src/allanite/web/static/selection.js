@@ -1,10 +1,9 @@
 // A piece of the record: cut out, used alone, or seen as a spectrum or a surface.
 
-import * as api from "./api.js";
 import { byId, el, fill, fragment, show } from "./dom.js";
 import { perform, shown } from "./jobs.js";
 import { alter, cuts, depth, on, recipe, redo, state, tell, undo } from "./state.js";
-import { dark } from "./plots.js";
+import { picture } from "./plots.js";
 import { channel, duration, known, outlying } from "./trace.js";
 import { t } from "./words.js";
 
@@ -67,19 +66,19 @@ async function look(verb) {
   for (const [key, value] of Object.entries({ start, until })) if (value !== undefined) wanted[key] = value;
   try {
     const made = await perform(verb, [state.choices.file], wanted);
-    picture(verb, made);
+    await draw(verb, made);
   } catch (error) {
     tell("error", error);
   }
 }
 
-function picture(verb, made) {
+async function draw(verb, made) {
   const job = made.id ?? made.job ?? state.jobs.findLast((one) => one.verb === verb).id;
   const title = `${t(verb)}: ${channel() ?? ""}`;
-  const image = el("img", { src: api.saved(job, "figure.svg", { inline: 1, dark: dark() ? 1 : 0 }), alt: title, test: `picture-${verb}` });
+  const image = await picture(job, title, `picture-${verb}`);
   const words = el("div", { class: "fragment" });
   for (const one of made.channels ?? []) words.append(fragment(el("div"), one.html));
-  fill(byId("looked"), el("h3", {}, title), el("div", { class: "paper scroll", tabIndex: 0 }, image), el("details", {}, el("summary", {}, t("results")), words));
+  fill(byId("looked"), el("h3", {}, title), image, el("details", {}, el("summary", {}, t("results")), words));
   show(byId("looked"), true);
 }
 

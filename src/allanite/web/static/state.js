@@ -19,13 +19,14 @@ export function choose(patch, silent = false) {
   Object.assign(state.choices, patch);
   clearTimeout(timer);
   timer = setTimeout(keep, 150);
+  document.body.dataset.kept = "no";
   if (!silent) tell("choices", patch);
 }
 
 export function keep() {
   clearTimeout(timer);
   timer = null;
-  return api.keepChoices(state.workspace, state.choices).catch((error) => tell("error", error));
+  return api.keepChoices(state.workspace, state.choices).then(() => { if (!pending()) document.body.dataset.kept = "yes"; }, (error) => tell("error", error));
 }
 
 export const pending = () => timer !== null;
@@ -72,13 +73,12 @@ export function cuts() {
 export const fileOf = (id) => state.files.find((file) => file.id === id);
 export const run = () => state.choices.runs?.[state.choices.file];
 
-/** Load the workspace in the address, the last one used, or a new one. */
+/** Load the workspace in the address, the last one used here or anywhere, or a new one. */
 export async function load(lang) {
   state.tables = await api.tables(lang);
-  const wanted = location.hash.slice(1) || state.tables.first?.workspace || localStorage.getItem("workspace");
-  let whole = null;
-  if (wanted) whole = await api.workspace(encodeURIComponent(wanted)).catch(() => null);
-  const id = whole ? (whole.id ?? wanted) : (await api.newWorkspace()).id;
+  const wanted = location.hash.slice(1) || state.tables.first?.workspace || localStorage.getItem("workspace") || (await api.workspaces())[0]?.id;
+  const whole = wanted ? await api.workspace(encodeURIComponent(wanted)).catch(() => null) : null;
+  const id = whole?.id ?? (await api.newWorkspace()).id;
   state.workspace = id;
   localStorage.setItem("workspace", id);
   history.replaceState(null, "", `#${id}`);

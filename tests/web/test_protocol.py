@@ -1,0 +1,105 @@
+"""Connections that ask for nothing are closed; those that ask are answered, however long it takes."""
+
+import asyncio
+from itertools import count
+
+import pytest
+import uvicorn
+from tests.rows import rows
+from uvicorn.server import ServerState
+
+from allanite.web import protocol
+from allanite.web.protocol import MOST, PromptProtocol
+
+WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
+
+
+class Transport(asyncio.Transport):
+    """A connection that may be closed."""
+
+    closed = False
+
+    def close(self):
+        self.closed = True
+
+    def is_closing(self):
+        return self.closed
+
+    def write(self, data):
+        pass
+
+    def resume_reading(self):
+        pass
+
+
+async def prompt(scope, receive, send):
+    await send({"type": "http.response.start", "status": 200, "headers": [(b"content-length", b"0")]})
+    await send({"type": "http.response.body", "body": b""})
+
+
+async def slow(scope, receive, send):
+    await asyncio.Event().wait()
+
+
+@pytest.fixture
+def loop(monkeypatch):
+    """A loop whose patience is over at its next turn."""
+    monkeypatch.setattr(protocol, "PATIENCE", 0.0)
+    loop = asyncio.new_event_loop()
+    yield loop
+    for task in asyncio.all_tasks(loop):
+        task.cancel()
+    turn(loop)
+    loop.close()
+
+
+def turn(loop):
+    """Do what is due."""
+    for _ in range(5):
+        loop.run_until_complete(asyncio.sleep(0))
+
+
+def connected(loop, answer, state=None):
+    """A connection to a server in this state."""
+    made, transport = PromptProtocol(uvicorn.Config(answer), state or ServerState(), {}, _loop=loop), Transport()
+    made.connection_made(transport)
+    return made, transport
+
+
+@rows("sent", [b"", b"GET / HT", WHOLE[:-2], b"POST / HTTP/1.1\r\nHost: a\r\nX: "])
+def test_half_a_request_is_closed(loop, sent):
+    made, transport = connected(loop, slow)
+    first = made.late
+    for piece in filter(None, (sent[:3], sent[3:])):
+        made.data_received(piece)
+    assert made.late is first  # what comes piece by piece does not put it off
+    turn(loop)
+    assert transport.closed
+
+
+def test_a_whole_request_has_all_the_time(loop):
+    made, transport = connected(loop, slow)
+    made.data_received(WHOLE[:9])
+    made.data_received(WHOLE[9:])
+    turn(loop)
+    assert not transport.closed
+
+
+def test_half_of_the_next_request_is_closed_too(loop):
+    made, transport = connected(loop, prompt)
+    made.data_received(WHOLE)
+    turn(loop)
+    assert made.cycle.response_complete
+    assert not transport.closed
+    made.data_received(WHOLE[:9])
+    turn(loop)
+    assert transport.closed
+
+
+def test_of_too_many_connections_the_oldest_that_asks_for_nothing_is_closed(loop):
+    loop.time, state = count().__next__, ServerState()
+    many = [connected(loop, slow, state) for _ in range(MOST)]
+    many[0][0].data_received(WHOLE)
+    many += [connected(loop, slow, state) for _ in range(3)]
+    assert [transport.closed for _, transport in many] == [False, True, True, True] + [False] * (MOST - 1)
+    del loop.time
