@@ -15,6 +15,7 @@ from allanite.phrases.wording import percent, spelled
 from allanite.readers.columns.column import FileColumn
 
 from .clocks import ClockSources, counted_grid, places, unwrapped
+from .damaged import Damage, mended
 from .grid import ONE_AFTER_THE_OTHER, SampleGrid
 from .stamps import fit, seconds_since
 
@@ -61,6 +62,7 @@ class Stamped(NamedTuple):
     again: tuple[str, ...]
     guessed: str
     against: tuple[Finding, ...]
+    damage: Damage
 
 
 def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
@@ -79,7 +81,8 @@ def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArr
     grid = grid or fit(elapsed, seen.column.label, repeated)
     if grid.trouble and not seen.given and not elapsed.any():
         return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
-    return settled(seen, grid, grid.lost)
+    findings = (*seen.damage.findings(seen.column.label), *grid.findings)
+    return settled(seen, replace(grid, findings=findings), grid.lost)
 
 
 def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
@@ -95,7 +98,8 @@ def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
     if column is None or (given and column.text):
         return replace(_unstamped(sources, given, first), contradictions=against)
     column.demand_numbers()
-    stamps, wrapped = unwrapped(column.values)
+    whole, damaged = mended(column.values)
+    stamps, wrapped = unwrapped(whole)
     again = (
         (say("{column} wraps around at 2^{bits}: it was continued", column=column.label, bits=wrapped),)
         if wrapped
@@ -106,7 +110,8 @@ def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
         _demand_counter(column, rate)
         known = Beat(given or 0.0, notes=first, contradictions=against)
         return known if given else Beat(questions=(_ask_unit(column),))
-    return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against)
+    return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against,
+                   Damage().seen(damaged, column.values))  # fmt: skip
 
 
 def _demand_counter(column: FileColumn, rate: float | None) -> None:
