@@ -74,7 +74,8 @@ USUAL = (
 """Units that messages suggest; any other that is made of `ATOMS` is read, too."""
 
 _ROOT = re.compile(
-    r"(?<![A-Za-z])(?:sqrt|root|rt)[-_. ]*(?:\((?P<inside>[A-Za-z]+)\)|(?P<bare>hours?|hrs?|h|seconds?|secs?|s|Hz)(?![A-Za-z]))"
+    r"(?<![A-Za-z])(?:sqrt|root|rt)[-_. ]*"
+    r"(?:\((?P<inside>[A-Za-z]+)\)|(?P<bare>hours?|hrs?|h|seconds?|secs?|s|Hz)(?![A-Za-z]))"
 )
 """A square root as data sheets write it: rt-hr, rt(h), root-hour, rtHz."""
 

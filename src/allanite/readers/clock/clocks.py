@@ -26,7 +26,7 @@ from .stamps import EVEN, MOST_LOST, TICKS
 PLAUSIBLE = (0.5, 20e3)
 """Sampling rates, Hz, considered plausible when the unit of integer time stamps is determined."""
 
-LIKELY = (1.0, 20e3)
+LIKELY = (0.9, 20e3)
 """The same when it is only suggested."""
 
 _NAME = re.compile(

@@ -235,8 +235,8 @@ def _notes(
 
 def _ask() -> str:
     return spelled(
-        say("give it in Hz with --rate, or name the column of time stamps: --time 'stamp[us]'"),
-        say("give it in Hz with rate=..., or name the column of time stamps: time='stamp[us]'"),
+        say("give it in Hz with --rate HZ, or name the column of time stamps: --time 'stamp[us]'"),
+        say("give it in Hz with rate=100, or name the column of time stamps: time='stamp[us]'"),
     )
 
 
@@ -286,5 +286,5 @@ def _ask_unit(column: FileColumn) -> str:
     return say(
         "the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
         column=column.label, readings=_listed(rates),
-        option=spelled(f"--time '{address}', or --rate {RATE}", f"time='{address}', or rate=..."),
+        option=spelled(f"--time '{address}', or --rate {RATE}", f"time='{address}', or rate=100"),
     )  # fmt: skip

@@ -12,7 +12,7 @@ from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.kinds import KIND_WORDS, kinds_of, offered, signal_of_kind
 from allanite.core.names import nearest
-from allanite.core.placeholders import SCALE
+from allanite.core.placeholders import SCALE, UNIT
 from allanite.core.units import BASES, USUAL, unit_of
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
@@ -292,10 +292,8 @@ def _ask_unit(given: str | None) -> str:
     meant = unit_meant(given)
     if meant:
         return say("did you mean {unit}?", unit=meant)
-    option = spelled("--unit", "unit=...")
-    return say(
-        "pass the unit of the samples with {option}, or write it in the header as in 'gx [deg/s]'", option=option
-    )
+    unit = spelled(f"--unit {UNIT}", "unit='deg/s'")
+    return say("pass the unit of the samples, {unit}, or write it in the header as in 'gx [deg/s]'", unit=unit)
 
 
 def unit_meant(given: str | None) -> str:
