@@ -24,8 +24,8 @@ FEWEST = 10
 
 
 @np.errstate(all="ignore")  # of stamps that no clock counts
-def mended(stamps: NDArray[Any]) -> tuple[NDArray[Any], Places]:
-    """The stamps with damaged ones set by their neighbours, and the rows of these, from 0.
+def mended(stamps: NDArray[Any], known: int = 0) -> tuple[NDArray[Any], Places]:
+    """The stamps with damaged ones set by their neighbours, and the rows of these, from 0; the `known` first are sound.
 
     Examples
     --------
@@ -41,6 +41,7 @@ def mended(stamps: NDArray[Any]) -> tuple[NDArray[Any], Places]:
     # the first step and the last may be gaps, unless they are longer than the rest
     jumps = [0] * bool(steps[0] > t[-1] - t[1]) + [size - 1] * bool(steps[-1] > t[-2] - t[0])
     k = np.unique(np.concatenate((back, back + 1, np.array(jumps, dtype=np.int64))))
+    k = k[k >= known]
     if not k.size or back.size > max(2, RARE * size):
         return stamps, none
     typical = np.argpartition(steps, steps.size // 2)[steps.size // 2]

@@ -107,8 +107,9 @@ class Clock:
         """The grid of a part that begins with the last row before; None where the stamps give none and a rate does."""
         if self._trouble:
             return None
-        stamps, damaged = mended(columns[0])
-        self._damage.seen(damaged, columns[0], self.rows - bool(self._last))
+        known = int(bool(self._last))
+        stamps, damaged = mended(columns[0], known)
+        self._damage.seen(damaged, columns[0], self.rows - known)
         columns[0] = stamps
         elapsed = seconds_since(unwrapped(stamps)[0], head.unit)
         grid = self._short(elapsed) or fit(elapsed, head.column.label, lambda: repeated(columns[1:]))
