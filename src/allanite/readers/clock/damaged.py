@@ -63,7 +63,7 @@ class Damage:
         self.count = self.row = 0
         self.value: Any = None
 
-    def seen(self, rows: Places, stamps: NDArray[Any], begin: int = 0) -> "Damage":
+    def add(self, rows: Places, stamps: NDArray[Any], begin: int = 0) -> "Damage":
         """Add those in these rows of a part, whose first row is number `begin`."""
         if rows.size and not self.count:
             self.row, self.value = begin + int(rows[0]), stamps[rows[0]]

@@ -109,7 +109,7 @@ class Clock:
             return None
         known = int(bool(self._last))
         stamps, damaged = mended(columns[0], known)
-        self._damage.seen(damaged, columns[0], self.rows - known)
+        self._damage.add(damaged, columns[0], self.rows - known)
         columns[0] = stamps
         elapsed = seconds_since(unwrapped(stamps)[0], head.unit)
         grid = self._short(elapsed) or fit(elapsed, head.column.label, lambda: repeated(columns[1:]))

@@ -109,7 +109,7 @@ def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
         known = Beat(given or 0.0, notes=first, contradictions=against)
         return known if given else Beat(questions=(_ask_unit(column),))
     return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against,
-                   Damage().seen(damaged, column.values))  # fmt: skip
+                   Damage().add(damaged, column.values))  # fmt: skip
 
 
 def _demand_counter(column: FileColumn, rate: float | None) -> None:

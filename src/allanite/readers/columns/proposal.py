@@ -15,8 +15,8 @@ from allanite.readers.clock.clocks import ClockSources, addressed, likely_unit, 
 from . import headers
 from .column import FileColumn, some
 
-RATES = ("g", "m/s^2", "mg", "mm/s^2")
-INCREMENTS = ("g*s", "m/s")
+RATES: tuple[str, ...] = ("g", "m/s^2", "mg", "mm/s^2")
+INCREMENTS: tuple[str, ...] = ("g*s", "m/s")
 """Units in which loggers write accelerations, and velocity increments."""
 
 COUNTS = (1024, 8192)
@@ -62,21 +62,21 @@ def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
     of: dict[str, list[FileColumn]] = {}
     for column in columns:
         of.setdefault(headers.sensor_by_name(column.name), []).append(column)
-    if any(headers.is_raw(column.header) for column in columns):
-        first = next(iter(of.values()))
+    raw = [[column for column in members if headers.is_raw(column.header)] for members in of.values()]
+    first = next(filter(None, raw), [])
+    if first:  # one scale is that of one sensor
         names = ",".join(str(column.position) for column in first)
-        some_of = spelled(f"--channels {names} ", f"channels='{names}', ") if len(of) > 1 else ""
-        return Proposal(some_of + spelled(f"--scale {SCALE}", f"scale={SCALE!r}"))
+        chosen = spelled(f"--channels {names} ", f"channels='{names}', ") if len(first) < len(columns) else ""
+        return Proposal(chosen + spelled(f"--scale {SCALE}", f"scale={SCALE!r}"))
     sensors = [column for name, members in of.items() if name for column in members]
     if not sensors:
         return _unnamed(columns)
     summed = all(headers.is_increment(column.name) for column in sensors)
-    accelerometers = of.get("accelerometer", [])
-    unit, why = (
-        _weighed(accelerometers, INCREMENTS, rate, NAMED) if summed else _weighed(accelerometers, RATES, 1, NAMED)
-    )
-    # of the family of names of which velocities are in g*s, angles are in rad
-    theirs = {"gyro": "rad" if unit == "g*s" else UNIT, "accelerometer": unit or UNIT}
+    known, times = (INCREMENTS, rate) if summed else (RATES, 1.0)
+    unit, why = _weighed(of.get("accelerometer", []), known, times, NAMED)
+    # MicroStrain names increments like this, and writes them in rad and g*s
+    theta = unit == "g*s" and all("theta" in column.name.lower() for column in of.get("gyro", ()))
+    theirs = {"gyro": "rad" if theta else UNIT, "accelerometer": unit or UNIT}
     keys = {"gyro": "gyro", "accelerometer": "accel"}
     stated = ",".join(f"{keys[name]}={theirs[name]}" for name in keys if name in of)
     return _stated(stated if len(of) > 1 else theirs[next(iter(of))], why, kind="increment" if summed else "")
@@ -85,7 +85,8 @@ def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
 def _unnamed(columns: Sequence[FileColumn]) -> Proposal:
     """Words about columns without names of sensors, of which each three may be the axes of one."""
     threes = [columns[i : i + 3] for i in range(0, len(columns), 3)]
-    heavy = [(three, *found) for three in threes for found in (_weighed(three, RATES, 1.0, UNNAMED),) if found[0]]
+    weighed = [(three, *_weighed(three, RATES, 1.0, UNNAMED)) for three in threes]
+    heavy = [row for row in weighed if row[1]]
     if len(heavy) != 1:
         return _stated(UNIT)
     three, unit, why = heavy[0]

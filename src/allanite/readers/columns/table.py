@@ -140,9 +140,9 @@ class Sense:
             return (given, channels.unit_meant(given) or UNIT), ()
         free = [column for column in self.columns if column not in [signal.column for signal in self.signals]]
         rising = [c for c in free if self.options.time is None and channels.climbs(c, self.options, self.columns)]
-        found = [proposal.clock(rising, self.sources)] if beat.questions else []
-        found += [proposal.units(unsaid, found[0].rate if found else beat.rate)] if unsaid else []
-        return ("", " ".join(one.words for one in found)), tuple(why for one in found for why in one.why)
+        proposals = [proposal.clock(rising, self.sources)] if beat.questions else []
+        proposals += [proposal.units(unsaid, proposals[0].rate if proposals else beat.rate)] if unsaid else []
+        return ("", " ".join(one.words for one in proposals)), tuple(why for one in proposals for why in one.why)
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""
