@@ -230,7 +230,7 @@ def test_a_damaged_stamp_is_mended_in_a_part_and_refused_at_its_end(tmp_path):
             assert [finding.name for finding in findings] == ["damaged time stamps"]
             assert "in row 9001 of the data" in findings[0].what
         else:  # where the next stamps are not yet known
-            with pytest.raises(DataError, match="from row 14001 on: 1 time stamp of .* is earlier"):
+            with pytest.raises(DataError, match=r"from row 14001 on: 1 time stamp of .* is earlier"):
                 gathered(path, 7000, choices)
 
 
