@@ -57,8 +57,8 @@ def readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
 
     Examples
     --------
-    >>> readings(np.array([0, 4, 8]))
-    [('s', 0.25), ('ms', 250.0), ('us', 250000.0), ('ns', 250000000.0)]
+    >>> [f"{rate:g} Hz in {unit}" for unit, rate in readings(np.array([0, 4, 8]))]
+    ['0.25 Hz in s', '250 Hz in ms', '250000 Hz in us', '2.5e+08 Hz in ns']
     """
     span = float(stamps[-1]) - float(stamps[0])
     sizes = ((unit, span * unit_of(unit).factor) for unit in ("s", "ms", "us", "ns"))
