@@ -87,6 +87,13 @@ def swapped_rows(stamps, values, rng):
     return stamps, values
 
 
+def damaged(stamps, values, rng):
+    step = (stamps[-1] - stamps[0]) / (SIZE - 1)
+    at = rng.choice(np.arange(2, SIZE - 2, 7), 5, replace=False)
+    stamps[at] += np.rint(rng.choice([-1, 1], 5) * 10 ** rng.uniform(1, 7, 5) * step).astype(int)
+    return stamps, values
+
+
 def set_back(stamps, values, rng):
     at = rng.integers(5000, SIZE - 5000)
     stamps[at:] -= (stamps[2000] - stamps[0]) + 3
@@ -113,6 +120,7 @@ FAULTS = {
     "repeated rows": ("duplicate time stamps", repeated_rows),
     "repeated stamps": ("duplicate time stamps", repeated_stamps),
     "swapped rows": ("reversed time stamps", swapped_rows),
+    "damaged": ("damaged time stamps", damaged),
     "set back": ("reversed time stamps", set_back),
     "constant": ("constant time stamps", constant),
     "drift": ("clock drift", drift),

@@ -60,7 +60,7 @@ GYROS, ACCELEROMETERS = same("gx", "gy", "gz"), same("ax", "ay", "az")
 ADIS = {"deg/s": three(1), "g": three(4, "ax ay az")}
 ROS = {"rad/s": GYROS, "m/s^2": ACCELEROMETERS}
 BURSTS = r"bursty time stamps .*491\.3 Hz from the median step, 99\.3171 Hz from the mean"
-CURVE = r"the unit is unknown; pass the unit of the samples, such as --unit deg/s"
+CURVE = r"the unit is unknown; pass the unit of the samples, --unit UNIT"
 FILES = [
     File("adis_16405_imu1.rda", 0, r"low-pass filtered: ", 100.0, r"'adis_16405_imu1/freq' in the file",
          options={"unit": "deg/s"}, compared=ADIS),

@@ -70,7 +70,7 @@ def test_a_folder_of_ros_2_with_a_definition_beside_it(recordings, tmp_path):
     [
         ("adis_16405_imu1.rda", [], 2, "--unit deg/s"),
         ("adis_16405_imu1.rda", ["--unit", "deg/s"], 0, "1000000 samples, 2.78 h"),
-        ("imu_tk_xsens_gyro.mat", [], 2, "--rate 100"),
+        ("imu_tk_xsens_gyro.mat", [], 2, "--rate HZ"),
         ("imu_tk_xsens_gyro.mat", ["--rate", "100", "--scale", "0.01deg/s", "--until", "50"], 0, "rate in 0.01 °/s"),
         ("imu_tk_xsens_gyro.mat", ["--dtype", "i2", "--columns", "3"], 3, "not a multiple of the 6 bytes of a row"),
     ],

@@ -54,12 +54,12 @@ ROWS = [
     sentence("info gyro.csv --xyzzy", "unknown option '--xyzzy'", cure="info --help"),
     sentence("info", "Missing argument 'FILE'", cure="info --help"),
     # units and rates
-    sentence("info unit.csv", "'gx', 'gy', 'gz'", "unit is unknown", "gx [deg/s]", cure="info unit.csv --unit deg/s"),
-    sentence("info bare.csv", "rate is not in the file", "unit", cure="info bare.csv --rate 100 --unit deg/s"),
-    sentence("info bare.csv --rate 10", "the unit is unknown", cure="info bare.csv --rate 10 --unit deg/s"),
+    sentence("info unit.csv", "unit is unknown", "gx [deg/s]", "try: allanite info unit.csv --unit"),
+    sentence("info bare.csv", "rate is not in the file", "unit", "try: allanite info bare.csv --rate HZ --unit UNIT"),
+    sentence("info bare.csv --rate HZ", "put the sampling rate in Hz in the place of HZ"),
     sentence("info rest.csv --rate 10", "unit is unknown", cure="info rest.csv --rate 10 --unit 'm/s^2'"),
     sentence("info accel.csv", "unit is unknown", cure="info accel.csv --unit g"),
-    sentence("info six.csv", "unit is unknown", cure="info six.csv --unit 'gyro=deg/s,accel=m/s^2'"),
+    sentence("info six.csv", "unit is unknown", "try: allanite info six.csv --unit gyro=UNIT,accel=UNIT"),
     sentence("info unit.csv --unit deg/sec2", "'deg/sec2'", "did you mean deg/s?", cure="info unit.csv --unit deg/s"),
     sentence("info unit.csv --unit degs", "did you mean deg/s?", cure="info unit.csv --unit deg/s"),
     sentence("info unit.csv --unit furlong/s", "unknown unit 'furlong/s'", "units are written as deg/s"),
@@ -97,7 +97,7 @@ ROWS = [
     sentence("export gyro.csv --to openvin", "unknown target 'openvin'", "did you mean openvins?"),
     sentence("explain openvin", "did you mean openvins?", cure="explain openvins"),
     sentence("explain vins", "did you mean vins-mono?", cure="explain vins-mono"),
-    sentence("convert '0.1 deg/rt(h)'", "did you mean deg/sqrt(h)?", cure="convert '0.1 deg/sqrt(h)'"),
+    sentence("convert '0.1 deg/rt-hrr'", "did you mean deg/sqrt(h)?", cure="convert '0.1 deg/sqrt(h)'"),
     sentence("convert 0.1", "has the form '0.66 deg/sqrt(h)'"),
     sentence(f"{PLAN} --sensor memss", "did you mean mems?", cure=f"{PLAN} --sensor mems"),
     sentence(f"{PLAN} --model 'ARW 0.1 deg/sqrt(h)'", "did you mean N?", cure=f"{PLAN} --model {MODEL}"),
@@ -145,7 +145,7 @@ ROWS = [
     sentence("info folder", "this is a directory", code=3),
     sentence("info empty.csv", "the file is empty", code=3),
     sentence("info word.csv", "line 51", "'gx [deg/s]'", "'oops' is not a number", code=3),
-    sentence("info stuck.csv", "all time stamps", "are equal", cure="info stuck.csv --rate 100"),
+    sentence("info stuck.csv", "all time stamps", "are equal", "try: allanite info stuck.csv --rate HZ"),
     *(
         sentence(f"info cut{suffix}", "cut", "damaged|incomplete|cut off|not complete", code=3)
         for suffix in (".npy", ".npz", ".parquet", ".h5", ".mat", ".csv.gz", ".csv.xz", ".csv.bz2", ".zip")
@@ -251,7 +251,7 @@ def test_the_same_refusal_in_python_and_at_the_command_line(tmp_path):
         al.read(file)
     assert "--rate" not in str(refused.value)
     said = CliRunner().invoke(main, ["info", str(file)]).stderr
-    assert "--rate 100" in said
+    assert "--rate HZ" in said
     assert "rate=100" not in said
 
 

@@ -20,6 +20,7 @@ from allanite.core.names import row_of, unknown
 from allanite.phrases.wording import command_line
 from allanite.plugins import PluginWarning
 
+from .placeholders import demand_filled
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
 
@@ -115,6 +116,7 @@ class Front(click.Group):
         """Run the verb; any exception becomes a `Failure`."""
         _demand_addresses()
         try:
+            demand_filled(shlex.split(ctx.meta[LINE]))
             with while_read():
                 super().invoke(ctx)
         except click.NoSuchOption as error:
@@ -180,7 +182,7 @@ def _failure(error: AllaniteError, ctx: click.Context) -> Failure:
 
 
 def cured(words: list[str], cure: Cure) -> list[str]:
-    """The words of a command with a part replaced where it occurs last, or added.
+    """The words of a command with a part replaced where it occurs last, or with options added, instead of old ones.
 
     Examples
     --------
@@ -189,7 +191,10 @@ def cured(words: list[str], cure: Cure) -> list[str]:
     """
     typed, instead = cure
     if not typed:
-        return words + shlex.split(instead)
+        added = shlex.split(instead)
+        again = {word for word in added if word.startswith("--")}
+        old = {place for i, word in enumerate(words) if word in again for place in (i, i + 1)}
+        return [w for i, w in enumerate(words) if i not in old and w.partition("=")[0] not in again] + added
     part = re.compile(rf"(?<![^\s,=]){re.escape(typed)}(?![^\s,=])")
     at = next((i for i in reversed(range(len(words))) if part.search(words[i])), None)
     return [part.sub(lambda _: instead, word) if i == at else word for i, word in enumerate(words)]

@@ -4,11 +4,11 @@ import re
 
 SPELLINGS: dict[str, str] = {
     "°": "deg", "º": "deg", "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad",
-    "sec": "s", "second": "s", "seconds": "s", "hr": "h", "hour": "h", "hours": "h", "asec": "arcsec", "as": "arcsec",
+    "sec": "s", "second": "s", "seconds": "s", "hr": "h", "hrs": "h", "hour": "h", "hours": "h",
+    "asec": "arcsec", "as": "arcsec", "micro_g": "ug",
     "dps": "(deg/s)", "mdps": "(mdeg/s)", "dph": "(deg/h)", "rps": "(rad/s)", "mps": "(m/s)",
     "°C": "degC", "ºC": "degC", "degc": "degC", "celsius": "degC", "kelvin": "K", "ampere": "A", "volt": "V",
     "tesla": "T",
-    "rtHz": "sqrt(Hz)", "rth": "sqrt(h)", "rts": "sqrt(s)", "micro_g": "ug",
 }  # fmt: skip
 
 SIGNS = {"√(": "sqrt(", "µ": "u", "μ": "u", "·": "*"}

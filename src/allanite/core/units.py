@@ -73,6 +73,12 @@ USUAL = (
 )  # fmt: skip
 """Units that messages suggest; any other that is made of `ATOMS` is read, too."""
 
+_ROOT = re.compile(
+    r"(?<![A-Za-z])(?:sqrt|root|rt)[-_. ]*"
+    r"(?:\((?P<inside>[A-Za-z]+)\)|(?P<bare>hours?|hrs?|h|seconds?|secs?|s|Hz)(?![A-Za-z]))"
+)
+"""A square root as data sheets write it: rt-hr, rt(h), root-hour, rtHz."""
+
 _BARE_POWER = re.compile(r"(?<=[A-Za-z])(-?[1-9])\b")
 """A power as written in headers: m/s2, rad s-1."""
 
@@ -102,6 +108,7 @@ class _Parser:
 
     def __init__(self, text: str) -> None:
         text = plain_letters(latin(text)).replace("**", "^").replace("mps2", "m/s^2")
+        text = _ROOT.sub(lambda root: f"sqrt({root['inside'] or root['bare']})", text)
         text = _BARE_POWER.sub(r"^\1", text)
         self.tokens = [m.group(1) or m.group(2) or m.group(3) for m in _TOKEN.finditer(text.strip())]
 
@@ -170,7 +177,8 @@ def unit_of(text: str) -> Unit:
         if parser.tokens or not 1 / LARGEST < unit.factor < LARGEST:
             raise ValueError(text)
     except (ValueError, ZeroDivisionError, OverflowError, RecursionError):
-        meant = nearest(text[:LONGEST], USUAL)
+        rooted = bool(re.search("rt|root|√", text))  # a density is never meant by a rate, nor the other way round
+        meant = nearest(text[:LONGEST], [unit for unit in USUAL if ("sqrt" in unit) == rooted])
         said = f"did you mean {meant}?" if meant else f"units are written as {', '.join(USUAL)}"
         raise UnitError(f"unknown unit {given(text)}; {said}", cure=(text, meant) if meant else ("", "")) from None
     return unit

@@ -32,13 +32,26 @@ def test_published_conversions(unit, factor, to):
 
 
 SPELLINGS = [
-    ("deg/sqrt(h)", ["°/√h", "deg/rth", "deg/h^0.5", "deg h^-0.5", "deg/sqrt(hr)"]),
+    (
+        "deg/sqrt(h)",
+        [
+            "°/√h",
+            "deg/rth",
+            "deg/h^0.5",
+            "deg h^-0.5",
+            "deg/sqrt(hr)",
+            "deg/rt-hr",
+            "deg/rt(h)",
+            "deg/root-hour",
+            "deg/√hr",
+        ],
+    ),
     ("deg/h", ["°/h", "dph", "deg/hr", "deg h^-1", "Deg/H"]),
     ("deg/s", ["dps", "DPS", "deg/sec", "°/s", "deg s-1"]),
     ("rad/sqrt(s)", ["rad/s/sqrt(Hz)", "rad/s/√Hz", "rad/(s*sqrt(Hz))", "rad*s^-0.5"]),
     ("rad/s^1.5", ["rad/s^2/sqrt(Hz)", "rad/s/sqrt(s)"]),
     ("deg/h/sqrt(Hz)", ["deg/h*sqrt(s)", "(deg/h)/rtHz"]),
-    ("ug/sqrt(Hz)", ["µg/√Hz", "ug/rtHz"]),
+    ("ug/sqrt(Hz)", ["µg/√Hz", "ug/rtHz", "ug/rt-Hz"]),
     ("m/s^2", ["m/s²", "m s^-2", "m/s2", "m s-2", "mps2"]),
 ]
 
@@ -84,6 +97,12 @@ def test_products_and_quotients_undo_each_other(a, b):
     whole = unit_of(f"{a}*{b}/{b}")
     assert whole.dimension == unit_of(a).dimension
     assert whole.factor == pytest.approx(unit_of(a).factor, rel=1e-14)
+
+
+@rows("text, meant", [("deg/rt-hrr", "deg/sqrt(h)"), ("deg/hrr", "deg/h"), ("ug/rt-Hzz", "ug/sqrt(Hz)")])
+def test_a_unit_with_a_root_is_never_mistaken_for_one_without(text, meant):
+    with pytest.raises(al.UnitError, match=re.escape(f"did you mean {meant}?")):
+        unit_of(text)
 
 
 def test_units_that_do_not_fit_are_refused():

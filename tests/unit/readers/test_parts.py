@@ -218,6 +218,23 @@ def test_a_clock_that_is_set_back_is_refused_unless_the_rate_is_given(tmp_path):
     assert any("the rows are assumed to be evenly spaced" in note for note in notes)
 
 
+def test_a_damaged_stamp_is_mended_in_a_part_and_refused_at_its_end(tmp_path):
+    choices, values = {"unit": "deg/s", "time": "time_s"}, noise()[:, 0]
+    for row in (9000, 13_999):
+        time = np.arange(N) / RATE
+        time[row] += 40.0
+        path = npy(tmp_path, np.rec.fromarrays([time, values], names=["time_s", "gx"]))
+        if row == 9000:
+            found, beat, _, findings = gathered(path, 7000, choices)
+            np.testing.assert_array_equal(found[0], values)
+            assert beat.rate == pytest.approx(RATE)
+            assert [finding.name for finding in findings] == ["damaged time stamps"]
+            assert "in row 9001 of the data" in findings[0].what
+        else:  # where the next stamps are not yet known
+            with pytest.raises(DataError, match=r"from row 14001 on: 1 time stamp of .* is earlier"):
+                gathered(path, 7000, choices)
+
+
 def test_what_fits_is_read_as_a_whole(tmp_path):
     path = npy(tmp_path, noise())
     for memory in (None, "1TB", "7MB"):

@@ -210,6 +210,13 @@ def test_a_table_of_pandas_without_names(write):
     assert noted(recording, "left out", "'column 1'")
 
 
+def test_a_first_row_of_0_and_1_below_a_heading_is_a_row(write):
+    for header, first in (("t [s],gx [deg/s]", "0,1"), ("t [s],gx [deg/s],gy [deg/s]", "0,1,2")):
+        more = "".join(",".join([str(k / 4), str(k % 3), "0"][: first.count(",") + 1]) + "\n" for k in range(1, 30))
+        record = read(write(f"{header}\n{first}\n{more}"))["gx"]
+        assert (record.size, record.values[0], record.rate) == (30, 1, pytest.approx(4.0))
+
+
 def test_a_leading_clock_without_header_is_never_a_gyro(write):
     path = write("".join(f"{k * 0.01:.2f} {k % 3}.5 {k % 4}.25\n" for k in range(50)))
     recording = read(path, rate=100, unit="deg/s")

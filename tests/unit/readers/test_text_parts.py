@@ -74,6 +74,8 @@ CASES = {
     "a rate above the numbers": ("# Sample rate: 100 Hz\ngx [deg/s],gy [deg/s]\n" + cells(GX, GY), {}),
     "a last line that is cut off": (PLAIN + "90.00,1", {}),
     "a gap": (PLAIN.replace(cells(TIME[7000:7100], GX[7000:7100], GY[7000:7100]), ""), {}),
+    "damaged stamps": (broken(broken(PLAIN, 5001, "0.00,1,2"), 7501, "974.99,3,4"), {}),
+    "the last stamp": (broken(PLAIN, N, "9.99,1,2"), {}),
     "latin letters": (PLAIN.replace("deg/s", "°/s").encode("latin-1"), {}),
     "UTF-16": (PLAIN.encode("utf-16"), {}),
     "a byte order mark": (PLAIN.encode("utf-8-sig") + b"\x1a", {}),

@@ -106,6 +106,17 @@ def test_limits_hold_where_no_window_is_complete():
     assert (np.mean(inside, axis=0) > 0.95 - 3 * 0.028).all()
 
 
+def test_few_windows_close_together_have_limits():
+    noise = np.random.default_rng(5).standard_normal(3000)
+    noise[2200] = np.nan  # behind a hole of seven records, of which a reading lies before it
+    record = al.Record(np.concatenate((noise[:1], np.full(21_000, np.nan), noise[1:])), 50.0, "deg/s")
+    curve = al.deviation(record, m=[4, 128, 1024, 2048, 2900, 2990], noise=al.N(60 / 50**0.5, "deg/sqrt(h)"))
+    low, high = curve.interval()
+    assert np.isfinite([low, high]).all()
+    assert (low < curve.deviation).all()
+    assert (curve.deviation < high).all()
+
+
 def test_what_the_joints_hide_is_refused():
     model, rng = al.sensor("rlg"), np.random.default_rng(1)
     record = al.simulate(model, 4096, 100.0, rng=rng)

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import UsageError
+from allanite.core.placeholders import UNIT
+from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import percent
 from allanite.readers.columns import headers
@@ -20,6 +22,12 @@ from allanite.readers.columns.column import FileColumn, lookup
 from .findings import lost_samples
 from .grid import Places, SampleGrid
 from .stamps import EVEN, MOST_LOST, TICKS
+
+PLAUSIBLE = (0.5, 20e3)
+"""Sampling rates, Hz, considered plausible when the unit of integer time stamps is determined."""
+
+LIKELY = (0.9, 20e3)
+"""The same when it is only suggested."""
 
 _NAME = re.compile(
     r"packet|counter|(^|[^a-z])(cnt|ctr|count|seq|sequence|samples?|index|idx|frame|row|no|id)([^a-z]|$)"
@@ -42,6 +50,34 @@ class ClockSources:
     stated: float | None = None
     stated_source: str = ""
     notes: tuple[str, ...] = ()
+
+
+def readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
+    """Units of time stamps, each with the mean rate in Hz that it gives; none if the last is not later than the first.
+
+    Examples
+    --------
+    >>> [f"{rate:g} Hz in {unit}" for unit, rate in readings(np.array([0, 4, 8]))]
+    ['0.25 Hz in s', '250 Hz in ms', '250000 Hz in us', '2.5e+08 Hz in ns']
+    """
+    span = float(stamps[-1]) - float(stamps[0])
+    sizes = ((unit, span * unit_of(unit).factor) for unit in ("s", "ms", "us", "ns"))
+    return [(unit, (len(stamps) - 1) / size) for unit, size in sizes] if span > 0 else []
+
+
+def likely_unit(column: FileColumn) -> str:
+    """The only likely unit of time stamps; empty if several are likely, or none. Fractions are seconds."""
+    rates = readings(column.values)
+    if rates and np.any(column.values != np.floor(column.values)) and PLAUSIBLE[0] <= rates[0][1] <= PLAUSIBLE[1]:
+        return "s"
+    likely = [unit for unit, rate in rates if LIKELY[0] < rate <= LIKELY[1]]
+    return likely[0] if len(likely) == 1 else ""
+
+
+def addressed(column: FileColumn) -> str:
+    """A column of time stamps as it is chosen: with its likely unit, or a placeholder."""
+    name = column.position if set(column.name) & set("[]'") else column.name
+    return f"{name}[{likely_unit(column) or UNIT}]"
 
 
 def find(columns: tuple[FileColumn, ...], option: str | None, chosen: tuple[FileColumn, ...] | None) -> ClockSources:

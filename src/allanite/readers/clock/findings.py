@@ -60,6 +60,11 @@ FAULTS: dict[str, tuple[str, Callable[[str], str], tuple[str, str]]] = {
         lambda _: say("check the logger; if the rows are out of order, sort the file by time stamp"),
         _CLOCK,
     ),
+    say("damaged time stamps"): (
+        say("each is set by its neighbours"),
+        lambda _: say("check the logger, and the cable or card that it writes to"),
+        _CLOCK,
+    ),
     say("constant time stamps"): (
         say("the clock gives no information, and missing samples remain undetected"),
         lambda option: say("use another clock ({option})", option=option),

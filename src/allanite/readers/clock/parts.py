@@ -13,6 +13,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.table import Sense, repeated
 
 from .clocks import unwrapped
+from .damaged import Damage, mended
 from .findings import DRIFT, PARTS, Holes, finding
 from .grid import Places, SampleGrid
 from .sampling_rate import Beat, Stamped, settled, stamped
@@ -43,7 +44,7 @@ class Clock:
     parts: int = 0
 
     def __post_init__(self) -> None:
-        self._holes = Holes()
+        self._holes, self._damage = Holes(), Damage()
         self._last: list[NDArray[Any]] = []
         self._found: dict[str, tuple[Finding, int]] = {}
         self._marks: list[tuple[int, float]] = []
@@ -77,8 +78,9 @@ class Clock:
             return settled(self.head, SampleGrid(trouble=self._trouble), 0)
         interval = self.interval if self.parts == 1 else self.elapsed / self.place
         lost = (self._lost(interval),) if self._holes.count else ()
-        found = tuple(self._words(*one) for one in self._found.values())
-        return settled(self.head, SampleGrid(interval, findings=(*lost, *found, *self._drift())), self._holes.lost)
+        found = (*self._damage.findings(self.head.column.label), *lost,
+                 *(self._words(*one) for one in self._found.values()), *self._drift())  # fmt: skip
+        return settled(self.head, SampleGrid(interval, findings=found), self._holes.lost)
 
     @property
     def history(self) -> tuple[str, ...]:
@@ -105,7 +107,11 @@ class Clock:
         """The grid of a part that begins with the last row before; None where the stamps give none and a rate does."""
         if self._trouble:
             return None
-        elapsed = seconds_since(unwrapped(columns[0])[0], head.unit)
+        known = int(bool(self._last))
+        stamps, damaged = mended(columns[0], known)
+        self._damage.add(damaged, columns[0], self.rows - known)
+        columns[0] = stamps
+        elapsed = seconds_since(unwrapped(stamps)[0], head.unit)
         grid = self._short(elapsed) or fit(elapsed, head.column.label, lambda: repeated(columns[1:]))
         first = grid.rows is None or not grid.rows.size or int(grid.rows[0]) == 0
         if not grid.trouble and not first:

@@ -9,17 +9,16 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.finding import Finding
+from allanite.core.placeholders import RATE
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import percent, spelled
 from allanite.readers.columns.column import FileColumn
 
-from .clocks import ClockSources, counted_grid, places, unwrapped
+from .clocks import PLAUSIBLE, ClockSources, addressed, counted_grid, places, readings, unwrapped
+from .damaged import Damage, mended
 from .grid import ONE_AFTER_THE_OTHER, SampleGrid
 from .stamps import fit, seconds_since
-
-PLAUSIBLE = (0.5, 20e3)
-"""Sampling rates, Hz, considered plausible when the unit of integer time stamps is determined."""
 
 SAME = 1e-3
 """Relative difference up to which a given rate and that of time stamps are the same."""
@@ -61,6 +60,7 @@ class Stamped(NamedTuple):
     again: tuple[str, ...]
     guessed: str
     against: tuple[Finding, ...]
+    damage: Damage
 
 
 def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArray[np.bool_]]) -> Beat:
@@ -79,7 +79,8 @@ def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArr
     grid = grid or fit(elapsed, seen.column.label, repeated)
     if grid.trouble and not seen.given and not elapsed.any():
         return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
-    return settled(seen, grid, grid.lost)
+    findings = (*seen.damage.findings(seen.column.label), *grid.findings)
+    return settled(seen, replace(grid, findings=findings), grid.lost)
 
 
 def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
@@ -95,7 +96,8 @@ def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
     if column is None or (given and column.text):
         return replace(_unstamped(sources, given, first), contradictions=against)
     column.demand_numbers()
-    stamps, wrapped = unwrapped(column.values)
+    whole, damaged = mended(column.values)
+    stamps, wrapped = unwrapped(whole)
     again = (
         (say("{column} wraps around at 2^{bits}: it was continued", column=column.label, bits=wrapped),)
         if wrapped
@@ -106,18 +108,19 @@ def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
         _demand_counter(column, rate)
         known = Beat(given or 0.0, notes=first, contradictions=against)
         return known if given else Beat(questions=(_ask_unit(column),))
-    return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against)
+    return Stamped(column, stamps, unit, sources, rate, given, first, again, guessed, against,
+                   Damage().add(damaged, column.values))  # fmt: skip
 
 
 def _demand_counter(column: FileColumn, rate: float | None) -> None:
     """Refuse a rate that integer time stamps contradict in any unit; those that count rows contradict none."""
-    readings = _readings(column.values)
-    if rate and readings and abs(readings[0][1] - 1) > SAME:
+    rates = readings(column.values)
+    if rate and rates and abs(rates[0][1] - 1) > SAME:
         raise UsageError(
             say(
                 "the rate given, {rate} Hz, contradicts the time stamps of {column} ({readings}): omit it, or ignore "
                 "the time stamps with {option}",
-                rate=_shown(rate), column=column.label, readings=_listed(readings),
+                rate=_shown(rate), column=column.label, readings=_listed(rates),
                 option=spelled("--time none", "time='none'"),
             ),
             choice="time", cure=("", "--time none"),
@@ -232,7 +235,7 @@ def _notes(
 
 def _ask() -> str:
     return spelled(
-        say("give it in Hz with --rate 100, or name the column of time stamps: --time 'stamp[us]'"),
+        say("give it in Hz with --rate HZ, or name the column of time stamps: --time 'stamp[us]'"),
         say("give it in Hz with rate=100, or name the column of time stamps: time='stamp[us]'"),
     )
 
@@ -261,7 +264,7 @@ def _unit(sources: ClockSources, stamps: NDArray[Any], given: float | None) -> t
     if not np.all(np.isfinite(stamps)) or np.any(stamps != np.floor(stamps)):
         return "s", say("time stamps assumed to be in seconds")
     low, high = (given / 3, 3 * given) if given else PLAUSIBLE
-    fits = [unit for unit, rate in _readings(stamps) if low <= rate <= high]
+    fits = [unit for unit, rate in readings(stamps) if low <= rate <= high]
     if len(fits) != 1:  # time stamps that are all equal are so in any unit
         return "" if np.any(stamps != stamps[0]) else "s", ""
     if given:
@@ -269,23 +272,19 @@ def _unit(sources: ClockSources, stamps: NDArray[Any], given: float | None) -> t
     return fits[0], say("integer time stamps assumed to be in {unit}, the only plausible unit", unit=fits[0])
 
 
-def _readings(stamps: NDArray[Any]) -> list[tuple[str, float]]:
-    span = float(stamps[-1]) - float(stamps[0])
-    return [(unit, (len(stamps) - 1) / (span * unit_of(unit).factor)) for unit in ("s", "ms", "us", "ns") if span > 0]
-
-
 def _listed(readings: list[tuple[str, float]]) -> str:
     return join(", ", (say("{rate:.6g} Hz as {unit}", rate=rate, unit=unit) for unit, rate in readings))
 
 
 def _ask_unit(column: FileColumn) -> str:
-    readings = _readings(column.values)
-    how = spelled(f"--time '{column.name}[ms]', or --rate 100", f"time='{column.name}[ms]', or rate=100")
-    if not readings:
+    rates = readings(column.values)
+    if not rates:
         return say(
             "the last time stamp of {column} is not later than the first: {advice}", column=column.label, advice=_ask()
         )
+    address = addressed(column)
     return say(
         "the unit of the integer time stamps of {column} is unknown ({readings}): pass {option}",
-        column=column.label, readings=_listed(readings), option=how,
+        column=column.label, readings=_listed(rates),
+        option=spelled(f"--time '{address}', or --rate {RATE}", f"time='{address}', or rate=100"),
     )  # fmt: skip

@@ -1,6 +1,5 @@
 """Which columns are inertial signals, and what their samples are: unit, kind and scale."""
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
@@ -9,10 +8,11 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from allanite.core.errors import Cure, UsageError
+from allanite.core.errors import UsageError
 from allanite.core.finding import Finding
 from allanite.core.kinds import KIND_WORDS, kinds_of, offered, signal_of_kind
 from allanite.core.names import nearest
+from allanite.core.placeholders import SCALE, UNIT
 from allanite.core.units import BASES, USUAL, unit_of
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
@@ -23,9 +23,6 @@ from .column import FileColumn, lookup, some
 from .stated import Stated
 
 T = TypeVar("T")
-
-LEVEL = 0.05
-"""Share by which an accelerometer at rest may miss gravity."""
 
 MOST_DRIVERS = 8
 """Number of columns beside the signals that are kept."""
@@ -42,23 +39,27 @@ class SignalColumn(NamedTuple):
 
 
 class Left(NamedTuple):
-    """A column that cannot be used: the reason, and what to pass to use it (empty: it is not a signal)."""
+    """A column that cannot be used: the reason, and what to pass to use it (empty: it is not a signal).
+
+    `open`: what it lacks is a unit.
+    """
 
     column: FileColumn
     why: str
     ask: str = ""
+    open: bool = False
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The signals of a file, assumptions about them, columns that are omitted, questions, warnings, what to type."""
+    """The signals of a file, assumptions, columns that are omitted, questions, warnings, columns without a unit."""
 
     signals: tuple[SignalColumn, ...]
     notes: tuple[str, ...]
     left: tuple[str, ...]
     questions: tuple[str, ...]
     findings: tuple[Finding, ...] = ()
-    cure: Cure = ("", "")
+    unsaid: tuple[FileColumn, ...] = ()
 
 
 def named(columns: tuple[FileColumn, ...], keys: tuple[str, ...] | None) -> tuple[FileColumn, ...] | None:
@@ -95,33 +96,8 @@ def choose(
     how = spelled("--channels gx,2", "channels=['gx', '2']")
     nothing = say("no column is recognized as an inertial signal; select columns with {option}", option=how)
     others = _grouped((say("{reason}:", reason=item.why), item.column) for item in left if not item.ask)
-    return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,), cure=_cure(left, options))
-
-
-def _cure(left: list[Left], options: Options) -> Cure:
-    """A unit to type: near the given one if that cannot be used, or those of the sensors whose columns have none."""
-    without = [item for item in left if item.ask == _ask_unit(options.unit)]
-    if not without:
-        return "", ""
-    if options.unit:
-        return options.unit, nearest(options.unit, USUAL) or "deg/s"
-    of: dict[str, list[FileColumn]] = {}
-    for item in without:
-        of.setdefault(headers.sensor_by_name(item.column.name), []).append(item.column)
-    usual = {"gyro": ("gyro", "deg/s"), "accelerometer": ("accel", _weighing(of.get("accelerometer", ())) or "m/s^2")}
-    found = [usual[name] for name in usual if name in of]
-    likely = found[0][1] if found else _weighing(of.get("", ())) or "deg/s"
-    return "", spelled("--unit ", "unit=") + (",".join(map("=".join, found)) if len(found) > 1 else likely)
-
-
-def _weighing(columns: Sequence[FileColumn]) -> str:
-    """The unit in which three columns have the length of gravity, as an accelerometer at rest has it; or none."""
-    if len(columns) != 3:
-        return ""
-    with np.errstate(all="ignore"):  # of numbers that are no samples
-        length = math.hypot(*(float(np.mean(column.values)) for column in columns))
-    gravity = unit_of("g").factor
-    return next((unit for unit in ("m/s^2", "g") if abs(length * unit_of(unit).factor / gravity - 1) < LEVEL), "")
+    return Choice(signals, notes, tuple(others), tuple(asked) or (nothing,),
+                  unsaid=tuple(i.column for i in left if i.open))  # fmt: skip
 
 
 NO_UNIT = say("no signal unit in the header, used as plain numbers:")
@@ -213,13 +189,17 @@ def _strange(unit: str) -> str:
     return say("{unit!r} is not a unit of a quantity that can be analyzed", unit=unit)
 
 
-def _rises(column: FileColumn, options: Options, pool: list[FileColumn]) -> str:
+def climbs(column: FileColumn, options: Options, pool: Sequence[FileColumn]) -> bool:
     """Whether an unmarked column increases in every row; an integrated angle may, but not as the first of several."""
     may_climb = options.kind in ("angle", "value") and column.position > 1
     values = column.values
-    if column.unit or len(pool) < 2 or len(values) < 10 or may_climb:
-        return ""
-    if not (np.all(values[1:100] > values[:99][: len(values) - 1]) and np.all(values[1:] > values[:-1])):
+    if column.unit or column.text or len(pool) < 2 or len(values) < 10 or may_climb:
+        return False
+    return bool(np.all(values[1:100] > values[:99][: len(values) - 1]) and np.all(values[1:] > values[:-1]))
+
+
+def _rises(column: FileColumn, options: Options, pool: list[FileColumn]) -> str:
+    if not climbs(column, options, pool):
         return ""
     here = spelled(
         say("--time {column} uses it as time, --channels as a signal", column=column.position),
@@ -247,13 +227,17 @@ def _resolved(column: FileColumn, options: Options, *, applies: bool) -> SignalC
     said = _said(column) if column.kind or options.kind == "value" or headers.signal_of(column.unit) else ""
     own = options if applies else replace(options, unit=None, units=(), kind=None, scale=None)
     unit = own.unit or said
+    if not unit and headers.is_raw(column.header):
+        option = spelled(f"--scale {SCALE}", "scale='0.01deg/s'")
+        ask = say("pass the size of one count with its unit, {option}", option=option)
+        return Left(column, say("counts by the header"), ask, open=True)
     if not unit:
-        return Left(column, say("the unit is unknown"), _ask_unit(None))
+        return Left(column, say("the unit is unknown"), _ask_unit(None), open=True)
     known, scale = (column.kind, column.scale) if unit == column.unit else ("", None)
     kind = own.kind or known
     fits = kinds_of(unit)
     if not fits:
-        return Left(column, _strange(unit), _ask_unit(own.unit))
+        return Left(column, _strange(unit), _ask_unit(own.unit), open=True)
     meanings = offered(unit, integers=column.values.dtype.kind == "i")
     if (kind or "rate") not in fits:
         unclear = say("{unit!r} does not determine what a sample is", unit=unit)
@@ -305,8 +289,13 @@ def _grouped(items: Iterable[tuple[str, FileColumn]]) -> list[str]:
 
 
 def _ask_unit(given: str | None) -> str:
-    meant = nearest(given, USUAL) if given else ""
+    meant = unit_meant(given)
     if meant:
         return say("did you mean {unit}?", unit=meant)
-    unit = spelled("--unit deg/s", "unit='deg/s'")
-    return say("pass the unit of the samples, such as {unit}, or write it in the header as in 'gx [deg/s]'", unit=unit)
+    unit = spelled(f"--unit {UNIT}", "unit='deg/s'")
+    return say("pass the unit of the samples, {unit}, or write it in the header as in 'gx [deg/s]'", unit=unit)
+
+
+def unit_meant(given: str | None) -> str:
+    """The unit of samples that is like the given one; empty if none is."""
+    return nearest(given, [unit for unit in USUAL if kinds_of(unit)]) if given else ""

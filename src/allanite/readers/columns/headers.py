@@ -40,6 +40,11 @@ TIME_NAMES: dict[str, str] = {  # names of a clock, with the unit that some of t
 
 _RAW = ("-", "", "lsb", "lsbs", "count", "counts", "raw", "digit", "digits", "adc", "bit", "bits", "a.u.", "au")
 
+_COUNTS = re.compile(r"\[ *(lsbs?|counts?|raw|digits?|adc|bits?) *\]|\( *(lsbs?|counts?|raw|digits?|adc|bits?) *\)")
+"""What a header says of numbers as they come from a converter."""
+
+_INCREMENT = re.compile(r"d(elta)?_?(ang|theta|vel|v(_?[xyz])?$)")
+
 _OTHER = re.compile(  # a name that begins like this, up to its end or a number, is not an inertial signal
     r"(temp|temperature|t_?deg_?c|index|idx|id|count|counter|packet|seq|sequence|samples?|frame|row|no|n|status|flags?|date|"
     r"mag|magnetometer|magnetic|m_?[xyz]|baro|pressure|press|humidity|alt|altitude|lat|latitude|lon|longitude|volt|voltage|"
@@ -199,6 +204,16 @@ def identifies(name: str) -> bool:
     (True, True, True, False)
     """
     return bool(_IDENTIFIER.search(_bare(re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name))))
+
+
+def is_raw(header: str) -> bool:
+    """Whether a header says that the numbers are counts: ``gx [LSB]``."""
+    return bool(_COUNTS.search(header.lower()))
+
+
+def is_increment(name: str) -> bool:
+    """Whether a name is that of increments of an angle or a velocity: ``deltaThetaX``, ``delta_velocity_x``."""
+    return bool(_INCREMENT.search(_bare(name)))
 
 
 def sensor_by_name(name: str) -> str:

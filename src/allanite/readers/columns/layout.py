@@ -121,7 +121,7 @@ def find(data: bytes) -> Layout:
     rows = [Row(n, at, cells(text, delimiter)) for n, at, text in lines if text and not text.startswith(marks)]
     first, text = _first_row(rows, decimal)
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
-    if _numbered(rows[first], rows[first + 1 :]):
+    if not any(names) and _numbered(rows[first], rows[first + 1 :]):
         names, first = tuple(rows[first].cells), first + 1
         notes = (
             say(

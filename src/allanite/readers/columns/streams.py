@@ -104,7 +104,7 @@ def _only(streams: Sequence[Stream]) -> Stream:
         none = say(
             "no table of the file has inertial signals by its name or units; it contains {names}; select one with "
             "{option}",
-            names=_listed(streams), option=_option(first.name),
+            names=_listed(streams), option=_option(first.name if first.why else "NAME"),
         )  # fmt: skip
         raise UsageError(join("; ", (_undecoded(first), none) if first.why else (none,)))
     long = [stream for stream in fitting if stream.count >= SHORTEST] or fitting

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import AllaniteError, DataError, UsageError
+from allanite.core.errors import AllaniteError, Cure, DataError, UsageError
 from allanite.core.finding import Finding
 from allanite.core.kinds import signal_of_kind
+from allanite.core.placeholders import UNIT
 from allanite.core.record import Record, Recording
 from allanite.core.syntax import identifiers
 from allanite.phrases.phrase import join, say
@@ -23,7 +24,7 @@ from allanite.readers.clock import clocks
 from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
-from . import channels, conventions, lattice, pairs, resolver, stated
+from . import channels, conventions, lattice, pairs, proposal, resolver, stated
 from .arrays import RATE_NAMES
 from .column import FileColumn, unique
 
@@ -97,7 +98,7 @@ class FileTable:
         along, said = channels.beside(tuple(replace(c, unit=units.get(c, c.unit)) for c in taken))
         open_to_choice = tuple(column for column in columns if column not in taken)
         choice = channels.choose(open_to_choice, options, chosen, sources.stamps)
-        return Sense(columns, sources, choice, along, ((*self.notes, *joined), said))
+        return Sense(columns, sources, choice, along, ((*self.notes, *joined), said), options)
 
     def _unmarked(self, options: Options) -> "FileTable":
         """The table whose selected columns have no unit and kind: sine and cosine in any unit have the same angle."""
@@ -115,6 +116,7 @@ class Sense:
     choice: channels.Choice
     along: tuple[channels.SignalColumn, ...]
     said: tuple[tuple[str, ...], tuple[str, ...]]
+    options: Options
 
     @property
     def signals(self) -> tuple[channels.SignalColumn, ...]:
@@ -125,11 +127,22 @@ class Sense:
         """Ask for what is not known."""
         questions = [*beat.questions, *self.choice.questions]
         if questions:
-            left = self.choice.left if beat.questions or not any(self.choice.cure) else ()
-            typed, instead = self.choice.cure
-            rate = spelled("--rate 100 ", "rate=100 ") if beat.questions and not typed else ""
-            cure = typed, f"{rate}{instead}".strip()
-            raise UsageError("; ".join((*questions, *left)), choice="rate" if beat.questions else "unit", cure=cure)
+            asked, why = self._proposed(beat)
+            left = self.choice.left if beat.questions or not self.choice.unsaid else ()
+            raise UsageError(
+                "; ".join((*questions, *why, *left)), choice="rate" if beat.questions else "unit", cure=asked
+            )
+
+    def _proposed(self, beat: clock.Beat) -> tuple[Cure, tuple[str, ...]]:
+        """What to type about the clock and the columns without a unit, and why."""
+        given, unsaid = self.options.unit, self.choice.unsaid
+        if given and unsaid:
+            return (given, channels.unit_meant(given) or UNIT), ()
+        free = [column for column in self.columns if column not in [signal.column for signal in self.signals]]
+        rising = [c for c in free if self.options.time is None and channels.climbs(c, self.options, self.columns)]
+        proposals = [proposal.clock(rising, self.sources)] if beat.questions else []
+        proposals += [proposal.units(unsaid, proposals[0].rate if proposals else beat.rate)] if unsaid else []
+        return ("", " ".join(one.words for one in proposals)), tuple(why for one in proposals for why in one.why)
 
     def notes(self, beat: clock.Beat) -> tuple[str, ...]:
         """The assumptions."""

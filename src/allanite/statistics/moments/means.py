@@ -249,9 +249,13 @@ class MeanMoments:
 
 def mean_moments(row: Statistic, m: int, places: Places, size: int) -> MeanMoments:
     """Moments of the variance at m from means of the readings there."""
-    most = int(row.count(size, np.array([m]))[0])
+    most, there = int(row.count(size, np.array([m]))[0]), There(places, size)
     stride = max(1, min(m // QUARTERS, most // ENOUGH)) if row.overlapped else m
-    return MeanMoments(windows_of(row, m, There(places, size), stride))
+    windows = windows_of(row, m, there, stride)
+    while row.overlapped and stride > 1 and windows.start.size < ENOUGH:  # those with readings are close together
+        stride //= 2
+        windows = windows_of(row, m, there, stride)
+    return MeanMoments(windows)
 
 
 def _spread(count: int, most: int) -> IntArray:

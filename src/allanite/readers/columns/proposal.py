@@ -1,0 +1,119 @@
+"""What to type where a file does not say what its columns are: what their numbers show, or a placeholder."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.core.placeholders import COLUMN, RATE, SCALE, UNIT
+from allanite.core.units import unit_of
+from allanite.phrases.phrase import say
+from allanite.phrases.wording import spelled
+from allanite.readers.clock.clocks import ClockSources, addressed, likely_unit, readings
+
+from . import headers
+from .column import FileColumn, some
+
+RATES: tuple[str, ...] = ("g", "m/s^2", "mg", "mm/s^2")
+INCREMENTS: tuple[str, ...] = ("g*s", "m/s")
+"""Units in which loggers write accelerations, and velocity increments."""
+
+COUNTS = (1024, 8192)
+"""Counts per g of common sensors that are near a thousand mg or 9810 mm/s^2."""
+
+NAMED = 0.25
+"""Share by which accelerometers at rest may miss gravity, by their offsets and scale factors: units are ten apart."""
+
+UNNAMED = 0.05
+"""The same for columns that nothing but their length makes accelerometers."""
+
+
+class Proposal(NamedTuple):
+    """Words to type, why, and the rate in Hz that follows from them, 0 if none does."""
+
+    words: str
+    why: tuple[str, ...] = ()
+    rate: float = 0.0
+
+
+def clock(columns: Sequence[FileColumn], sources: ClockSources) -> Proposal:
+    """Words about the sampling rate: of the time stamps, or the first of columns that rise as stamps do."""
+    column = sources.stamps or next((column for column in columns if not _counts_rows(column)), None)
+    rates = {} if column is None else dict(readings(column.values))
+    if column is None or not rates:
+        return Proposal(spelled(f"--rate {RATE}", "rate=..."))
+    address, unit = addressed(column), likely_unit(column)
+    words = spelled(f"--time '{address}'", f"time='{address}'")
+    if not unit or sources.stamps:
+        return Proposal(words, rate=rates.get(unit, 0.0))
+    why = say(
+        "{column} rises as a clock of {rate:.6g} Hz in {unit} does", column=column.label, rate=rates[unit], unit=unit
+    )
+    return Proposal(words, (why,), rates[unit])
+
+
+def _counts_rows(column: FileColumn) -> bool:
+    return column.values.dtype.kind == "i" and float(np.median(np.diff(column.values[:1000]))) == 1
+
+
+def units(columns: Sequence[FileColumn], rate: float) -> Proposal:
+    """Words about columns without a unit, at a rate in Hz, 0 if it is unknown."""
+    of: dict[str, list[FileColumn]] = {}
+    for column in columns:
+        of.setdefault(headers.sensor_by_name(column.name), []).append(column)
+    raw = [[column for column in members if headers.is_raw(column.header)] for members in of.values()]
+    first = next(filter(None, raw), [])
+    if first:  # one scale is that of one sensor
+        names = ",".join(str(column.position) for column in first)
+        chosen = spelled(f"--channels {names} ", f"channels='{names}', ") if len(first) < len(columns) else ""
+        return Proposal(chosen + spelled(f"--scale {SCALE}", f"scale={SCALE!r}"))
+    sensors = [column for name, members in of.items() if name for column in members]
+    if not sensors:
+        return _unnamed(columns)
+    summed = all(headers.is_increment(column.name) for column in sensors)
+    known, times = (INCREMENTS, rate) if summed else (RATES, 1.0)
+    unit, why = _weighed(of.get("accelerometer", []), known, times, NAMED)
+    # MicroStrain names increments like this, and writes them in rad and g*s
+    theta = unit == "g*s" and all("theta" in column.name.lower() for column in of.get("gyro", ()))
+    theirs = {"gyro": "rad" if theta else UNIT, "accelerometer": unit or UNIT}
+    keys = {"gyro": "gyro", "accelerometer": "accel"}
+    stated = ",".join(f"{keys[name]}={theirs[name]}" for name in keys if name in of)
+    return _stated(stated if len(of) > 1 else theirs[next(iter(of))], why, kind="increment" if summed else "")
+
+
+def _unnamed(columns: Sequence[FileColumn]) -> Proposal:
+    """Words about columns without names of sensors, of which each three may be the axes of one."""
+    threes = [columns[i : i + 3] for i in range(0, len(columns), 3)]
+    weighed = [(three, *_weighed(three, RATES, 1.0, UNNAMED)) for three in threes]
+    heavy = [row for row in weighed if row[1]]
+    if len(heavy) != 1:
+        return _stated(UNIT)
+    three, unit, why = heavy[0]
+    if len(columns) == 3:
+        return _stated(unit, why)
+    rest = [column for column in columns if column not in three]
+    others = [f"{column.position}={UNIT}" for column in rest] if len(rest) <= 3 else [f"{COLUMN}={UNIT}"]
+    return _stated(",".join([*(f"{column.position}={unit}" for column in three), *others]), why)
+
+
+def _stated(unit: str, why: str = "", *, kind: str = "") -> Proposal:
+    words = spelled("--unit ", "unit=") + f"'{unit}'"
+    return Proposal(words + (spelled(f" --kind {kind}", f", kind={kind!r}") if kind else ""), (why,) if why else ())
+
+
+def _weighed(columns: Sequence[FileColumn], known: Sequence[str], rate: float, share: float) -> tuple[str, str]:
+    """The unit in which the means of three columns, times a rate, have the length of gravity, and why; or none."""
+    with np.errstate(all="ignore"):  # of numbers that are no samples
+        length = math.hypot(*(float(np.mean(column.values)) for column in columns)) if len(columns) == 3 else 0.0
+    if not 0 < length * rate < math.inf:
+        return "", ""
+    gravity = unit_of("g").factor
+    off = {unit: abs(math.log(length * rate * unit_of(unit).factor / gravity)) for unit in known}
+    whole = all(column.values.dtype.kind == "i" for column in columns)
+    unit = min(off, key=lambda unit: off[unit])
+    if off[unit] > math.log1p(share) or (whole and any(abs(length / count - 1) < UNNAMED for count in COUNTS)):
+        return "", ""
+    names = some([repr(column.header or column.name) for column in columns])
+    what = say("the mean of {columns} has the length of gravity in {unit}", columns=names, unit=unit)
+    return unit, say("{what} ({length:.4g})", what=what, length=length * rate)
