@@ -12,18 +12,22 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
+from allanite.identification.likelihood.model_selection import SLOW
 from allanite.phrases.phrase import say
 from allanite.prepare.rounding import grid
 from allanite.statistics import deviation, expected
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
-SURE = 0.99
-"""Confidence level of the curve's intervals in this test."""
+FALSE = 0.01
+"""Probability that the curve of a record contradicts a right coefficient, over all octaves that are compared."""
 
 AGREES, STRICT = 1.5, 1.1
 """Factor beyond the limits of the measured deviation up to which that of the model agrees with it, and where a slow
 term was struck out.
 """
+
+STRAIGHT = 0.1
+"""Largest difference of the slope from -1/2 over two octaves: other noise is then a fifth of the variance at most."""
 
 ROUNDED = 3.0
 """Quantization noise over that of the step of the samples, at most."""
@@ -50,7 +54,13 @@ def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
 
     A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
     than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
+    Nor can white noise lie below a curve of its slope.
     """
+    return _above(fit, seen) | _below(fit, seen)
+
+
+def _above(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
+    """Terms that alone exceed the curve."""
     curve = seen.octaves
     # averaging times at which the terms themselves are measured
     shortest, longest = (0.0, np.inf) if fit.scope is None else fit.scope.times
@@ -65,7 +75,7 @@ def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
         return {}
     limited = seen.limited(curve.m[above])
     above &= np.isin(curve.m, limited.m)
-    upper = limited.upper(SURE) if above.any() else np.empty(0)
+    upper = limited.upper(1 - FALSE / inside.sum()) if above.any() else np.empty(0)
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
     return {
         symbol: say(
@@ -77,6 +87,59 @@ def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
         for symbol, ratio in excess.items()
         if (ratio > 1).any()
     }
+
+
+def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
+    """White noise whose upper limit lies below the curve where that falls as white noise, other noise subtracted.
+
+    Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
+    """
+    curve = seen.octaves
+    white = [e for e in fit if TERMS[e.symbol].slope == WHITE and not e.shape and _most(e) < math.inf]
+    slope = np.full(curve.tau.size, np.inf)
+    slope[1:-1] = np.log(curve.deviation[2:] / curve.deviation[:-2]) / np.log(curve.tau[2:] / curve.tau[:-2])
+    inside = abs(slope - WHITE) < STRAIGHT
+    if fit.scope is not None:
+        inside &= fit.scope.holds(curve.tau)
+    if not white or not inside.any():
+        return {}
+    beside = tuple(
+        Term(e.symbol, e.value, e.signal, e.shape)
+        for e in fit
+        if e.claimed and e.value is not None and e not in white and _memory(e) * curve.rate > SLOW
+    )
+    other = np.zeros(curve.tau.size)
+    if beside:
+        other += expected(Model(beside), "oadev", curve.tau, rate=curve.rate, size=curve.size)
+    reasons: dict[str, str] = {}
+    for e in white:
+        most = STRICT * _most(e) / np.sqrt(curve.tau)
+        far = inside & (curve.deviation**2 - other > most**2)
+        limited = seen.limited(curve.m[far]) if far.any() else None
+        if limited is None or not limited.m.size:
+            continue
+        far &= np.isin(curve.m, limited.m)
+        excess = np.sqrt(np.maximum(limited.interval(1 - 2 * FALSE / inside.sum())[0] ** 2 - other[far], 0)) / most[far]
+        if excess.max() > 1:
+            reasons[e.symbol] = say(
+                "at {tau:.3g} s the measured curve falls as white noise of at least {excess:.3g} times its upper limit",
+                tau=curve.tau[far][excess.argmax()],
+                excess=STRICT * excess.max(),
+            )
+    return reasons
+
+
+def _most(estimate: Estimate) -> float:
+    """The upper limit of a coefficient, infinite where there is none."""
+    if estimate.claimed:
+        return estimate.interval()[1] if estimate.limits else math.inf
+    return math.inf if estimate.upper is None else estimate.upper
+
+
+def _memory(estimate: Estimate) -> float:
+    """Time, s, over which noise with a shape is correlated; infinite without one."""
+    shape = zip(TERMS[estimate.symbol].parameters, estimate.shape or (), strict=False)
+    return min((v if p.time > 0 else 1 / (2 * math.pi * v) for p, v in shape if p.time), default=math.inf)
 
 
 def held(fit: Fit, seen: MeasuredCurve) -> float | None:
@@ -98,7 +161,7 @@ def held(fit: Fit, seen: MeasuredCurve) -> float | None:
     far &= np.isin(curve.m, limited.m)
     low, high = limited.interval(0.95)
     wrong = curve.tau[far][(own[far] > agrees * high) | (own[far] < low / agrees)]
-    before = curve.tau[curve.tau < wrong.min(initial=math.inf)]
+    before = curve.tau[holds & (curve.tau < wrong.min(initial=math.inf))]
     return float(before.max(initial=0.0)) if wrong.size else None
 
 
