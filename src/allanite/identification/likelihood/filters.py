@@ -14,8 +14,10 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.phrases.phrase import say
 
-NARROWEST, HIGHEST = 0.004, 1.0
-"""The lowest and the highest cut-off frequency that is looked for, cycles per sample: a record does not show others."""
+NARROWEST, HIGHEST, HIGHEST_RC = 0.004, 0.5, 1.0
+"""The lowest and the highest cut-off frequency that is looked for, cycles per sample, and the highest of an RC filter,
+whose images are no more than a ripple of 4 exp(-2 pi cut-off): a record does not show others.
+"""
 
 AVERAGED, TWICE = 0.443, 0.3189
 """Cut-off of a moving average, and of one behind another, times the number of samples."""
@@ -114,8 +116,10 @@ def _bartlett(f: FloatArray, cutoff: float) -> FloatArray:
 
 
 FILTERS: dict[str, Filter] = {
-    "rc": Filter(say("1st-order low-pass"), _sampled_one_pole),
-    "averaged rc": Filter(say("1st-order low-pass, averaged over each sample"), _averaged_one_pole),
+    "rc": Filter(say("1st-order low-pass"), _sampled_one_pole, _octaves(HIGHEST_RC)),
+    "averaged rc": Filter(
+        say("1st-order low-pass, averaged over each sample"), _averaged_one_pole, _octaves(HIGHEST_RC)
+    ),
     "butterworth": Filter(say("2nd-order low-pass"), _sampled_two_poles),
     "bilinear 1": Filter(say("digital 1st-order low-pass"), _digital(1), _octaves(0.45)),
     "bilinear 2": Filter(say("digital 2nd-order low-pass"), _digital(2), _octaves(0.45)),
