@@ -90,7 +90,7 @@ def _above(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
 
 
 def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
-    """White noise whose upper limit lies below the curve where that falls as white noise, other noise subtracted.
+    """White noise whose upper limit lies below the curve where that falls as white noise, less the most of other noise.
 
     Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
     """
@@ -104,9 +104,9 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     if not white or not inside.any():
         return {}
     beside = tuple(
-        Term(e.symbol, e.value, e.signal, e.shape)
+        Term(e.symbol, size, e.signal, e.shape)
         for e in fit
-        if e.claimed and e.value is not None and e not in white and _memory(e) * curve.rate > SLOW
+        if e not in white and _memory(e) * curve.rate > SLOW and 0 < (size := _most(e)) < math.inf
     )
     other = np.zeros(curve.tau.size)
     if beside:
@@ -130,16 +130,20 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
 
 
 def _most(estimate: Estimate) -> float:
-    """The upper limit of a coefficient, infinite where there is none."""
-    if estimate.claimed:
-        return estimate.interval()[1] if estimate.limits else math.inf
-    return math.inf if estimate.upper is None else estimate.upper
+    """The upper limit of the size of a coefficient, infinite where there is none."""
+    if estimate.limits is None:
+        return math.inf
+    return max(map(abs, estimate.interval())) if estimate.claimed else estimate.upper or math.inf
 
 
 def _memory(estimate: Estimate) -> float:
-    """Time, s, over which noise with a shape is correlated; infinite without one."""
-    shape = zip(TERMS[estimate.symbol].parameters, estimate.shape or (), strict=False)
-    return min((v if p.time > 0 else 1 / (2 * math.pi * v) for p, v in shape if p.time), default=math.inf)
+    """Time, s, over which noise with a shape is correlated; infinite without one, 0 where it is not known."""
+    parameters = TERMS[estimate.symbol].parameters
+    shape = estimate.shape or (0.0,) * len(parameters)
+    times = (
+        v if p.time > 0 or not v else 1 / (2 * math.pi * v) for p, v in zip(parameters, shape, strict=True) if p.time
+    )
+    return min(times, default=math.inf)
 
 
 def held(fit: Fit, seen: MeasuredCurve) -> float | None:
