@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from scipy.fft import dct
+from scipy.linalg import toeplitz
 from scipy.signal import butter, freqz, lfilter
 from tests.rows import rows
 
@@ -46,6 +48,21 @@ def test_a_gain_is_the_sum_over_the_images(name, power, averaged, cutoff):
 def test_a_digital_filter_is_that_of_scipy(order, cutoff):
     _, response = freqz(*butter(order, 2 * cutoff), 2 * np.pi * F)
     np.testing.assert_allclose(FILTERS[f"bilinear {order}"].gain(F, cutoff), np.abs(response) ** 2, atol=1e-12)
+
+
+@rows("name, cutoff", [("bilinear 2", 1 / 6), ("bilinear 1", 0.2), ("decimated", 0.15), ("butterworth", 0.05)])
+def test_the_edges_of_a_record_are_those_of_the_filtered_noise(name, cutoff):
+    """The literal variance of the transform of noise with the covariance of the filter."""
+    n = 300
+    r = np.fft.irfft(FILTERS[name].gain(np.arange(2049) / 4096, cutoff))
+    T = dct(np.eye(n), axis=0, norm="ortho")[1:]
+    literal = np.einsum("kj,kj->k", T, T @ toeplitz(r[:n]))
+    k = np.arange(1, n)
+    ours = (
+        FILTERS[name].gain(k / (2 * n), cutoff) + FILTERS[name].edges(cutoff) * 2 / n * np.cos(np.pi * k / (2 * n)) ** 2
+    )
+    beyond = k > n / 2
+    np.testing.assert_allclose(ours[beyond], literal[beyond], rtol=0.02)
 
 
 def test_a_moving_average_of_whole_samples_is_the_boxcar():

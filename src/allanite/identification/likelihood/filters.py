@@ -19,6 +19,9 @@ NARROWEST, HIGHEST, HIGHEST_RC = 0.004, 0.5, 1.0
 whose images are no more than a ripple of 4 exp(-2 pi cut-off): a record does not show others.
 """
 
+LAGS, LEAST = 1024, 1e-9
+"""Samples over which a filter correlates, at most; a gain so low that where it is less does not matter."""
+
 AVERAGED, TWICE = 0.443, 0.3189
 """Cut-off of a moving average, and of one behind another, times the number of samples."""
 
@@ -39,6 +42,21 @@ class Filter:
     title: str
     gain: Callable[[FloatArray, float], FloatArray]
     starts: FloatArray = field(default_factory=lambda: _octaves(HIGHEST))
+
+    def edges(self, cutoff: float) -> float:
+        """Variance of white noise behind the filter at either edge of a record, over that before the filter.
+
+        The variance of a coefficient of the frequency w is S(w) - (2/n) sum over h > 0 of r(h) [h cos wh + sin wh /
+        sin w], r being the autocovariances of the gain S. What it has beyond S has nearly the shape (2/n) cos^2(w/2) of
+        noise at the edges. It matters where the filter lets little pass, and is taken from there.
+        """
+        w = np.pi / LAGS * np.arange(1, LAGS)
+        gain = self.gain(np.arange(LAGS + 1) / (2 * LAGS), cutoff)
+        r = np.fft.irfft(gain)
+        r[0], r[LAGS:] = 0.0, 0.0
+        lost = np.fft.rfft(r * np.arange(2 * LAGS)).real[1:LAGS] - np.fft.rfft(r).imag[1:LAGS] / np.sin(w)
+        weight = 1 / (gain[1:LAGS] + LEAST) ** 2
+        return max(float(-(weight @ lost) / (weight @ np.cos(w / 2) ** 2)), 0.0)
 
     @property
     def widest(self) -> float:

@@ -137,8 +137,13 @@ class Found(Portable):
 
     @property
     def score(self) -> float:
-        """2 L of the chosen subset and the penalties of its terms and of a filter."""
-        return self.chosen.score(penalties(self.part)) + FILTERED * (self.part.filter is not None)
+        """2 L of the chosen subset and the penalties of its terms, of a filter, and of what is not read.
+
+        There each bin has a level of its own, so that readings of other bins can be compared.
+        """
+        seen, out = self.seen, ~self.used
+        unread = float(seen.told[out] @ (1 + np.log(seen.power[out])) + AKAIKE * out.sum())
+        return self.chosen.score(penalties(self.part)) + FILTERED * (self.part.filter is not None) + unread
 
     @property
     def slowest(self) -> int:

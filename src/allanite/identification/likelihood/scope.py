@@ -72,8 +72,7 @@ def scoped(found: Found, *, rival: bool, choice: str = "auto") -> Found:
         return next(filter(explains, WAYS[choice](found.base, rival)), found)
     if choice != "auto" or not rolls_off(found.base):
         return found
-    same = (each for each in _whole(found.base, rival) if (each.used == found.used).all() and explains(each))
-    return min((found, *same), key=lambda each: each.score)
+    return min((found, *filter(explains, _whole(found.base, rival))), key=lambda each: each.score)
 
 
 def behind_filter(part: Portion) -> Found:
@@ -105,12 +104,9 @@ def _candidates(whole: Portion, rival: bool) -> Iterator[Found]:
 
 def _whole(part: Portion, rival: bool) -> Iterator[Found]:
     """All that is read, behind a filter or with Gauss-Markov noise of a few samples, the best score first."""
-    through = list(_behind(part, rival))
-    if through:
-        part = part.but(used=through[0].used)  # scores are of the same bins
     angle = [i for i, symbol in enumerate(part.noise) if TERMS[symbol].edge]
-    if angle:
-        through += [f for f in _tuned(part, rival, lowest=RATHER) if f.chosen.theta[angle].all()]
+    both = _tuned(part, rival, lowest=RATHER) if angle else ()
+    through = (*_behind(part, rival), *(found for found in both if found.chosen.theta[angle].all()))
     quick = _quick(part, rival) if part.excess is None else ()
     yield from sorted((*through, *quick), key=lambda found: found.score)
 
