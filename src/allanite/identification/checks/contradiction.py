@@ -95,7 +95,7 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
     """
     curve = seen.octaves
-    white = [e for e in fit if TERMS[e.symbol].slope == WHITE and not e.shape and _most(e) < math.inf]
+    white = [e for e in fit if TERMS[e.symbol].slope == WHITE and e.limits and _most(e) < math.inf]
     slope = np.full(curve.tau.size, np.inf)
     slope[1:-1] = np.log(curve.deviation[2:] / curve.deviation[:-2]) / np.log(curve.tau[2:] / curve.tau[:-2])
     inside = abs(slope - WHITE) < STRAIGHT
@@ -103,14 +103,15 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
         inside &= fit.scope.holds(curve.tau)
     if not white or not inside.any():
         return {}
-    beside = tuple(
+    beside = [
         Term(e.symbol, size, e.signal, e.shape)
         for e in fit
         if e not in white and _memory(e) * curve.rate > SLOW and 0 < (size := _most(e)) < math.inf
-    )
+    ]
+    beside += [line.term for line in fit.lines]
     other = np.zeros(curve.tau.size)
     if beside:
-        other += expected(Model(beside), "oadev", curve.tau, rate=curve.rate, size=curve.size)
+        other += expected(Model(tuple(beside)), "oadev", curve.tau, rate=curve.rate, size=curve.size)
     reasons: dict[str, str] = {}
     for e in white:
         most = STRICT * _most(e) / np.sqrt(curve.tau)
@@ -130,9 +131,9 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
 
 
 def _most(estimate: Estimate) -> float:
-    """The upper limit of the size of a coefficient, infinite where there is none."""
+    """The upper limit of the size of a coefficient, or its value where it has none; infinite where nothing is known."""
     if estimate.limits is None:
-        return math.inf
+        return abs(estimate.value or math.inf)
     return max(map(abs, estimate.interval())) if estimate.claimed else estimate.upper or math.inf
 
 
