@@ -14,6 +14,7 @@ from allanite.core.model import Model, Term
 from allanite.core.record import Record
 from allanite.identification.likelihood.model_selection import SLOW
 from allanite.phrases.phrase import say
+from allanite.prepare.outliers import marked, outliers
 from allanite.prepare.rounding import grid
 from allanite.statistics import deviation, expected
 from allanite.terms import TERMS, WHITE
@@ -35,10 +36,14 @@ ROUNDED = 3.0
 
 @dataclass(frozen=True)
 class MeasuredCurve:
-    """The measured Allan deviation: at octaves, and with its limits under a fit at the averaging factors asked for."""
+    """The measured Allan deviation: at octaves, and with its limits under a fit at the averaging factors asked for.
+
+    `marked` is that of the record without its outliers, which are no white noise but have its slope.
+    """
 
     octaves: Curve
     limited: Callable[[IntArray], Curve]
+    marked: Callable[[], "MeasuredCurve"] | None = None
 
 
 def measured(fit: Fit, record: Record) -> MeasuredCurve:
@@ -46,6 +51,7 @@ def measured(fit: Fit, record: Record) -> MeasuredCurve:
     return MeasuredCurve(
         deviation(record, "oadev", taus="octave", noise=None),
         lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
+        lambda: measured(fit, marked(record, outliers(record))),
     )
 
 
@@ -56,7 +62,8 @@ def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
     Nor can white noise lie below a curve of its slope.
     """
-    return _above(fit, seen) | _below(fit, seen)
+    below = _below(fit, seen)
+    return _above(fit, seen) | (_below(fit, seen.marked()) if below and seen.marked else below)
 
 
 def _above(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
