@@ -1,7 +1,7 @@
 """Coefficients that contradict the measured curve, whatever the likelihood says."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,9 +116,7 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
         if e not in white and _memory(e) * curve.rate > SLOW and 0 < (size := _most(e)) < math.inf
     ]
     beside += [line.term for line in fit.lines]
-    other = np.zeros(curve.tau.size)
-    if beside:
-        other += expected(Model(tuple(beside)), "oadev", curve.tau, rate=curve.rate, size=curve.size)
+    other = _deviation(fit, beside, curve) ** 2
     reasons: dict[str, str] = {}
     for e in white:
         most = STRICT * _most(e) / np.sqrt(curve.tau)
@@ -145,13 +143,10 @@ def _most(estimate: Estimate) -> float:
 
 
 def _memory(estimate: Estimate) -> float:
-    """Time, s, over which noise with a shape is correlated; infinite without one, 0 where it is not known."""
+    """The time constant of a term, s; infinite without one, 0 where it is not known."""
     parameters = TERMS[estimate.symbol].parameters
     shape = estimate.shape or (0.0,) * len(parameters)
-    times = (
-        v if p.time > 0 or not v else 1 / (2 * math.pi * v) for p, v in zip(parameters, shape, strict=True) if p.time
-    )
-    return min(times, default=math.inf)
+    return min((v for p, v in zip(parameters, shape, strict=True) if p.time > 0 or not v), default=math.inf)
 
 
 def held(fit: Fit, seen: MeasuredCurve) -> float | None:
@@ -162,19 +157,31 @@ def held(fit: Fit, seen: MeasuredCurve) -> float | None:
     if fit.valid is None:
         return None
     curve = seen.octaves
-    own = np.sqrt(expected(fit.complete(fit.valid), "oadev", curve.tau, rate=curve.rate, size=curve.size))
-    # without a term that was struck out, the rest is not to be drawn below the curve
-    agrees = STRICT if any(e.status == "not valid" and not TERMS[e.symbol].edge for e in fit) else AGREES
+    filtered = fit.scope is not None and fit.scope.filter is not None
+    own = _deviation(fit, fit.valid, curve)
+    # behind a filter angle noise is less than it was
+    least = _deviation(fit, [t for t in fit.valid if not (filtered and t.row.edge)], curve)
+    # without a term that was struck out, the rest is not to be drawn below the curve, and may be of shorter times only
+    struck = any(e.status == "not valid" and not TERMS[e.symbol].edge for e in fit)
+    agrees = STRICT if struck else AGREES
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
-    far = holds & ((own > agrees * curve.deviation) | (own < curve.deviation / agrees))
+    far = holds & ((least > agrees * curve.deviation) | (own < curve.deviation / agrees))
     limited = seen.limited(curve.m[far]) if far.any() else None
     if limited is None or not limited.m.size:
         return None
     far &= np.isin(curve.m, limited.m)
     low, high = limited.interval(0.95)
-    wrong = curve.tau[far][(own[far] > agrees * high) | (own[far] < low / agrees)]
-    before = curve.tau[holds & (curve.tau < wrong.min(initial=math.inf))]
+    wrong = curve.tau[far][(least[far] > agrees * high) | (own[far] < low / agrees)]
+    before = curve.tau[(holds | struck) & (curve.tau < wrong.min(initial=math.inf))]
     return float(before.max(initial=0.0)) if wrong.size else None
+
+
+def _deviation(fit: Fit, terms: Iterable[Term], curve: Curve) -> FloatArray:
+    """The deviation of some terms of a fit, and of its warm-up."""
+    noise = tuple(terms)
+    if not noise:
+        return np.zeros(curve.tau.size)
+    return np.sqrt(expected(fit.complete(Model(noise)), "oadev", curve.tau, rate=curve.rate, size=curve.size))
 
 
 def not_rounding(fit: Fit, record: Record) -> dict[str, str]:
