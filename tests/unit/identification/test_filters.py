@@ -11,6 +11,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.identification.likelihood.filters import FILTERS
+from allanite.study.noise import noise_of
 
 F = np.linspace(0.0, 0.49, 50)
 RATE = 100.0
@@ -166,6 +167,14 @@ def test_angle_noise_before_a_filter_is_no_other_noise():
         low, high = fit["N"].interval()
         covered += low < next(t.value for t in al.sensor("fog") if t.symbol == "N") < high
     assert covered >= 4
+
+
+def test_the_curve_behind_a_filter_has_less_of_the_angle_noise():
+    """The model was said to hold up to an averaging time that lies below those for which it holds at all."""
+    noise = noise_of(filtered("1st order", 11, al.sensor("rlg")), al.Recipe())
+    assert noise.validity == "explained"
+    assert {"Q", "N"} <= {e.symbol for e in noise.fit if e.claimed}
+    assert noise.fit.scope.until is None
 
 
 def test_a_filter_whose_corner_lies_beyond_half_the_rate_is_found_where_plain_noise_seems_to_do():
