@@ -34,7 +34,7 @@ FILES = [
 ]
 FLAT, OUTSIDE, ROUNDED = 1.3, 1.5, 3.0
 STRAIGHT, BESIDE = 0.1, 1.1
-"""Difference of the slope from -1/2, of which other noise may have a fifth of the variance, a tenth of the deviation."""
+"""Difference of the slope from -1/2; other noise has then a fifth of the variance at most, a tenth of the deviation."""
 
 
 def curve_of(channel):
