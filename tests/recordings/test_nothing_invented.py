@@ -34,6 +34,8 @@ FILES = [
     ("xsens_mti_utbm_imu-test.bag", {}),
 ]
 FLAT, OUTSIDE, ROUNDED = 1.3, 1.5, 3.0
+STRAIGHT, BESIDE = 0.1, 1.1
+"""Difference of the slope from -1/2; other noise has then a fifth of the variance at most, a tenth of the deviation."""
 
 
 def curve_of(channel):
@@ -62,6 +64,15 @@ def beyond_rounding(channel):
     step = grid(record.values[np.isfinite(record.values)])[1] * record.factor
     angle = step if record.kind == "angle" else step / record.rate
     return Q.value / (angle / math.sqrt(12)) if Q.claimed and step else 0.0
+
+
+def below_the_curve(channel):
+    """What the curve shows at 1 s, where its slope is -1/2, over the upper limit of N, if one is printed."""
+    N, read = channel.fit["N"], channel.readings
+    most = N.interval()[1] if N.claimed else N.upper
+    if not most or read.around is None or abs(read.around.value + 0.5) > STRAIGHT:
+        return 0.0
+    return read.usual.interval(0.99)[0] * math.sqrt(read.usual.tau) / most
 
 
 def without_corner(channel):
@@ -99,6 +110,7 @@ def test_no_claim_is_contradicted(recordings, name, choices):
         who = channel.record.name
         assert above_the_curve(channel) == {}, who
         assert beyond_rounding(channel) <= ROUNDED, who
+        assert below_the_curve(channel) <= BESIDE, who
         assert not without_corner(channel), who
         assert outside_its_band(channel) <= OUTSIDE, who
 

@@ -205,7 +205,7 @@ class Channel(ChannelResult):
         shaped = [TERMS[e.symbol] for e in self.fit or () if e.claimed and e.shape]
         if self.explained and (met or any(row.period for row in shaped)):
             settled.add("lines")
-        if self.explained and shaped:  # of such terms the curve may have any slope
+        if self.explained and (shaped or (scope is not None and scope.filter)):  # the curve may have any slope
             settled.add("slope")
         return tuple(finding for finding in self.quality.warnings if finding.name not in settled)
 

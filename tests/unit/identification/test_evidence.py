@@ -61,10 +61,15 @@ def test_flicker_and_gauss_markov_noise_stand_together_before_any_filter(seed):
 OSCILLATING = "N 0.6 deg/sqrt(h), GM2 108 deg/h 0.5 Hz 0.5"
 
 
-def test_a_loop_is_an_oscillation_and_no_angle_noise_behind_a_filter():
-    fit = al.identify(made(OSCILLATING, 2**16, RATE, 1))
+def test_a_loop_is_claimed_on_request_only():
+    record = made(OSCILLATING, 2**16, RATE, 1)
+    noise = noise_of(record, al.Recipe())
+    assert "GM2" not in claimed(noise.fit)
+    assert noise.validity == "unexplained"
+    assert noise.fit.findings[0].name == "terms"
+    assert "N,GM2" in noise.fit.findings[0].remedy
+    fit = al.identify(record, terms="N,GM2")
     assert claimed(fit) == {"N", "GM2"}
-    assert fit.scope.filter is None
     assert abs(fit["N"].value / truth(OSCILLATING, "N") - 1) < 0.01
 
 

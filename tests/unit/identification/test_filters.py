@@ -4,11 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from scipy.fft import dct
+from scipy.linalg import toeplitz
 from scipy.signal import butter, freqz, lfilter
 from tests.rows import rows
 
 import allanite as al
 from allanite.identification.likelihood.filters import FILTERS
+from allanite.study.noise import noise_of
 
 F = np.linspace(0.0, 0.49, 50)
 RATE = 100.0
@@ -46,6 +49,21 @@ def test_a_gain_is_the_sum_over_the_images(name, power, averaged, cutoff):
 def test_a_digital_filter_is_that_of_scipy(order, cutoff):
     _, response = freqz(*butter(order, 2 * cutoff), 2 * np.pi * F)
     np.testing.assert_allclose(FILTERS[f"bilinear {order}"].gain(F, cutoff), np.abs(response) ** 2, atol=1e-12)
+
+
+@rows("name, cutoff", [("bilinear 2", 1 / 6), ("bilinear 1", 0.2), ("decimated", 0.15), ("butterworth", 0.05)])
+def test_the_edges_of_a_record_are_those_of_the_filtered_noise(name, cutoff):
+    """The literal variance of the transform of noise with the covariance of the filter."""
+    n = 300
+    r = np.fft.irfft(FILTERS[name].gain(np.arange(2049) / 4096, cutoff))
+    T = dct(np.eye(n), axis=0, norm="ortho")[1:]
+    literal = np.einsum("kj,kj->k", T, T @ toeplitz(r[:n]))
+    k = np.arange(1, n)
+    ours = (
+        FILTERS[name].gain(k / (2 * n), cutoff) + FILTERS[name].edges(cutoff) * 2 / n * np.cos(np.pi * k / (2 * n)) ** 2
+    )
+    beyond = k > n / 2
+    np.testing.assert_allclose(ours[beyond], literal[beyond], rtol=0.02)
 
 
 def test_a_moving_average_of_whole_samples_is_the_boxcar():
@@ -112,3 +130,58 @@ def test_a_clean_record_has_no_filter():
     for seed in range(6):
         fit = al.identify(al.simulate(N + B, 2**14, RATE, rng=np.random.default_rng(seed)))
         assert fit.scope.whole or fit.goodness.p < 0.05
+
+
+def decimated(order, cutoff, step, seed, *, times=6, n=2**16):
+    """White noise behind a low-pass that runs at a multiple of the rate, rounded to steps, and its N, deg/sqrt(s).
+
+    N is that of the samples: with what is folded to low frequencies, and the noise of the rounding.
+    """
+    y = math.sqrt(RATE * times) * np.random.default_rng(seed).standard_normal(times * (n + 512))
+    b, a = butter(order, 2 * cutoff / times)
+    y = lfilter(b, a, y)[512 * times :: times]
+    _, folded = freqz(b, a, 2 * np.pi * np.arange(times) / times)
+    N = math.sqrt((np.abs(folded) ** 2).sum() + step**2 / 12 / RATE)
+    return al.Record(np.round(y / step) * step if step else y, RATE, "deg/s"), al.N(N, "deg/sqrt(s)").value
+
+
+@rows("order, cutoff, step", [(2, 0.12, 0.0), (2, 0.12, 1.5), (2, 0.3, 4.0), (1, 0.35, 0.0), (1, 0.2, 2.0)])
+def test_white_noise_behind_a_low_pass_is_no_other_noise(order, cutoff, step):
+    """It was called a damped oscillation, and N was a small part of what it is."""
+    record, N = decimated(order, cutoff, step, 3)
+    (channel,) = al.analyze(record).channels
+    fit = channel.noise.fit
+    assert channel.explained
+    assert fit.scope.filter is not None
+    assert {e.symbol for e in fit if e.claimed} == {"N"}
+    assert fit["N"].value == pytest.approx(N, rel=0.03)
+    assert "slope" not in {finding.name for finding in channel.warnings}
+
+
+def test_angle_noise_before_a_filter_is_no_other_noise():
+    """It lifts what the filter lowers: a damped oscillation, or quick Gauss-Markov noise, took a quarter of N."""
+    covered = 0
+    for seed in range(5):
+        record = filtered("1st order", [5, seed], al.sensor("fog"))
+        fit = al.identify(record)
+        assert not {"GM", "GM2"} & {e.symbol for e in fit if e.claimed}
+        low, high = fit["N"].interval()
+        covered += low < next(t.value for t in al.sensor("fog") if t.symbol == "N") < high
+    assert covered >= 4
+
+
+def test_the_curve_behind_a_filter_has_less_of_the_angle_noise():
+    """The model was said to hold up to an averaging time that lies below those for which it holds at all."""
+    noise = noise_of(filtered("1st order", 11, al.sensor("rlg")), al.Recipe())
+    assert noise.validity == "explained"
+    assert {"Q", "N"} <= {e.symbol for e in noise.fit if e.claimed}
+    assert noise.fit.scope.until is None
+
+
+def test_a_filter_whose_corner_lies_beyond_half_the_rate_is_found_where_plain_noise_seems_to_do():
+    pole = math.exp(-2 * math.pi * 0.55)
+    y = 10 * np.random.default_rng(5).standard_normal(2**17)
+    fit = al.identify(al.Record(lfilter([1 - pole], [1, -pole], y), RATE, "deg/s"))
+    assert fit.scope.filter is not None
+    low, high = fit["N"].interval()
+    assert low < al.N(1.0, "deg/sqrt(s)").value < high

@@ -129,7 +129,8 @@ def test_the_filter_is_that_of_an_exhaustive_search(row, b, a):
 
     def gain(name, cutoff):
         power = Tuned(name, cutoff).gain(seen)
-        behind = whole.only(part.used).behind(power[part.used], float(power @ seen.count / seen.count.sum()))
+        edges, mean = FILTERS[name].edges(cutoff) * np.array([1.0, 0, 0]), float(power @ seen.count / seen.count.sum())
+        behind = whole.only(part.used).behind(power[part.used], mean, edges)
         return without - 2 * behind.minimise(free)[1]
 
     best = {one.row: (one.cutoff, gained) for one, gained in zip(found.filters, found.gains, strict=True)}

@@ -1,5 +1,7 @@
 """Where a model holds: humps left out, bands, misfits, and coefficients that the curve contradicts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import iirpeak, lfilter
@@ -8,7 +10,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.core.estimate import Estimate
 from allanite.core.validity import GRADES, Scope, demand_band, worst
-from allanite.identification.checks.contradiction import contradictions, measured
+from allanite.identification.checks.contradiction import contradictions, held, measured
 from allanite.study.noise import noise_of
 
 RATE = 100.0
@@ -123,6 +125,46 @@ def test_a_coefficient_above_the_curve_is_not_valid():
     assert after["B"].limits is None
     assert "not valid" in after["B"].words()
     assert after["N"].status == fit["N"].status
+
+
+def test_white_noise_below_the_curve_is_not_valid():
+    """Neither a value nor an upper limit: quick noise in its place has the same slope, slow noise has not."""
+    record = al.Record(white(2**15, 4), RATE, "rad/s")
+    fit = al.identify(record)
+    signal, high = fit.signal, 0.5 * N.value
+
+    def beside(symbol, shape, **claimed):
+        low = Estimate(
+            "N", signal, claimed.get("value"), high / 9, claimed["status"], high, "test", lambda _: (0.0, high)
+        )
+        other = Estimate(symbol, signal, 0.05, 1e-3, "identified", None, "test", lambda _: (0.049, 0.051), shape=shape)
+        return al.Fit((low, other), "test", signal, fit.model, scope=fit.scope)
+
+    for claimed in ({"status": "absent"}, {"status": "identified", "value": 0.4 * N.value}):
+        quick = beside("GM", (0.03,), **claimed)
+        assert "falls as white noise" in contradictions(quick, measured(quick, record))["N"]
+    assert contradictions(fit, measured(fit, record)) == {}
+
+
+def test_white_noise_is_not_struck_by_chance():
+    """The octaves of the curve are many: at 1 % each, one record in forty lost its N."""
+    struck = 0
+    for seed in range(60):
+        record = al.Record(np.random.default_rng([7, seed]).standard_normal(2**12), RATE, "deg/s")
+        fit = al.identify(record, terms="N")
+        struck += "N" in contradictions(fit, measured(fit, record))
+    assert struck == 0
+
+
+def test_the_model_holds_at_no_averaging_time_outside_its_scope():
+    """Where the curve differs from the shortest time of a band on, the model holds nowhere."""
+    record = al.Record(white(2**14, 9), RATE, "rad/s")
+    fit = al.identify(record, band=(0.0, 1.0))
+    scope = replace(fit.scope, until=None)
+    assert scope.times[0] > 0.4
+    wrong = Estimate("N", fit.signal, 3 * N.value, 0.01, "identified", None, "test", lambda _: (0.0, 9 * N.value))
+    lying = al.Fit((wrong,), "test", fit.signal, al.Model("N 0.015 deg/s/sqrt(Hz)"), scope=scope)
+    assert held(lying, measured(lying, record)) == 0
 
 
 @pytest.mark.slow("takes more than half a second")

@@ -1,7 +1,7 @@
 """Coefficients that contradict the measured curve, whatever the likelihood says."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,18 +12,23 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
+from allanite.identification.likelihood.model_selection import SLOW
 from allanite.phrases.phrase import say
+from allanite.prepare.outliers import marked, outliers
 from allanite.prepare.rounding import grid
 from allanite.statistics import deviation, expected
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
-SURE = 0.99
-"""Confidence level of the curve's intervals in this test."""
+FALSE = 0.01
+"""Probability that the curve of a record contradicts a right coefficient, over all octaves that are compared."""
 
 AGREES, STRICT = 1.5, 1.1
 """Factor beyond the limits of the measured deviation up to which that of the model agrees with it, and where a slow
 term was struck out.
 """
+
+STRAIGHT = 0.1
+"""Largest difference of the slope from -1/2 over two octaves: other noise is then a fifth of the variance at most."""
 
 ROUNDED = 3.0
 """Quantization noise over that of the step of the samples, at most."""
@@ -31,10 +36,14 @@ ROUNDED = 3.0
 
 @dataclass(frozen=True)
 class MeasuredCurve:
-    """The measured Allan deviation: at octaves, and with its limits under a fit at the averaging factors asked for."""
+    """The measured Allan deviation: at octaves, and with its limits under a fit at the averaging factors asked for.
+
+    `marked` is that of the record without its outliers, which are no white noise but have its slope.
+    """
 
     octaves: Curve
     limited: Callable[[IntArray], Curve]
+    marked: Callable[[], "MeasuredCurve"] | None = None
 
 
 def measured(fit: Fit, record: Record) -> MeasuredCurve:
@@ -42,6 +51,7 @@ def measured(fit: Fit, record: Record) -> MeasuredCurve:
     return MeasuredCurve(
         deviation(record, "oadev", taus="octave", noise=None),
         lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
+        lambda: measured(fit, marked(record, outliers(record))),
     )
 
 
@@ -50,7 +60,14 @@ def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
 
     A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
     than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
+    Nor can white noise lie below a curve of its slope.
     """
+    below = _below(fit, seen)
+    return _above(fit, seen) | (_below(fit, seen.marked()) if below and seen.marked else below)
+
+
+def _above(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
+    """Terms that alone exceed the curve."""
     curve = seen.octaves
     # averaging times at which the terms themselves are measured
     shortest, longest = (0.0, np.inf) if fit.scope is None else fit.scope.times
@@ -65,7 +82,7 @@ def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
         return {}
     limited = seen.limited(curve.m[above])
     above &= np.isin(curve.m, limited.m)
-    upper = limited.upper(SURE) if above.any() else np.empty(0)
+    upper = limited.upper(1 - FALSE / inside.sum()) if above.any() else np.empty(0)
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
     return {
         symbol: say(
@@ -79,6 +96,59 @@ def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     }
 
 
+def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
+    """White noise whose upper limit lies below the curve where that falls as white noise, less the most of other noise.
+
+    Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
+    """
+    curve = seen.octaves
+    white = [e for e in fit if TERMS[e.symbol].slope == WHITE and e.limits and _most(e) < math.inf]
+    slope = np.full(curve.tau.size, np.inf)
+    slope[1:-1] = np.log(curve.deviation[2:] / curve.deviation[:-2]) / np.log(curve.tau[2:] / curve.tau[:-2])
+    inside = abs(slope - WHITE) < STRAIGHT
+    if fit.scope is not None:
+        inside &= fit.scope.holds(curve.tau)
+    if not white or not inside.any():
+        return {}
+    beside = [
+        Term(e.symbol, size, e.signal, e.shape)
+        for e in fit
+        if e not in white and _memory(e) * curve.rate > SLOW and 0 < (size := _most(e)) < math.inf
+    ]
+    beside += [line.term for line in fit.lines]
+    other = _deviation(fit, beside, curve) ** 2
+    reasons: dict[str, str] = {}
+    for e in white:
+        most = STRICT * _most(e) / np.sqrt(curve.tau)
+        far = inside & (curve.deviation**2 - other > most**2)
+        limited = seen.limited(curve.m[far]) if far.any() else None
+        if limited is None or not limited.m.size:
+            continue
+        far &= np.isin(curve.m, limited.m)
+        excess = np.sqrt(np.maximum(limited.interval(1 - 2 * FALSE / inside.sum())[0] ** 2 - other[far], 0)) / most[far]
+        if excess.max() > 1:
+            reasons[e.symbol] = say(
+                "at {tau:.3g} s the measured curve falls as white noise of at least {excess:.3g} times its upper limit",
+                tau=curve.tau[far][excess.argmax()],
+                excess=STRICT * excess.max(),
+            )
+    return reasons
+
+
+def _most(estimate: Estimate) -> float:
+    """The upper limit of the size of a coefficient, or its value where it has none; infinite where nothing is known."""
+    if estimate.limits is None:
+        return abs(estimate.value or math.inf)
+    return max(map(abs, estimate.interval())) if estimate.claimed else estimate.upper or math.inf
+
+
+def _memory(estimate: Estimate) -> float:
+    """The time constant of a term, s; infinite without one, 0 where it is not known."""
+    parameters = TERMS[estimate.symbol].parameters
+    shape = estimate.shape or (0.0,) * len(parameters)
+    return min((v for p, v in zip(parameters, shape, strict=True) if p.time > 0 or not v), default=math.inf)
+
+
 def held(fit: Fit, seen: MeasuredCurve) -> float | None:
     """The longest averaging time, s, at which the deviation of the valid terms agrees with the measured one.
 
@@ -87,19 +157,31 @@ def held(fit: Fit, seen: MeasuredCurve) -> float | None:
     if fit.valid is None:
         return None
     curve = seen.octaves
-    own = np.sqrt(expected(fit.complete(fit.valid), "oadev", curve.tau, rate=curve.rate, size=curve.size))
-    # without a term that was struck out, the rest is not to be drawn below the curve
-    agrees = STRICT if any(e.status == "not valid" and not TERMS[e.symbol].edge for e in fit) else AGREES
+    filtered = fit.scope is not None and fit.scope.filter is not None
+    own = _deviation(fit, fit.valid, curve)
+    # behind a filter angle noise is less than it was
+    least = _deviation(fit, [t for t in fit.valid if not (filtered and t.row.edge)], curve)
+    # without a term that was struck out, the rest is not to be drawn below the curve, and may be of shorter times only
+    struck = any(e.status == "not valid" and not TERMS[e.symbol].edge for e in fit)
+    agrees = STRICT if struck else AGREES
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
-    far = holds & ((own > agrees * curve.deviation) | (own < curve.deviation / agrees))
+    far = holds & ((least > agrees * curve.deviation) | (own < curve.deviation / agrees))
     limited = seen.limited(curve.m[far]) if far.any() else None
     if limited is None or not limited.m.size:
         return None
     far &= np.isin(curve.m, limited.m)
     low, high = limited.interval(0.95)
-    wrong = curve.tau[far][(own[far] > agrees * high) | (own[far] < low / agrees)]
-    before = curve.tau[curve.tau < wrong.min(initial=math.inf)]
+    wrong = curve.tau[far][(least[far] > agrees * high) | (own[far] < low / agrees)]
+    before = curve.tau[(holds | struck) & (curve.tau < wrong.min(initial=math.inf))]
     return float(before.max(initial=0.0)) if wrong.size else None
+
+
+def _deviation(fit: Fit, terms: Iterable[Term], curve: Curve) -> FloatArray:
+    """The deviation of some terms of a fit, and of its warm-up."""
+    noise = tuple(terms)
+    if not noise:
+        return np.zeros(curve.tau.size)
+    return np.sqrt(expected(fit.complete(Model(noise)), "oadev", curve.tau, rate=curve.rate, size=curve.size))
 
 
 def not_rounding(fit: Fit, record: Record) -> dict[str, str]:

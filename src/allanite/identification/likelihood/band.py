@@ -10,7 +10,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
-from allanite.terms import TERMS
+from allanite.terms import TERMS, WHITE
 
 from .cells import CELLS, cell_of
 from .filters import FILTERS
@@ -114,7 +114,9 @@ class Portion(Portable):
         found = self.unfiltered
         if self.filter is not None:
             count = self.seen.count
-            found = found.behind(self.passed[self.used], float(self.passed @ count / count.sum()))
+            mean, edges = float(self.passed @ count / count.sum()), FILTERS[self.filter.row].edges(self.filter.cutoff)
+            white = np.array([TERMS[symbol].slope == WHITE and not TERMS[symbol].parameters for symbol in self.noise])
+            found = found.behind(self.passed[self.used], mean, edges * white)
         if self.added.any():
             found = replace(found, added=self.added[self.used])
         for share in (self.trust, None if self.excess is None else self.excess.trust(self.together)):

@@ -14,8 +14,13 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.phrases.phrase import say
 
-NARROWEST, HIGHEST = 0.004, 0.5
-"""The lowest and the highest cut-off frequency that is looked for, cycles per sample: a record does not show others."""
+NARROWEST, HIGHEST, HIGHEST_RC = 0.004, 0.5, 1.0
+"""The lowest and the highest cut-off frequency that is looked for, cycles per sample, and the highest of an RC filter,
+whose images are no more than a ripple of 4 exp(-2 pi cut-off): a record does not show others.
+"""
+
+LAGS, LEAST = 1024, 1e-9
+"""Samples over which a filter correlates, at most; a gain so low that where it is less does not matter."""
 
 AVERAGED, TWICE = 0.443, 0.3189
 """Cut-off of a moving average, and of one behind another, times the number of samples."""
@@ -38,6 +43,21 @@ class Filter:
     gain: Callable[[FloatArray, float], FloatArray]
     starts: FloatArray = field(default_factory=lambda: _octaves(HIGHEST))
 
+    def edges(self, cutoff: float) -> float:
+        """Variance of white noise behind the filter at either edge of a record, over that before the filter.
+
+        The variance of a coefficient of the frequency w is S(w) - (2/n) sum over h > 0 of r(h) [h cos wh + sin wh /
+        sin w], r being the autocovariances of the gain S. What it has beyond S has nearly the shape (2/n) cos^2(w/2) of
+        noise at the edges. It matters where the filter lets little pass, and is taken from there.
+        """
+        w = np.pi / LAGS * np.arange(1, LAGS)
+        gain = self.gain(np.arange(LAGS + 1) / (2 * LAGS), cutoff)
+        r = np.fft.irfft(gain)
+        r[0], r[LAGS:] = 0.0, 0.0
+        lost = np.fft.rfft(r * np.arange(2 * LAGS)).real[1:LAGS] - np.fft.rfft(r).imag[1:LAGS] / np.sin(w)
+        weight = 1 / (gain[1:LAGS] + LEAST) ** 2
+        return max(float(-(weight @ lost) / (weight @ np.cos(w / 2) ** 2)), 0.0)
+
     @property
     def widest(self) -> float:
         """The highest cut-off that is looked for."""
@@ -46,7 +66,7 @@ class Filter:
 
 def _octaves(highest: float) -> FloatArray:
     """Cut-offs an octave apart."""
-    found = highest * 2.0 ** -np.arange(0.0, 7.0)
+    found = highest * 2.0 ** -np.arange(0.0, 8.0)
     return np.asarray(found[found > NARROWEST])
 
 
@@ -81,14 +101,15 @@ def _averaged_one_pole(f: FloatArray, cutoff: float) -> FloatArray:
     return np.asarray(g0 + 2 * first * (cosine - p) / (1 - 2 * p * cosine + p * p))
 
 
-def _digital(order: int) -> Callable[[FloatArray, float], FloatArray]:
-    """A Butterworth filter of the samples by the bilinear transform, which has zeros at half the sampling rate."""
+def _digital(order: int, every: int = 1) -> Callable[[FloatArray, float], FloatArray]:
+    """A Butterworth filter by the bilinear transform, with zeros at half its rate; one in `every` sample is kept."""
 
-    def gain(f: FloatArray, cutoff: float) -> FloatArray:
-        ratio = np.tan(np.pi * np.minimum(f, 0.5 - 1e-9)) / math.tan(np.pi * cutoff)  # infinite at 0.5
-        return np.asarray(1 / (1 + ratio ** (2 * order)))
+    def kept(f: FloatArray, cutoff: float) -> FloatArray:
+        images = np.abs((np.add.outer(np.arange(every), f) / every + 0.5) % 1.0 - 0.5)
+        ratio = np.tan(np.pi * np.minimum(images, 0.5 - 1e-9)) / math.tan(np.pi * cutoff / every)  # infinite at 0.5
+        return np.asarray((1 / (1 + ratio ** (2 * order))).sum(axis=0))
 
-    return gain
+    return lambda f, cutoff: kept(f, cutoff) / kept(np.zeros(1), cutoff)
 
 
 def _from_lags(r: FloatArray) -> Callable[[FloatArray], FloatArray]:
@@ -113,11 +134,14 @@ def _bartlett(f: FloatArray, cutoff: float) -> FloatArray:
 
 
 FILTERS: dict[str, Filter] = {
-    "rc": Filter(say("1st-order low-pass"), _sampled_one_pole),
-    "averaged rc": Filter(say("1st-order low-pass, averaged over each sample"), _averaged_one_pole),
+    "rc": Filter(say("1st-order low-pass"), _sampled_one_pole, _octaves(HIGHEST_RC)),
+    "averaged rc": Filter(
+        say("1st-order low-pass, averaged over each sample"), _averaged_one_pole, _octaves(HIGHEST_RC)
+    ),
     "butterworth": Filter(say("2nd-order low-pass"), _sampled_two_poles),
     "bilinear 1": Filter(say("digital 1st-order low-pass"), _digital(1), _octaves(0.45)),
     "bilinear 2": Filter(say("digital 2nd-order low-pass"), _digital(2), _octaves(0.45)),
+    "decimated": Filter(say("digital 2nd-order low-pass at 4 times the rate"), _digital(2, 4)),
     "average": Filter(say("moving average"), _moving_average, AVERAGED / np.arange(1.0, 33.0)),
     "average twice": Filter(
         say("moving average of a moving average"),

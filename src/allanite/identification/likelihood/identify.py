@@ -152,6 +152,8 @@ def _steady(found: Found, signal: Signal, *, rival: bool, choice: str) -> tuple[
     """What explains the spectrum beside a warm-up, if there is one, and that; see `scoped`."""
     first = scoped(found, rival=rival, choice=choice)
     warm, best = without_warm_up(first, signal)
+    if warm and explains(first) and not explains(best):  # it stands in for a part of what explains the record
+        warm, best = None, first
     if warm or choice != "auto" or (first.used[0] and explains(first)):
         return warm, best
     warm, best = without_warm_up(found, signal)

@@ -65,13 +65,14 @@ class Likelihood(Portable):
             added=self.added if isinstance(self.added, float) else self.added[bins],
         )
 
-    def behind(self, gain: FloatArray, mean: float) -> "Likelihood":
+    def behind(self, gain: FloatArray, mean: float, edges: FloatArray | float = 0.0) -> "Likelihood":
         """The likelihood if a filter of this power gain, shape (bins,), stands before the samples.
 
         The angle at the edges of the record is that behind the filter: white angle noise has there the share
-        `mean` of its variance, the mean gain over all frequencies. A ramp lies far below the cut-off.
+        `mean` of its variance, the mean gain over all frequencies; `edges` is what other terms have there, shape (p,).
+        A ramp lies far below the cut-off.
         """
-        return self._explained(self.S * gain[:, None], self.W * mean)
+        return self._explained(self.S * gain[:, None], self.W * mean + np.where(self.flat, 0.0, 1.0)[:, None] * edges)
 
     def trusted(self, share: FloatArray) -> "Likelihood":
         """The likelihood in which only a share of each bin's coefficients counts, shape (bins,).

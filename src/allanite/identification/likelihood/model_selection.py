@@ -17,11 +17,12 @@ from allanite.terms import TERMS
 
 from .band import Portion, portion
 from .cells import WELL_KNOWN, cell_of
-from .evidence import EVIDENCE, NEVER, flicker_in, penalties, shows_angle
+from .evidence import EVIDENCE, angle_price, flicker_in, penalties
 from .law import AKAIKE, Law, law, traces
 from .selection import Subset, ThetaProfile, select, subsets
 from .spectrum import BinnedSpectrum, spectrum
 from .timeconstant import Search, Shapes
+from .tuning import EVIDENCE as FILTERED
 
 SLOW = 30.0
 """Samples above which a time constant is that of bias drift; a shorter one belongs to a filter or the sampling."""
@@ -136,8 +137,13 @@ class Found(Portable):
 
     @property
     def score(self) -> float:
-        """2 L of the chosen subset and the penalties of its terms."""
-        return self.chosen.score(penalties(self.part))
+        """2 L of the chosen subset and the penalties of its terms, of a filter, and of what is not read.
+
+        There each bin has a level of its own, so that readings of other bins can be compared.
+        """
+        seen, out = self.seen, ~self.used
+        unread = float(seen.told[out] @ (1 + np.log(seen.power[out])) + AKAIKE * out.sum())
+        return self.chosen.score(penalties(self.part)) + FILTERED * (self.part.filter is not None) + unread
 
     @property
     def slowest(self) -> int:
@@ -146,17 +152,8 @@ class Found(Portable):
 
     @cached_property
     def akaike(self) -> FloatArray:
-        """Penalties in 2 L of the terms, 2 for each number that is fitted, shape (p,).
-
-        A Gauss-Markov term that was not requested, and that is best in the place of a random walk, needs its
-        `EVIDENCE`.
-        """
-        found = AKAIKE * np.array([1.0 + len(TERMS[symbol].parameters) for symbol in self.noise])
-        if self.search is not None and not self.search.asked and self.markov is not None:
-            # whether noise slower than flicker is in the best model without a Gauss-Markov term, but not beside it
-            slower = np.array([TERMS[symbol].slope > 0 for symbol in self.noise])
-            found[-1] += EVIDENCE * bool((slower & (self.plain.theta > 0) & (self.markov.theta == 0)).any())
-        return found
+        """Penalties in 2 L of the terms, 2 for each number that is fitted, shape (p,)."""
+        return AKAIKE * np.array([1.0 + len(TERMS[symbol].parameters) for symbol in self.noise])
 
     @cached_property
     def schwarz(self) -> FloatArray:
@@ -170,7 +167,7 @@ class Found(Portable):
         dominated = part.count @ (share / share.max(axis=0)) ** 2
         edge = np.array([TERMS[symbol].edge > 0 for symbol in self.noise])
         found = np.where(edge, np.maximum(np.log(dominated), AKAIKE), self.akaike)
-        found[edge] += NEVER * (not shows_angle(self.part))
+        found[edge] += angle_price(self.part)
         if self.search is not None and not self.search.asked:
             found[-1] += EVIDENCE - 2 * AKAIKE
         return found
@@ -271,8 +268,8 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
     """Whether Gauss-Markov noise that was not requested describes the record, and takes no more than flicker's place.
 
     What no model explains, a filter's roll-off or motion, it describes better than flicker does, but it is not that.
-    At a short time constant it stands in for angle random walk too, at a long one for a rate random walk: each of them
-    needs as much evidence once more.
+    At a short time constant it stands in for angle random walk too, which needs as much evidence once more. A rate
+    random walk is Gauss-Markov noise without end: it has one number less, which the penalties count.
     """
     return lacking(plain, markov, part) <= 0 and (
         goodness(part.seen, markov.likelihood, markov.theta, part.used).p >= EXPLAINED
@@ -282,7 +279,7 @@ def _believed(plain: Subset, markov: Subset, part: Portion) -> bool:
 def lacking(plain: Subset, markov: Subset, part: Portion) -> float:
     """What Gauss-Markov noise would have to gain in 2 L beyond what it does, to be claimed; see `_believed`."""
     penalty = penalties(part)
-    other = np.array([not TERMS[symbol].substitute for symbol in part.noise])
+    other = np.array([not (TERMS[symbol].substitute or TERMS[symbol].slope > 0) for symbol in part.noise])
     lost = int((other & (plain.theta > 0) & (markov.theta == 0)).sum())
     return markov.score(penalty) + lost * EVIDENCE - plain.score(penalty)
 

@@ -1,10 +1,10 @@
 """For which frequencies a noise model holds, with which filter, and how well.
 
-The terms first have to explain the whole spectrum. If they do not, the following is tried, in this order: a low-pass
-filter; Gauss-Markov noise of a few samples; a low-pass filter behind strong angle noise; a damped oscillation;
-resonances, with their skirts, without and with a filter; a misfit of a few per cent of the power, which widens the
-intervals; a band of frequencies; a larger misfit. The first that gives an adequate fit is used. For a filter and for
-angle noise there must be evidence in the spectrum itself (`evidence`).
+The terms first have to explain the whole spectrum. If they do not, they are read behind a low-pass filter, with and
+without angle noise before it, and beside Gauss-Markov noise of a few samples: of those that explain the spectrum, the
+one of the best score is used. If none does, the following is tried, in this order: resonances, with their skirts,
+without and with a filter; a misfit of a few per cent of the power, which widens the intervals; a band of frequencies; a
+larger misfit. The first that gives an adequate fit is used.
 """
 
 import math
@@ -20,12 +20,11 @@ from allanite.identification.checks.goodness import goodness
 from allanite.terms import TERMS, WHITE
 
 from .band import HIDDEN, Portion, Tuned
-from .evidence import falls, rises_before, shows_corner
 from .model_selection import Found, fitted
 from .resonances import excess
 from .selection import Subset
 from .spectrum import FEWEST
-from .tuning import Tuning, left_open, tuning
+from .tuning import Tuning, left_open, rolls_off, tuning
 
 MASKED = 0.75
 """Share of the bins that resonances may hide."""
@@ -45,17 +44,11 @@ SMALL, LARGE = 0.03, 0.1
 NEARLY = 8.0
 """Factor by which the highest frequency may be lowered before a small misfit is accepted instead."""
 
-FALL = 0.26
-"""Share of the highest level of the power that must be missing at the top of what is read."""
-
 RATHER = 0.05
 """The lowest cut-off of a filter that has angle noise before it, cycles per sample."""
 
 RETUNED, SETTLED = 3, 0.1
 """Times that a cut-off is tuned again beside Gauss-Markov noise, until that gains less than this in 2 L."""
-
-OSCILLATION, DAMPED = "GM2", 0.1
-"""The term of a damped oscillation, and the damping ratio from which it is a loop and no resonance."""
 
 WRONG = 0.5
 """Misfit of a cell beyond chance, as a share of the power, from which a model is not a description of it."""
@@ -75,9 +68,11 @@ def scoped(found: Found, *, rival: bool, choice: str = "auto") -> Found:
 
     Of all frequencies, or those that were asked for, no filter is assumed; of the latter resonances are left out.
     """
-    if explains(found):
+    if not explains(found):
+        return next(filter(explains, WAYS[choice](found.base, rival)), found)
+    if choice != "auto" or not rolls_off(found.base):
         return found
-    return next(filter(explains, WAYS[choice](found.base, rival)), found)
+    return min((found, *filter(explains, _whole(found.base, rival))), key=lambda each: each.score)
 
 
 def behind_filter(part: Portion) -> Found:
@@ -108,19 +103,12 @@ def _candidates(whole: Portion, rival: bool) -> Iterator[Found]:
 
 
 def _whole(part: Portion, rival: bool) -> Iterator[Found]:
-    """All that is read, behind a filter or with a term that is seldom there."""
-    yield from _behind(part, rival)
-    if part.excess is None:
-        yield from _quick(part, rival)
-    # behind a filter, with angle noise that is so strong that the power rises before it falls
+    """All that is read, behind a filter or with Gauss-Markov noise of a few samples, the best score first."""
     angle = [i for i, symbol in enumerate(part.noise) if TERMS[symbol].edge]
-    if angle and rises_before(part):
-        yield from (found for found in _tuned(part, rival, lowest=RATHER) if found.chosen.theta[angle].all())
-    if rival and part.excess is None:
-        # a damped oscillation; a resonance, which is hardly damped, is vibration and no term
-        found = fitted(part.among((*part.noise, OSCILLATION)), rival=False)
-        if found.chosen.constants and found.chosen.constants[-1] > DAMPED:
-            yield found
+    both = _tuned(part, rival, lowest=RATHER) if angle else ()
+    through = (*_behind(part, rival), *(found for found in both if found.chosen.theta[angle].all()))
+    quick = _quick(part, rival) if part.excess is None else ()
+    yield from sorted((*through, *quick), key=lambda found: found.score)
 
 
 def _quick(part: Portion, rival: bool) -> Iterator[Found]:
@@ -182,7 +170,7 @@ def _quiet(found: Found, used: BoolArray, *, bare: bool = False) -> bool:
 def _behind(part: Portion, rival: bool) -> Iterator[Found]:
     """Behind a filter, which hides the angle noise."""
     rate = part.among(_rates(part))
-    if rate.noise and falls(part) > FALL:
+    if rate.noise:
         yield from _tuned(rate, rival)
 
 
@@ -192,11 +180,7 @@ def _rates(part: Portion) -> tuple[str, ...]:
 
 
 def _tuned(part: Portion, rival: bool, lowest: float = 0.0) -> Iterator[Found]:
-    """Behind the filter that describes the record best, if the record shows it: see `evidence`.
-
-    With angle noise the power may stay level beyond a corner, but the rise to it must be seen: the cut-off is at least
-    `lowest`, in cycles per sample.
-    """
+    """Behind the filter that describes the record best, if it gains enough and its cut-off is not below `lowest`."""
     tuned = tuning(part)
     # what leaks into the stop band of a filter, or is added behind it, is no part of the model
     open_ = part.used & (tuned.filters[0].gain(part.seen) > STOP)
@@ -213,8 +197,7 @@ def _tuned(part: Portion, rival: bool, lowest: float = 0.0) -> Iterator[Found]:
         if again.score > found.score - SETTLED:
             break
         found = again
-    best = found.part.filter
-    if best is not None and best.cutoff > lowest and (lowest or shows_corner(part, best)):
+    if found.part.filter is not None and found.part.filter.cutoff > lowest:
         yield found
 
 

@@ -55,6 +55,12 @@ def least(part: Portion, through: Tuned | None, start: FloatArray | None = None)
     return 2 * value, theta
 
 
+def rolls_off(part: Portion) -> bool:
+    """Whether a low-pass of first order gains as much as a filter must: quickly told, and true behind any of them."""
+    without, _ = least(part, None)
+    return any(without - least(part, Tuned("rc", c))[0] > EVIDENCE for c in FILTERS["rc"].starts.tolist())
+
+
 def tuning(part: Portion) -> Tuning:
     """All filters of the table, each with the cut-off of the least L."""
     without, _ = least(part, None)
