@@ -144,15 +144,6 @@ def test_white_noise_below_the_curve_is_not_valid():
     assert contradictions(fit, measured(fit, record)) == {}
 
 
-def test_quick_noise_that_hides_white_noise_stands_and_the_white_noise_does_not():
-    """Correlated over five samples, it is white noise at all longer averaging times, four tenths of N more."""
-    model = al.Model("N 0.2 deg/sqrt(h), GM 36 deg/h 0.05 s")
-    noise = noise_of(al.simulate(model, 2**16, RATE, rng=np.random.default_rng(2)), al.Recipe())
-    assert noise.validity == "approximate"
-    assert noise.fit["N"].status == "not valid"
-    assert noise.fit["GM"].claimed
-
-
 def test_white_noise_is_not_struck_by_chance():
     """The octaves of the curve are many: at 1 % each, one record in forty lost its N."""
     struck = 0

@@ -152,10 +152,9 @@ def _memory(estimate: Estimate) -> float:
 def held(fit: Fit, seen: MeasuredCurve) -> float | None:
     """The longest averaging time, s, at which the deviation of the valid terms agrees with the measured one.
 
-    None if it agrees at all within the scope of the fit, or if it is not compared: without the white noise, which was
-    struck out, the rest lies below the curve at all times.
+    None if it agrees at all within the scope of the fit.
     """
-    if fit.valid is None or any(e.status == "not valid" and TERMS[e.symbol].slope == WHITE for e in fit):
+    if fit.valid is None:
         return None
     curve = seen.octaves
     filtered = fit.scope is not None and fit.scope.filter is not None
