@@ -67,10 +67,11 @@ def beyond_rounding(channel):
 
 
 def below_the_curve(channel):
-    """What the curve shows at 1 s, where its slope is -1/2, over the upper limit of N, if one is printed."""
+    """What the curve shows at 1 s over the upper limit of N, where its slope is -1/2 and the model holds."""
     N, read = channel.fit["N"], channel.readings
     most = N.interval()[1] if N.claimed else N.upper
-    if not most or read.around is None or abs(read.around.value + 0.5) > STRAIGHT:
+    shown = read.around is not None and channel.fit.scope.holds(np.array([read.usual.tau])).all()
+    if not most or not shown or abs(read.around.value + 0.5) > STRAIGHT:
         return 0.0
     return read.usual.interval(0.99)[0] * math.sqrt(read.usual.tau) / most
 
