@@ -24,7 +24,7 @@ DETAILS, FIGURES = ("--details", say("all numbers")), ("--report page.html", say
 
 
 ABOVE = Note(say("no result: see above"), "alert")
-"""Stands in the sheet of a channel whose refusal is told with those of the others."""
+"""Stands in the sheet of a channel whose refusal stands with those of the others."""
 
 PLUS_MINUS, MOST = r"±|\+-", "≤|<="
 """What finds these signs in a line of text."""
