@@ -86,6 +86,7 @@ def test_corrections_that_make_no_sense_are_refused(name, options, words):
         al.deviation(record_of(model_of(N=1.0)), name, **options)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("name", [name for name, row in al.STATISTICS.items() if row.order > 1])
 def test_limits_come_by_themselves_under_the_noise_that_is_found(name):
     model = model_of(K=1.0)

@@ -113,6 +113,7 @@ REFUSED = (
 """What cannot be done as it is typed, and the call that the refusal names."""
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("code, holds", WORKS, ids=[code for code, _ in WORKS])
 def test_it_works_at_first_try(desk, code, holds):
     assert holds(eval(code, {**desk, "SHOWN": SHOWN}))  # noqa: S307 - from the table

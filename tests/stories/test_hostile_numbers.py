@@ -66,6 +66,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("name, verb", paired(CASES, ["analyze", "deviation", "spectrum"]))
 def test_a_result_or_a_sentence(name, verb, tmp_path, monkeypatch):
     make, options, code, words = CASES[name]

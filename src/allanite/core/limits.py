@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
-from .arrays import LARGEST, RATES
+from .arrays import LARGEST, RATES, FloatArray
 from .errors import UsageError, given, unfit
 from .threads import one_thread
 
@@ -134,3 +134,9 @@ def demand_stored_size(value: float | Stored | None) -> None:
         return
     if value is not None and math.isfinite(value) and abs(value) >= LARGEST**2:
         raise unfit(value, f"a number below {LARGEST**2:g}")
+
+
+def demand_stored_positive(values: FloatArray) -> None:
+    """Refuse numbers that are divided by, where one is zero or negative."""
+    if not (values > 0).all():
+        raise unfit(float(values[~(values > 0)][0]), "a number above 0")

@@ -8,6 +8,7 @@ import numpy as np
 
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
+from allanite.core.limits import demand_stored_positive
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
@@ -57,6 +58,7 @@ class StatedNoise(Value):
 
     _also: ClassVar = ("lowest", "span")
     _alike = ("tau deviation identified upper", "times predicted actual best")
+    _checks: ClassVar = dict.fromkeys(("identified", "upper", "predicted", "best"), demand_stored_positive)
 
     channels: tuple[str, ...]
     model: Model

@@ -12,7 +12,7 @@ from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import percent, windowing
 
 from .outliers import Outliers, marked, outliers
-from .quality import inspect
+from .quality import constant, inspect
 from .readings import clipped, outlying, stuck
 from .stillness import NEITHER, TOO_BUSY, UNEQUAL, busy, in_motion
 from .view import View
@@ -168,9 +168,7 @@ class Inspector:
             what = say("no block has {count} samples that are finite", count=FEWEST)
             return Finding("not finite", what, remedy=say("check the column and the reader's options"), fatal=True)
         if not low < high:
-            what = say("the signal never changes (always {value:.10g})", value=low)
-            remedy = say("check that the sensor is connected and this is its column")
-            return Finding("constant", what, remedy=remedy, fatal=True)
+            return constant(low)
         if self.loud <= TOO_BUSY * self.seconds:
             return None
         first = self.seen["moving"][0]

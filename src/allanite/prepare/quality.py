@@ -54,7 +54,12 @@ def _fatal(record: Record) -> Finding | None:
     least, largest = np.fmin.reduce(record.steps), np.fmax.reduce(record.steps)
     if least != largest:
         return None
-    what = say("the signal never changes (always {value:.10g})", value=least)
+    return constant(float(least))
+
+
+def constant(value: float) -> Finding:
+    """That all samples have the same value."""
+    what = say("the signal never changes (always {value:.10g})", value=value)
     remedy = say("check that the sensor is connected and this is its column")
     return Finding("constant", what, remedy=remedy, fatal=True)
 

@@ -58,6 +58,7 @@ def test_a_lot_is_what_the_analysis_of_the_files_gives(folder):
     assert not lot.trends
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_a_trend_over_temperature_is_found_and_none_where_all_dates_are_the_same(folder):
     lot = read_lot(folder / "results")
     (trend,) = [trend for trend in lot.trends if trend.symbol == "N"]

@@ -136,6 +136,7 @@ def test_what_changed_is_done_again(units, serial, tmp_path, monkeypatch):
     assert len(seen) == 6
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("content", [None, "{"])
 def test_a_part_whose_content_is_not_what_was_stored_is_done_again(serial, units, tmp_path, monkeypatch, content):
     results = tmp_path / "r"

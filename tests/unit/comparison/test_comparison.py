@@ -234,6 +234,7 @@ SHAPED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("first, second", combinations(SHAPED, 2))
 def test_terms_with_shapes_of_any_kind_are_compared(first, second):
     white = al.N(0.3, "deg/sqrt(h)")
@@ -246,6 +247,7 @@ def test_terms_with_shapes_of_any_kind_are_compared(first, second):
         assert any(f"{e.symbol} is compared with a common shape" in alert for alert in found.alerts)
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_a_damped_oscillation_is_pooled_and_held_against_its_beginning():
     model = al.N(0.3, "deg/sqrt(h)") + SHAPED["GM2"]
     runs = [simulated(model, seed, n=8000) for seed in range(3)]

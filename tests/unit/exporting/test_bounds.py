@@ -68,6 +68,7 @@ def test_the_refusal_names_what_writes_a_file(file, tmp_path):
     assert "# rad/s/sqrt(Hz), N of gx: upper bound" in text
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_bounds_are_those_of_the_curve_and_above_the_truth(study):
     found = al.export(study, "kalibr", from_curve=True, cover=False)
     for channel, sensor, truth in zip(study, ("gyroscope", "accelerometer"), (GYRO, ACCELEROMETER), strict=True):

@@ -44,6 +44,7 @@ def judged(name, cover, truth):
     return judge(math.sqrt(white / dt), math.sqrt(walk / dt), truth[0], time=time, aid=AID, outages=OUTAGES)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("name", sorted(set(PARSERS) - UNAIDED))
 def test_a_file_that_covers_is_neither_over_confident_nor_much_too_cautious(name, truth):
     predicted, actual = judged(name, (1, 1000), truth)

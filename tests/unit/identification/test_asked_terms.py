@@ -25,6 +25,7 @@ def identified(model, terms, seed):
     return al.identify(al.simulate(model, SIZE, RATE, rng=np.random.default_rng(seed)), terms=terms)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("cell", CELLS)
 def test_it_is_found_within_its_limits(cell):
     """Limits of 99.9 %: one failure in 200 runs of all."""

@@ -50,6 +50,7 @@ def resonance(n, rate, frequency, quality, rng):
 PLATFORM = "N 0.005 deg/sqrt(h), B 0.3 deg/h, GM 1.2 deg/h 2 s"
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("seed", [1, 2, 3])
 def test_flicker_and_gauss_markov_noise_stand_together_before_any_filter(seed):
     fit = al.identify(made(PLATFORM, 144_000, 40.0, seed))
@@ -61,6 +62,7 @@ def test_flicker_and_gauss_markov_noise_stand_together_before_any_filter(seed):
 OSCILLATING = "N 0.6 deg/sqrt(h), GM2 108 deg/h 0.5 Hz 0.5"
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_a_loop_is_claimed_on_request_only():
     record = made(OSCILLATING, 2**16, RATE, 1)
     noise = noise_of(record, al.Recipe())
@@ -76,6 +78,7 @@ def test_a_loop_is_claimed_on_request_only():
 SLOW = "N 0.6 deg/sqrt(h), GM 72 deg/h 1 s"
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("seed", [1, 2, 3])
 def test_a_filter_is_tuned_beside_gauss_markov_noise(seed):
     fit = al.identify(made(SLOW, 2**15, RATE, seed, lambda y, rng: lfilter(*butter(1, 8 / 50), y)))
@@ -84,6 +87,7 @@ def test_a_filter_is_tuned_beside_gauss_markov_noise(seed):
     assert abs(fit["N"].value / truth(SLOW, "N") - 1) < 0.035  # 0.06 off with a cut-off tuned without it
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("count", [2, 5, 10])
 def test_moving_averages_are_named_and_their_lobes_are_no_lines(count):
     fit = al.identify(made(WHITE, 2**16, RATE, count, lambda y, rng: lfilter(np.full(count, 1 / count), [1.0], y)))

@@ -139,6 +139,7 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
     assert (back.findings, back.warm_up) == (fit.findings, fit.warm_up)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("seed, terms", paired([3, 4, 31, 32], ["auto", "N,W"]))
 def test_a_strong_warm_up_is_explained_and_so_is_the_record(seed, terms):
     """Of these seeds three are beside a misfit that is allowed for, whose likelihood had no end; see `trusted`."""

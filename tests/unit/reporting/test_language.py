@@ -64,6 +64,7 @@ def chinese(monkeypatch):
     monkeypatch.setattr("allanite.reporting.language.catalogue", spoken)
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_sentences_without_a_translation_are_counted_and_asked_for_by_a_release_only(monkeypatch, capsys, tmp_path):
     found = catalogues.Catalog()
     found.add("a new sentence")

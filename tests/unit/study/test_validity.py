@@ -146,6 +146,7 @@ def test_strict_is_an_exit_code(file, channels, code, tmp_path):
     assert ("not explained, or without a result: bad" in result.stderr) == bool(code)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("verb", [
     ("plan",), ("deviation", "--intervals"), ("spectrum", "--fit"), ("statespace",),
     ("rate", "--interval", 2, "--no-times"), ("budget", "--stage", "output 16 100deg/s"),
