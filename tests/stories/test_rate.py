@@ -52,7 +52,7 @@ def run(*arguments):
 def test_counts_are_analyzed_over_a_second(vertical):
     said = [CliRunner().invoke(main, ["analyze", vertical, *HOW, *more]).stdout for more in ((), ("--average", "1"))]
     assert "quantization errors are not white" in said[0]
-    assert "…. Try --average 1" in said[0]
+    assert "Try --average 1" in said[0]
     assert "model fits" in said[1]
     assert "Try" not in said[1]
 

@@ -96,8 +96,13 @@ def noise_of_rates(record: Record, recipe: Recipe, interval: float, given: Model
 
 
 def _supposed(fit: Fit, n: int, rate: float) -> tuple[Model, tuple[str, ...]]:
-    """The model, with the noise at its upper limits that was not identified but would matter to n samples."""
-    model = fit.usable()
+    """The model, with the noise at its upper limits that was not identified but would matter to n samples.
+
+    Angle noise counts whatever rounding can cause: dither is that to a rate.
+    """
+    valid = tuple(fit.valid or ())
+    folded = tuple(t for t in fit.model if t.row.edge and t.symbol not in {v.symbol for v in valid})
+    model = Model((*valid, *folded)) if valid or folded else fit.usable()
     present = {t.symbol for t in model}
     absent = [e for e in fit if e.symbol not in present and e.upper is not None and TERMS[e.symbol].waveform is None]
     worst = Model((*model, *(Term(e.symbol, e.upper or 0.0, fit.signal) for e in absent)))
