@@ -52,7 +52,8 @@ demo: .venv/run
 PYTEST  := $(THREADS) $(BIN)/python -m pytest -n auto --dist worksteal -q
 
 LINT    := $(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy && $(BIN)/lint-imports --no-cache && \
-  $(BIN)/python tools/words.py && $(BIN)/python tools/catalogues.py --check
+  $(BIN)/python tools/words.py && $(BIN)/python tools/catalogues.py --check && \
+  $(BIN)/python tools/stale.py --check && $(BIN)/python tools/figures.py --check
 
 # the kernels are compiled beside the checks
 READY   := $(THREADS) $(BIN)/python tools/kernels.py & made=$$!; { $(LINT); } || { kill $$made; exit 1; }; wait $$made
