@@ -101,6 +101,7 @@ def test_of_a_hybrid_longer_windows_are_near_the_full_matrix(mixture):
     assert correlated(covariance_by_term(rows, model, m, size, 1.0).sum(axis=(2, 3)), wanted) < 0.006
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows(
     "name, noise, size",
     paired(["theo1", "pdev", "mtotdev"], ["Q", "N", "B", "K"], all_but([1000, 2000], [2000], "full matrices")),

@@ -1,6 +1,7 @@
 """Each extra by itself: what needs a missing library names the command that installs it, and all else goes on."""
 
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -41,7 +42,7 @@ EXTRAS = {
     "mdf": Extra(("asammdf",), ("run.mf4",)),
     "web": Extra(("fastapi", "uvicorn"), (), (f"serve {SAMPLE}",)),
     "live": Extra(("serial",), (), ("watch /dev/null --rate 100 --unit deg/s",)),
-    "dask": Extra(("distributed",), (), (f"batch {SAMPLE.parent} --out out --scheduler tcp://127.0.0.1:9",)),
+    "dask": Extra(("distributed",), (), (f"batch {shlex.quote(str(SAMPLE.parent))} --out out --scheduler tcp://127.0.0.1:9",)),
 }
 MODULES = {extra: set(row.modules) for extra, row in EXTRAS.items()}
 
@@ -75,11 +76,12 @@ def test_what_needs_a_missing_library_names_the_command_that_installs_it(extra, 
     write_files(extra)
     take_away(MODULES[extra], monkeypatch, tmp_path)
     for command in (*(f"info {name}" for name in EXTRAS[extra].files), *EXTRAS[extra].commands):
-        done = CliRunner().invoke(main, command.split())
+        done = CliRunner().invoke(main, shlex.split(command))
         assert done.exit_code == 2, (command, done.output)
         assert done.stderr.strip().endswith(f"not installed: {cure(requirements(extra))}"), (command, done.stderr)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("extra", [extra for extra, row in EXTRAS.items() if row.files])
 def test_a_format_needs_only_the_libraries_of_its_extra(extra, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)

@@ -88,6 +88,7 @@ def test_the_page_states_the_error_of_every_formula(heading):
             assert stated == pytest.approx(found, abs=0.51)  # rounded to whole percents
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("heading", list(FORMULAS))
 def test_the_package_has_the_exact_values(heading):
     name, _, alphas, ranges = FORMULAS[heading]

@@ -331,6 +331,7 @@ def test_wrong_grids_say_what_is_possible():
         al.deviation(record, "nadev")
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("m", [12, 100, 1000, 10_000])
 def test_theo1_of_a_long_random_walk_keeps_its_digits(m):
     """By the path that the program takes by itself, against the definition: in extended precision as far as it goes."""

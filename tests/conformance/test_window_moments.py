@@ -69,6 +69,7 @@ def test_moments_equal_the_full_matrix(name, n, m):
 LONGER = {"theo1": [74, 300], "mtotdev": [101], "htotdev": [151, 171], "pdev": [171], "totdev": [255, 511]}
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("name, m", [(name, m) for name, factors in LONGER.items() for m in factors])
 def test_longer_windows(name, m):
     row = al.STATISTICS[name]

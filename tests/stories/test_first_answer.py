@@ -142,6 +142,7 @@ def moved(y):
 PARTIAL = {"stuck": still, "clipped": saturated, "level": louder, "outliers": spiked, "moving": moved}
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("name", PARTIAL)
 def test_a_window_without_the_fault_is_free_of_it(name, tmp_path):
     y = np.random.default_rng(4).standard_normal(20_000)

@@ -48,6 +48,7 @@ def desk(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("block", blocks("python"), ids=range(len(blocks("python"))))
 def test_python_prints_what_it_says(block, capsys):
     exec(block, {"__name__": "__main__"})  # noqa: S102 - our own page

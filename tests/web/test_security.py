@@ -287,6 +287,7 @@ def test_hostile_files_are_refused_in_a_sentence(client, tmp_path):
         assert client.get(f"/api/jobs/{job}").json()["state"] == "failed"
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_two_tabs_and_two_workspaces_do_not_meet(client, tmp_path):
     one, other = client.workspace(), client.workspace()
     path = tmp_path / "a.csv"

@@ -173,6 +173,7 @@ def test_a_specification_that_fits_no_channel_passes_nothing(folder, tmp_path):
     assert run(folder / "u0.csv", "--limits", limits, "--strict").exit_code == 3
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows(
     ("files", "limits", "code"),
     [

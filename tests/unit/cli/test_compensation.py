@@ -199,6 +199,7 @@ def test_outliers_of_regressors_are_not_marked(days, tmp_path):
     assert np.isfinite(both["temp"].values).all()
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_progress_of_a_correction_of_another_file_ends_once(days):
     told = []
     settings = CompensationSettings(("temp",), fit=FitSettings(terms="N"))

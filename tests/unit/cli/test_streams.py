@@ -7,6 +7,7 @@ import json
 import lzma
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -48,7 +49,7 @@ def said(*words):
     return done.returncode, done.stderr.decode()
 
 
-PROGRAM = " ".join(COMMAND)
+PROGRAM = shlex.join(COMMAND)
 
 
 @pytest.mark.slow("takes more than half a second")

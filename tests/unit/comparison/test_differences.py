@@ -49,6 +49,7 @@ def test_equal_amplitudes_have_not_changed():
     assert line.outcome == "no change"
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("order", [1, -1])
 def test_a_sinusoid_of_one_record_is_looked_for_in_the_other(order):
     quiet, loud = simulated(1), simulated(2, hum(90))

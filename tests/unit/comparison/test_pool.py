@@ -57,6 +57,7 @@ def test_two_runs_have_common_coefficients_and_a_test_but_hardly_a_scatter(facto
     )
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_degrees_of_freedom_add_up(equal):
     channel = equal["z"]
     np.testing.assert_allclose(channel.curve.edf, np.sum([curve.edf for curve in channel.curves], axis=0))

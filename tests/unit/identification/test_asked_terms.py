@@ -43,6 +43,7 @@ def test_it_is_found_within_its_limits(cell):
         assert al.Fit.from_dict(fit.to_dict())[term.symbol].value == estimate.value
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("cell", CELLS)
 def test_it_is_absent_where_it_is_not(cell):
     rest, extra, terms = CELLS[cell]

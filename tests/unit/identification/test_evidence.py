@@ -212,6 +212,7 @@ def test_the_time_of_a_step_is_that_of_the_recording_and_the_cure_leaves_it_out(
     assert not al.identify(al.prepare.trim(recording, start, end)["gx"]).findings
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("seed", range(3))
 def test_a_slow_cycle_is_no_ramp(seed):
     """A ramp is told by the lowest coefficients, which are not read here: what leaks from the cycle is none."""

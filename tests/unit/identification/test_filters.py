@@ -158,6 +158,7 @@ def test_white_noise_behind_a_low_pass_is_no_other_noise(order, cutoff, step):
     assert "slope" not in {finding.name for finding in channel.warnings}
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_angle_noise_before_a_filter_is_no_other_noise():
     """It lifts what the filter lowers: a damped oscillation, or quick Gauss-Markov noise, took a quarter of N."""
     covered = 0

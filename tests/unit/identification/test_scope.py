@@ -146,6 +146,7 @@ def test_white_noise_below_the_curve_is_not_valid():
     assert contradictions(fit, measured(fit, record)) == {}
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_white_noise_is_not_struck_by_chance():
     """The octaves of the curve are many: at 1 % each, one record in forty lost its N."""
     struck = 0

@@ -404,6 +404,7 @@ def test_progress_is_told_while_a_bag_is_read(tmp_path):
 # damaged
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows(
     ("form", "compression", "share"),
     thinned([*((*how, 0.6) for how in EVERY), *((form, "", 0.99) for form in FORMS)], 5),

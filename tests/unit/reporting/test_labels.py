@@ -38,6 +38,7 @@ def test_a_label_stands_on_the_side_of_its_line_where_nothing_is(side):
     assert label.x == pytest.approx(0.5)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("model", [
     "Q 0.3 arcsec*s, N 3 arcsec*sqrt(s), B 1 arcsec, K 0.1 arcsec/sqrt(s), R 0.002 arcsec/s",
     "N 0.1 deg/sqrt(h), B 1 deg/h, K 5 deg/h/sqrt(h)",
@@ -60,6 +61,7 @@ def test_lines_to_labels_are_short_and_do_not_run_across_the_curve(model):
         assert side[0] * side[1] > 0 or abs(side[0]) < 0.2, text
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_a_minimum_of_zero_has_no_label_and_no_place():
     """As of a record that alternates between two numbers."""
     study = al.analyze(al.Record(np.resize([2.0, 3.0], 2400), rate=50.0, unit="deg/s"))

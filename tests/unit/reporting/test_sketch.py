@@ -91,6 +91,7 @@ def test_every_figure_of_an_analysis_is_sketched(study):
         ElementTree.fromstring(made.svg())
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_no_words_of_an_analysis_lie_on_others(study):
     face = view_of(study).face(study, 0.95)
     for drawing in drawings([*face.parts, *(part for sheet in face.sheets for part in sheet.parts)]):

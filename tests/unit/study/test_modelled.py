@@ -102,6 +102,7 @@ def test_a_check_has_no_figure(recording):
         al.plot(run_model_job(recording.records[0], SETTINGS["selfcheck"]))
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("verb, source", paired(list(OPTIONS), ["file", "sensor"]))
 def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     noise = (file, "--channels", "gx", "--terms", "NBK") if source == "file" else ("--sensor", "mems", "--rate", 20)
@@ -116,6 +117,7 @@ def test_the_recipe_repeats_the_run(verb, source, file, tmp_path):
     assert (tmp_path / "page.html").stat().st_size > 5000
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("verb", ["plan", "statespace"])
 def test_the_options_of_the_identification_work(verb, file):
     """A band on a recording gives other numbers than the whole record."""

@@ -51,6 +51,7 @@ def by_m(curve):
     return dict(zip(curve.m.tolist(), curve.variance.tolist(), strict=True))
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("statistic", ["oadev", "ohdev", "tdev"] if not ALL else ["oadev", "ohdev", "mdev", "tdev", "haar"])
 def test_curves_are_those_of_the_whole_where_windows_start_at_every_sample(file, statistic):
     settings_ = Deviations((statistic,), taus="octave", intervals=False)

@@ -37,6 +37,7 @@ USES = {
 """What takes a noise and goes on from it."""
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("use", USES)
 def test_what_goes_on_from_a_noise_refuses_one_that_explains_nothing(use):
     for noise in (REJECTED, REJECTED.model):

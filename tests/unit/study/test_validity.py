@@ -80,6 +80,7 @@ def test_the_grade_is_the_same_in_every_form(study):
     assert "explained, with a reservation" in html_of(study)
 
 
+@pytest.mark.slow("seconds of analyses")
 def test_what_is_not_valid_is_no_result(study):
     bad = study["bad"]
     assert {e.status for e in bad.fit} == {"not valid"}

@@ -78,6 +78,7 @@ def test_a_bias_and_gauss_markov_noise():
     assert slow.loss > 0.005
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows(("duration", "tau", "rms"), [(600.0, 0.762, 26.3), (3600.0, 0.691, 28.3)])
 def test_flicker_and_random_walk(duration, tau, rms):
     # the optimum is flat: at the quoted time constants the error is that of ours to 0.1 %
@@ -99,6 +100,7 @@ def test_predicted_against_simulated(which):
     assert simulated == pytest.approx(predicted, rel=0.05)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("models", benchmark.MODELS)
 def test_no_filter_is_better_than_the_bound(models):
     found = optimal_time_constant(*map(al.Model, models), duration=100.0, rate=10.0)

@@ -153,6 +153,7 @@ def test_a_recording_turned_about(swaying, plain, text):
     assert text in table(turned)
 
 
+@pytest.mark.slow("seconds of analyses")
 @rows("text, gravity, suggested", [
     ("y,z,x", "x", "y,z,x"), ("-z,y,x", "x", "y,z,x"), ("y,-z,-x", "-x", "y,-z,-x"), ("x,-z,y", "y", "x,-z,y"),
     ("x,z,-y", "-y", "x,z,-y"),
