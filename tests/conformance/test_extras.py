@@ -19,6 +19,7 @@ from damaged import SEEDS
 
 PROJECT = (ROOT / "pyproject.toml").read_text("utf-8")
 SAMPLE = ROOT / "examples" / "tactical_gyro.csv"
+FOLDER = shlex.quote(str(SAMPLE.parent))
 
 BLOCK = "import os, sys; sys.modules.update(dict.fromkeys(os.environ['ALLANITE_MISSING'].split(), None))\n"
 """What every process begins with that the tests start: these modules cannot be found."""
@@ -40,9 +41,9 @@ EXTRAS = {
     "xlsx": Extra(("openpyxl",), ("sheet.xlsx",)),
     "tdms": Extra(("nptdms",), ("run.tdms",)),
     "mdf": Extra(("asammdf",), ("run.mf4",)),
-    "web": Extra(("fastapi", "uvicorn"), (), (f"serve {SAMPLE}",)),
+    "web": Extra(("fastapi", "uvicorn"), (), (f"serve {FOLDER}/{SAMPLE.name}",)),
     "live": Extra(("serial",), (), ("watch /dev/null --rate 100 --unit deg/s",)),
-    "dask": Extra(("distributed",), (), (f"batch {shlex.quote(str(SAMPLE.parent))} --out out --scheduler tcp://127.0.0.1:9",)),
+    "dask": Extra(("distributed",), (), (f"batch {FOLDER} --out out --scheduler tcp://127.0.0.1:9",)),
 }
 MODULES = {extra: set(row.modules) for extra, row in EXTRAS.items()}
 
