@@ -160,13 +160,13 @@ def same_noise(one, other):
 FEW = ("named", "gap", "angle", "counts", "outliers", "motion")
 
 
-@pytest.mark.slow("records three times")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 @rows("name", FILES if ALL else FEW)
 def test_a_file_is_the_same_in_all_ways(name, folder):
     compare(written(name, folder), FILES[name][1])
 
 
-@pytest.mark.slow("records three times")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 @rows("choice", CHOICES if ALL else [*named(Recipe, "selecting"), "mask", "method"])
 def test_a_choice_is_the_same_in_all_ways(choice, folder):
     compare(written("stamped", folder), FILES["stamped"][1] | {choice: CHOICES[choice]})

@@ -104,8 +104,9 @@ def test_the_demo_takes_any_file_name(tmp_path):
     lines = (ROOT / "examples" / "tactical_gyro.csv").read_text(encoding="utf-8").splitlines()[4:2000]
     path.write_text("\n".join(lines), encoding="utf-8")
     name = str(path).replace("$", "$$")
-    out = tmp_path / "demo"
-    done = make("demo", "-o", ".venv/run", f"BIN={BIN}", f"OUT={out}", f"FILE={name}", "ARGS=--channels gz")
+    out, tools = tmp_path / "demo", tmp_path / "bin"
+    tools.symlink_to(BIN)  # whose path may have blanks, which .venv/bin has not
+    done = make("demo", "-o", ".venv/run", f"BIN={tools}", f"OUT={out}", f"FILE={name}", "ARGS=--channels gz")
     assert done.returncode == 0, done.stderr
     assert "angle random walk" in done.stdout
     assert done.stdout.splitlines()[-2:] == [f"report: {out}/report.html", f"plot: {out}/curve.png"]

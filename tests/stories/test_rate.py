@@ -57,7 +57,7 @@ def test_counts_are_analyzed_over_a_second(vertical):
     assert "Try" not in said[1]
 
 
-@pytest.mark.slow("takes more than half a second")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 def test_an_ideal_staircase_is_certain(folder):
     # the example of the paper: 6 deg/h in pulses of 1 arcsec, 720 in two minutes
     angle = np.floor(6.0 * np.arange(48_001) / 400 + 0.3013)

@@ -1,6 +1,7 @@
 """Connections that ask for nothing are closed; those that ask are answered, however long it takes."""
 
 import asyncio
+from concurrent.futures import ThreadPoolExecutor
 from itertools import count
 
 import pytest
@@ -54,9 +55,10 @@ def loop(monkeypatch):
 
 
 def turn(loop):
-    """Do what is due."""
-    for _ in range(5):
-        loop.run_until_complete(asyncio.sleep(0))
+    """Do what is due, in another thread: in this one a browser may hold a loop that runs."""
+    with ThreadPoolExecutor(1) as thread:
+        for _ in range(5):
+            thread.submit(loop.run_until_complete, asyncio.sleep(0)).result()
 
 
 def connected(loop, answer, state=None):

@@ -175,7 +175,7 @@ def test_a_process_replaces_a_walk_only_where_a_correlation_time_is_written():
     assert one.time == 50.0
 
 
-@pytest.mark.slow("takes more than half a second")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 @rows("name", list(al.EXPORTS))
 def test_the_same_input_gives_the_same_bytes_and_every_form(name):
     for form in al.EXPORTS[name].forms:

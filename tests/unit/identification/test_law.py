@@ -74,7 +74,7 @@ def test_a_term_that_cannot_be_seen_has_no_median():
     assert fit["Q"].median is None
 
 
-@pytest.mark.slow("ensemble")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 def test_estimates_are_correlated_as_the_fit_says():
     """Against the scatter over simulated records; the standard error of a correlation of 200 is 0.07."""
     model = al.N(1, "deg/sqrt(h)") + al.B(20, "deg/h")

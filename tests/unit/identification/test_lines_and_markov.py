@@ -189,7 +189,7 @@ def test_false_lines_are_rare():
     assert sum(bool(fit.lines) for fit in fits) <= 5
 
 
-@pytest.mark.slow("takes more than half a second")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @rows(
     "n, pattern",

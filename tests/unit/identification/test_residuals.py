@@ -202,7 +202,7 @@ def test_a_band_has_residuals_and_says_where_it_holds():
     assert "--band" not in channel.verdict
 
 
-@pytest.mark.slow("ensemble")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 def test_a_weak_random_walk_that_was_not_selected_leaves_no_correlation():
     """100 records of the seeds 0 to 99: at 5 % about 5 fail; of the selected model's residuals 11 did."""
     model = al.N(1, "deg/sqrt(h)") + al.K(15, "deg/h/sqrt(h)")

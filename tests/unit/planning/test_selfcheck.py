@@ -83,7 +83,7 @@ def test_terms_that_cannot_be_compared_are_named():
         al.selfcheck(pair, 400, 10.0, records=1, rng=np.random.default_rng(1))
 
 
-@pytest.mark.slow("ensemble")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 def test_time_constants_and_sinusoids():
     """Ten records of a strong process and a strong line: both are always found, within 5 standard errors."""
     model = al.Model("N 0.1 deg/sqrt(h), GM 30 deg/h 5 s, Sine 30 deg/h 1.3 Hz")
@@ -121,7 +121,7 @@ def test_the_verb_ends_with_4_where_a_limit_is_exceeded():
     assert 0.5 > channel["terms"][0]["found_error"] > 0
 
 
-@pytest.mark.slow("takes more than half a second")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 def test_another_method_can_be_checked():
     """It reads no evidence off the curve, so that no term counts as found, and no record as unexplained."""
     check = al.selfcheck(MODEL, 2000, 10.0, records=4, rng=np.random.default_rng(1), method="nnls")

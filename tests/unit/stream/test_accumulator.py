@@ -177,7 +177,7 @@ def test_every_kind_of_samples(kind, unit, scale):
     np.testing.assert_allclose(stream.curve().deviation[:15], batch.deviation, rtol=1e-9)
 
 
-@pytest.mark.slow("ensemble")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 def test_intervals_at_a_stride_hold_the_truth():
     model = al.N(1, "deg/sqrt(h)") + al.K(30, "deg/h/sqrt(h)")
     inside = []

@@ -14,7 +14,7 @@ from allanite.prepare.view import View
 from fuzz import judged, worked
 
 
-@pytest.mark.slow("takes more than half a second")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 @rows("first", thinned(range(0, 200, 20), 3))
 def test_each_job_has_a_result_or_refuses_in_words(first):
     outcomes = {k: judged(worked, k) for k in range(first, first + 20)}

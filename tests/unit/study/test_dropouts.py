@@ -21,7 +21,7 @@ def dropped(size, k, seed=2):
     return al.Record(values, 10.0, "deg/h", name="z")
 
 
-@pytest.mark.slow("takes more than half a second")
+@pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")
 @rows(("size", "k"), [(500, 5), (500, 7), (1000, 3), (1000, 5), (5000, 3), (5000, 7), (30000, 3)])
 def test_white_noise_is_read_between_regular_dropouts(size, k):
     record = dropped(size, k)
