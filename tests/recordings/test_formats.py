@@ -68,7 +68,7 @@ def test_a_folder_of_ros_2_with_a_definition_beside_it(recordings, tmp_path):
 @rows(
     "name, options, code, words",
     [
-        ("adis_16405_imu1.rda", [], 2, "--unit deg/s"),
+        ("adis_16405_imu1.rda", [], 2, "--unit gyro=UNIT,accel=g"),
         ("adis_16405_imu1.rda", ["--unit", "deg/s"], 0, "1000000 samples, 2.78 h"),
         ("imu_tk_xsens_gyro.mat", [], 2, "--rate HZ"),
         ("imu_tk_xsens_gyro.mat", ["--rate", "100", "--scale", "0.01deg/s", "--until", "50"], 0, "rate in 0.01 °/s"),

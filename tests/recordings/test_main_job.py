@@ -110,9 +110,11 @@ def test_a_filter_is_found_or_left_out(recordings, adis):
         assert "the spectrum rolls off" in plain.goodness.verdict
         behind = al.identify(record)
         assert behind.validity == "explained"
-        assert 35 < behind.scope.filter.cutoff < 38
-        if channel == "gz":  # a resonance at 20 Hz
+        if channel == "gz":  # a resonance at 20 Hz hides how the filter begins
             assert behind.scope.masks
+            assert 29 < behind.scope.filter.cutoff < 38
+        else:
+            assert 35 < behind.scope.filter.cutoff < 38
         below = al.identify(record, band=(0, 5))
         at_one_second = al.deviation(record, m=[100]).deviation[0]
         assert below["N"].value == pytest.approx(at_one_second, rel=0.10)
