@@ -14,8 +14,8 @@ SCREENS = {
         r"N +angle random walk +°/√h +2\.4\d+ ±", r"\+2090 µg at 2229 s\. Try --from", r"not valid", r"in part"
     ),
     "analyze phone_gyro4.txt --unit rad/s": (
-        r"N +angle random walk +°/√h +1\.6\d+ ±", r"column 5: the bias steps: -107 °/h at 382\.3 s\. Try --from 397", "within 14 %",
-        "not valid",
+        r"N +angle random walk +°/√h +1\.6\d+ ±", r"column 5: the bias steps: -107 °/h at 382\.3 s\. Try --from 397",
+        "within 14 %", "not valid",
     ),
     "analyze aegiverse_fog_0917.txt --unit deg/h": (
         r"in-run bias stability", r"fog DOES NOT FIT: quantization errors", r"fog: the output is stuck .* Try --until"
