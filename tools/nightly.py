@@ -1,6 +1,6 @@
 """Run everything that is tested, in parts, and keep a table of when each part ran last and how it ended.
 
-    python tools/nightly.py [--write benchmarks/results/nightly.md] [PART ...]
+    python tools/nightly.py [--write tests/nightly.md] [PART ...]
 
 Without names: all parts, one after the other, which takes hours; the rows of parts that are not run stay as they are.
 `make nightly` does this on a clean checkout. Ends with exit code 1 if a part has failed.
@@ -16,7 +16,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "benchmarks" / "results" / "nightly.md"
+PAGE = ROOT / "tests" / "nightly.md"
 PYTEST = "pytest -n auto --dist worksteal -q"
 TABLES = "tests/conformance/*table*.py"
 LANGUAGES, SITE = "tests/stories/test_languages.py", "tests/stories/test_site.py"
