@@ -246,3 +246,8 @@ def test_a_phrase_of_the_list_is_found(tmp_path):
     file.write_text('"""The overlapped Allan deviation."""\nx = f"{3} lost readings"  # an honest interval\n')
     said = [text for _, text in words.texts(file)]
     assert sum(bool(re.search(phrase, text)) for phrase in words.BANNED for text in said) == 3
+
+
+def test_what_applications_may_not_use_is_no_attribute_of_extending():
+    with pytest.raises(AttributeError, match="'identify_all'"):
+        getattr(importlib.import_module("allanite.extending"), "identify_all")  # noqa: B009 - for type checkers it is none

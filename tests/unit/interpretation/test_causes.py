@@ -16,7 +16,7 @@ from allanite.core.fit import Fit, Goodness
 from allanite.core.readings import Reading, Readings
 from allanite.core.units import convert, signal_named
 from allanite.core.validity import LowPass, Scope
-from allanite.interpretation.asymptotes import spans
+from allanite.interpretation.asymptotes import least, spans
 from allanite.interpretation.causes import meaning
 from allanite.interpretation.device import REFERENCES
 from allanite.interpretation.grades import SCALES
@@ -232,3 +232,10 @@ def test_the_device_is_a_part_of_the_recipe(recorded):
     assert al.from_dict(study.to_dict()).recipe == recipe
     with pytest.raises(al.UsageError, match="unknown device 'x'"):
         al.Recipe(device="x")
+
+
+def test_a_curve_that_falls_or_rises_to_its_end_has_no_minimum():
+    white, walk = (al.identify(al.simulate(al.Model(text), 4000, 10.0, rng=np.random.default_rng(1))) for text in
+                   ("N 0.1 deg/sqrt(h)", "K 900 deg/h/sqrt(h)"))  # fmt: skip
+    assert least(list(white), 0.1, 100.0) is None
+    assert least(list(walk), 1.0, 100.0) is None

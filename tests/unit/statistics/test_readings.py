@@ -7,6 +7,7 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
+from allanite.core.readings import Slope
 
 
 def record_of(y, rate=10.0):
@@ -108,3 +109,8 @@ def test_numbers_are_in_units_of_data_sheets_and_in_si():
     assert first["value"] == pytest.approx(math.degrees(data["usual"]["deviation"]) * 3600)
     assert (second["unit"], second["value"]) == ("deg/sqrt(h)", pytest.approx(math.degrees(data["random_walk"]) * 60))
     assert first["low"] == pytest.approx(math.degrees(data["usual"]["low"]) * 3600)
+
+
+def test_the_interval_of_a_slope_lies_around_it():
+    low, high = Slope(1.0, 4.0, -0.5, 0.1).interval(0.95)
+    assert (low, high) == pytest.approx((-0.5 - 1.96 * 0.1, -0.5 + 1.96 * 0.1), abs=1e-4)

@@ -605,3 +605,9 @@ def test_what_is_not_told_apart_needs_a_prior():
 def test_every_nuisance_says_what_it_is():
     assert set(USUAL) < set(NUISANCES)
     assert all(row.meaning for row in NUISANCES.values())
+
+
+@rows("starts", [[], [[0.0, 60.0]], [0.0, math.nan], [math.inf]])
+def test_starts_that_are_no_times_are_refused(starts):
+    with pytest.raises(al.UsageError):
+        al.angle.scan(AngleSettings(LATITUDE, 3600.0, 10.0), starts)
