@@ -127,6 +127,7 @@ setup: .venv/test
 .venv/test: .venv/made pyproject.toml constraints.txt
 	@echo "installing allanite and what its tests need into .venv (once)" >&2
 	@$(PIP) -e '.[test,docs]'
+	@$(THREADS) $(BIN)/python tools/kernels.py
 	@touch .venv/run $@
 
 .venv/release: .venv/test
