@@ -6,7 +6,6 @@ import inspect
 from functools import partial
 from pathlib import Path
 
-import pytest
 from tests.rows import rows
 
 import allanite
@@ -19,7 +18,6 @@ MODULES = [
 ]
 
 
-@pytest.mark.slow("every example of every docstring")
 @rows("name", MODULES)
 def test_examples(name):
     module = importlib.import_module(name)
