@@ -128,7 +128,6 @@ def test_a_verb_from_outside_stands_below_its_heading(used):
     assert "least greatest" in shown["verb"]
 
 
-@pytest.mark.slow("seconds of analyses")
 @rows(
     "where, words",
     [
