@@ -92,7 +92,6 @@ def test_a_line_without_an_other_end_is_gone(monkeypatch):
     tap.close()
 
 
-@pytest.mark.slow("takes more than half a second")
 def arrived(path, count):
     """Wait until so many lines are kept."""
     while not path.exists() or path.read_bytes().count(b"\n") < count:
