@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from allanite.reporting import first_screen
 from allanite.reporting.first import Axes, First, Quantity, Remark, Section, condensed, told_of
 from allanite.reporting.screen import COLUMNS, LINES, render
 from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
+from allanite.reporting.views.remarks import doubts
 from allanite.study.modelled import run_model_job
 from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
 from allanite.study.recipe import Recipe
@@ -181,3 +183,14 @@ def test_the_in_run_minimum_is_that_of_the_curve_in_the_unit_that_is_named(unit,
     named, shown = re.search(r"in-run bias stability +(\S+) +≤? ?([\d.]+) at", first_screen(study)).groups()
     assert named == ("µg" if unit == "m/s^2" else "°/h")
     assert float(shown) == pytest.approx(least, rel=5e-3)
+
+
+@rows("name, blamed", [("gaps", False), ("level", True)])
+def test_a_gap_is_no_cause_of_a_misfit(name, blamed):
+    finding = Finding(name, "the finding", remedy="try prepare.trim(recording, 1, 2)", fatal=name == "level")
+    statement = SimpleNamespace(points=("the reason of the fit",), head="")
+    noise = SimpleNamespace(explained=False, residuals=None, fit=SimpleNamespace(findings=()), statement=statement)
+    quality = SimpleNamespace(warnings=(finding,))
+    channel = SimpleNamespace(record=SimpleNamespace(name="gx"), refusal="", noise=noise, quality=quality)
+    (remark,) = doubts([channel])
+    assert str(remark.clauses[0]) == ("the finding" if blamed else "the reason of the fit")

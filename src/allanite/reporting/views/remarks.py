@@ -16,6 +16,9 @@ MILD = ("quantized", "heavy tails", "outliers", "lines", "shared")
 CAUSES = ("terms", *MOTION)
 """Findings that explain a misfit, the likeliest first."""
 
+ACCOUNTED = ("gaps",)
+"""Findings that explain no misfit: the fit joins the samples on either side of a gap."""
+
 
 def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
     """A line for each channel without a result; those with causes of one kind and one command share it."""
@@ -37,7 +40,8 @@ def doubts(channels: Sequence[Any]) -> Iterator[Remark]:
 def _cause(noise: Noise, warnings: Iterable[Finding]) -> Remark:
     """The likeliest cause why no model explains a channel, and what to type."""
     left = noise.residuals.findings if noise.residuals is not None else ()
-    told = [(f, Remark.about_finding("", f, grave=True)) for f in (*noise.fit.findings, *left, *warnings)]
+    every = (f for f in (*noise.fit.findings, *left, *warnings) if f.name not in ACCOUNTED)
+    told = [(f, Remark.about_finding("", f, grave=True)) for f in every]
     likeliest = min((pair for pair in told if pair[0].fatal or pair[1].command), key=_rank, default=None)
     why = noise.statement.points or (noise.statement.head,)
     return likeliest[1] if likeliest else Remark("", why, "allanite deviation FILE", grave=True)
