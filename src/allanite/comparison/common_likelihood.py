@@ -23,12 +23,11 @@ from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST, Record
 from allanite.core.units import Signal
 from allanite.core.validity import Scope
-from allanite.identification.likelihood.band import Tuned
 from allanite.identification.likelihood.law import AKAIKE, law, traces
 from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.selection import Subset, select, subsets
 from allanite.identification.likelihood.spectrum import FEWEST, BinnedSpectrum, spectrum
-from allanite.identification.likelihood.whittle import column, likelihood
+from allanite.identification.likelihood.whittle import column, gain_of, likelihood
 from allanite.phrases.phrase import join, say, say_count
 from allanite.phrases.wording import spelled
 from allanite.terms import TERMS
@@ -162,14 +161,14 @@ def part_of(
 ) -> Likelihood:
     """The likelihood of one record behind its filter, within the band and outside all masks, in SI."""
     if scope and scope.filter:
-        gain = Tuned(scope.filter.row, scope.filter.cutoff / seen.rate).gain(seen)
+        gain = gain_of(scope.filter.row, scope.filter.cutoff / seen.rate, seen)
         whole = whole.behind(gain, float(gain @ seen.count / seen.count.sum()))
     low, high = band
     # coefficient k represents frequencies from k - 1/2 to k + 1/2
     half = seen.rate / (4 * seen.size)
     first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
     inside = (first > low) & (last <= high * (1 + 1e-9))
-    for start, end in (mask for other in filter(None, scopes) for mask in other.masks):
+    for start, end in (mask for other in filter(None, scopes) for mask in (*other.masks, *other.disturbed)):
         inside &= (last < start) | (first > end)
     if inside.sum() < FEWEST:
         raise DataError(

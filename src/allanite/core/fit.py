@@ -9,6 +9,7 @@ from allanite.terms import TERMS
 
 from .arrays import FloatArray
 from .averaged import Averaged, averaged
+from .component import Component
 from .curve import Curve
 from .errors import UsageError
 from .estimate import Estimate
@@ -171,6 +172,9 @@ class Fit(Value):
         Grade from the residuals, if they were computed.
     warm_up : Term or None
         A warm-up that was found; it is part of the model only where it was asked for.
+    components : tuple of Component
+        What the models consistent with the record hold beside the terms, each with the weight of those that do: claimed,
+        almost claimed, or unlikely.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives", "nodes": "averaged"}
@@ -191,6 +195,7 @@ class Fit(Value):
     checked: str = ""
     nodes: Callable[[], Averaged] | None = None
     warm_up: Term | None = None
+    components: tuple[Component, ...] = ()
 
     Q, F, N, B, K, R, W, GM, GML, GMA, GM2, Sine = map(
         _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GML", "GMA", "GM2", "Sine")

@@ -120,6 +120,8 @@ class Scope(Value):
     until : float
         Longest averaging time, s, at which the deviation of the record agrees with the valid terms; None if it does
         at all.
+    disturbed : tuple of (low, high)
+        Frequencies, Hz, at which vibration has most of the power: the model includes it, but it hides the terms.
     """
 
     choice: str
@@ -132,11 +134,13 @@ class Scope(Value):
     level: FloatArray
     remarks: tuple[str, ...] = ()
     until: float | None = None
+    disturbed: tuple[tuple[float, float], ...] = ()
 
     @property
     def whole(self) -> bool:
-        """Whether all frequencies are used, without a filter."""
-        return self.choice == "all" or (not self.masks and self.filter is None and not self.limited)
+        """Whether all frequencies are used, and show nothing but the terms."""
+        plain = self.filter is None and bool((self.level == 1).all())
+        return self.choice == "all" or (not self.masks and plain and not self.limited)
 
     @property
     def limited(self) -> bool:
@@ -162,7 +166,7 @@ class Scope(Value):
     def holds(self, tau: FloatArray) -> BoolArray:
         """At which averaging times, s, the deviation is that of the terms: `times`, without those of the masks."""
         inside = (tau >= self.times[0]) & (tau <= self.times[1])
-        for low, high in self.masks:
+        for low, high in (*self.masks, *self.disturbed):
             inside &= ~((tau * high > WEIGHS[0]) & (tau * low < WEIGHS[1]))
         return np.asarray(inside)
 

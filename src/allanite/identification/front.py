@@ -25,8 +25,8 @@ from .curves.gls import gls
 from .curves.leastsquares import least_squares, slopes, whole
 from .curves.nonnegative import nnls
 from .curves.piecewise import piecewise
-from .likelihood.identify import whittle
 from .methods import METHODS, symbols_of
+from .search.identify import whittle
 
 FITS: dict[str, Callable[..., Fit]] = {
     "whittle": whittle,

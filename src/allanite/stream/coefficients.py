@@ -18,10 +18,9 @@ from allanite.core.fit import Fit
 from allanite.core.record import SHORTEST
 from allanite.core.validity import Band, demand_band
 from allanite.identification.likelihood.bins import SINGLE, edges_of
-from allanite.identification.likelihood.identify import whittle_of
-from allanite.identification.likelihood.model_selection import deterministic
 from allanite.identification.likelihood.spectrum import ROUNDING, BinnedSpectrum, less_slope, transformed
 from allanite.identification.methods import symbols_of
+from allanite.identification.search.identify import deterministic, whittle_of
 from allanite.phrases.phrase import say
 from allanite.prepare.gaps import FEW, Gaps, gaps_between
 from allanite.statistics.moments.lags import second_difference

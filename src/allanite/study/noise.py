@@ -15,8 +15,8 @@ from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Band
 from allanite.identification.checks.contradiction import MeasuredCurve, contradictions, held, measured, not_rounding
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import identify
-from allanite.identification.likelihood.identify import explaining
 from allanite.identification.methods import METHODS, symbols_of
+from allanite.identification.search.identify import explaining
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.prepare.outliers import marked, outliers
@@ -26,7 +26,7 @@ from .keeper import Inspected
 from .recipe import Recipe
 from .results import Noise
 
-REQUESTED = (("GM2",), ("GM", "GM"))
+REQUESTED = (("GM2",),)
 """Terms that only a request adds, tried where the automatic ones do not describe a record, to be named to the user."""
 
 

@@ -12,7 +12,7 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
-from allanite.identification.likelihood.model_selection import SLOW
+from allanite.identification.search.components import LEAST_MARKOV
 from allanite.phrases.phrase import say
 from allanite.prepare.outliers import marked, outliers
 from allanite.prepare.rounding import grid
@@ -113,7 +113,7 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     beside = [
         Term(e.symbol, size, e.signal, e.shape)
         for e in fit
-        if e not in white and _memory(e) * curve.rate > SLOW and 0 < (size := _most(e)) < math.inf
+        if e not in white and _memory(e) * curve.rate > LEAST_MARKOV and 0 < (size := _most(e)) < math.inf
     ]
     beside += [line.term for line in fit.lines]
     other = _deviation(fit, beside, curve) ** 2

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.fit import EXPLAINED, Goodness, Line
 from allanite.identification.likelihood.cells import CELLS, surroundings
-from allanite.identification.likelihood.likelihood import Likelihood
 from allanite.identification.likelihood.spectrum import BinnedSpectrum
 from allanite.phrases.phrase import join, say
 
@@ -18,28 +17,37 @@ LEAST = 1e-12
 """Power over the model's that a sentence states at least: of a model far from the record it may come out negative."""
 
 
+def cells_of(spectrum: BinnedSpectrum, used: BoolArray) -> tuple[IntArray, FloatArray]:
+    """The cell of each bin that is used, and the bounds of the cells in coefficients."""
+    first = spectrum.first[used]
+    bounds = np.geomspace(first[0], spectrum.size if first[-1] == spectrum.first[-1] else first[-1] + 1, CELLS + 1)
+    return np.clip(np.searchsorted(bounds, first, side="right") - 1, 0, CELLS - 1), bounds
+
+
 def goodness(
-    spectrum: BinnedSpectrum, likelihood: Likelihood, theta: FloatArray, used: BoolArray, taken: tuple[Line, ...] = ()
+    spectrum: BinnedSpectrum,
+    powers: tuple[FloatArray, FloatArray, FloatArray],
+    used: BoolArray,
+    *,
+    lost: float,
+    taken: tuple[Line, ...] = (),
 ) -> Goodness:
     """Cell-wise goodness of fit.
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate
-    is z, and the sum of z^2 over the cells is chi-square with (cells - terms) degrees of freedom. The likelihood is
-    that of the bins `used`, theta the model with every admissible term free, since terms omitted by the selection
-    would otherwise contribute to the sum. `taken` are sinusoids removed before.
+    is z, and the sum of z^2 over the cells is chi-square with the number of cells less what sizes and shapes take of
+    them, `lost`, and a half. `powers` are observed and expected power and the count of the bins `used`, given the loose
+    directions; `taken` are sinusoids removed before.
     """
     from scipy.special import chdtrc
 
-    power, m, _, count = (part[: used.sum()] for part in likelihood.completed(theta))
-    first = spectrum.first[used]
-    bounds = np.geomspace(first[0], spectrum.size if first[-1] == spectrum.first[-1] else first[-1] + 1, CELLS + 1)
-    cell = np.clip(np.searchsorted(bounds, first, side="right") - 1, 0, CELLS - 1)
+    power, m, count = powers
+    cell, bounds = cells_of(spectrum, used)
     edges = spectrum.frequency(bounds)
     nu, total = (np.bincount(cell, w, edges.size - 1).astype(np.float64) for w in (count, count * power / m))
     filled = nu > 0
     z = _normal(total[filled], nu[filled])
-    terms = int((theta > 0).sum() + likelihood.flat.sum())
-    p = float(chdtrc(max(filled.sum() - terms, 1), (z**2).sum()))
+    p = float(chdtrc(max(float(filled.sum()) - lost - 0.5, 1.0), (z**2).sum()))
     ratio = total[filled] / nu[filled]
     bounds = np.append(edges[:-1][filled], edges[-1])
     reasons = [*_lines(spectrum, used, m, power)]

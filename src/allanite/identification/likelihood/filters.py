@@ -37,11 +37,14 @@ class Filter:
         Both in cycles per sample; the frequency is an array. 1 at zero frequency.
     starts : array
         Cut-offs at which the search begins, the highest first: between their ends the cut-off is looked for.
+    whole : bool
+        Whether `starts` are whole numbers of samples, each of which has zeros of its own.
     """
 
     title: str
     gain: Callable[[FloatArray, float], FloatArray]
     starts: FloatArray = field(default_factory=lambda: _octaves(HIGHEST))
+    whole: bool = False
 
     def edges(self, cutoff: float) -> float:
         """Variance of white noise behind the filter at either edge of a record, over that before the filter.
@@ -142,11 +145,12 @@ FILTERS: dict[str, Filter] = {
     "bilinear 1": Filter(say("digital 1st-order low-pass"), _digital(1), _octaves(0.45)),
     "bilinear 2": Filter(say("digital 2nd-order low-pass"), _digital(2), _octaves(0.45)),
     "decimated": Filter(say("digital 2nd-order low-pass at 4 times the rate"), _digital(2, 4)),
-    "average": Filter(say("moving average"), _moving_average, AVERAGED / np.arange(1.0, 33.0)),
+    "average": Filter(say("moving average"), _moving_average, AVERAGED / np.arange(1.0, 33.0), whole=True),
     "average twice": Filter(
         say("moving average of a moving average"),
         lambda f, cutoff: _moving_average(f, AVERAGED / TWICE * cutoff) ** 2,
         TWICE / np.arange(1.0, 33.0),
+        whole=True,
     ),
     "bartlett": Filter(say("continuous moving average of a moving average (Bartlett window)"), _bartlett),
 }

@@ -14,8 +14,12 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.terms import TERMS, NoiseTerm
 
 from .bins import SINGLE
+from .filters import FILTERS
 from .likelihood import Likelihood
 from .spectrum import BinnedSpectrum
+
+LEAST_GAIN = 1e-10
+"""Gain of a filter, at least, power over power: so low that it never takes part (1e-6 did behind a digital filter)."""
 
 Pair = tuple[FloatArray, FloatArray]
 """Coefficients of a direction, of even and of odd index, shape (bins,) each; or products of directions."""
@@ -25,7 +29,7 @@ def likelihood(spectrum: BinnedSpectrum, symbols: Sequence[str]) -> Likelihood:
     """The likelihood of a spectrum for the terms `symbols` (keys of `TERMS`); deterministic ones are integrated out."""
     noise = [symbol for symbol in symbols if TERMS[symbol].waveform is None]
     with_ramp = len(noise) < len(symbols)
-    UU, Uc = _directions(spectrum, with_ramp)
+    UU, Uc = directions_of(spectrum, with_ramp)
     edge = np.array([TERMS[symbol].edge + TERMS[symbol].ends for symbol in noise])
     ends = 2 if spectrum.pieces is None else 0
     return Likelihood(
@@ -44,25 +48,30 @@ def with_warm_up(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, ta
 
     Tau is in samples. The direction stands behind the edges and before the ramp.
     """
+    return _with_directions(part, spectrum, used, [warm_up_direction(spectrum, tau)])
+
+
+def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
+    """The coefficients of exp(-t / tau), t and tau in samples."""
     if spectrum.times.size:  # with gaps, of the lowest bins only
         # the lowest coefficients of what is smooth, from its values in the middles of equal blocks of n samples
         from scipy.fft import dct
 
         values = np.exp(-spectrum.times / tau)
         lowest = np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(spectrum.size / values.size)
-        return _with_directions(part, spectrum, used, [_in_bins(spectrum, lowest)])
+        return in_bins(spectrum, lowest)
     left = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(spectrum.first + (spectrum.count - 1) / 2, spectrum.size, tau)
-    return _with_directions(part, spectrum, used, [(smooth * (1 - left), smooth * (1 + left))])
+    return smooth * (1 - left), smooth * (1 + left)
 
 
 def with_steps(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, at: Sequence[float]) -> Likelihood:
     """A likelihood of the bins `used` with steps of any size, at these samples, as loose directions."""
-    return _with_directions(part, spectrum, used, [_in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in at])
+    return _with_directions(part, spectrum, used, [in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in at])
 
 
 def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
-    UU, Uc = _directions(spectrum, bool(part.flat.any()), more)
+    UU, Uc = directions_of(spectrum, bool(part.flat.any()), more)
     at = np.full(len(more), np.count_nonzero(~part.flat))
     found = replace(
         part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
@@ -71,7 +80,7 @@ def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray
     return found.trusted(part.count / found.count)
 
 
-def _directions(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
+def directions_of(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
     """Products of the loose directions: both halves of the first sample, a warm-up, steps at long gaps, and the ramp.
 
     The first sample has the coefficients a_k = sqrt(2/n) cos(pi k / 2n), the last one (-1)^k a_k; their even and odd
@@ -84,8 +93,8 @@ def _directions(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] 
     pairs = [(a, 0 * a), (0 * a, a)] if spectrum.pieces is None else []
     pairs += more
     if with_ramp:
-        pairs += [_in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in spectrum.steps.tolist()]
-        pairs.append(_in_bins(spectrum, spectrum.ramp))
+        pairs += [in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in spectrum.steps.tolist()]
+        pairs.append(in_bins(spectrum, spectrum.ramp))
     D = np.array(pairs).reshape(-1, 2, centre.size)  # shape (directions, 2, bins)
     trust = spectrum.told / spectrum.count
     count, sums = trust * np.stack((spectrum.count - odd, odd)), trust * np.stack((spectrum.even, spectrum.odd))
@@ -111,7 +120,7 @@ def step_power(spectrum: BinnedSpectrum, at: Sequence[float], size: FloatArray) 
     return np.where(spectrum.first > SINGLE, mean, 0.0)
 
 
-def _in_bins(spectrum: BinnedSpectrum, lowest: FloatArray) -> tuple[FloatArray, FloatArray]:
+def in_bins(spectrum: BinnedSpectrum, lowest: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The lowest coefficients of a direction in the bins, those of even and those of odd index."""
     d = np.zeros(spectrum.first.size)
     lowest = lowest[: spectrum.pieces.low] if spectrum.pieces else lowest
@@ -151,3 +160,10 @@ def table_column(symbol: str, spectrum: BinnedSpectrum, shape: tuple[float, ...]
         row = TERMS[symbol]
         spectrum.known[symbol, shape] = column(row.shaped(shape, 1.0) if shape and row.shaped else row, spectrum)
     return spectrum.known[symbol, shape]
+
+
+def gain_of(row: str, cutoff: float, spectrum: BinnedSpectrum) -> FloatArray:
+    """Mean power that a filter lets pass in each bin, shape (bins,); the cut-off in cycles a sample."""
+    nodes, weights, starts = spectrum.nodes
+    power = FILTERS[row].gain(nodes / (2 * spectrum.size), cutoff)
+    return np.maximum(np.add.reduceat(weights * power, starts) / spectrum.count, LEAST_GAIN)

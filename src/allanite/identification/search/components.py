@@ -1,0 +1,278 @@
+"""The one table of components: what may be in a record, where it is looked for, and what it costs.
+
+The price of a component, in 2 L, is what noise alone gains by the best of its places once in 1 / alpha records: the
+quantile of chi-square at alpha / places, twice that where the size cannot be negative. The places are effective ones,
+as neighbouring shapes are correlated; `benchmarks/prices.py` measures them on records without the component. A
+component is claimed where the states that have it weigh `CLAIMED` together: where it gains `ODDS` more than it costs
+in the score. The cost is therefore the price less that, and a term that is not searched for costs 2, as in H. Akaike's
+criterion: what is not claimed takes part in the laws of the others.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.identification.likelihood.filters import FILTERS
+from allanite.terms import TERMS
+
+from .frame import LOWEST_CUTOFF, Frame
+
+ODDS = 2.0
+"""What a component must gain in 2 L beyond its cost to be claimed: odds of e to 1."""
+
+CLAIMED = 1 / (1 + math.exp(-ODDS / 2))
+"""Weight of the states that hold a component from which it is claimed: at these odds."""
+
+TERM = 0.0228
+"""Rate of false claims of a noise term that is absent: it gains 4 in 2 L in 2.3 % of records."""
+
+LEAST_MARKOV, QUICKEST_MARKOV = 30.0, 5.3
+"""Samples. A shorter time constant than the first is taken where white noise stands beside it, else it is a filter's; a
+shorter one than the second is that of a filter of the cut-off `HIDING` with white noise behind it: a definition."""
+
+LONGEST_MARKOV = 0.1
+"""Share of the record up to which a time constant differs from a random walk (`terms.row.LONGEST`)."""
+
+HIDING = 0.03
+"""Cut-off, cycles a sample, below which a filter with noise behind it is Gauss-Markov and white noise: a definition."""
+
+QUALITIES = (2.0, 300.0)
+"""Least and greatest quality of a resonance: a broader one is a filter, a narrower one a sinusoid."""
+
+PERIODS = 16
+"""Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
+
+HIGHEST = 3.1
+"""Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
+
+EXPONENTS = (0.4, 1.8)
+"""Exponents of a power law between which its column is exact within 3 %."""
+
+LONGEST_WARM_UP = 0.37
+"""Share of the record up to which a warm-up differs from a ramp with a parabola."""
+
+SIZES = (0.004, 6.0)
+"""Least and greatest size of a factor, RMS of the logarithm of the power."""
+
+
+class Part(NamedTuple):
+    """One component of a state: the row of `COMPONENTS`, what tells it from others of the row, and its shape."""
+
+    name: str
+    label: str
+    shape: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Component:
+    """A row of the table.
+
+    Attributes
+    ----------
+    name : str
+    alpha : float
+        Rate of false claims a record.
+    places : n -> float
+        Effective number of places in which it is looked for, in a record of n samples.
+    freedom : float
+        Degrees of freedom of the gain at a known place.
+    signed : bool
+        Whether its size may be negative.
+    most : int
+        How many of them a record may have.
+    refined : int
+        How many of its shape's values are refined with the sizes.
+    grain : tuple of float
+        Steps in the logarithms of the shape within which two states are the same.
+    bounds : (frame, part) -> (low, high) for each value that is refined
+    power : (frame, part) -> array, shape (bins,)
+        Expected power for a size of 1, of noise in the sensor or behind its filter; None for other components.
+    slope : (frame, part) -> array, shape (values, bins)
+        Derivatives of that by the logarithms of the shape.
+    inside : bool
+        Whether the filter acts on it.
+    gain : (frame, part) -> array, shape (bins,)
+        What a filter lets pass.
+    """
+
+    name: str
+    alpha: float
+    places: Callable[[int], float]
+    freedom: float = 1.0
+    signed: bool = False
+    most: int = 1
+    refined: int = 0
+    grain: tuple[float, ...] = ()
+    bounds: Callable[[Frame, Part], list[tuple[float, float]]] = lambda frame, part: []
+    power: Callable[[Frame, Part], FloatArray] | None = None
+    slope: Callable[[Frame, Part], FloatArray] | None = None
+    inside: bool = False
+    gain: Callable[[Frame, Part], FloatArray] | None = None
+
+    def price(self, n: int) -> float:
+        """What it must gain in 2 L to be claimed."""
+        return _price(self.places(n), self.alpha, self.freedom, self.signed)
+
+    def cost(self, n: int) -> float:
+        """What it costs in the score."""
+        return self.price(n) - ODDS
+
+
+@lru_cache(4096)
+def _price(places: float, alpha: float, freedom: float, signed: bool) -> float:
+    from scipy.special import chdtri
+
+    return float(chdtri(freedom, min((1 if signed else 2) * alpha / places, 1.0)))
+
+
+def markov_places(n: int) -> float:
+    """Effective number of time constants."""
+    return 3.7 * math.log10(max(n / 300, 10.0))
+
+
+STEP = 1e-3
+"""Step in the logarithm of a shape for a derivative of a column."""
+
+
+def _noise_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
+    """Of a term that was asked for those of its row, else those of drift."""
+    if part.label in frame.asked:
+        return [p.search(frame.size) for p in TERMS[part.label].parameters if p.search is not None]
+    return [(QUICKEST_MARKOV, max(LONGEST_MARKOV * frame.size, 2 * LEAST_MARKOV))]
+
+
+def _noise_slope(frame: Frame, part: Part) -> FloatArray:
+    own, rows = frame.column(part.label, part.shape), []
+    for i, value in enumerate(part.shape):
+        moved = (*part.shape[:i], value * math.exp(STEP), *part.shape[i + 1 :])
+        rows.append((frame.column(part.label, moved) - own) / STEP)
+    return np.array(rows)
+
+
+def power_law(frame: Frame, part: Part) -> FloatArray:
+    """Power of noise of density f^-a behind the averaging over each sample."""
+    from dataclasses import replace
+    from functools import partial
+
+    from allanite.identification.likelihood.whittle import column
+
+    key = ("exponent", part.shape)
+    if key not in frame.known:
+        assert frame.flicker is not None  # noqa: S101 - the part stands in its place
+        row = replace(TERMS[frame.powers[frame.flicker]], dct=partial(_power_law, a=part.shape[0]))
+        frame.known[key] = column(row, frame.spectrum)[frame.used]
+    result: FloatArray = frame.known[key]
+    return result
+
+
+def _power_law(k: FloatArray, n: int, a: float) -> FloatArray:
+    """Variance of the DCT coefficients of the mean rates over each sample of noise of density f^-a, f in 1/sample.
+
+    The last factor is what is lost to other coefficients, for exponents from 0.6 to 1.6 within 1 %, and 3 % at k = 1.
+    """
+    from scipy.special import zeta
+
+    x = k / (2.0 * n)
+    aliases = zeta(2 + a, x) + zeta(2 + a, 1 - x)
+    return np.asarray(np.sin(math.pi * x) ** 2 / math.pi**2 * aliases * (1 - 0.2 / k))
+
+
+def _power_law_slope(frame: Frame, part: Part) -> FloatArray:
+    moved = part._replace(shape=(part.shape[0] * math.exp(STEP),))
+    return (power_law(frame, moved) - power_law(frame, part))[None] / STEP
+
+
+def _poles(frame: Frame, part: Part) -> tuple[FloatArray, FloatArray, float, float]:
+    """Numerator and denominator of the power of a resonance, and the coefficients a, b of its two poles."""
+    omega, quality = part.shape
+    r = math.exp(-omega / (2 * quality))
+    a, b = -2 * r * math.cos(omega), r * r
+    one, two, sine = frame.cosines
+    # at its peak the denominator of a sharp one is a difference of equal numbers
+    below = np.maximum((1 + a * a + b * b) + (2 * a * (1 + b)) * one + (2 * b) * two, 1e-15)
+    return (sine if part.label == "high-pass" else np.ones(1)), below, a, b
+
+
+def resonance(frame: Frame, part: Part) -> FloatArray:
+    """Mean power of a resonance in the bins, its highest 1: white noise through two poles, or its derivative."""
+    above, below, *_ = _poles(frame, part)
+    mean = (above / below).mean(axis=1)
+    return np.asarray(mean / mean.max())
+
+
+def resonance_slope(frame: Frame, part: Part) -> FloatArray:
+    """Its derivatives by the logarithms of frequency and quality, up to a share of itself."""
+    above, below, a, b = _poles(frame, part)
+    (omega, quality), (one, two, _) = part.shape, frame.cosines
+    level = (above / below).mean(axis=1).max()
+    change = above / (below * below)
+    by_a = -((2 * a + 2 * (1 + b) * one) * change).mean(axis=1) / level
+    by_b = -((2 * b + 2 * a * one + 2 * two) * change).mean(axis=1) / level
+    slow = omega / (2 * quality)  # -ln r
+    da = (slow * 2 * math.sqrt(b) * math.cos(omega) + 2 * math.sqrt(b) * omega * math.sin(omega), slow * a)
+    db = (-2 * slow * b, 2 * slow * b)
+    rows = [by_a * da[0] + by_b * db[0], by_a * da[1] + by_b * db[1]]
+    return np.array(rows)
+
+
+def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
+    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), QUALITIES]
+
+
+COMPONENTS: dict[str, Component] = {
+    row.name: row
+    for row in (
+        Component("term", TERM, lambda n: 1),
+        Component(
+            "noise", 0.003, markov_places, most=2, refined=1, grain=(0.25, 0.25),
+            bounds=_noise_bounds, power=lambda frame, part: frame.column(part.label, part.shape),
+            slope=_noise_slope, inside=True,
+        ),
+        Component(
+            "exponent", 0.002, lambda n: 2, signed=True, refined=1, grain=(0.05,),
+            bounds=lambda frame, part: [EXPONENTS], power=power_law, slope=_power_law_slope, inside=True,
+        ),
+        Component(
+            "filter", 0.003, lambda n: 3, signed=True, refined=1, grain=(0.03,),
+            bounds=lambda frame, part: [(LOWEST_CUTOFF, FILTERS[part.label].widest)],
+            gain=lambda frame, part: frame.gain(part.label, part.shape[0]),
+        ),
+        Component(
+            "floor", 0.00012, lambda n: 1, power=lambda frame, part: np.ones(frame.count.size),
+            slope=lambda frame, part: np.zeros((0, frame.count.size)),
+        ),
+        Component(
+            "resonance", 0.003, lambda n: 40 * math.log2(max(n / 128, 2.0)), most=12, refined=2, grain=(0.05, 0.7),
+            bounds=_resonance_bounds, power=resonance, slope=resonance_slope,
+        ),
+        Component("factor", 0.05, lambda n: 1, signed=True, most=3, grain=(0.5, 0.5, 0.5)),
+        Component("step", 0.005, lambda n: 154, signed=True, most=10, grain=(0.01,)),
+        Component("warm-up", 0.002, lambda n: 12, signed=True, grain=(0.3,)),
+        Component("sinusoid", 0.01, lambda n: n / 2, freedom=2.0, signed=True, most=12),
+    )
+}  # fmt: skip
+"""Every component by its name."""
+
+FACTORS = {"all": 3.0, "above": 5.0, "step above": 5.0, "between": 5.0}
+"""Prices of the kinds of a factor. The determinant of its information pays for the search: of 200 records of noise alone
+none gained more than 2.5 by the best kind, place and size."""
+
+ANGLE, BEHIND, UNLIKELY = 2.0, 4.0, 8.0
+"""What angle noise costs beyond another term: it is clearly visible or of no weight, as it dominates a fixed share of
+all coefficients; what it costs instead behind a filter or beside resonances, whose shapes it gains from (gains above 4
+in 17 %, above 8 in 2 % of records without it); and besides behind a cut-off below `HIDING`, where it is white noise."""
+
+
+def cost_of(part: Part, frame: Frame) -> float:
+    """What a part costs in the score."""
+    if part.name == "factor":
+        return FACTORS[part.label] - ODDS
+    row = COMPONENTS[part.name]
+    if part.name == "noise" and len(part.shape) > 1:  # each further value is looked for in some fifty places
+        return _price(row.places(frame.size) * 50.0 ** (len(part.shape) - 1), row.alpha, 1.0, False) - ODDS
+    return row.cost(frame.size)

@@ -1,0 +1,383 @@
+"""Estimates of the terms: the laws of the coefficients in SI, and why there are none."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.averaged import Averaged, averaged
+from allanite.core.estimate import WEAK, Estimate
+from allanite.core.limits import Remembered, Stored, quantile
+from allanite.core.model import Model, Term
+from allanite.core.plain import Portable
+from allanite.core.units import Signal
+from allanite.identification.likelihood.law import RampLimits
+from allanite.identification.likelihood.selection import Subset, ThetaProfile
+from allanite.phrases.phrase import say
+from allanite.terms import TERMS
+
+from .components import Part
+from .fitting import Fitted, fitted, refined, refined_values, resized, values_of, with_values
+from .laws import Entry, Law, column_of, law_of
+from .search import Searched
+
+TWO_SIDED = 1.96
+"""Standard errors from an estimate to its 95 % limits."""
+
+NODES, PRIOR = 12, 0.0
+"""Models along the profile of the slowest noise, at most, and the power of the coefficient in its prior."""
+
+STATES = 3
+"""States over which a ramp is averaged, the heaviest."""
+
+LEAST = 1e-3
+"""Weight of a model, over that of the heaviest, below which it is omitted."""
+
+BEGUN = 0.5
+"""Share of the lowest coefficient of a ramp that must be visible, where it is not read."""
+
+SHOWS_ANGLE = 0.6
+"""Share of half the sampling rate at which a user's band must end to show angle noise."""
+
+SEARCHED = 24
+"""Steps in which the limit of a shape is looked for."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """From theta, in the record's unit and per sample, to coefficients in SI."""
+
+    signal: Signal
+    rate: float
+    factor: float
+    slope: float
+
+    def shape(self, symbol: str, values: Sequence[float]) -> tuple[float, ...]:
+        """Values of a term's parameters, SI, from those in sample intervals."""
+        known = zip(values, TERMS[symbol].parameters, strict=False)
+        return tuple(value * math.pow(self.rate, -p.time) for value, p in known)
+
+    def coefficient(self, symbol: str, root: float) -> float:
+        """Coefficient of the root of a theta, with its sign."""
+        return root * self.factor * math.pow(self.rate, -TERMS[symbol].power)
+
+    def terms(self, f: Fitted) -> tuple[Term, ...]:
+        """The terms of a fit; a second Gauss-Markov noise has the symbol of the slower one."""
+        roots = np.sqrt(np.maximum(f.theta, 0.0)).tolist()
+        named = [(symbol, ()) for symbol in f.frame.powers] + list(shaped_terms(f))
+        return tuple(
+            Term(symbol, self.coefficient(symbol, root), self.signal, self.shape(symbol, shape))
+            for (symbol, shape), root in zip(named, roots, strict=False)
+            if root > 0 and symbol
+        )
+
+
+def shaped_terms(f: Fitted) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Symbols and shapes of the noise in the sensor that has one; no symbol for a power law, which is no term."""
+    seen = set[str]()
+    for part in f.state:
+        if part.name == "noise":
+            symbol = TERMS[part.label].second if part.label in seen else part.label
+            seen.add(part.label)
+            yield symbol, part.shape
+        elif part.name == "exponent":
+            yield "", ()
+
+
+@dataclass(frozen=True, eq=False)
+class Answer(Portable):
+    """What a search says: the models of the average, and the one that is shown."""
+
+    result: Searched
+    entries: list[Entry]
+    scale: Scale
+    symbols: tuple[str, ...]
+
+    @property
+    def best(self) -> Fitted:
+        """The fit of the least score."""
+        return self.entries[0].f
+
+    @cached_property
+    def shown(self) -> Fitted:
+        """The best fit that the terms can express: without a power law, which is no term."""
+        plain = (e.f for e in self.entries if not e.f.state.lacks_flicker)
+        others = [f for f in self.result.every.values() if not f.state.lacks_flicker]
+        return next(plain, None) or min(others, key=lambda f: f.score)
+
+    @cached_property
+    def full(self) -> Fitted:
+        """The same with every term free that may stand beside the others: what was not selected is not zero."""
+        return resized(self.shown, np.ones(self.shown.theta.size, dtype=bool))
+
+    @property
+    def everything(self) -> Subset:
+        """The same as a subset of its likelihood."""
+        return subset_of(self.full)
+
+    @property
+    def slowest(self) -> int:
+        """The column of the noise of the longest memory, which is known from a few coefficients only."""
+        f = self.full
+        slopes = [TERMS[s].slope for s in f.frame.powers] + [-1.0] * (f.theta.size - len(f.frame.powers))
+        return max(range(len(slopes)), key=lambda i: slopes[i])
+
+    def nodes(self, beside: tuple[Term, ...]) -> Averaged:
+        """Models along the profile of that noise, all terms free, with what stands `beside` it."""
+        thetas, weight = ThetaProfile(self.everything, self.slowest).weighted(NODES, PRIOR)
+        models = [Model((*self.scale.terms(_with_sizes(self.full, theta)), *beside)) for theta in thetas]
+        kept = [(m, float(w)) for m, w in zip(models, weight, strict=True) if w > LEAST * weight.max()]
+        return averaged([m for m, _ in kept], [w for _, w in kept])
+
+
+def subset_of(f: Fitted) -> Subset:
+    """A fit as a subset of its likelihood."""
+    return Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta))
+
+
+def _with_sizes(f: Fitted, theta: object) -> Fitted:
+    from dataclasses import replace
+
+    return replace(f, theta=theta)
+
+
+@dataclass(frozen=True, eq=False)
+class LawLimits:
+    """Limits of a noise term, in SI; 0 and infinity where nothing is known. An absent one begins at 0."""
+
+    symbol: str
+    law: Law | None
+    scale: Scale
+    claimed: bool
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        low, high = self.law.limits(level) if self.law else (0.0, math.inf)
+        return self.scale.coefficient(self.symbol, low if self.claimed else 0.0), self.scale.coefficient(self.symbol, high)
+
+    def upper(self, level: float) -> float:
+        """One-sided upper limit."""
+        return self.scale.coefficient(self.symbol, self.law.quantile(level) if self.law else math.inf)
+
+
+def law_of_term(symbol: str, answer: Answer) -> tuple[Law | None, tuple[float, ...], bool]:
+    """The law of a noise term, its shape in samples, and whether it is claimed."""
+    frame = answer.result.frame
+    if symbol in frame.powers:
+        law = law_of(answer.entries, frame.powers.index(symbol))
+        return law, (), law is not None and law.claimed
+    label, number = (symbol, 0) if symbol in frame.asked or symbol == "GM" else ("GM", 1)
+    if symbol not in frame.asked and number and symbol != "GML":
+        return None, (), False
+    at = [column_of(e.f, label, number) for e in answer.entries]
+    having = [e for e, i in zip(answer.entries, at, strict=True) if i is not None and e.f.theta[i] > 0]
+    if having:
+        best = having[0].f
+        where = column_of(best, label, number)
+        same = [i == where and len(e.f.state.of("noise")) == len(best.state.of("noise"))
+                for e, i in zip(answer.entries, at, strict=True)]  # fmt: skip
+        law = law_of(answer.entries, where or 0, same)
+        weight = sum(e.weight for e in having)
+        return law, _shape_in(best, label, number), weight >= _claimed()
+    others = [f for f in answer.result.every.values() if column_of(f, label, number) is not None]
+    if not others:
+        return None, (), False
+    f = min(others, key=lambda f: f.score)
+    return law_of([Entry(f, 1.0)], column_of(f, label, number) or 0), _shape_in(f, label, number), False
+
+
+def _claimed() -> float:
+    from .components import CLAIMED
+
+    return CLAIMED
+
+
+def _part_in(f: Fitted, label: str, number: int) -> Part:
+    return [p for p in f.state.of("noise") if p.label == label][number]
+
+
+def _shape_in(f: Fitted, label: str, number: int) -> tuple[float, ...]:
+    return _part_in(f, label, number).shape
+
+
+def noise_estimate(symbol: str, answer: Answer) -> Estimate:
+    """Estimate of a noise term, absent where the models without it weigh too much."""
+    scale = answer.scale
+    law, shape, claimed = law_of_term(symbol, answer)
+    limit = LawLimits(symbol, law, scale, claimed)
+    limits, upper = Remembered(limit), Remembered(limit.upper)
+    median = scale.coefficient(symbol, law.quantile(0.5)) if law else None
+    if not claimed or law is None or median is None:
+        highest = upper(0.95) if math.isfinite(upper(0.95)) else None
+        return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
+    low, high = limits(0.95)
+    # the lower limit is not beyond two standard errors
+    relative = max((high - low) / (2 * TWO_SIDED * median), (1 - low / median) / TWO_SIDED)
+    status = "identified" if relative <= WEAK else "weak"
+    plain = Estimate(
+        symbol, scale.signal, median, median * relative, status, upper(0.95), "whittle", limits, limits, median
+    )
+    if not shape:
+        return plain
+    from dataclasses import replace
+
+    f = next(f for _, _, f in law.parts)
+    parts = [p for p in f.state.of("noise")]
+    own = next(p for p in parts if p.shape == shape) if any(p.shape == shape for p in parts) else parts[0]
+    ends = Remembered(ShapeLimits(f, own, scale, symbol))
+    return replace(plain, shape=scale.shape(symbol, own.shape), shape_limits=ends)
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeLimits:
+    """Limits of the shape of a part, from the profile of the value over each of its numbers, the others following."""
+
+    f: Fitted
+    part: Part
+    scale: Scale
+    symbol: str
+
+    def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
+        """Two-sided limits, SI."""
+        drop = quantile((1 + level) / 2) ** 2
+        ends = [profile_ends(self.f, self.part, i, drop) for i in range(len(self.part.shape))]
+        low, high = zip(*ends, strict=True)
+        return tuple(zip(self.scale.shape(self.symbol, low), self.scale.shape(self.symbol, high), strict=True))
+
+
+def profile_ends(f: Fitted, part: Part, which: int, drop: float) -> tuple[float, float]:
+    """Values of a shape at which the value of the fit has risen by `drop`; as far as that is looked for."""
+    at = 0
+    for other in f.state:
+        if other == part:
+            break
+        at += refined_values(other)
+    at += which
+    free = fitted(f.frame, f.state, None, f, f.v)
+    best, held = refined(free), np.zeros(values_of(f.state).size, dtype=bool)
+    held[at] = True
+    x = values_of(best.state)
+
+    def excess(y: float) -> float:
+        moved = x.copy()
+        moved[at] = y
+        return refined(fitted(f.frame, with_values(best.state, moved), None, best, best.v), 4, held=held).value - best.value - drop
+
+    return _end(excess, x[at], -1.0, math.log(SHORTEST)), _end(excess, x[at], 1.0, math.log(f.frame.size))
+
+
+SHORTEST = 1e-4
+"""Value of a shape, samples or radians a sample, at which its lower limit is given up."""
+
+
+def _end(excess: Callable[[float], float], x: float, sign: float, bound: float) -> float:
+    """Where the excess is zero to one side of x; the bound if it is not before."""
+    step, inside = 0.02, x
+    for _ in range(SEARCHED):
+        outside = x + sign * step
+        if (outside - bound) * sign >= 0:
+            return math.exp(bound)
+        if excess(outside) > 0:
+            break
+        inside, step = outside, step * 2
+    else:
+        return math.exp(bound)
+    for _ in range(SEARCHED):
+        middle = (inside + outside) / 2
+        if excess(middle) > 0:
+            outside = middle
+        else:
+            inside = middle
+        if abs(outside - inside) < 2e-3 * max(abs(outside - x), 1e-3) + 1e-5:
+            break
+    return math.exp((inside + outside) / 2)
+
+
+def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
+    """The signed ramp: normal for given noise, averaged over the possible noise of the longest memory, and over states.
+
+    That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
+    Student's t, and holds where the noise was not seen at all.
+    """
+    scale, size = answer.scale, answer.scale.coefficient(symbol, 1.0)
+    if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp
+        return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
+    ramps = [(w, _ramp_law(f, answer, size)) for w, f in _heaviest(answer)]
+    ramp = RampLimits(*(np.concatenate([getattr(r, name) for _, r in ramps]) for name in ("centre", "spread")),
+                      np.concatenate([w * r.weight for w, r in ramps]))  # fmt: skip
+    value = float(ramp.weight @ ramp.centre)
+    error = math.sqrt(float(ramp.weight @ (ramp.spread**2 + (ramp.centre - value) ** 2)))
+    limits, upper = Remembered(ramp), Remembered(ramp.upper)
+    low, high = limits(0.95)
+    if low <= 0 <= high:
+        return _absent(symbol, scale, upper, limits, value)
+    if not _begins(answer, value / size):
+        return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
+    status = "identified" if error <= WEAK * abs(value) else "weak"
+    return Estimate(symbol, scale.signal, value, error, status, upper(0.95), "whittle", limits, limits, value)
+
+
+def _heaviest(answer: Answer) -> list[tuple[float, Fitted]]:
+    """The heaviest states, each with all terms free, and their shares."""
+    total: dict[object, float] = {}
+    first: dict[object, Fitted] = {}
+    for e in answer.entries:
+        kind = e.f.state.family
+        total[kind] = total.get(kind, 0.0) + e.weight
+        first.setdefault(kind, e.f)
+    kinds = sorted(total, key=lambda kind: -total[kind])[:STATES]
+    whole = sum(total[kind] for kind in kinds)
+    return [(total[k] / whole, resized(first[k], np.ones(first[k].theta.size, dtype=bool))) for k in kinds]
+
+
+def _ramp_law(f: Fitted, answer: Answer, size: float) -> RampLimits:
+    slopes = [TERMS[s].slope for s in f.frame.powers] or [0.0]
+    thetas, weight = ThetaProfile(subset_of(f), int(np.argmax(slopes))).weighted()
+    along = [f.trusted.directions(theta)[:2] for theta in thetas]
+    centre = size * (np.array([eta[-1] for eta, _ in along]) + answer.scale.slope)
+    return RampLimits(centre, size * np.sqrt([V[-1, -1] for _, V in along]), weight)
+
+
+def _begins(answer: Answer, slope: float) -> bool:
+    """Whether the lowest coefficient, which has 98 % of the power of a ramp, is read, or is half of that of the ramp.
+
+    Else it is what leaks from a cycle or another motion slower than what is read.
+    """
+    frame, spectrum = answer.result.frame, answer.result.frame.spectrum
+    lowest = spectrum.even[0] + spectrum.odd[0] + spectrum.slope * spectrum.ramp[0]
+    return bool(frame.used[0] or lowest / (slope * spectrum.ramp[0]) > BEGUN)
+
+
+def _absent(
+    symbol: str,
+    scale: Scale,
+    upper: Callable[[float], float],
+    limits: Callable[[float], tuple[float, float]],
+    median: float | None = None,
+) -> Estimate:
+    highest = upper(0.95) if math.isfinite(upper(0.95)) else None
+    return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
+
+
+def observable(estimate: Estimate, band: tuple[float, float], half: float, *, filtered: bool) -> Estimate:
+    """The estimate, or why the term is not observable with the frequencies that are read."""
+    edge = bool(TERMS[estimate.symbol].edge)
+    reason = ""
+    if edge and not estimate.claimed and filtered:
+        reason = say("the filter hides the frequencies where it would be visible")
+    elif edge and band[1] < SHOWS_ANGLE * half:
+        reason = say(
+            "the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
+            frequency=band[1],
+        )
+    elif band[0] > 0 and not estimate.claimed and estimate.upper in (None, 0.0, math.inf):
+        reason = say(
+            "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible", frequency=band[0]
+        )
+    if not reason:
+        return estimate
+    return Estimate(
+        estimate.symbol, estimate.signal, None, None, "not observable", None, "whittle", reason=reason
+    )

@@ -1,0 +1,235 @@
+"""One spectrum, and what may explain it: columns, gains and shapes that all states of a search have in common."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.core.plain import Portable
+from allanite.identification.likelihood.filters import FILTERS
+from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.spectrum import BinnedSpectrum
+from allanite.identification.likelihood.whittle import (
+    Pair,
+    column,
+    directions_of,
+    gain_of,
+    in_bins,
+    likelihood,
+    step_coefficients,
+    table_column,
+    warm_up_direction,
+)
+from allanite.terms import TERMS, WHITE
+
+from .factors import Splines
+
+POINTS = 16
+"""Frequencies in a bin at which the power of a resonance is computed."""
+
+LOW = 64
+"""Coefficients of the lowest frequencies, which tell of steps and of a warm-up (`bins.SINGLE`)."""
+
+EDGES_GRID = 0.01
+"""Step in the logarithm of a cut-off at which the noise at the edges of a record is computed; it changes as little."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame(Portable):
+    """Bins of one spectrum that are read, and the columns of the terms in them.
+
+    Attributes
+    ----------
+    spectrum : BinnedSpectrum
+    powers : tuple of str
+        Noise terms without a shape: the first columns of every state.
+    ramps : tuple of str
+        Deterministic terms, which are integrated out.
+    used : bool array, shape (all bins,)
+        Bins that are read: a user's band and masks.
+    asked : tuple of str
+        Noise terms with a shape that a user asked for.
+    """
+
+    spectrum: BinnedSpectrum
+    powers: tuple[str, ...]
+    ramps: tuple[str, ...]
+    used: BoolArray
+    asked: tuple[str, ...] = ()
+    known: dict[Any, Any] = field(default_factory=dict, repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return super().__getstate__() | {"known": {}}
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.spectrum.size
+
+    @cached_property
+    def count(self) -> FloatArray:
+        """Coefficients of each bin, shape (bins,)."""
+        return self.spectrum.told[self.used]
+
+    @cached_property
+    def power(self) -> FloatArray:
+        """Mean power of each bin, shape (bins,)."""
+        return self.spectrum.power[self.used]
+
+    @cached_property
+    def first(self) -> IntArray:
+        """First coefficient of each bin, shape (bins,)."""
+        return self.spectrum.first[self.used]
+
+    @cached_property
+    def centre(self) -> FloatArray:
+        """Coefficient in the middle of each bin, shape (bins,)."""
+        return np.asarray((self.spectrum.first + (self.spectrum.count - 1) / 2)[self.used])
+
+    @cached_property
+    def white(self) -> int | None:
+        """Column of the white noise of the rate."""
+        return next((i for i, s in enumerate(self.powers) if TERMS[s].slope == WHITE), None)
+
+    @cached_property
+    def angle(self) -> BoolArray:
+        """Columns of noise of the angle, which rises with frequency, shape (powers,)."""
+        return np.array([TERMS[s].edge > 0 for s in self.powers], dtype=bool)
+
+    @cached_property
+    def flicker(self) -> int | None:
+        """Column of flicker of the rate."""
+        return next((i for i, s in enumerate(self.powers) if TERMS[s].substitute), None)
+
+    @cached_property
+    def slow(self) -> BoolArray:
+        """Columns whose power is at low frequencies, shape (powers,)."""
+        return np.array([not TERMS[s].slope <= WHITE for s in self.powers], dtype=bool)
+
+    @property
+    def whole_start(self) -> bool:
+        """Whether the lowest coefficients are read, which tell of steps and of a warm-up."""
+        return bool(self.used[: min(LOW, self.used.size)].all())
+
+    @property
+    def able_to_step(self) -> bool:
+        """Whether steps of the bias can be looked for: no gaps, which may hide them, and no pieces."""
+        return self.whole_start and self.spectrum.pieces is None and not self.spectrum.gaps.at.size
+
+    @property
+    def able_to_warm_up(self) -> bool:
+        """Whether the first bins tell of a warm-up."""
+        pieces = self.spectrum.pieces
+        return bool(self.used[0]) and (pieces is None or pieces.low > 0)
+
+    @cached_property
+    def plain(self) -> Likelihood:
+        """The likelihood of the powers and ramps in the bins that are read."""
+        part = likelihood(self.spectrum, [*self.powers, *self.ramps])
+        return part if self.used.all() else part.only(self.used)
+
+    def beside(self, more: tuple[tuple[str, float], ...]) -> Likelihood:
+        """The same with more loose directions: ("step", sample) or ("warm-up", time constant in samples)."""
+        if not more:
+            return self.plain
+        key = ("beside", more)
+        if key not in self.known:
+            UU, Uc = directions_of(self.spectrum, bool(self.ramps), [self._direction(*each) for each in more])
+            plain = likelihood(self.spectrum, [*self.powers, *self.ramps])
+            at = np.full(len(more), np.count_nonzero(~plain.flat))
+            part = replace(
+                plain, UU=UU, Uc=Uc, W=np.insert(plain.W, at, 0.0, axis=0), flat=np.insert(plain.flat, at, True)
+            )
+            self.known[key] = part if self.used.all() else part.only(self.used)
+        result: Likelihood = self.known[key]
+        return result
+
+    def _direction(self, name: str, value: float) -> Pair:
+        if name == "warm-up":
+            return warm_up_direction(self.spectrum, value)
+        return in_bins(self.spectrum, step_coefficients(self.size, value))
+
+    def column(self, symbol: str, shape: tuple[float, ...]) -> FloatArray:
+        """Expected power of a noise term with a shape, in samples, for theta = 1, shape (bins,)."""
+        key = ("column", symbol, shape)
+        if key not in self.known:
+            self.known[key] = column(TERMS[symbol].shaped(shape, 1.0), self.spectrum)[self.used]  # type: ignore[misc]
+        result: FloatArray = self.known[key]
+        return result
+
+    def table(self, symbol: str) -> FloatArray:
+        """Expected power of a term without a shape, shape (bins,)."""
+        return table_column(symbol, self.spectrum)[self.used]
+
+    def gain(self, row: str, cutoff: float) -> FloatArray:
+        """Mean power that a filter lets pass in each bin, shape (bins,); the cut-off in cycles a sample."""
+        return gain_of(row, cutoff, self.spectrum)[self.used]
+
+    def mean_gain(self, row: str, cutoff: float) -> float:
+        """Mean gain over all frequencies."""
+        f = (np.arange(256) + 0.5) / 512
+        return float(FILTERS[row].gain(f, cutoff).mean())
+
+    @cached_property
+    def omega(self) -> FloatArray:
+        """Frequencies at which the power of a resonance is computed, radians a sample, shape (bins, points)."""
+        inside = (np.arange(POINTS) + 0.5) / POINTS
+        first, count = self.spectrum.first[self.used], self.spectrum.count[self.used]
+        return np.asarray(np.pi / self.size * (first[:, None] + count[:, None] * inside - 0.5))
+
+    @cached_property
+    def cosines(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Cosines at these frequencies and at twice these, and squares of the sine."""
+        one = np.cos(self.omega)
+        return one, 2 * one * one - 1, 1 - one * one
+
+    @cached_property
+    def splines(self) -> Splines:
+        """The splines of what no component describes."""
+        return Splines(self.centre, math.log2(self.size))
+
+    @cached_property
+    def log_gains(self) -> tuple[list[tuple[str, float]], FloatArray]:
+        """Rows and cut-offs of filters that are tried first, and the logarithms of their gains, shape (tries, bins)."""
+        tries = [(row, float(c)) for row in FILTERS for c in starts_of(row)]
+        return tries, np.log([self.gain(*each) for each in tries])
+
+
+def frame_of(
+    spectrum: BinnedSpectrum,
+    symbols: Sequence[str],
+    used: BoolArray,
+) -> Frame:
+    """The frame of a spectrum for the terms that were asked for."""
+    noise = [s for s in symbols if TERMS[s].scatters and TERMS[s].waveform is None]
+    ramps = tuple(s for s in symbols if TERMS[s].scatters and TERMS[s].waveform is not None)
+    powers = tuple(s for s in noise if not TERMS[s].parameters)
+    return Frame(spectrum, powers, ramps, used, tuple(s for s in noise if TERMS[s].parameters))
+
+
+LOWEST_CUTOFF = 0.01
+"""Cycles a sample: a lower cut-off is the time constant of Gauss-Markov noise."""
+
+
+@lru_cache(None)
+def starts_of(row: str) -> tuple[float, ...]:
+    """Cut-offs of a filter that are tried first: moving averages of whole lengths, else ten evenly in the logarithm."""
+    starts = FILTERS[row].starts
+    if FILTERS[row].whole:
+        return tuple(float(c) for c in starts[1:] if c > LOWEST_CUTOFF)
+    return tuple(np.geomspace(1.2 * LOWEST_CUTOFF, 0.97 * FILTERS[row].widest, 10).tolist())
+
+
+@lru_cache(4096)
+def edges_of(row: str, step: int) -> float:
+    """Variance of white noise behind a filter along the edges of a record, at a step of the logarithm of the cut-off."""
+    return FILTERS[row].edges(min(math.exp(step * EDGES_GRID), FILTERS[row].widest))
+
+
+def leak(row: str, cutoff: float) -> float:
+    """The same at a cut-off."""
+    return edges_of(row, round(math.log(cutoff) / EDGES_GRID))

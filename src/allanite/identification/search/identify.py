@@ -1,0 +1,327 @@
+"""Identification by likelihood: which terms are present, their sizes and their uncertainties."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.errors import DataError, UsageError
+from allanite.core.estimate import Estimate
+from allanite.core.finding import Finding
+from allanite.core.fit import Alternative, Fit, Goodness, Line
+from allanite.core.limits import Remembered
+from allanite.core.model import Model, Term
+from allanite.core.record import Record
+from allanite.core.units import Signal
+from allanite.core.validity import Band, Scope
+from allanite.identification.checks.goodness import cells_of, goodness
+from allanite.identification.likelihood.lines import levels, suspected, waves_of
+from allanite.identification.likelihood.selection import correlation
+from allanite.identification.likelihood.spectrum import BinnedSpectrum, spectrum
+from allanite.phrases.phrase import say, say_count
+from allanite.prepare.gaps import known_rates, refusal
+from allanite.terms import TERMS
+
+from .components import CLAIMED, COMPONENTS, Part
+from .describing import components_of, lost_freedom, notes_of, scope_of
+from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
+from .fitting import Fitted
+from .frame import Frame, frame_of
+from .laws import entries_of, weights_of
+from .moves import MOVES, Move, floors, less, markov, filters
+from .search import Searched, search
+from .slow import WarmUp, exponent_finding, steps_finding, under, warm_up_estimate
+from .state import State
+
+SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
+"""What lifts the level of noise beside sinusoids before these are removed."""
+
+MOST_ASKED = 2
+"""Terms with a shape that are looked for together."""
+
+SHOWN = 1e-3
+"""Weight of a model from which it takes part in the expected power that is tested."""
+
+
+def whittle(
+    record: Record,
+    symbols: Sequence[str],
+    band: Band = "auto",
+    *,
+    masks: Sequence[tuple[float, float]] = (),
+    lines: bool = True,
+    rival: bool = False,
+) -> Fit:
+    """Identify terms by the binned DCT-II Whittle likelihood, by one search with one score.
+
+    Sinusoids are detected and removed. The components of the record, its low-pass filter, vibration, steps, a warm-up,
+    Gauss-Markov noise, are searched for by 2 L and a price for each (`search`); each coefficient is averaged over the
+    models that are consistent with the record (`laws`), with upper limits for what is absent; the signed ramp is
+    estimated by generalized least squares, averaged over what hides it.
+
+    Parameters
+    ----------
+    record : Record
+    symbols : sequence of str
+        Keys of `TERMS`.
+    band : {"auto", "all"} or (low, high)
+        Frequencies to use, Hz; with "all", or a band, no component beside the terms is looked for but steps, a warm-up
+        and, in a band, vibration.
+    masks : sequence of (low, high)
+        Frequencies that are not used, Hz.
+    lines : bool
+        Whether sinusoids are detected and removed.
+    rival : bool
+        Whether Gauss-Markov noise is looked for although it was not requested.
+    """
+    why = refusal(record)
+    if why:
+        raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
+    taken, rest = _without_lines(record, symbols, band, masks) if lines else ((), record)
+    seen = spectrum(rest, detrend=deterministic(symbols))
+    return whittle_of(
+        seen, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken
+    )
+
+
+def deterministic(symbols: Sequence[str]) -> bool:
+    """Whether there is a ramp among the terms."""
+    return any(TERMS[symbol].waveform is not None for symbol in symbols)
+
+
+def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
+    """The fit of the terms to all frequencies of a record without sinusoids; None if they do not explain it."""
+    fit = whittle(record, symbols, "all", lines=False)
+    good = fit.goodness
+    return fit if good is not None and good.explained and not fit.findings else None
+
+
+def whittle_of(
+    seen: BinnedSpectrum,
+    channel: tuple[str, Signal],
+    symbols: Sequence[str],
+    band: Band = "auto",
+    *,
+    masks: Sequence[tuple[float, float]] = (),
+    rival: bool = False,
+    taken: tuple[Line, ...] = (),
+) -> Fit:
+    """Identify terms in a spectrum, of a channel of this name and signal; `taken` are sinusoids removed before."""
+    name, signal = channel
+    result = searched(seen, symbols, band, masks, rival=rival)
+    scale = Scale(signal, seen.rate, seen.unit_factor, seen.slope)
+    answer = Answer(result, entries_of(result), scale, tuple(symbols))
+    return _concluded(answer, name, band, masks, taken)
+
+
+def searched(
+    seen: BinnedSpectrum,
+    symbols: Sequence[str],
+    band: Band,
+    masks: Sequence[tuple[float, float]] = (),
+    *,
+    rival: bool,
+    moves: Sequence[Move] | None = None,
+) -> Searched:
+    """The search in a spectrum for what a user asked for."""
+    choice, asked = _frequencies(band)
+    frame = frame_of(seen, [s for s in symbols if TERMS[s].scatters], seen.read(asked, masks))
+    if len(frame.asked) > MOST_ASKED:
+        raise UsageError(
+            f"at most two noises with a time constant or a frequency can be looked for at a time, not "
+            f"{', '.join(frame.asked)}",
+            choice="terms",
+        )
+    return search(
+        frame, starts_for(frame), moves=moves or moves_for(choice, rival=rival),
+        unexplained=choice == "auto" and moves is None,
+    )  # fmt: skip
+
+
+def moves_for(choice: str, *, rival: bool) -> tuple[Move, ...]:
+    """What is looked for: everything; in a band no filter; with all frequencies asked for, no vibration either."""
+    omitted = {"auto": (), "asked": ("filters", "floors"), "all": ("filters", "floors", "resonances")}[choice]
+    without = (*omitted, *(() if rival else ("markov", "exponents")))
+    return tuple(move for move in MOVES if move.__name__ not in without)
+
+
+def starts_for(frame: Frame) -> list[State]:
+    """Where the search begins: without a shape, and with each of those asked for, at the best of a grid."""
+    starts = [State()] if frame.powers else []
+    parts = [shapes_of(frame, symbol) for symbol in frame.asked]
+    for own in parts:
+        starts += [State().having(part) for part in _best_of(frame, own, State())]
+    if len(parts) == 2:
+        for first in _best_of(frame, parts[0], State()):
+            beside = State().having(first)
+            starts += [beside.having(part) for part in _best_of(frame, parts[1], beside)]
+    return starts
+
+
+def shapes_of(frame: Frame, symbol: str) -> list[Part]:
+    """Shapes of a term on a grid of its parameters."""
+    from itertools import product
+
+    axes = [
+        np.geomspace(low, high, max(2, round(p.steps * np.log10(high / low)))).tolist()
+        for p in TERMS[symbol].parameters if p.search is not None for low, high in [p.search(frame.size)]
+    ]  # fmt: skip
+    return [Part("noise", symbol, shape) for shape in product(*axes)]
+
+
+def _best_of(frame: Frame, parts: list[Part], beside: State, most: int = 3) -> list[Part]:
+    """The parts of a grid beside a state of the least value."""
+    from .fitting import fitted
+
+    fits = [(fitted(frame, beside.having(part)).value, i) for i, part in enumerate(parts)]
+    return [parts[i] for _, i in sorted(fits)[:most]]
+
+
+def _without_lines(
+    record: Record, symbols: Sequence[str], band: Band, masks: Sequence[tuple[float, float]]
+) -> tuple[tuple[Line, ...], Record]:
+    """The sinusoids of a record and the rest of it; the record itself if there are none."""
+    from .fitting import fitted, pruned
+
+    seen = spectrum(record, detrend=deterministic(symbols))
+    asked = _frequencies(band)[1]
+    frame = frame_of(seen, [s for s in symbols if TERMS[s].scatters], seen.read(asked, masks))
+    if not frame.powers:
+        return (), record
+    level = _level(pruned(fitted(frame, State())))
+    if not suspected(seen, level, frame.used):
+        return (), record
+    # between the lobes of a filter the noise is low, and what is at their tops is no line
+    level = _level(searched(seen, symbols, band, masks, rival=True, moves=SMOOTH).best)
+    if not suspected(seen, level, frame.used):
+        return (), record
+    rates = known_rates(record)
+    mean = float(np.nanmean(rates))
+    low, high = (0.0, record.rate / 2) if asked is None else asked
+    waves, _ = waves_of(rates - mean, seen, level, (low / record.rate, high / record.rate))
+    if not waves:
+        return (), record
+    scale = [seen.unit_factor / float(np.sinc(wave.frequency)) for wave in waves]
+    lines = tuple(
+        Line(wave.frequency * record.rate, wave.amplitude * s, wave.error * s, wave.phase, record.signal)
+        for wave, s in zip(waves, scale, strict=True)
+    )
+    # the record without sinusoids; an angle stays one, which knows more of its gaps; counts become increments
+    total = np.sum([wave.values(record.size) for wave in waves], axis=0)
+    if record.kind == "angle":
+        total = np.concatenate(([0.0], np.cumsum(total)))
+    return tuple(sorted(lines, key=lambda line: line.frequency)), record.with_values(
+        record.values - total,
+        say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed"),
+        start=record.start,
+    )
+
+
+def _level(f: Fitted) -> FloatArray:
+    """The power of the noise in every bin."""
+    m = f.frame.spectrum.power.copy()
+    m[f.frame.used] = f.m
+    return levels(f.frame.spectrum, m)
+
+
+def _frequencies(band: Band) -> tuple[str, tuple[float, float] | None]:
+    """How the frequencies are chosen, and those that were asked for."""
+    return (band, None) if isinstance(band, str) else ("asked", band)
+
+
+def _concluded(
+    answer: Answer, name: str, band: Band, masks: Sequence[tuple[float, float]], taken: tuple[Line, ...]
+) -> Fit:
+    """The fit, from the models of the average."""
+    choice, asked = _frequencies(band)
+    scope = scope_of(answer, choice, asked, tuple((float(a), float(b)) for a, b in masks))
+    weights, best = weights_of(answer.entries), answer.best
+    warm = WarmUp(answer, best) if weights.get("warm-up", 0.0) >= CLAIMED and best.state.of("warm-up") else None
+    estimates = _estimates(answer, scope, warm)
+    findings: list[Finding] = [warm.finding] if warm else []
+    if weights.get("step", 0.0) >= CLAIMED and best.state.of("step"):
+        findings.append(steps_finding(answer, best))
+    if weights.get("exponent", 0.0) >= CLAIMED and best.state.of("exponent"):
+        findings.append(exponent_finding(answer, best))
+        a = best.state.of("exponent")[0].shape[0]
+        estimates = {s: under(a, e) for s, e in estimates.items()}
+    model = _model(estimates, answer)
+    deterministic_terms = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
+    return Fit(
+        estimates=tuple(estimates.values()),
+        method="whittle",
+        signal=answer.scale.signal,
+        name=name,
+        model=Model((*model, *(line.term for line in taken))),
+        goodness=_goodness(answer, taken),
+        correlation=_correlation(list(estimates), answer.shown),
+        notes=(*(f.what for f in findings), *notes_of(answer, estimates)),
+        lines=taken,
+        rivals=Remembered(partial(alternatives, answer)),
+        nodes=Remembered(partial(answer.nodes, deterministic_terms)),
+        scope=scope,
+        findings=tuple(findings),
+        warm_up=warm.term if warm else None,
+        components=components_of(answer),
+    )
+
+
+def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, Estimate]:
+    """Estimates of the terms that were asked for, and of Gauss-Markov noise that is beside them."""
+    terms = [s for s in answer.symbols if TERMS[s].scatters]
+    estimates = {s: noise_estimate(s, answer) for s in terms if TERMS[s].waveform is None}
+    estimates |= {s: ramp_estimate(s, answer) for s in terms if TERMS[s].waveform is not None}
+    if not answer.result.frame.asked:
+        more = {s: noise_estimate(s, answer) for s in ("GM", "GML")}
+        estimates |= {s: e for s, e in more.items() if e.claimed}
+    half = answer.scale.rate / 2
+    estimates = {
+        s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()
+    }
+    return estimates | {s: warm_up_estimate(s, warm, answer) for s in answer.symbols if TERMS[s].transient}
+
+
+def _model(estimates: dict[str, Estimate], answer: Answer) -> Model:
+    """The best model: its noise terms, claimed or not, and the ramp if it is claimed."""
+    scatter = [e for s, e in estimates.items() if TERMS[s].waveform is not None and TERMS[s].scatters]
+    ramps = [Term(e.symbol, e.value, answer.scale.signal, e.shape) for e in scatter if e.value is not None]
+    return Model((*answer.scale.terms(answer.shown), *ramps))
+
+
+def _correlation(shown: Sequence[str], f: Fitted) -> FloatArray:
+    """Correlation of the estimates of the selected noise terms, shape (terms, terms); NaN for the others."""
+    names = [*f.frame.powers, *(p.label for p in f.state if COMPONENTS[p.name].inside)]
+    free = [s for s, is_free in zip(names, f.free, strict=False) if is_free]
+    known = [(i, free.index(s)) for i, s in enumerate(shown) if s in free]
+    matrix = np.full((len(shown), len(shown)), np.nan)
+    if known:
+        at, which = map(list, zip(*known, strict=True))
+        matrix[np.ix_(at, at)] = correlation(subset_of(f))[np.ix_(which, which)]
+    return matrix
+
+
+def _goodness(answer: Answer, taken: tuple[Line, ...]) -> Goodness:
+    """Goodness of fit, once, of the averaged model: it refuses, and it never chooses."""
+    f = answer.best
+    heavy = [e for e in answer.entries if e.weight > SHOWN]
+    m = np.sum([e.weight * e.f.m for e in heavy], axis=0) / sum(e.weight for e in heavy)
+    power = f.completed[0][: m.size]
+    cell, bounds = cells_of(f.frame.spectrum, f.frame.used)
+    lost = lost_freedom(f, cell, bounds.size - 1)
+    return goodness(f.frame.spectrum, (power, m, f.trusted.count), f.frame.used, lost=lost, taken=taken)
+
+
+def alternatives(answer: Answer) -> tuple[Alternative, ...]:
+    """The other models of the average, one of each set of terms, the best first."""
+    shown = answer.scale.terms(answer.shown)
+    known = {tuple(t.symbol for t in shown)}
+    others = []
+    for f in sorted((e.f for e in answer.entries), key=lambda f: f.score):
+        terms = answer.scale.terms(f)
+        symbols = tuple(t.symbol for t in terms)
+        if terms and symbols not in known and not f.state.lacks_flicker:
+            known.add(symbols)
+            others.append(Alternative(Model(terms), f.score - answer.shown.score))
+    return tuple(others)

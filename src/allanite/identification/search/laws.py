@@ -1,0 +1,238 @@
+"""Laws of the coefficients: averages over the states that were kept, with the weights exp(-score / 2).
+
+Every subset of the powers beside each state takes part. States that differ only in the filter's row, the numerators of
+resonances or the place of a factor are one family, which weighs as much as its best member: prices are those of the
+best of a search, and five look-alike rows must not count five times. The law of a coefficient is the sum of its
+profile likelihoods in the states that have it, each as wide as its error with the shapes unknown over that with the
+shapes known, from the information.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.plain import Portable
+from allanite.identification.likelihood.law import traced
+from allanite.identification.likelihood.selection import Subset
+
+from .components import CLAIMED, COMPONENTS
+from .fitting import Fitted, admissible, resized, sizes_inside
+from .moves import REACH
+from .search import Searched
+
+HELD = 0.985
+"""Share of all weight that the entries have whose profiles are traced: the heaviest."""
+
+LEAST_WEIGHT = 1e-4
+"""Weight of an entry, over the heaviest, below which it is omitted."""
+
+MEMBERS = 8
+"""States of one family that take part, at most: they weigh together as much as the best of them."""
+
+POINTS = 1001
+"""Values of a coefficient at which its law is tabulated."""
+
+FAR = 5.0
+"""Deviates to which a profile is continued."""
+
+WIDEST = 30.0
+"""Factor by which unknown shapes widen a profile, at most: beyond it the coefficient is not known at all."""
+
+SLIGHT = 1e-6
+"""Share of the largest size at which a size that was zero starts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Entry(Portable):
+    """One model of the average: a fit, and its weight."""
+
+    f: Fitted
+    weight: float
+
+
+def entries_of(result: Searched) -> list[Entry]:
+    """Every subset of the powers beside each state that was kept, with its weight, the heaviest first."""
+    P = len(result.frame.powers)
+    models: dict[tuple[object, bytes], Fitted] = {}
+    least = result.best.score
+    for f in _some_of_each_family(result.kept):
+        every = np.ones(f.theta.size, dtype=bool)
+        full = resized(f, every)
+        for code in range(2**P):
+            free = every.copy()
+            free[:P] = [bool(code >> i & 1) for i in range(P)]
+            may = admissible(f.frame, f.state, free, free.size)
+            key = (f.state.kind, may.tobytes())
+            if not may.any() or key in models or _hopeless(full, may, least):
+                continue
+            g = f if (may == f.free).all() else resized(full, may)
+            if math.isfinite(g.score) and g.score < least + 2 * REACH:
+                models[key] = g
+    return weighted(list(models.values()))
+
+
+def _some_of_each_family(kept: Sequence[Fitted]) -> list[Fitted]:
+    """The best members of each family."""
+    counts: Counter[object] = Counter()
+    chosen = []
+    for f in kept:
+        counts[f.state.family] += 1
+        if counts[f.state.family] <= MEMBERS:
+            chosen.append(f)
+    return chosen
+
+
+def _hopeless(full: Fitted, may: BoolArray, least: float) -> bool:
+    """Whether a subset cannot come near: with all terms it is too high already."""
+    P = len(full.frame.powers)
+    return bool(full.value + full.state.cost(full.frame) + 2 * float(may[:P].sum()) > least + 2 * REACH)
+
+
+def weighted(models: Sequence[Fitted]) -> list[Entry]:
+    """Models with their weights."""
+    score = np.array([f.score for f in models])
+    w = np.exp(-0.5 * (score - score.min()))
+    families = [(f.free[: len(f.frame.powers)].tobytes(), f.state.family) for f in models]
+    best: dict[object, float] = {}
+    total: dict[object, float] = {}
+    for family, x in zip(families, w.tolist(), strict=True):
+        best[family], total[family] = max(best.get(family, 0.0), x), total.get(family, 0.0) + x
+    w = w * np.array([best[family] / total[family] for family in families])
+    order = np.argsort(-w, kind="stable")
+    order = order[w[order] > LEAST_WEIGHT * w.max()]
+    return [Entry(models[i], float(w[i] / w[order].sum())) for i in order]
+
+
+def stretch(f: Fitted, which: int) -> float:
+    """Factor by which shapes that are known from the same record widen the error of a size."""
+    H, active = f.information
+    a = int(active.sum())
+    if H.shape[0] == a or not active[which]:
+        return 1.0
+    at = int(active[:which].sum())
+    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
+    H = H / np.outer(size, size) + 1e-10 * np.eye(size.size)
+    wide, narrow = np.linalg.inv(H)[at, at], np.linalg.inv(H[:a, :a])[at, at]
+    return float(np.clip(math.sqrt(abs(wide / narrow)), 1.0, WIDEST))
+
+
+@dataclass(frozen=True, eq=False)
+class Law(Portable):
+    """The law of the root of a size, given that it is above zero.
+
+    `root` and `below` are values and the probability of less; `weight` is that of the models that have it, and `parts`
+    are the models that make it with their shares and best values.
+    """
+
+    root: FloatArray
+    below: FloatArray
+    weight: float
+    parts: tuple[tuple[float, float, Fitted], ...] = ()
+
+    def quantile(self, p: float) -> float:
+        """The value below which the root lies with probability p."""
+        return float(np.interp(p, self.below, self.root))
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        tail = (1 - level) / 2
+        return self.quantile(tail), self.quantile(1 - tail)
+
+    @property
+    def claimed(self) -> bool:
+        """Whether the models that have it outweigh the others."""
+        return self.weight >= CLAIMED
+
+    @cached_property
+    def modes(self) -> tuple[float, ...]:
+        """The two values of a law with two modes; empty for one."""
+        if len(self.parts) < 2:
+            return ()
+        density = np.diff(self.below)
+        middle = (self.root[1:] + self.root[:-1]) / 2
+        values = sorted(root for _, root, _ in self.parts)
+        gaps = [(b - a, (a + b) / 2) for a, b in zip(values[:-1], values[1:], strict=True)]
+        _, cut = max(gaps)
+        lower, upper = density[middle < cut], density[middle >= cut]
+        if not lower.size or not upper.size or min(lower.sum(), upper.sum()) < MODE:
+            return ()
+        between = density[(middle > middle[lower.argmax()]) & (middle < middle[lower.size + upper.argmax()])]
+        if not between.size or between.min() > VALLEY * min(lower.max(), upper.max()):
+            return ()
+        return float(middle[lower.argmax()]), float(middle[lower.size + upper.argmax()])
+
+
+MODE, VALLEY = 0.1, 0.5
+"""Probability of a mode, at least; density between two modes over that of the lower one, at most: a definition."""
+
+
+def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None = None) -> Law | None:
+    """The law of a size; None where no model has it. `having` says which models do, where columns differ."""
+    chosen = [
+        e for i, e in enumerate(entries)
+        if which < e.f.free.size and e.f.free[which] and (having is None or having[i])
+    ]  # fmt: skip
+    weight = sum(e.weight for e in chosen)
+    if not chosen or weight <= 0:
+        return None
+    cumulative = np.cumsum([e.weight / weight for e in chosen])
+    heavy = chosen[: int(np.searchsorted(cumulative, HELD)) + 1]
+    profiles = [_profile(e.f, which) for e in heavy]
+    low, high = min(r[0] for r, _ in profiles), max(r[-1] for r, _ in profiles)
+    root = np.linspace(low, high, POINTS)
+    density, parts = np.zeros(POINTS), []
+    share = sum(e.weight for e in heavy)
+    for e, (r, d) in zip(heavy, profiles, strict=True):
+        deviate = np.interp(root, r, d, left=-2 * FAR, right=2 * FAR)
+        own = np.exp(-0.5 * deviate**2)
+        density += e.weight / share * own / max(own.sum(), 1e-300)  # its own weight, however wide it is
+        parts.append((e.weight / share, math.sqrt(max(float(e.f.theta[which]), 0.0)), e.f))
+    below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
+    return Law(root, below / below[-1], min(weight, 1.0), tuple(parts))
+
+
+def _profile(f: Fitted, which: int) -> tuple[FloatArray, FloatArray]:
+    """Values of the root and their signed deviates, the shapes unknown, continued to `FAR` but not below zero."""
+    trace = traced(Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta)), which)
+    root, deviate = trace.root, trace.deviate / stretch(f, which)
+    if root.size < 2:
+        return np.array([0.0, max(2 * root[0], 1e-300)]), np.array([0.0, FAR])
+    ends = []
+    for i, j, sign in ((0, 1, -1.0), (-1, -2, 1.0)):
+        slope = abs(root[i] - root[j]) / max(abs(deviate[i] - deviate[j]), 1e-3)
+        ends.append(root[i] + sign * slope * max(FAR - abs(deviate[i]), 0.0))
+    low, high = max(ends[0], 0.0), ends[1]
+    if low < root[0]:
+        slope = (root[1] - root[0]) / max(deviate[1] - deviate[0], 1e-3)
+        root, deviate = np.append(low, root), np.append(deviate[0] - (root[0] - low) / max(slope, 1e-300), deviate)
+    if high > root[-1]:
+        root, deviate = np.append(root, high), np.append(deviate, max(FAR, deviate[-1]))
+    return root, deviate
+
+
+def weights_of(entries: Sequence[Entry]) -> dict[str, float]:
+    """The weight of the models that have a component, by its row."""
+    return {
+        name: sum(e.weight for e in entries if e.f.state.of(name))
+        for name in COMPONENTS
+        if any(e.f.state.of(name) for e in entries)
+    }
+
+
+def column_of(f: Fitted, symbol: str, number: int = 0) -> int | None:
+    """The place of the size of a noise term with a shape in a fit: the `number`-th of its symbol by time constant."""
+    at = len(f.frame.powers)
+    for part in f.state:
+        if COMPONENTS[part.name].inside:
+            if part.name == "noise" and part.label == symbol:
+                if number == 0:
+                    return at
+                number -= 1
+            at += 1
+    assert at == sizes_inside(f.frame, f.state)  # noqa: S101
+    return None

@@ -1,0 +1,145 @@
+"""The search: the neighbours of the best states, until none within reach of the best has neighbours that were not tried.
+
+First without factors, which explain whatever they hide; then with them. Every state is refined before it is compared,
+and all within `REACH` of the best are kept. No random numbers, and no test of fit.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from allanite.core.plain import Portable
+
+from .components import Part
+from .fitting import Fitted, fitted, pruned, refined
+from .frame import Frame
+from .moves import MOVES, REACH, Local, Move, factors, neighbours, places_beside
+from .state import State, alike
+
+EXPANDED = (4.0, 1.0)
+"""States up to this above the least score are expanded, without and with factors: weights of e^-2 and e^-0.5."""
+
+EXPANSIONS = 40
+"""States that are expanded, at most, in either pass."""
+
+BETTER = 0.3
+"""By how much the score of a state must be less than that of one which differs in numerators and row of the filter, so
+that it is expanded too."""
+
+SAME = 0.1
+"""Difference of the scores of two states that are the same within the grain of their shapes."""
+
+FIRST = 3
+"""Rounds of refinement before the hopeless are dropped."""
+
+
+@dataclass
+class Searched(Portable):
+    """The best fit of each kind of state, and how many were expanded and fitted."""
+
+    frame: Frame
+    every: dict[object, Fitted] = field(default_factory=dict)
+    expanded: int = 0
+    fits: int = 0
+
+    @property
+    def best(self) -> Fitted:
+        """The fit of the least score."""
+        return min(self.every.values(), key=lambda f: f.score)
+
+    @property
+    def kept(self) -> list[Fitted]:
+        """Those within reach of the best, the best first."""
+        least = self.best.score
+        return sorted((f for f in self.every.values() if f.score < least + REACH), key=lambda f: f.score)
+
+    def add(self, f: Fitted) -> None:
+        """Keep a fit if it is the best of its kind."""
+        key = f.state.kind
+        if key in self.every:
+            if f.score < self.every[key].score - 1e-6:
+                self.every[key] = f
+        elif not any(abs(f.score - g.score) < SAME and alike(f.state, g.state) for g in self.every.values()):
+            self.every[key] = f
+
+
+def search(frame: Frame, starts: Sequence[State] = (State(),), *, moves: Sequence[Move] = MOVES, unexplained: bool = True) -> Searched:
+    """Expand the best states until none of those within reach of the best is left unexpanded."""
+    result = Searched(frame)
+    for start in starts:
+        result.add(pruned(refined(fitted(frame, start))))
+    done: dict[object, float] = {}
+    _expand(result, tuple(moves), EXPANDED[0], done)
+    if unexplained:
+        for f in [f for f in result.every.values() if f.score < result.best.score + EXPANDED[1]]:
+            for g in _beside(result, f, (factors,)):
+                result.add(g)
+        _expand(result, (*moves, factors), EXPANDED[1], done)
+    return result
+
+
+def _expand(result: Searched, moves: Sequence[Move], reach: float, done: dict[object, float]) -> None:
+    for _ in range(EXPANSIONS):
+        least = result.best.score
+        waiting = [f for f in result.every.values()
+                   if f.score < least + reach and f.score < done.get(f.state.form, math.inf) - BETTER]  # fmt: skip
+        if not waiting:
+            break
+        best = min(waiting, key=lambda f: (f.score, repr(f.state.kind)))
+        done[best.state.form] = best.score
+        result.expanded += 1
+        for f in _beside(result, best, moves):
+            result.add(f)
+
+
+def _worth(f: Fitted) -> float:
+    """2 L and the costs of the parts, but not of the powers."""
+    return f.value + f.state.cost(f.frame)
+
+
+def _beside(result: Searched, f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
+    """The fitted neighbours of a state that may come within reach."""
+    frame, at = f.frame, Local(f)
+    states = [s for move in moves for s in move(at) if s.admitted(frame)]
+    fits = [_first(frame, f, s) for s in dict.fromkeys(states)]
+    result.fits += len(fits)
+    for rounds in (0, 8):
+        least = min([_worth(f), *map(_worth, fits)])
+        fits = [g for g in fits if _worth(g) < least + 2 * REACH]
+        if not rounds:
+            fits = [_tuned(refined(g)) for g in fits]
+    return [pruned(g) for g in fits]
+
+
+def _first(frame: Frame, f: Fitted, state: State) -> Fitted:
+    """A neighbour, its shapes refined a little: alone at first where they are many."""
+    g = fitted(frame, state)
+    new = [p for p in state if p not in f.state.parts]
+    if len(new) == 1 and new[0].name == "resonance" and len(f.state.of("resonance")) > 0:
+        g = _alone(g, new[0])
+    return refined(g, FIRST)
+
+
+def _alone(f: Fitted, part: Part) -> Fitted:
+    """The shape of one part refined, the others held."""
+    import numpy as np
+
+    from .fitting import refined_values
+
+    held = [p != part for p in f.state for _ in range(refined_values(p))]
+    return refined(f, FIRST, held=np.array(held, dtype=bool))
+
+
+def _tuned(f: Fitted) -> Fitted:
+    """The sizes and places of its factors, one after the other, as long as the score falls."""
+    for _ in range(6):
+        tries = []
+        for part in f.state.of("factor"):
+            rest = f.state.lacking(part)
+            others = (*neighbours(part), *places_beside(part, f.frame.splines.top))
+            tries += [refined(fitted(f.frame, rest.having(other), f.free, f, f.v), 3) for other in others]
+        best = min(tries, key=lambda g: g.score, default=f)
+        if best.score > f.score - 0.05:
+            break
+        f = best
+    return f

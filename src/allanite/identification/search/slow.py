@@ -1,0 +1,242 @@
+"""What the bias does beside the terms: a warm-up, steps, or a power law other than that of flicker, as findings."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from allanite.core.arrays import FloatArray
+from allanite.core.estimate import WEAK, Estimate
+from allanite.core.finding import Finding
+from allanite.core.limits import Remembered, quantile
+from allanite.core.model import Term, coefficient_factor
+from allanite.core.plain import Portable
+from allanite.core.units import convert
+from allanite.identification.likelihood.law import RampLimits
+from allanite.phrases.phrase import join, say
+from allanite.phrases.wording import longest_without, spelled
+from allanite.terms import TERMS, WHITE
+
+from .components import Part
+from .estimates import Answer
+from .fitting import Fitted, fitted
+from .laws import law_of
+from .moves import PLACES
+
+HARMLESS = 2.0
+"""Standard errors to which a warm-up has fallen where a window can begin."""
+
+USABLE = 0.75
+"""Share of the record that may be cut off."""
+
+REACH = 12.0
+"""Rise of the value up to which time constants of a warm-up are looked at."""
+
+NODES = 24
+"""Time constants over which the size of a warm-up is averaged."""
+
+def sizes_of(f: Fitted, name: str) -> tuple[FloatArray, FloatArray]:
+    """Sizes of the steps or of the warm-up of a fit, and their standard errors, in the unit of the spectrum."""
+    names = [p.name for p in f.state if p.name in ("step", "warm-up")]
+    eta, V, _ = f.trusted.directions(f.theta)
+    at = int(np.count_nonzero(~f.trusted.flat)) + np.flatnonzero([n == name for n in names])
+    return eta[at], np.sqrt(np.diag(V)[at])
+
+@dataclass(frozen=True, eq=False)
+class WarmUp(Portable):
+    """A warm-up exp(-t / tau) of a fit."""
+
+    answer: Answer
+    f: Fitted
+
+    @property
+    def part(self) -> Part:
+        """Its part."""
+        return self.f.state.of("warm-up")[0]
+
+    @property
+    def tau(self) -> float:
+        """Its time constant, s."""
+        return self.part.shape[0] / self.answer.scale.rate
+
+    @cached_property
+    def size(self) -> tuple[float, float]:
+        """Amplitude at the start and its standard error, SI."""
+        amplitude, error = sizes_of(self.f, "warm-up")
+        return float(amplitude[0]) * self.answer.scale.factor, float(error[0]) * self.answer.scale.factor
+
+    @property
+    def term(self) -> Term:
+        """It as a term of a model."""
+        return Term("W", -self.size[0], self.answer.scale.signal, (self.tau,))
+
+    @property
+    def duration(self) -> float:
+        """Of the record, s."""
+        spectrum = self.f.frame.spectrum
+        return (spectrum.size + int(spectrum.gaps.lost.sum())) / spectrum.rate
+
+    @property
+    def until(self) -> float:
+        """Seconds after which the remaining warm-up is negligible, rounded up to two digits."""
+        amplitude, error = self.size
+        needed = self.tau * math.log(max(abs(amplitude) / (HARMLESS * error), 1.1))
+        step = 10.0 ** (math.floor(math.log10(needed)) - 1)
+        return float(f"{math.ceil(needed / step) * step:.3g}")
+
+    def at(self, tau: float) -> tuple[float, float, float]:
+        """Value, amplitude and its standard error with another time constant, s."""
+        part = self.part._replace(shape=(tau * self.answer.scale.rate,))
+        f = fitted(self.f.frame, self.f.state.lacking(self.part).having(part), None, self.f, self.f.v)
+        amplitude, error = sizes_of(f, "warm-up")
+        return f.value, float(amplitude[0]) * self.answer.scale.factor, float(error[0]) * self.answer.scale.factor
+
+    @property
+    def finding(self) -> Finding:
+        """The finding about the warm-up."""
+        signal = self.answer.scale.signal
+        unit = signal.sheet[0]
+        size, error = (convert(value, signal.unit, unit) for value in self.size)
+        usable, cut = self.until <= USABLE * self.duration, self.f.frame.spectrum.cut
+        remedy = (
+            say(
+                "cut it off ({option})",
+                option=spelled(f"--from {cut + self.until:g}", f"prepare.trim(recording, {cut + self.until:g})"),
+            )
+            if usable
+            else (
+                say(
+                    "record again, starting at least {seconds:.3g} s after switching on: too little would remain if it "
+                    "were cut off",
+                    seconds=self.until,
+                )
+            )
+        )
+        return Finding(
+            "warm-up",
+            say(
+                "the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with "
+                "a time constant of {tau:.3g} s",
+                size=size,
+                error=error,
+                unit=unit,
+                tau=self.tau,
+            ),
+            say("the coefficients are those of the noise without it; K and R are less certain"),
+            remedy,
+            (cut, cut + min(self.until, self.duration)),
+        )
+
+@dataclass(frozen=True, eq=False)
+class WarmUpProfile(Portable):
+    """The profile of the value over the time constant of a warm-up."""
+
+    warm: WarmUp
+
+    def ends(self, drop: float) -> tuple[float, float]:
+        """Time constants, s, at which the value has risen by `drop`; at most from a thousandth to all of the record."""
+        from scipy.optimize import brentq
+
+        middle, least = math.log(self.warm.tau), self.warm.at(self.warm.tau)[0]
+        ends = []
+        for end in (math.log(self.warm.duration / 1000), math.log(self.warm.duration)):
+
+            def excess(x: float) -> float:
+                return self.warm.at(math.exp(x))[0] - least - drop
+
+            near = next((x for x in middle + (end - middle) * 2.0 ** np.arange(-9.0, 1.0) if excess(x) > 0), None)
+            ends.append(math.exp(end if near is None else brentq(excess, middle, near, xtol=1e-4)))
+        return ends[0], ends[1]
+
+    def __call__(self, level: float) -> tuple[tuple[float, float], ...]:
+        """Two-sided limits of the time constant, s."""
+        return (self.ends(quantile((1 + level) / 2) ** 2),)
+
+    @cached_property
+    def size(self) -> RampLimits:
+        """The law of the size: normal at a time constant, averaged over these."""
+        low, high = self.ends(REACH)
+        nodes = [self.warm.at(tau) for tau in np.geomspace(low, high, NODES).tolist()]
+        excess, amplitude, error = np.array(nodes).T
+        weight: FloatArray = np.exp(-0.5 * (excess - excess.min()))
+        return RampLimits(-amplitude, error, weight / weight.sum())
+
+def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estimate:
+    """The change of the rate from the start of the record to where it settles; absent without a warm-up."""
+    signal = answer.scale.signal
+    if warm is None:
+        return Estimate(symbol, signal, None, None, "absent", None, "whittle")
+    along = WarmUpProfile(warm)
+    law, value = along.size, -warm.size[0]
+    error = math.sqrt(float(law.weight @ (law.spread**2 + (law.centre - value) ** 2)))
+    status = "identified" if error <= WEAK * abs(value) else "weak"
+    limits = Remembered(law)
+    return Estimate(
+        symbol, signal, value, error, status, law.upper(0.95), "whittle", limits, limits, value,
+        shape=(warm.tau,), shape_limits=Remembered(along),
+    )  # fmt: skip
+
+def steps_finding(answer: Answer, f: Fitted) -> Finding:
+    """The finding about the steps of a fit."""
+    signal, spectrum = answer.scale.signal, f.frame.spectrum
+    unit, (size, error) = signal.sheet[0], sizes_of(f, "step")
+    size = size * answer.scale.factor
+    time = spectrum.cut + np.array([p.shape[0] for p in f.state.of("step")]) / spectrum.rate
+    span = spectrum.cut, spectrum.cut + spectrum.size / spectrum.rate
+    each = [
+        say("{size:+.3g} {unit} at {time:.4g} s", size=convert(float(s), signal.unit, unit), unit=unit, time=t)
+        for t, s in zip(time, size, strict=True)
+    ]
+    apart = (span[1] - span[0]) / PLACES  # a low step is placed less well
+    return Finding(
+        "steps",
+        say("the bias steps: {steps}", steps=join(", ", each)),
+        say("the coefficients are those of the noise between the steps"),
+        say(
+            "analyze the parts between the steps ({choice})",
+            choice=longest_without(zip(time - apart, time + apart, strict=True), span),
+        ),
+        (float(time[0]), float(time[0])),
+    )
+
+def exponent_finding(answer: Answer, f: Fitted) -> Finding:
+    """The finding that the bias drift is not flicker."""
+    from .estimates import profile_ends
+
+    part, scale = f.state.of("exponent")[0], answer.scale
+    a = part.shape[0]
+    low, high = profile_ends(f, part, 0, quantile(0.975) ** 2)
+    harm, begins = say("B, K and Q are not meaningful as coefficients"), say("towards low frequencies")
+    white = f.frame.white
+    slow = float(f.theta[len(f.frame.powers) + [p.name for p in f.state if p.name in ("noise", "exponent")].index("exponent")])
+    if white is not None and f.theta[white] > 0 and slow > 0:
+        law = law_of(answer.entries, white)
+        unit = scale.signal.sheet[TERMS["N"].power]
+        ends = [scale.coefficient("N", law.quantile(p)) for p in (0.16, 0.5, 0.84)] if law else [0.0] * 3
+        value = ends[1] / coefficient_factor("N", unit, scale.signal)
+        error = (ends[2] - ends[0]) / 2 / coefficient_factor("N", unit, scale.signal)
+        harm = join("; ", (harm, f"N = {value:.4g} ± {error:.2g} {unit}"))
+        corner = scale.rate * (slow / float(f.theta[white])) ** (1 / a)
+        begins = say("below {frequency:.2g} Hz", frequency=min(corner, scale.rate / 2))
+    return Finding(
+        "flicker exponent",
+        say(
+            "{where} the power spectral density falls as f^-{exponent:.2f} ({low:.2f} to {high:.2f}), not as f^-1",
+            where=begins,
+            exponent=a,
+            low=low,
+            high=high,
+        ),
+        harm,
+        say("read the noise at the averaging times of interest off the Allan deviation"),
+    )
+
+def under(a: float, estimate: Estimate) -> Estimate:
+    """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""
+    row = TERMS[estimate.symbol]
+    if row.waveform is not None or estimate.status == "not observable" or row.slope == WHITE:
+        return estimate
+    return estimate.invalid(
+        say("the power spectral density falls as f^-{exponent:.2f}, like none of the terms", exponent=a)
+    )
