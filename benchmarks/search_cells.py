@@ -1,7 +1,7 @@
 """What the default identification says of simulated records of many kinds, by one code or another.
 
-    python benchmarks/search_cells.py list [--cells GLOB,GLOB]
-    python benchmarks/search_cells.py run [--cells GLOB,GLOB] [--records A:B] --out FILE.jsonl
+    python benchmarks/search_cells.py list [--cells GLOB ...]
+    python benchmarks/search_cells.py run [--cells GLOB ...] [--records A:B] --out FILE.jsonl
     python benchmarks/search_cells.py table OLD.jsonl [NEW.jsonl]
 
 The interpreter chooses the code. `run` appends a line of JSON for each record, and leaves out what FILE has already;
@@ -297,9 +297,9 @@ def lines_of(path: Path) -> Iterator[dict[str, Any]]:
             continue
 
 
-def chosen(globs: str) -> list[str]:
+def chosen(globs: Iterable[str]) -> list[str]:
     """Names of the cells that one of the patterns fits."""
-    return [name for name in CELLS if any(fnmatchcase(name, glob) for glob in globs.split(","))]
+    return [name for name in CELLS if any(fnmatchcase(name, glob) for glob in globs)]
 
 
 def run(names: Iterable[str], first: int, last: int, path: Path) -> None:
@@ -322,7 +322,7 @@ def main() -> None:
     verbs = parser.add_subparsers(dest="verb", required=True)
     for verb in ("list", "run"):
         asked = verbs.add_parser(verb)
-        asked.add_argument("--cells", default="*")
+        asked.add_argument("--cells", nargs="+", default=["*"])
     asked.add_argument("--records", default=f"0:{RECORDS}")
     asked.add_argument("--out", type=Path, required=True)
     verbs.add_parser("table").add_argument("files", type=Path, nargs="+")
@@ -331,7 +331,7 @@ def main() -> None:
         headings, rows = rows_of({path.stem: list(lines_of(path)) for path in given.files})
         print("\n".join(markdown(headings, rows)))
         return
-    names = chosen(given.cells)
+    names = chosen(given.cells)  # a name may have a comma
     if given.verb == "list":
         print("\n".join(f"{name:40} {CELLS[name].records:3} records of {CELLS[name].size}" for name in names))
         return
