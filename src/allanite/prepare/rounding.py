@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
+from allanite.core.record import Record
 from allanite.phrases.phrase import say
 
 COARSE = 0.5
@@ -19,6 +20,9 @@ codes: noise of 0.3 steps already gives three within a few hundred samples.
 
 NEARBY = 256
 """Number of successive samples in which codes are counted."""
+
+MIDDLE = 200_000
+"""Samples in the middle of a record of which the fast noise is taken."""
 
 FEW_CODES = 16
 """Number of distinct values up to which they are counted."""
@@ -80,6 +84,14 @@ def rounding(y: NDArray[Any], fast: float) -> Rounding:
     starts = np.linspace(0, max(y.size - NEARBY, 0), 50).astype(int)
     nearby = float(np.median([np.unique(y[start : start + NEARBY]).size for start in starts]))
     return Rounding(codes, step, nearby, fast / step)
+
+
+def rounding_of(record: Record) -> Rounding:
+    """The rounding of the samples of a record, of an angle that of its steps."""
+    steps = record.steps[np.isfinite(record.steps)]
+    middle = max(0, (steps.size - MIDDLE) // 2)
+    part = np.asarray(steps[middle : middle + MIDDLE], dtype=np.float64)
+    return rounding(steps, fast_noise(np.diff(part, 2)))
 
 
 def grid(y: NDArray[Any]) -> tuple[int, float]:

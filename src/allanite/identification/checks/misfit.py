@@ -13,7 +13,7 @@ from allanite.core.residuals import Check, try_band
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import longest_without, spelled
 from allanite.prepare.outliers import outliers as outlying
-from allanite.prepare.rounding import fast_noise, rounding
+from allanite.prepare.rounding import rounding_of
 from allanite.prepare.view import stretches
 
 UNSTEADY, TAILED, KIN = 1.2, 0.1, 0.02
@@ -30,10 +30,7 @@ def reasons(
     spectral = fit.goodness is not None and not fit.goodness.explained
     if not spectral and all(check.passed for check in checks):
         return []
-    steps = record.steps[np.isfinite(record.steps)]
-    middle = max(0, (steps.size - 200_000) // 2)
-    part = np.asarray(steps[middle : middle + 200_000], dtype=np.float64)
-    found = rounding(steps, fast_noise(np.diff(part, 2)))
+    found = rounding_of(record)
     if found.sparse:  # the samples are steps of a quantizer without sufficient dither
         how = say(
             "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",

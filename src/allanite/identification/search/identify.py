@@ -22,6 +22,7 @@ from allanite.identification.likelihood.selection import correlation
 from allanite.identification.likelihood.spectrum import BinnedSpectrum, spectrum
 from allanite.phrases.phrase import say, say_count
 from allanite.prepare.gaps import known_rates, refusal
+from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, Part
@@ -30,7 +31,7 @@ from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate,
 from .fitting import Fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
-from .moves import MOVES, Move, floors, less, markov, filters
+from .moves import MOVES, Move, filters, floors, less, markov, resonances
 from .search import Searched, search
 from .slow import WarmUp, exponent_finding, steps_finding, under, warm_up_estimate
 from .state import State
@@ -81,9 +82,11 @@ def whittle(
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
     taken, rest = _without_lines(record, symbols, band, masks) if lines else ((), record)
     seen = spectrum(rest, detrend=deterministic(symbols))
+    # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
+    moves = tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
     return whittle_of(
-        seen, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken
-    )
+        seen, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken, moves=moves
+    )  # fmt: skip
 
 
 def deterministic(symbols: Sequence[str]) -> bool:
@@ -107,10 +110,11 @@ def whittle_of(
     masks: Sequence[tuple[float, float]] = (),
     rival: bool = False,
     taken: tuple[Line, ...] = (),
+    moves: Sequence[Move] | None = None,
 ) -> Fit:
     """Identify terms in a spectrum, of a channel of this name and signal; `taken` are sinusoids removed before."""
     name, signal = channel
-    result = searched(seen, symbols, band, masks, rival=rival)
+    result = searched(seen, symbols, band, masks, rival=rival, moves=moves)
     scale = Scale(signal, seen.rate, seen.unit_factor, seen.slope)
     answer = Answer(result, entries_of(result), scale, tuple(symbols))
     return _concluded(answer, name, band, masks, taken)
@@ -135,13 +139,14 @@ def searched(
             choice="terms",
         )
     return search(
-        frame, starts_for(frame), moves=moves or moves_for(choice, rival=rival),
+        frame, starts_for(frame), moves=moves or moves_for(band, rival=rival),
         unexplained=choice == "auto" and moves is None,
     )  # fmt: skip
 
 
-def moves_for(choice: str, *, rival: bool) -> tuple[Move, ...]:
+def moves_for(band: Band, *, rival: bool) -> tuple[Move, ...]:
     """What is looked for: everything; in a band no filter; with all frequencies asked for, no vibration either."""
+    choice, _ = _frequencies(band)
     omitted = {"auto": (), "asked": ("filters", "floors"), "all": ("filters", "floors", "resonances")}[choice]
     without = (*omitted, *(() if rival else ("markov", "exponents")))
     return tuple(move for move in MOVES if move.__name__ not in without)

@@ -29,6 +29,9 @@ that it is expanded too."""
 SAME = 0.1
 """Difference of the scores of two states that are the same within the grain of their shapes."""
 
+FITS = 1500
+"""Neighbours that are fitted, at most: a record that needs more is described by none of them."""
+
 FIRST = 3
 """Rounds of refinement before the hopeless are dropped."""
 
@@ -83,7 +86,7 @@ def _expand(result: Searched, moves: Sequence[Move], reach: float, done: dict[ob
         least = result.best.score
         waiting = [f for f in result.every.values()
                    if f.score < least + reach and f.score < done.get(f.state.form, math.inf) - BETTER]  # fmt: skip
-        if not waiting:
+        if not waiting or result.fits > FITS:
             break
         best = min(waiting, key=lambda f: (f.score, repr(f.state.kind)))
         done[best.state.form] = best.score
