@@ -22,8 +22,8 @@ whose images are no more than a ripple of 4 exp(-2 pi cut-off): a record does no
 LAGS, LEAST = 1024, 1e-9
 """Samples over which a filter correlates, at most; a gain so low that where it is less does not matter."""
 
-AVERAGED, TWICE = 0.443, 0.3189
-"""Cut-off of a moving average, and of one behind another, times the number of samples."""
+AVERAGED, TWICE, THRICE = 0.443, 0.3189, 0.2617
+"""Cut-off of a moving average, of one behind another, and of three, times the number of samples."""
 
 
 @dataclass(frozen=True)
@@ -150,6 +150,12 @@ FILTERS: dict[str, Filter] = {
         say("moving average of a moving average"),
         lambda f, cutoff: _moving_average(f, AVERAGED / TWICE * cutoff) ** 2,
         TWICE / np.arange(1.0, 33.0),
+        whole=True,
+    ),
+    "average three times": Filter(
+        say("three moving averages, one behind the other (sinc^3, CIC)"),
+        lambda f, cutoff: _moving_average(f, AVERAGED / THRICE * cutoff) ** 3,
+        THRICE / np.arange(1.0, 33.0),
         whole=True,
     ),
     "bartlett": Filter(say("continuous moving average of a moving average (Bartlett window)"), _bartlett),

@@ -96,6 +96,9 @@ class Component:
         Derivatives of that by the logarithms of the shape.
     inside : bool
         Whether the filter acts on it.
+    behind : bool
+        Whether it is what the filter does not take of white noise: its column is multiplied by 1 - gain, so that the white
+        noise before and behind the filter together is N, as at long averaging times.
     gain : (frame, part) -> array, shape (bins,)
         What a filter lets pass.
     """
@@ -112,6 +115,7 @@ class Component:
     power: Callable[[Frame, Part], FloatArray] | None = None
     slope: Callable[[Frame, Part], FloatArray] | None = None
     inside: bool = False
+    behind: bool = False
     gain: Callable[[Frame, Part], FloatArray] | None = None
 
     def price(self, n: int) -> float:
@@ -256,7 +260,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "floor", 0.00012, lambda n: 1, power=lambda frame, part: np.ones(frame.count.size),
-            slope=lambda frame, part: np.zeros((0, frame.count.size)),
+            slope=lambda frame, part: np.zeros((0, frame.count.size)), behind=True,
         ),
         Component(
             "resonance", 0.003, lambda n: 40 * math.log2(max(n / 128, 2.0)), most=12, refined=2, grain=(0.05, 0.7),

@@ -173,7 +173,8 @@ def floors(at: Local) -> Iterator[State]:
     state, part = at.f.state, Part("floor", "", ())
     if state.filter is None or state.of("floor") or state.filter.shape[0] < HIDING:
         return
-    if at.able(float(at.gains(1 / at.f.m[None])[0]), cost_of(part, at.f.frame)):
+    passed = at.f.frame.gain(state.filter.label, state.filter.shape[0])
+    if at.able(float(at.gains(((1 - passed) / at.f.m)[None])[0]), cost_of(part, at.f.frame)):
         yield state.having(part)
 
 
