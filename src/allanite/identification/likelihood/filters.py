@@ -136,6 +136,16 @@ def _bartlett(f: FloatArray, cutoff: float) -> FloatArray:
     return _from_lags(r)(f)
 
 
+def _thrice_averaged(f: FloatArray, cutoff: float) -> FloatArray:
+    """Three moving averages, one behind the other: autocovariances are a B-spline of six equal intervals."""
+    length = THRICE / cutoff
+    x = np.arange(1, math.ceil(3 * length)) / length
+    k = np.arange(7.0)
+    powers = np.maximum(np.subtract.outer(x + 3, k), 0.0) ** 5
+    r = powers @ np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0]) / 66
+    return _from_lags(r)(f)
+
+
 FILTERS: dict[str, Filter] = {
     "rc": Filter(say("1st-order low-pass"), _sampled_one_pole, _octaves(HIGHEST_RC)),
     "averaged rc": Filter(
@@ -152,12 +162,7 @@ FILTERS: dict[str, Filter] = {
         TWICE / np.arange(1.0, 33.0),
         whole=True,
     ),
-    "average three times": Filter(
-        say("three moving averages, one behind the other (sinc^3, CIC)"),
-        lambda f, cutoff: _moving_average(f, AVERAGED / THRICE * cutoff) ** 3,
-        THRICE / np.arange(1.0, 33.0),
-        whole=True,
-    ),
     "bartlett": Filter(say("continuous moving average of a moving average (Bartlett window)"), _bartlett),
+    "cic": Filter(say("three continuous moving averages, one behind the other (sinc^3, CIC)"), _thrice_averaged),
 }
 """Filters that are tried; the cut-off frequency of each is the only unknown."""
