@@ -41,8 +41,12 @@ LONGEST_MARKOV = 0.1
 HIDING = 0.03
 """Cut-off, cycles a sample, below which a filter with noise behind it is Gauss-Markov and white noise: a definition."""
 
-QUALITIES = (2.0, 300.0)
+QUALITIES = (2.5, 300.0)
 """Least and greatest quality of a resonance: a broader one is a filter, a narrower one a sinusoid."""
+
+BROAD = 4.0
+"""Quality below which a state has one resonance at most: several are as broad as the knots of a factor, and sure of what
+it leaves open."""
 
 PERIODS = 16
 """Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
@@ -50,8 +54,8 @@ PERIODS = 16
 HIGHEST = 3.1
 """Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
 
-EXPONENTS = (0.4, 1.8)
-"""Exponents of a power law between which its column is exact within 3 %."""
+EXPONENTS = (0.6, 1.6)
+"""Exponents of a power law between which its column is exact within 1 %."""
 
 LONGEST_WARM_UP = 0.37
 """Share of the record up to which a warm-up differs from a ramp with a parabola."""
@@ -237,7 +241,8 @@ def resonance_slope(frame: Frame, part: Part) -> FloatArray:
 
 
 def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
-    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), QUALITIES]
+    quality = (QUALITIES[0], BROAD) if part.shape[1] < BROAD else (BROAD, QUALITIES[1])
+    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), quality]
 
 
 COMPONENTS: dict[str, Component] = {
