@@ -282,7 +282,10 @@ def _valued(
             d = (error * share) ** 2
             trusted = part.trusted(1 / (1 + d * part.count / 2))
             theta, _ = trusted.minimise(may, theta)
-    value = 2 * part.value(theta) + float(v @ v) + _volume(part, theta, frame)
+    least = part.value(theta)
+    if not math.isfinite(least):  # a shape leaves nothing where the record has power
+        return Fitted(frame, state, may, theta, v, part, trusted, error, math.inf)
+    value = 2 * least + float(v @ v) + _volume(part, theta, frame)
     if d is not None:
         m, power = _observed(part, theta)
         value += _integrated(part.count, m, power, d)
