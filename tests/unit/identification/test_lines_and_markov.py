@@ -61,12 +61,13 @@ def test_gauss_markov_takes_the_place_of_flicker_where_the_record_says_so():
     assert low < 20.0 < high
     assert low < T < high
     assert fit.model["GM"].shape == (T,)
-    assert "better than flicker" in " ".join(fit.notes)
+    (markov,) = (c for c in fit.components if c.name == "noise" and c.claimed)
+    assert f"time constant of {T:.3g} s" in markov.words
     data = fit.to_dict()
     assert data["terms"][-1]["time_constant"]["value"] == T
     assert al.Model.from_dict(data["model"])["GM"].shape == (T,)
-    flicker = next(a for a in fit.alternatives if "B" in [t.symbol for t in a.model])
-    assert flicker.aic > 8
+    flicker = [a for a in fit.alternatives if "GM" not in [t.symbol for t in a.model]]
+    assert all(a.aic > 8 for a in flicker)
 
 
 @pytest.mark.slow("takes more than half a second")
@@ -108,7 +109,7 @@ def test_limits_of_the_time_constant_are_where_the_likelihood_has_dropped():
     def beside(T):
         return fitted(frame, State().having(Part("noise", "GM", (T,))))
 
-    best = refined(beside(1000.0))
+    best = refined(beside(1000.0), settled=1e-3)
     low, high = profile_ends(best, best.state.parts[0], 0, 3.84)
     for T in (low, high):
         assert beside(T).value - best.value == pytest.approx(3.84, rel=0.02)
