@@ -135,6 +135,9 @@ def markov_places(n: int) -> float:
     return 3.7 * math.log10(max(n / 300, 10.0))
 
 
+REMEMBERED = 4000
+"""Columns of one spectrum that are kept, at most: some 10 MB."""
+
 STEP = 1e-3
 """Step in the logarithm of a shape for a derivative of a column."""
 
@@ -192,27 +195,36 @@ def _poles(frame: Frame, part: Part) -> tuple[FloatArray, FloatArray, float, flo
     omega, quality = part.shape
     r = math.exp(-omega / (2 * quality))
     a, b = -2 * r * math.cos(omega), r * r
-    one, two, sine = frame.cosines
+    one, two, sine = frame.cosines(quality)
     # at its peak the denominator of a sharp one is a difference of equal numbers
     below = np.maximum((1 + a * a + b * b) + (2 * a * (1 + b)) * one + (2 * b) * two, 1e-15)
     return (sine if part.label == "high-pass" else np.ones(1)), below, a, b
 
 
 def resonance(frame: Frame, part: Part) -> FloatArray:
-    """Mean power of a resonance in the bins, its highest 1: white noise through two poles, or its derivative."""
-    above, below, *_ = _poles(frame, part)
-    mean = (above / below).mean(axis=1)
-    return np.asarray(mean / mean.max())
+    """Mean power of a resonance in the bins, its highest 1: white noise through two poles."""
+    key = ("resonance", part)
+    if key not in frame.known:
+        if len(frame.known) > REMEMBERED:
+            frame.known.clear()
+        above, below, *_ = _poles(frame, part)
+        mean = (above / below) @ np.full(below.shape[1], 1 / below.shape[1])
+        frame.known[key] = mean / mean.max()
+    result: FloatArray = frame.known[key]
+    return result
 
 
 def resonance_slope(frame: Frame, part: Part) -> FloatArray:
     """Its derivatives by the logarithms of frequency and quality, up to a share of itself."""
     above, below, a, b = _poles(frame, part)
-    (omega, quality), (one, two, _) = part.shape, frame.cosines
-    level = (above / below).mean(axis=1).max()
-    change = above / (below * below)
-    by_a = -((2 * a + 2 * (1 + b) * one) * change).mean(axis=1) / level
-    by_b = -((2 * b + 2 * a * one + 2 * two) * change).mean(axis=1) / level
+    (omega, quality), (one, two, _) = part.shape, frame.cosines(part.shape[1])
+    each = np.full(below.shape[1], 1 / below.shape[1])
+    change = above / below
+    level = (change @ each).max()
+    change = change / below
+    whole, first, second = change @ each, (change * one) @ each, (change * two) @ each
+    by_a = -(2 * a * whole + 2 * (1 + b) * first) / level
+    by_b = -(2 * b * whole + 2 * a * first + 2 * second) / level
     slow = omega / (2 * quality)  # -ln r
     da = (slow * 2 * math.sqrt(b) * math.cos(omega) + 2 * math.sqrt(b) * omega * math.sin(omega), slow * a)
     db = (-2 * slow * b, 2 * slow * b)
@@ -258,7 +270,7 @@ COMPONENTS: dict[str, Component] = {
 }  # fmt: skip
 """Every component by its name."""
 
-FACTORS = {"all": 3.0, "above": 5.0, "step above": 5.0, "between": 5.0}
+FACTORS = {"all": 5.0, "above": 8.0, "step above": 8.0, "between": 12.0}
 """Prices of the kinds of a factor. The determinant of its information pays for the search: of 200 records of noise alone
 none gained more than 2.5 by the best kind, place and size."""
 

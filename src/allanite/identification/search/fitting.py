@@ -140,6 +140,14 @@ def sizes_inside(frame: Frame, state: State) -> int:
     return len(frame.powers) + sum(COMPONENTS[p.name].inside for p in state)
 
 
+def column_of_part(state: State, frame: Frame, part: Part) -> int | None:
+    """The place of the size of a part among the columns; None for a part without one."""
+    inner = [p for p in state if COMPONENTS[p.name].inside]
+    outer = [p for p in state if COMPONENTS[p.name].power is not None and not COMPONENTS[p.name].inside]
+    columns = [*inner, *outer]
+    return len(frame.powers) + columns.index(part) if part in columns else None
+
+
 def values_of(state: State) -> FloatArray:
     """Logarithms of the shapes that are refined, in the order of the parts."""
     return np.array([math.log(x) for p in state for x in p.shape[: refined_values(p)]])

@@ -30,7 +30,7 @@ from .components import (
     Part,
     cost_of,
 )
-from .fitting import Fitted, fitted, refined
+from .fitting import Fitted, column_of_part, fitted, refined
 from .frame import LOW
 from .state import State
 
@@ -51,6 +51,10 @@ QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)
 
 CANDIDATES = 3
 """Candidates of a row that are fitted, at most."""
+
+MISSED = 40.0
+"""Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside it
+makes up for less."""
 
 BINS = 8
 """Bins that stand out at which resonances are looked for."""
@@ -110,6 +114,18 @@ class Local:
         gain = b * b / G
         return gain if signed else np.where(b > 0, gain, 0.0)
 
+    def loss(self, part: Part) -> float:
+        """What the value would rise by without a part whose size is a column, by one step; 0 for others."""
+        f = self.f
+        which = column_of_part(f.state, f.frame, part)
+        if which is None or f.theta[which] <= 0:
+            return 0.0
+        H, active = f.information
+        at = int(active[:which].sum())
+        size = np.sqrt(np.maximum(np.diag(H), 1e-300))
+        variance = np.linalg.pinv(H / np.outer(size, size), hermitian=True)[at, at] / size[at] ** 2
+        return float(f.theta[which] ** 2 / max(variance, 1e-300))
+
     def able(self, gain: float, cost: float) -> bool:
         """Whether a candidate may come within reach of the best state."""
         return gain > cost - REACH
@@ -120,8 +136,10 @@ Move = Callable[[Local], Iterator[State]]
 
 
 def less(at: Local) -> Iterator[State]:
-    """Without each of its parts; a filter takes its floor along."""
+    """Without each of its parts that may be missed; a filter takes its floor along."""
     for part in dict.fromkeys(at.f.state):
+        if at.loss(part) > cost_of(part, at.f.frame) + MISSED:
+            continue
         rest = at.f.state.lacking(part)
         yield rest.lacking(*rest.of("floor")) if part.name == "filter" else rest
 
@@ -131,7 +149,9 @@ def exchanged(at: Local) -> Iterator[State]:
     state = at.f.state
     for part in state.of("resonance"):
         other = "flat" if part.label == "high-pass" else "high-pass"
-        yield state.lacking(part).having(part._replace(label=other))
+        flipped = state.lacking(part).having(part._replace(label=other))
+        if fitted(at.f.frame, flipped, at.f.free).value < at.f.value + MISSED:
+            yield flipped
     if state.filter is None:
         return
     rest, cutoff = state.lacking(state.filter), state.filter.shape[0]

@@ -29,7 +29,7 @@ that it is expanded too."""
 SAME = 0.1
 """Difference of the scores of two states that are the same within the grain of their shapes."""
 
-FITS = 1500
+FITS = 800
 """Neighbours that are fitted, at most: a record that needs more is described by none of them."""
 
 FIRST = 3
