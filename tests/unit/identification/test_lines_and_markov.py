@@ -45,10 +45,11 @@ def test_limits_of_a_time_constant_are_those_of_its_likelihood():
 
     estimate = al.identify(al.Record(y, rate, "deg/h"), terms="N,GM", band="all")["GM"]
     start = [math.log(4.0), 0.0]
-    least = minimize(deviance, [*start, math.log(estimate.shape[0])], method="Nelder-Mead").fun
+    exact = {"method": "Nelder-Mead", "options": {"xatol": 1e-8, "fatol": 1e-8}}
+    least = minimize(deviance, [*start, math.log(estimate.shape[0])], **exact).fun
     for level, z in ((0.95, 1.959964), (0.68, 0.994458)):
         for limit in estimate.shape_limits(level)[0]:
-            above = minimize(deviance, start, (limit,), method="Nelder-Mead").fun - least
+            above = minimize(deviance, start, (limit,), **exact).fun - least
             assert math.sqrt(above) == pytest.approx(z, rel=0.02)
 
 
