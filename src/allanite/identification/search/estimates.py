@@ -102,10 +102,13 @@ class Answer(Portable):
 
     @cached_property
     def shown(self) -> Fitted:
-        """The best fit that the terms can express: without a power law, which is no term."""
-        plain = (e.f for e in self.entries if not e.f.state.lacks_flicker)
-        others = [f for f in self.result.every.values() if not f.state.lacks_flicker]
+        """The best fit that the terms can express: without a power law, which is no term, and with a term at all."""
+        plain = (e.f for e in self.entries if self._expressed(e.f))
+        others = [f for f in self.result.every.values() if self._expressed(f)]
         return next(plain, None) or min(others, key=lambda f: f.score)
+
+    def _expressed(self, f: Fitted) -> bool:
+        return not f.state.lacks_flicker and bool(self.scale.terms(f))
 
     @cached_property
     def full(self) -> Fitted:
