@@ -41,8 +41,12 @@ LONGEST_MARKOV = 0.1
 HIDING = 0.03
 """Cut-off, cycles a sample, below which a filter with noise behind it is Gauss-Markov and white noise: a definition."""
 
-QUALITIES = (2.0, 300.0)
+QUALITIES = (2.5, 300.0)
 """Least and greatest quality of a resonance: a broader one is a filter, a narrower one a sinusoid."""
+
+BROAD = 4.0
+"""Quality below which a state has one resonance at most: several are as broad as the knots of a factor, and sure of what
+it leaves open."""
 
 PERIODS = 16
 """Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
@@ -50,8 +54,8 @@ PERIODS = 16
 HIGHEST = 3.1
 """Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
 
-EXPONENTS = (0.4, 1.8)
-"""Exponents of a power law between which its column is exact within 3 %."""
+EXPONENTS = (0.6, 1.6)
+"""Exponents of a power law between which its column is exact within 1 %."""
 
 LONGEST_WARM_UP = 0.37
 """Share of the record up to which a warm-up differs from a ramp with a parabola."""
@@ -96,6 +100,9 @@ class Component:
         Derivatives of that by the logarithms of the shape.
     inside : bool
         Whether the filter acts on it.
+    behind : bool
+        Whether it is what the filter does not take of white noise: its column is multiplied by 1 - gain, so that the white
+        noise before and behind the filter together is N, as at long averaging times.
     gain : (frame, part) -> array, shape (bins,)
         What a filter lets pass.
     """
@@ -112,6 +119,7 @@ class Component:
     power: Callable[[Frame, Part], FloatArray] | None = None
     slope: Callable[[Frame, Part], FloatArray] | None = None
     inside: bool = False
+    behind: bool = False
     gain: Callable[[Frame, Part], FloatArray] | None = None
 
     def price(self, n: int) -> float:
@@ -233,7 +241,8 @@ def resonance_slope(frame: Frame, part: Part) -> FloatArray:
 
 
 def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
-    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), QUALITIES]
+    quality = (QUALITIES[0], BROAD) if part.shape[1] < BROAD else (BROAD, QUALITIES[1])
+    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), quality]
 
 
 COMPONENTS: dict[str, Component] = {
@@ -256,7 +265,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "floor", 0.00012, lambda n: 1, power=lambda frame, part: np.ones(frame.count.size),
-            slope=lambda frame, part: np.zeros((0, frame.count.size)),
+            slope=lambda frame, part: np.zeros((0, frame.count.size)), behind=True,
         ),
         Component(
             "resonance", 0.003, lambda n: 40 * math.log2(max(n / 128, 2.0)), most=12, refined=2, grain=(0.05, 0.7),

@@ -195,7 +195,10 @@ def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     if v.size:
         acting = gain * np.exp(np.clip(factor_basis(frame, state) @ v, -STEEPEST, STEEPEST))
     S = np.column_stack(inner) * acting[:, None] if acting.size > 1 else np.column_stack(inner)
-    outer = [_power(frame, p) for p in state if COMPONENTS[p.name].power and not COMPONENTS[p.name].inside]
+    outer = [
+        _power(frame, p) * (1 - gain if COMPONENTS[p.name].behind else 1.0)
+        for p in state if COMPONENTS[p.name].power and not COMPONENTS[p.name].inside
+    ]  # fmt: skip
     if outer:
         S = np.column_stack((S, *outer))
     W = np.zeros((part.W.shape[0], S.shape[1]))
@@ -326,6 +329,7 @@ def slopes(f: Fitted) -> FloatArray:
     basis = factor_basis(frame, state)
     raised = np.exp(np.clip(basis @ f.v, -STEEPEST, STEEPEST)) if f.v.size else np.ones(1)
     rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
+    behind = frame.spectrum.rounding + sum(theta[column_of_part(state, frame, p) or 0] for p in state if COMPONENTS[p.name].behind)
     for part in state:
         row = COMPONENTS[part.name]
         if row.inside and row.slope is not None:
@@ -334,7 +338,7 @@ def slopes(f: Fitted) -> FloatArray:
         elif part.name == "filter":
             moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))
             change = (gain - moved) / STEP
-            rows.append(change * (f.inside / gain - frame.spectrum.rounding))
+            rows.append(change * (f.inside / gain - behind))
         elif row.slope is not None:
             rows += list(theta[outer] * row.slope(frame, part))
             outer += 1

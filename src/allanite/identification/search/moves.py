@@ -18,6 +18,7 @@ from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.whittle import step_coefficients, warm_up_direction
 
 from .components import (
+    BROAD,
     COMPONENTS,
     FACTORS,
     HIDING,
@@ -173,7 +174,8 @@ def floors(at: Local) -> Iterator[State]:
     state, part = at.f.state, Part("floor", "", ())
     if state.filter is None or state.of("floor") or state.filter.shape[0] < HIDING:
         return
-    if at.able(float(at.gains(1 / at.f.m[None])[0]), cost_of(part, at.f.frame)):
+    passed = at.f.frame.gain(state.filter.label, state.filter.shape[0])
+    if at.able(float(at.gains(((1 - passed) / at.f.m)[None])[0]), cost_of(part, at.f.frame)):
         yield state.having(part)
 
 
@@ -222,7 +224,7 @@ def exponents(at: Local) -> Iterator[State]:
     frame, state = at.f.frame, at.f.state
     if frame.flicker is None or state.of("exponent") or not (at.f.theta[: frame.slow.size][frame.slow] > 0).any():
         return
-    tries = [fitted(frame, state.having(Part("exponent", "", (a,)))) for a in (0.6, 0.8, 1.2, 1.4, 1.6)]
+    tries = [fitted(frame, state.having(Part("exponent", "", (a,)))) for a in (0.65, 0.8, 1.2, 1.4, 1.55)]
     yield min(tries, key=lambda f: f.value).state
 
 
@@ -292,7 +294,7 @@ def resonances(at: Local) -> Iterator[State]:
         if all(abs(math.log(part.shape[0] / other.shape[0])) > 0.5 / min(part.shape[1], other.shape[1]) for other in distinct):
             distinct.append(part)
     if 1 < len(distinct):
-        yield state.having(*distinct[:room])
+        yield state.having(*(p if p.shape[1] >= BROAD else p._replace(shape=(p.shape[0], 2 * BROAD)) for p in distinct[:room]))
 
 
 def _apart(one: Part, other: Part) -> bool:

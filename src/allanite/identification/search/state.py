@@ -8,7 +8,7 @@ from functools import cached_property
 
 from allanite.identification.likelihood.filters import FILTERS
 
-from .components import COMPONENTS, HIDING, LEAST_MARKOV, Part, cost_of
+from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, Part, cost_of
 from .frame import Frame
 
 ORDER = tuple(COMPONENTS)
@@ -80,6 +80,8 @@ class State:
         if self.needs_white and frame.white is None and counts["factor"]:
             return False
         if not frame.powers and not any(COMPONENTS[name].inside for name in counts):
+            return False
+        if sum(p.shape[1] < BROAD for p in self.of("resonance")) > 1:
             return False
         if counts["floor"]:
             return self.filter is not None and self.filter.shape[0] >= HIDING
