@@ -146,8 +146,8 @@ def markov_places(n: int) -> float:
 REMEMBERED = 4000
 """Columns of one spectrum that are kept, at most: some 10 MB."""
 
-STEP = 1e-3
-"""Step in the logarithm of a shape for a derivative of a column."""
+STEP = 1e-5
+"""Step in the logarithm of a shape for a derivative of a column: what sizes cannot make up for is often a hundredth of it."""
 
 
 def _noise_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:

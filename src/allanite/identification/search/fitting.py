@@ -348,7 +348,9 @@ def slopes(f: Fitted) -> FloatArray:
     return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * f.inside[:, None]).T))
 
 
-def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None) -> Fitted:
+def refined(
+    f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None, settled: float = SETTLED
+) -> Fitted:
     """The best shapes near those of a fit: Fisher scoring of sizes and shapes together, with step halving.
 
     With `only` of its last shapes alone; `held` shapes stay as they are, shape (values,).
@@ -377,7 +379,7 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray |
             break
         gain, f, x = f.value - better.value, better, values_of(better.state)
         damping = max(damping / 4, 1e-6)
-        if gain < SETTLED:
+        if gain < settled:
             break
     return f
 

@@ -129,8 +129,8 @@ class Frame(Portable):
     @cached_property
     def plain(self) -> Likelihood:
         """The likelihood of the powers and ramps in the bins that are read."""
-        part = likelihood(self.spectrum, [*self.powers, *self.ramps])
-        return part if self.used.all() else part.only(self.used)
+        # without the directions of which no bin knows: a ramp, where each piece is read by itself
+        return likelihood(self.spectrum, [*self.powers, *self.ramps]).only(self.used)
 
     def beside(self, more: tuple[tuple[str, float], ...]) -> Likelihood:
         """The same with more loose directions: ("step", sample) or ("warm-up", time constant in samples)."""
@@ -144,7 +144,7 @@ class Frame(Portable):
             part = replace(
                 plain, UU=UU, Uc=Uc, W=np.insert(plain.W, at, 0.0, axis=0), flat=np.insert(plain.flat, at, True)
             )
-            self.known[key] = part if self.used.all() else part.only(self.used)
+            self.known[key] = part.only(self.used)
         result: Likelihood = self.known[key]
         return result
 
