@@ -26,6 +26,7 @@ from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, Part
+from .cutoffs import cutoff_law
 from .describing import components_of, lost_freedom, notes_of, scope_of
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
 from .fitting import Fitted
@@ -270,6 +271,7 @@ def _concluded(
         findings=tuple(findings),
         warm_up=warm.term if warm else None,
         components=components_of(answer),
+        cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None,
     )
 
 
