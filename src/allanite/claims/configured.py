@@ -18,8 +18,8 @@ from .result import DIFFERS, NOT_SHOWN, CheckedTerm, fit_of
 from .settings import CUTOFF, ClaimedSetting
 
 HIGHEST = 0.45
-"""Share of the sampling rate above which a cut-off is not decided on: near half of it the images of what a filter passes
-fill in what it takes away."""
+"""Share of the sampling rate above which a cut-off is not decided on: near half of it the images of what a filter
+passes fill in what it takes away."""
 
 
 def setting_rows(
@@ -105,6 +105,6 @@ def _rate(row: CheckedTerm, channel: Channel, claimed: float, tolerance: float) 
 
 
 def _coarse(view: View, claimed: float) -> bool:
-    """Whether so many neighbours are equal by chance that those that a sensor of this rate repeats would not stand out."""
+    """Whether so many neighbours are equal by chance that what a sensor of this rate repeats would not stand out."""
     share = float(np.mean(view.steps[1:] == view.steps[:-1])) if view.steps.size > 1 else 1.0
     return share >= (1 - claimed / view.rate) / 2

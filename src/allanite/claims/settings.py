@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from allanite.core.errors import UsageError, given
 from allanite.core.plain import Value
 from allanite.core.units import Signal
+from allanite.core.validity import SETTLED
 
 CUTOFF, RATE = SETTINGS = "cutoff", "rate"
 """What may be claimed beside noise."""
@@ -41,6 +42,11 @@ class ClaimedSetting(Value):
     def holds_for(self, signal: Signal) -> bool:
         """Whether it is a setting of this kind of sensor."""
         return signal.sensor.startswith(self.sensor)
+
+    @property
+    def settled(self) -> float:
+        """Averaging time, s, from which a filter does not lower the deviation any more."""
+        return SETTLED / self.value if self.quantity == CUTOFF else 0.0
 
     def words(self) -> str:
         """As it is written: ``gyro lowpass 42 Hz``."""

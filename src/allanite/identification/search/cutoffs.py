@@ -2,8 +2,8 @@
 
 Each model with a filter gives a normal law of the logarithm of its cut-off; models without one say that there is none
 below half the sampling rate. What a data sheet calls bandwidth is the cut-off of the filter before the samples were
-taken, what a program configures may be that of the samples: near half the sampling rate the two differ, and the law of a
-model reaches from one to the other.
+taken, what a program configures may be that of the samples: near half the sampling rate the two differ, and the law of
+a model reaches from one to the other.
 """
 
 import math
@@ -27,8 +27,8 @@ HALF = 0.5
 """Power at the cut-off, over that at low frequencies: -3 dB, a definition."""
 
 SHAPES = COMPONENTS["filter"].grain[0]
-"""Logarithm by which the limits are widened: filters of no row are described by the nearest one. The grain of the search;
-Bessel, Chebyshev (0.5 dB) and Butterworth filters of order 3 are described within it (`benchmarks/check.py`)."""
+"""Logarithm by which the limits are widened, as far as states of the search are taken for one: filters that no row has
+exactly are described by the nearest (`benchmarks/check_settings.py`)."""
 
 CLOSE = 0.005
 """Step in the logarithm of a cut-off at which the lowest one that a record admits is known."""
@@ -77,10 +77,10 @@ class CutoffLaw(Portable):
 def cutoff_law(answer: Answer) -> CutoffLaw:
     """The law of the cut-off over the models of an average."""
     having = [e for e in answer.entries if e.f.state.filter is not None]
-    ends = np.array([cutoffs_of(e.f) for e in having]).reshape(-1, 2)
+    low, high = np.log([cutoffs_of(e.f) for e in having]).reshape(-1, 2).T
     bare = next((e.f for e in answer.entries if e.f.state.filter is None), None)
     weight = np.array([e.weight for e in having])
-    return CutoffLaw(weight, *np.log(ends).T, _errors(having), bare, answer.scale.rate)
+    return CutoffLaw(weight, low, high, _errors(having), bare, answer.scale.rate)
 
 
 def _errors(having: Sequence[Entry]) -> FloatArray:
@@ -90,8 +90,8 @@ def _errors(having: Sequence[Entry]) -> FloatArray:
 def cutoffs_of(f: Fitted) -> tuple[float, float]:
     """The lowest and the highest that the cut-off of a filter may be called; cycles a sample.
 
-    That of its row before the sampling and behind it, and where the power of all that is fast falls to half: a filter of
-    no row is described by one that other components correct.
+    That of its row before the sampling and behind it, and where the power of all that is fast falls to half: a filter
+    that no row has is described by one that other components correct.
     """
     part = f.state.filter
     assert part is not None  # noqa: S101 - asked of models with a filter
@@ -102,7 +102,7 @@ def cutoffs_of(f: Fitted) -> tuple[float, float]:
 
 
 def halved(f: Fitted) -> float:
-    """Where the power of all that is neither slow nor a narrow peak falls to half of its highest; infinity if nowhere."""
+    """Where the power of all but drift and narrow peaks falls to half of its highest; infinity if it does not."""
     frame, parts = f.frame, [p for p in f.state if COMPONENTS[p.name].inside]
     apart = np.zeros(f.theta.size, dtype=bool)
     apart[: len(frame.powers)] = frame.slow
@@ -174,7 +174,7 @@ def _lowest_of(bare: Fitted, row: str, drop: float) -> float:
 
 
 def _with_filter(bare: Fitted, part: Part) -> Fitted:
-    """A model behind a filter, with every term free but noise of the angle that it lacks: behind a filter that is white."""
+    """A model behind a filter, with every term free but noise of the angle that it lacks: behind one, that is white."""
     free = bare.free.copy()
     free[: len(bare.frame.powers)] |= ~bare.frame.angle
     tried = fitted(bare.frame, bare.state.having(part), free, bare, bare.v)

@@ -87,7 +87,7 @@ def first_of_check(value: ClaimCheck, level: float) -> First:
     remarks += [] if value.agrees else doubts(value.checked)
     legend = [("", say("Factors are found over claimed; * contradicts the claim, all comparisons considered."))]
     title = join("   ", (title_of(value), say("against {claim}", claim=value.claim.title)))
-    after = [FIGURES, DETAILS, *([] if value.agrees or value.claim.bound else [AT_MOST])]
+    after = [FIGURES, DETAILS, *([] if value.agrees or value.claim.bound or not value.claim.models else [AT_MOST])]
     return First(title, value.verdict, answer, remarks, legend, how_read(value), after)
 
 
