@@ -140,6 +140,14 @@ def sizes_inside(frame: Frame, state: State) -> int:
     return len(frame.powers) + sum(COMPONENTS[p.name].inside for p in state)
 
 
+def column_of_part(state: State, frame: Frame, part: Part) -> int | None:
+    """The place of the size of a part among the columns; None for a part without one."""
+    inner = [p for p in state if COMPONENTS[p.name].inside]
+    outer = [p for p in state if COMPONENTS[p.name].power is not None and not COMPONENTS[p.name].inside]
+    columns = [*inner, *outer]
+    return len(frame.powers) + columns.index(part) if part in columns else None
+
+
 def values_of(state: State) -> FloatArray:
     """Logarithms of the shapes that are refined, in the order of the parts."""
     return np.array([math.log(x) for p in state for x in p.shape[: refined_values(p)]])
@@ -187,7 +195,10 @@ def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     if v.size:
         acting = gain * np.exp(np.clip(factor_basis(frame, state) @ v, -STEEPEST, STEEPEST))
     S = np.column_stack(inner) * acting[:, None] if acting.size > 1 else np.column_stack(inner)
-    outer = [_power(frame, p) for p in state if COMPONENTS[p.name].power and not COMPONENTS[p.name].inside]
+    outer = [
+        _power(frame, p) * (1 - gain if COMPONENTS[p.name].behind else 1.0)
+        for p in state if COMPONENTS[p.name].power and not COMPONENTS[p.name].inside
+    ]  # fmt: skip
     if outer:
         S = np.column_stack((S, *outer))
     W = np.zeros((part.W.shape[0], S.shape[1]))
@@ -318,6 +329,7 @@ def slopes(f: Fitted) -> FloatArray:
     basis = factor_basis(frame, state)
     raised = np.exp(np.clip(basis @ f.v, -STEEPEST, STEEPEST)) if f.v.size else np.ones(1)
     rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
+    behind = frame.spectrum.rounding + sum(theta[column_of_part(state, frame, p) or 0] for p in state if COMPONENTS[p.name].behind)
     for part in state:
         row = COMPONENTS[part.name]
         if row.inside and row.slope is not None:
@@ -326,7 +338,7 @@ def slopes(f: Fitted) -> FloatArray:
         elif part.name == "filter":
             moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))
             change = (gain - moved) / STEP
-            rows.append(change * (f.inside / gain - frame.spectrum.rounding))
+            rows.append(change * (f.inside / gain - behind))
         elif row.slope is not None:
             rows += list(theta[outer] * row.slope(frame, part))
             outer += 1

@@ -28,8 +28,8 @@ from allanite.terms import TERMS, WHITE
 
 from .factors import Splines
 
-POINTS = 16
-"""Frequencies in a bin at which the power of a resonance is computed."""
+POINTS, MOST_POINTS = 0.11, 16
+"""Frequencies in a bin of 1/16 octave at which the power of a resonance is computed, over its quality, and at most."""
 
 LOW = 64
 """Coefficients of the lowest frequencies, which tell of steps and of a warm-up (`bins.SINGLE`)."""
@@ -174,18 +174,20 @@ class Frame(Portable):
         f = (np.arange(256) + 0.5) / 512
         return float(FILTERS[row].gain(f, cutoff).mean())
 
-    @cached_property
-    def omega(self) -> FloatArray:
-        """Frequencies at which the power of a resonance is computed, radians a sample, shape (bins, points)."""
-        inside = (np.arange(POINTS) + 0.5) / POINTS
-        first, count = self.spectrum.first[self.used], self.spectrum.count[self.used]
-        return np.asarray(np.pi / self.size * (first[:, None] + count[:, None] * inside - 0.5))
+    def cosines(self, quality: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Cosines at the frequencies of a resonance, at twice these, and squares of the sine, shape (bins, points).
 
-    @cached_property
-    def cosines(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Cosines at these frequencies and at twice these, and squares of the sine."""
-        one = np.cos(self.omega)
-        return one, 2 * one * one - 1, 1 - one * one
+        The mean over a bin of a peak that is as wide as `POINTS` says has an error below 0.1 %.
+        """
+        points = next((k for k in (1, 2, 4, 8) if k > POINTS * quality), MOST_POINTS)
+        key = ("cosines", points)
+        if key not in self.known:
+            inside = (np.arange(points) + 0.5) / points
+            first, count = self.spectrum.first[self.used], self.spectrum.count[self.used]
+            one = np.cos(np.pi / self.size * (first[:, None] + count[:, None] * inside - 0.5))
+            self.known[key] = (one, 2 * one * one - 1, 1 - one * one)
+        result: tuple[FloatArray, FloatArray, FloatArray] = self.known[key]
+        return result
 
     @cached_property
     def splines(self) -> Splines:
