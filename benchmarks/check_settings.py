@@ -51,7 +51,12 @@ OTHERS: dict[str, tuple[Filter, float]] = {
 NONE: Filter = (np.ones(1), np.ones(1))
 
 
-def outcomes(through: Filter, claimed: list[float], seed: tuple[int, ...], *, rounded: bool = False) -> list[str]:
+def outcomes(of: tuple[Filter, float], seed: tuple[int, ...], *, rounded: bool = False) -> list[str]:
+    """What is said of the cut-off of one record, and of others."""
+    return said_of(of[0], [factor * of[1] for factor in FACTORS], seed, rounded=rounded)
+
+
+def said_of(through: Filter, claimed: list[float], seed: tuple[int, ...], *, rounded: bool = False) -> list[str]:
     """What is said of each claimed cut-off of one record."""
     x = 1e-3 * np.random.default_rng(seed).standard_normal(SIZE + START)
     y = lfilter(*through, x)[START:]
@@ -63,9 +68,8 @@ def outcomes(through: Filter, claimed: list[float], seed: tuple[int, ...], *, ro
 def line(name: str, records: int, one: Callable[[int], list[str]]) -> list[str]:
     """How often each claim is contradicted, and how often it is not decided on."""
     said = [one(seed) for seed in range(records)]
-    cells = [
-        f"{sum(s[i] == 'differs' for s in said)} ({sum(s[i] == 'not shown' for s in said)})" for i in range(len(said[0]))
-    ]
+    columns = zip(*said, strict=True)
+    cells = [f"{column.count('differs')} ({column.count('not shown')})" for column in columns]
     print(name, cells, file=sys.stderr, flush=True)
     return [name, str(records), *cells]
 
@@ -74,18 +78,15 @@ def main() -> None:
     """Run what is asked for."""
     run = begin(__doc__, records=40, others=10)
     rows = [
-        line(name, run.asked.records, lambda seed, i=i, of=of: outcomes(of[0], [f * of[1] for f in FACTORS], (1, i, seed)))
+        line(name, run.asked.records, lambda seed, i=i, of=of: outcomes(of, (1, i, seed)))
         for i, (name, of) in enumerate(KNOWN.items())
     ]
     absent = [20.0, 42.0, 60.0, 80.0, 88.0]
-    none = line("no filter", run.asked.records, lambda seed: outcomes(NONE, absent, (2, seed)))
+    none = line("no filter", run.asked.records, lambda seed: said_of(NONE, absent, (2, seed)))
     others = [
-        line(
-            name, run.asked.others,
-            lambda seed, i=i, of=of: outcomes(of[0], [f * of[1] for f in FACTORS], (3, i, seed), rounded=True),
-        )
+        line(name, run.asked.others, lambda seed, i=i, of=of: outcomes(of, (3, i, seed), rounded=True))
         for i, (name, of) in enumerate(OTHERS.items())
-    ]  # fmt: skip
+    ]
     alarms, total = sum(int(row[2].split()[0]) for row in rows), run.asked.records * len(rows)
     headings = ("filter", "records", "true", "0.8 times", "1.25 times", "half", "twice")
     run.publish(

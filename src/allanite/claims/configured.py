@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.fit import REJECTED
+from allanite.core.fit import REJECTED, Fit
 from allanite.core.record import Record
 from allanite.core.validity import UNEXPLAINED
 from allanite.phrases.phrase import Phrase, say
@@ -20,6 +20,12 @@ from .settings import CUTOFF, ClaimedSetting
 HIGHEST = 0.45
 """Share of the sampling rate above which a cut-off is not decided on: near half of it the images of what a filter
 passes fill in what it takes away."""
+
+ROUGH = 0.2
+"""Misfit of the power above which no cut-off is decided on: at the slope of a 2nd-order filter a tenth of it."""
+
+VAGUE = 2.0
+"""Ratio of the limits of a cut-off above which one between them is not confirmed: an octave, a definition."""
 
 
 def setting_rows(
@@ -51,6 +57,8 @@ def _cutoff(row: CheckedTerm, channel: Channel, claimed: float, level: float, to
         return replace(known, outcome=DIFFERS, reason=_differing(channel, low, high))
     if through is None:
         return replace(known, outcome=NOT_SHOWN, reason=say("a longer record would show whether there is a filter"))
+    if high > VAGUE * low:
+        return replace(known, outcome=NOT_SHOWN, reason=_differing(channel, low, high))
     return known
 
 
@@ -70,11 +78,19 @@ def _hidden(channel: Channel, claimed: float) -> str:
     if claimed > HIGHEST * rate:
         return say("above {limit:.3g} Hz a filter leaves no trace: a higher sampling rate is needed",
                    limit=HIGHEST * rate)  # fmt: skip
-    if fit is None:
-        return channel.refusal or say("no noise was identified")
+    return channel.refusal or say("no noise was identified") if fit is None else _undescribed(fit)
+
+
+def _undescribed(fit: Fit) -> str:
+    """Why a fit does not tell of filters; empty if it does."""
     if fit.cutoff is None:
         return say("filters are looked for where all frequencies are read, by the method whittle")
-    return REJECTED if fit.validity == UNEXPLAINED else ""
+    if fit.validity == UNEXPLAINED:
+        return REJECTED
+    if fit.scope is not None and fit.scope.within > ROUGH:
+        return say("no known filter describes the record: the power differs by {share:.2g} %",
+                   share=100 * fit.scope.within)  # fmt: skip
+    return ""
 
 
 def _rate(row: CheckedTerm, channel: Channel, claimed: float, tolerance: float) -> CheckedTerm:

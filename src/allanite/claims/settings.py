@@ -65,16 +65,18 @@ def settings_in(text: str) -> tuple[tuple[ClaimedSetting, ...], str]:
     >>> settings_in("N 0.3 deg/sqrt(h), lowpass 42 Hz; 100 ug/sqrt(Hz)")
     ((<ClaimedSetting lowpass 42 Hz>,), 'N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)')
     """
-    found, kept = [], ""
-    for part in re.findall(r"[,;]?[^,;]+", text):
-        item = ITEM.fullmatch(part.strip(" ,;"))
-        if item is None:
-            kept += part
-            continue
-        value = _number(item["value"]) * (1000 if item["kilo"] else 1)
-        found.append(ClaimedSetting(CUTOFF if item["cutoff"] else RATE, value, (item["sensor"] or "").lower()))
-        kept += ";" if part.startswith(";") and kept else ""
-    return tuple(found), re.sub(r";\s*,", ";", kept).strip(" ,;")
+    found, groups = list[ClaimedSetting](), []
+    for group in text.split(";"):
+        kept = []
+        for part in group.split(","):
+            item = ITEM.fullmatch(part.strip())
+            if item is None:
+                kept.append(part)
+                continue
+            value = _number(item["value"]) * (1000 if item["kilo"] else 1)
+            found.append(ClaimedSetting(CUTOFF if item["cutoff"] else RATE, value, (item["sensor"] or "").lower()))
+        groups.append(",".join(kept))
+    return tuple(found), ";".join(group for group in groups if group.strip()).strip()
 
 
 def _number(text: str) -> float:

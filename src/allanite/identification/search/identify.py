@@ -27,7 +27,7 @@ from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
-from .describing import components_of, loud_in, lost_freedom, notes_of, scope_of, shows_white
+from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of, shows_white
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
 from .fitting import Fitted
 from .frame import Frame, frame_of
