@@ -15,8 +15,9 @@ from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
 from .components import CLAIMED, LONGEST_MARKOV, Part
+from .cutoffs import errors_of, quantile_of
 from .estimates import Answer, shaped_terms
-from .fitting import Fitted, factor_basis, fitted, refined, refined_values
+from .fitting import Fitted, factor_basis, fitted, refined
 from .frame import Frame
 from .laws import Entry, weights_of
 
@@ -88,7 +89,7 @@ def low_pass(answer: Answer) -> LowPass | None:
     ends = [_cutoff(e) for e in having]
     w = np.array([e.weight for e in having])
     centre, spread = (np.array(each) for each in zip(*ends, strict=True))
-    low, high = _mixture(w / w.sum(), centre, spread)
+    low, high = (quantile_of(w / w.sum(), centre, spread, p) for p in (0.025, 0.975))
     rate, widest = answer.scale.rate, FILTERS[part.label].widest
     c = part.shape[0]
     return LowPass(
@@ -102,30 +103,6 @@ def _cutoff(e: Entry) -> tuple[float, float]:
     part = e.f.state.filter
     assert part is not None  # noqa: S101 - the entry has one
     return math.log(part.shape[0]), errors_of(e.f, part)[0]
-
-
-def errors_of(f: Fitted, part: Part) -> FloatArray:
-    """Standard errors of the logarithms of the shape of a part, everything else unknown."""
-    H, active = f.information
-    at = int(active.sum())
-    for other in f.state:
-        if other == part:
-            break
-        at += refined_values(other)
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    C = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
-    k = refined_values(part)
-    return np.sqrt(np.maximum(np.diag(C)[at : at + k], 0.0))
-
-
-def _mixture(w: FloatArray, centre: FloatArray, spread: FloatArray) -> tuple[float, float]:
-    """The 2.5 and 97.5 % points of a mixture of normal laws."""
-    from scipy.special import ndtr
-
-    spread = np.maximum(spread, 1e-9)
-    x = np.linspace(float((centre - 5 * spread).min()), float((centre + 5 * spread).max()), 2001)
-    below = w @ ndtr((x - centre[:, None]) / spread[:, None])
-    return float(np.interp(0.025, below, x)), float(np.interp(0.975, below, x))
 
 
 def misfit_of(answer: Answer) -> tuple[float, float]:

@@ -26,7 +26,8 @@ from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, Part
-from .describing import components_of, loud_in, lost_freedom, notes_of, scope_of, shows_white
+from .cutoffs import cutoff_law
+from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of, shows_white
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
 from .fitting import Fitted
 from .frame import Frame, frame_of
@@ -270,6 +271,7 @@ def _concluded(
         findings=tuple(findings),
         warm_up=warm.term if warm else None,
         components=components_of(answer),
+        cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None,
     )
 
 
