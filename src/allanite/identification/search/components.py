@@ -224,6 +224,12 @@ def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
     return [(2 * np.pi * PERIODS / frame.size, HIGHEST), QUALITIES]
 
 
+def _filter_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
+    """Those of its row; the cut-off of a filter in common stays."""
+    common = frame.common_row(part.label)
+    return [(common.cutoff,) * 2 if common else (LOWEST_CUTOFF, FILTERS[part.label].widest)]
+
+
 COMPONENTS: dict[str, Component] = {
     row.name: row
     for row in (
@@ -239,7 +245,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "filter", 0.003, lambda n: 3, signed=True, refined=1, grain=(0.03,),
-            bounds=lambda frame, part: [(LOWEST_CUTOFF, FILTERS[part.label].widest)],
+            bounds=_filter_bounds,
             gain=lambda frame, part: frame.gain(part.label, part.shape[0]),
         ),
         Component(
@@ -272,6 +278,9 @@ def cost_of(part: Part, frame: Frame) -> float:
     """What a part costs in the score."""
     if part.name == "factor":
         return FACTORS[part.label] - ODDS
+    if part.name == "filter" and frame.common:  # the price is paid once for all channels
+        common = frame.common_row(part.label)
+        return common.score if common else math.inf
     row = COMPONENTS[part.name]
     if part.name == "noise" and len(part.shape) > 1:  # each further value is looked for in some fifty places
         return _price(row.places(frame.size) * 50.0 ** (len(part.shape) - 1), row.alpha, 1.0, False) - ODDS

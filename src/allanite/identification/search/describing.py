@@ -16,7 +16,7 @@ from allanite.terms import TERMS
 
 from .components import CLAIMED, LONGEST_MARKOV, Part
 from .estimates import Answer, shaped_terms
-from .fitting import Fitted, factor_basis, fitted, refined, refined_values
+from .fitting import Fitted, factor_basis, fitted, place_of, refined, refined_values
 from .frame import Frame
 from .laws import Entry, weights_of
 
@@ -104,11 +104,7 @@ def _cutoff(e: Entry) -> tuple[float, float]:
 def errors_of(f: Fitted, part: Part) -> FloatArray:
     """Standard errors of the logarithms of the shape of a part, everything else unknown."""
     H, active = f.information
-    at = int(active.sum())
-    for other in f.state:
-        if other == part:
-            break
-        at += refined_values(other)
+    at = int(active.sum()) + place_of(f.state, part)
     size = np.sqrt(np.maximum(np.diag(H), 1e-300))
     C = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
     k = refined_values(part)

@@ -126,6 +126,10 @@ class Fitted(Portable):
         k = self.v.size
         if k:
             H[-k:, -k:] += np.eye(k)
+        through = self.state.filter
+        if through is not None and (common := self.frame.common_row(through.label)):
+            at = int(active.sum()) + place_of(self.state, through)
+            H[at, at] += common.information
         return H, active
 
     def _wide(self, rows: FloatArray) -> FloatArray:
@@ -148,6 +152,11 @@ def values_of(state: State) -> FloatArray:
 def refined_values(part: Part) -> int:
     """How many values of a part's shape are refined with the sizes."""
     return len(part.shape) if part.name == "noise" else COMPONENTS[part.name].refined
+
+
+def place_of(state: State, part: Part) -> int:
+    """Place of the first value of a part among those that are refined."""
+    return sum(refined_values(other) for other in state.parts[: state.parts.index(part)])
 
 
 def with_values(state: State, x: FloatArray) -> State:
@@ -344,9 +353,10 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray |
         moving[: x.size - only] = False
     if held is not None:
         moving[: x.size] &= ~held
+    low, high = bounds_of(f.frame, f.state)
+    moving[: x.size] &= low < high
     if not moving.any():
         return f
-    low, high = bounds_of(f.frame, f.state)
     damping = DAMPING
     for _ in range(rounds):
         dx, dv = _step(f, moving, damping)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,26 @@ EDGES_GRID = 0.01
 """Step in the logarithm of a cut-off at which the noise at the edges of a record is computed; it changes as little."""
 
 
+class Common(NamedTuple):
+    """A filter in common with other channels: what these tell of it.
+
+    Attributes
+    ----------
+    row : str
+    cutoff : float
+        Cycles a sample, of all channels.
+    information : float
+        Of the other channels, on the logarithm of the cut-off.
+    score : float
+        Of the other channels, over that behind the best of the rows.
+    """
+
+    row: str
+    cutoff: float
+    information: float
+    score: float
+
+
 @dataclass(frozen=True, eq=False)
 class Frame(Portable):
     """Bins of one spectrum that are read, and the columns of the terms in them.
@@ -53,6 +73,8 @@ class Frame(Portable):
         Bins that are read: a user's band and masks.
     asked : tuple of str
         Noise terms with a shape that a user asked for.
+    common : tuple of Common
+        The only filters, one of which every state has; empty where that is left to the search.
     """
 
     spectrum: BinnedSpectrum
@@ -60,10 +82,21 @@ class Frame(Portable):
     ramps: tuple[str, ...]
     used: BoolArray
     asked: tuple[str, ...] = ()
+    common: tuple[Common, ...] = ()
     known: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
         return super().__getstate__() | {"known": {}}
+
+    def behind(self, *common: Common) -> "Frame":
+        """The same spectrum behind filters of several channels, with what is known of it."""
+        same = replace(self, common=common)
+        same.__dict__.update({key: value for key, value in vars(self).items() if key != "common"})
+        return same
+
+    def common_row(self, row: str) -> Common | None:
+        """The filter in common of a row."""
+        return next((each for each in self.common if each.row == row), None)
 
     @property
     def size(self) -> int:

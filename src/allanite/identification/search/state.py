@@ -79,6 +79,8 @@ class State:
             return False
         if self.needs_white and frame.white is None and counts["factor"]:
             return False
+        if frame.common and self.filter is None:
+            return False
         if counts["floor"]:
             return self.filter is not None and self.filter.shape[0] >= HIDING
         return True
