@@ -43,6 +43,9 @@ STARTS = 6
 SAME = 3.0
 """Standard errors within which the cut-offs of two channels are one start."""
 
+WHOLE = 0.2
+"""Distance of a cut-off, in its logarithm, from that of a whole length that is tried beside it: half that of 2 and 3."""
+
 NEAR = 4.0
 """Standard errors of the common cut-off within which it is looked for."""
 
@@ -160,7 +163,9 @@ def _starts(results: Sequence[Searched], row: str) -> Iterator[float]:
         yield math.exp(y)
         if FILTERS[row].whole:
             starts = FILTERS[row].starts[1:]
-            yield float(starts[np.abs(np.log(starts) - y).argmin()])
+            apart = np.abs(np.log(starts) - y)
+            if apart.min() < WHOLE:
+                yield float(starts[apart.argmin()])
 
 
 def bases(result: Searched, most: int) -> list[State]:
