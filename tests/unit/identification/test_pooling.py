@@ -4,12 +4,12 @@ import pickle
 from dataclasses import replace
 from functools import cache
 
-import independent
 import numpy as np
 import pytest
 from tests.rows import paired, rows
 
 import allanite as al
+import independent
 from allanite.identification.front import finished, started
 from allanite.identification.search.pooling import bases, in_common, together
 
@@ -118,6 +118,6 @@ def test_a_recording_has_one_filter_in_every_job():
     study = al.analyze(recording)
     assert len(set(filters(found.values()))) == 1
     assert filters(found.values()) == filters([c.fit for c in study.channels])
-    assert "low-pass filter is one in common" in " ".join(study.channels[0].fit.advice)
+    assert "one low-pass filter is shared by" in " ".join(study.channels[0].fit.advice)
     single = al.identify(al.Recording((records[0],)))[records[0].name]
     assert filters([single]) == filters([al.identify(records[0])]) != filters(list(found.values())[:1])

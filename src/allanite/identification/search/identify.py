@@ -85,8 +85,7 @@ class Pending(Portable):
         fit = _concluded(answer, self.name, self.band, self.masks, self.taken)
         if not shared:
             return fit
-        note = say("the low-pass filter is one in common: it is shared by the channels {channels}",
-                   channels=join(", ", shared.channels))  # fmt: skip
+        note = say("one low-pass filter is shared by the channels {channels}", channels=join(", ", shared.channels))
         return replace(fit, notes=(*fit.notes, note))
 
 

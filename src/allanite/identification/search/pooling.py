@@ -44,7 +44,7 @@ SAME = 3.0
 """Standard errors within which the cut-offs of two channels are one start."""
 
 WHOLE = 0.2
-"""Distance of a cut-off, in its logarithm, from that of a whole length that is tried beside it: half that of 2 and 3."""
+"""Distance of a cut-off, in its logarithm, from that of a whole length that is tried beside it: half from 2 to 3."""
 
 NEAR = 4.0
 """Standard errors of the common cut-off within which it is looked for."""
@@ -105,7 +105,7 @@ class Behind:
     total: float
 
     def information(self, j: int) -> float:
-        """Of a channel, on the logarithm of the cut-off."""
+        """What a channel tells of the logarithm of the cut-off."""
         f = self.fits[j]
         assert f.state.filter is not None  # noqa: S101 - all are behind one
         return float(errors_of(f, f.state.filter)[0]) ** -2
@@ -236,9 +236,9 @@ def _moved(state: State, cutoff: float) -> State:
 
 def behind(result: Searched, common: Sequence[Common]) -> Searched:
     """The states of a search behind a filter in common, and those that lack parts which stood in its place."""
-    frame = result.frame.behind(*common)
+    frame, parts = result.frame.behind(*common), bases(result, STARTS)
+    parts.append(parts[0].lacking(*parts[0].of("exponent")))  # which the terms can express
     starts = [
-        base.having(Part("filter", each.row, (each.cutoff,)))
-        for each in common for base in bases(result, STARTS)
-    ]  # fmt: skip
+        base.having(Part("filter", each.row, (each.cutoff,))) for each in common for base in dict.fromkeys(parts)
+    ]
     return search(frame, [s for s in starts if s.admitted(frame)], moves=(less,), unexplained=False)
