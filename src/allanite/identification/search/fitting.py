@@ -35,6 +35,9 @@ FARTHEST = 0.5
 HALVINGS, ROUNDS, SETTLED = 4, 8, 0.03
 """Times that a step is cut to a third; rounds of scoring, at most; gain in 2 L that ends them."""
 
+AT_END = 1e-6
+"""Distance from the end of its range, in the logarithm, within which a shape that tends outwards stays."""
+
 DAMPING = 1e-3
 """Share of its information that is added to a shape's, at first."""
 
@@ -360,6 +363,9 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray |
     damping = DAMPING
     for _ in range(rounds):
         dx, dv = _step(f, moving, damping)
+        stuck = ((x < low + AT_END) & (dx < 0)) | ((x > high - AT_END) & (dx > 0))
+        if stuck.any():  # the others as if these stayed, which they do
+            dx, dv = _step(f, np.concatenate((moving[: x.size] & ~stuck, moving[x.size :])), damping)
         better = None
         for _ in range(HALVINGS):
             state = with_values(f.state, np.clip(x + dx, low, high))

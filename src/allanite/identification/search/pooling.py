@@ -59,7 +59,7 @@ ROUNDS = 2
 """Rounds in which the other shapes follow a filter."""
 
 RIVALS, NEXT = 4.0, 1.0
-"""Total over that of the best row up to which another one is an alternative: a weight of e^-2; what it is over it at
+"""Summed score over that of the best row up to which another one is an alternative: a weight of e^-2; what it is over it at
 least, so that all channels name the same row first."""
 
 
@@ -104,6 +104,10 @@ class Behind:
     fits: list[Fitted]
     total: float
 
+    def over(self, best: "Behind", channels: Sequence[int]) -> float:
+        """Summed score of some channels over that behind the best filter."""
+        return sum(self.fits[i].score - best.fits[i].score for i in channels)
+
     def information(self, j: int) -> float:
         """What a channel tells of the logarithm of the cut-off."""
         f = self.fits[j]
@@ -124,17 +128,16 @@ def in_common(results: Sequence[Searched]) -> dict[int, tuple[Common, ...]]:
     if len(members) < 2:
         return {}
     rows = {best.row: best}
-    for b in sorted(tried, key=lambda b: b.total):
-        if b.total < best.total + RIVALS:
+    for b in sorted(tried, key=lambda b: b.over(best, members)):
+        if b.over(best, members) < RIVALS:
             rows.setdefault(b.row, b)
-    return {j: tuple(_told(b, best, members, j) for b in rows.values()) for j in members}
+    return {j: tuple(_told(b, best, [i for i in members if i != j]) for b in rows.values()) for j in members}
 
 
-def _told(b: Behind, best: Behind, members: Sequence[int], j: int) -> Common:
-    """What the other members tell a channel of a filter."""
-    others = [i for i in members if i != j]
-    score = sum(b.fits[i].score - best.fits[i].score for i in others)
-    return Common(b.row, b.cutoff, sum(b.information(i) for i in others), score + (NEXT if b is not best else 0.0))
+def _told(b: Behind, best: Behind, others: Sequence[int]) -> Common:
+    """What the other channels tell one of a filter."""
+    score = b.over(best, others) + (NEXT if b is not best else 0.0)
+    return Common(b.row, b.cutoff, sum(b.information(i) for i in others), score)
 
 
 def _rows(results: Sequence[Searched]) -> list[str]:
