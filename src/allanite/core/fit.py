@@ -206,6 +206,19 @@ class Fit(Value):
         object.__setattr__(self, "model", Model(self.model.terms, doubt=doubt))
 
     @property
+    def supposed(self) -> tuple[str, ...]:
+        """What the model holds beside the terms and the filter, as text; empty if there is nothing."""
+        claimed = {name: [c.words for c in self.components if c.name == name and c.claimed]
+                   for name in ("floor", "resonance", "factor")}  # fmt: skip
+        sentences = []
+        if claimed["floor"]:
+            sentences.append(say("white noise behind the filter is part of the model"))
+        if claimed["resonance"]:
+            sentences.append(say("the model includes vibration: {where}", where=join(", ", claimed["resonance"])))
+        sentences += [say("{words}; the intervals allow for it", words=words) for words in claimed["factor"]]
+        return tuple(sentences)
+
+    @property
     def _doubt(self) -> str:
         """Why `model` is not used as it stands."""
         if self.validity == UNEXPLAINED:

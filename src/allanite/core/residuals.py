@@ -155,7 +155,7 @@ def statement(grade: str, fit: Fit | None, left: Residuals | None) -> Statement:
         head, tried = _rejection(good, scope)
         return Statement(grade, head, (*why, *wrong, *tried, *remarks))
     widened = (say("the intervals allow for the misfit"),) if scope is not None and scope.misfit else ()
-    supposed = () if scope is None else scope.sentences
+    supposed = (*(() if scope is None else scope.sentences), *(() if fit is None else fit.supposed))
     return Statement(grade, tested(grade, scope, good), (*wrong, *widened, *why, *supposed, *remarks))
 
 
@@ -169,7 +169,8 @@ def _rejection(good: Goodness | None, scope: Scope | None) -> tuple[Phrase, tupl
     if scope is None or scope.choice != "auto":
         return head, () if scope is None else (try_band(),)
     tried = say(
-        "low-pass filters, masks and frequency bands were tried; with none of them do these terms explain the record"
+        "low-pass filters, vibration, steps, a warm-up and power of any other shape were tried beside the terms; none of "
+        "them explains the record"
     )
     return head, (tried,)
 

@@ -19,6 +19,9 @@ EXPLAINED, APPROXIMATE, UNEXPLAINED = "explained", "approximate", "unexplained"
 WEIGHS = (0.2, 3.0)
 """Averaging times times a frequency between which a vibration of this frequency matters in a deviation."""
 
+ROUGHLY = 0.3
+"""Difference from the power of the terms, as a share of it, above which a part of the spectrum is said to be undescribed."""
+
 SETTLED = 10.0
 """Multiple of the period of a filter's cut-off beyond which it lowers a deviation by a few per cent at most."""
 
@@ -36,7 +39,9 @@ def graded(grade: str, scope: "Scope | None" = None) -> Phrase:
     if grade == UNEXPLAINED:
         return say("not explained")
     if scope is not None and scope.misfit:
-        return say("explained within {share:.2g} %", share=100 * scope.within)
+        if scope.within > ROUGHLY:
+            return say("explained but for a part of the spectrum")
+        return say("explained within {share:.2g} %", share=100 * max(scope.within, scope.misfit))
     if grade == APPROXIMATE and scope is not None and scope.until is not None:
         return say("explained up to {until:.3g} s", until=scope.until)
     return say("explained, with a reservation") if grade == APPROXIMATE else say("explained")

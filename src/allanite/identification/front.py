@@ -91,14 +91,14 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
         curve, is the best method for curves and gives standard errors. The others are methods of papers and programs,
         for comparison, without intervals. `METHODS` lists the efficiency of each.
     terms : str or sequence of str
-        "auto" for Q, N, B, K and R, where Gauss-Markov noise (GM) replaces flicker if there is clear evidence
-        ("whittle" only); or symbols, for example "QNK", "N,GM,K" or ["N", "K"].
+        "auto" for Q, N, B, K and R, and Gauss-Markov noise (GM, and GML for a second) beside them if there is clear
+        evidence ("whittle" only); or symbols, for example "QNK", "N,GM,K" or ["N", "K"].
     statistic : str, optional
         Statistic of the curve computed from a record, for methods that fit a curve; by default oadev.
     band : {"auto", "all"} or (low, high), optional
-        Frequencies to fit, Hz ("whittle" only). "auto", the default, uses all of them if the terms explain them;
-        otherwise it looks for a low-pass filter, leaves out resonances, and finds the widest band that the terms
-        explain (`Fit.scope`).
+        Frequencies to fit, Hz ("whittle" only). "auto", the default, uses all of them, and looks for a low-pass filter,
+        vibration, steps, a warm-up and power of any other shape beside the terms (`Fit.components`); "all" looks for
+        neither filter nor vibration, a band for no filter.
     masks : sequence of (low, high)
         Frequencies that are not used, Hz ("whittle" only), beside those that "auto" or a band leaves out.
     lines : bool

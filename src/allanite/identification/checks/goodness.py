@@ -30,6 +30,7 @@ def goodness(
     used: BoolArray,
     *,
     lost: float,
+    loud: BoolArray,
     taken: tuple[Line, ...] = (),
 ) -> Goodness:
     """Cell-wise goodness of fit.
@@ -37,7 +38,8 @@ def goodness(
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate
     is z, and the sum of z^2 over the cells is chi-square with the number of cells less what sizes and shapes take of
     them, `lost`, and a half. `powers` are observed and expected power and the count of the bins `used`, given the loose
-    directions; `taken` are sinusoids removed before.
+    directions. In bins that are `loud` with the peaks of vibration no narrow peaks are looked for; `taken` are sinusoids
+    removed before.
     """
     from scipy.special import chdtrc
 
@@ -50,7 +52,7 @@ def goodness(
     p = float(chdtrc(max(float(filled.sum()) - lost - 0.5, 1.0), (z**2).sum()))
     ratio = total[filled] / nu[filled]
     bounds = np.append(edges[:-1][filled], edges[-1])
-    reasons = [*_lines(spectrum, used, m, power)]
+    reasons = [*_lines(spectrum, used, np.where(loud, np.inf, m), power)]
     if p < EXPLAINED:
         moving = (z > 5) & (ratio > 2)  # excess first: a strong one lifts the model everywhere else
         named = _roll_off(spectrum, used) + _where(bounds, ratio, z * moving)

@@ -22,8 +22,8 @@ whose images are no more than a ripple of 4 exp(-2 pi cut-off): a record does no
 LAGS, LEAST = 1024, 1e-9
 """Samples over which a filter correlates, at most; a gain so low that where it is less does not matter."""
 
-AVERAGED, TWICE = 0.443, 0.3189
-"""Cut-off of a moving average, and of one behind another, times the number of samples."""
+AVERAGED, TWICE, THRICE = 0.443, 0.3189, 0.2617
+"""Cut-off of a moving average, of one behind another, and of three, times the number of samples."""
 
 
 @dataclass(frozen=True)
@@ -136,6 +136,16 @@ def _bartlett(f: FloatArray, cutoff: float) -> FloatArray:
     return _from_lags(r)(f)
 
 
+def _thrice_averaged(f: FloatArray, cutoff: float) -> FloatArray:
+    """Three moving averages, one behind the other: autocovariances are a B-spline of six equal intervals."""
+    length = THRICE / cutoff
+    x = np.arange(1, math.ceil(3 * length)) / length
+    k = np.arange(7.0)
+    powers = np.maximum(np.subtract.outer(x + 3, k), 0.0) ** 5
+    r = powers @ np.array([1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0]) / 66
+    return _from_lags(r)(f)
+
+
 FILTERS: dict[str, Filter] = {
     "rc": Filter(say("1st-order low-pass"), _sampled_one_pole, _octaves(HIGHEST_RC)),
     "averaged rc": Filter(
@@ -153,5 +163,6 @@ FILTERS: dict[str, Filter] = {
         whole=True,
     ),
     "bartlett": Filter(say("continuous moving average of a moving average (Bartlett window)"), _bartlett),
+    "cic": Filter(say("three continuous moving averages, one behind the other (sinc^3, CIC)"), _thrice_averaged),
 }
 """Filters that are tried; the cut-off frequency of each is the only unknown."""

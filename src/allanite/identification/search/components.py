@@ -41,8 +41,12 @@ LONGEST_MARKOV = 0.1
 HIDING = 0.03
 """Cut-off, cycles a sample, below which a filter with noise behind it is Gauss-Markov and white noise: a definition."""
 
-QUALITIES = (2.0, 300.0)
+QUALITIES = (2.5, 300.0)
 """Least and greatest quality of a resonance: a broader one is a filter, a narrower one a sinusoid."""
+
+BROAD = 4.0
+"""Quality below which a state has one resonance at most: several are as broad as the knots of a factor, and sure of what
+it leaves open."""
 
 PERIODS = 16
 """Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
@@ -50,8 +54,8 @@ PERIODS = 16
 HIGHEST = 3.1
 """Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
 
-EXPONENTS = (0.4, 1.8)
-"""Exponents of a power law between which its column is exact within 3 %."""
+EXPONENTS = (0.6, 1.6)
+"""Exponents of a power law between which its column is exact within 1 %."""
 
 LONGEST_WARM_UP = 0.37
 """Share of the record up to which a warm-up differs from a ramp with a parabola."""
@@ -96,6 +100,9 @@ class Component:
         Derivatives of that by the logarithms of the shape.
     inside : bool
         Whether the filter acts on it.
+    behind : bool
+        Whether it is what the filter does not take of white noise: its column is multiplied by 1 - gain, so that the white
+        noise before and behind the filter together is N, as at long averaging times.
     gain : (frame, part) -> array, shape (bins,)
         What a filter lets pass.
     """
@@ -112,6 +119,7 @@ class Component:
     power: Callable[[Frame, Part], FloatArray] | None = None
     slope: Callable[[Frame, Part], FloatArray] | None = None
     inside: bool = False
+    behind: bool = False
     gain: Callable[[Frame, Part], FloatArray] | None = None
 
     def price(self, n: int) -> float:
@@ -134,6 +142,9 @@ def markov_places(n: int) -> float:
     """Effective number of time constants."""
     return 3.7 * math.log10(max(n / 300, 10.0))
 
+
+REMEMBERED = 4000
+"""Columns of one spectrum that are kept, at most: some 10 MB."""
 
 STEP = 1e-3
 """Step in the logarithm of a shape for a derivative of a column."""
@@ -192,27 +203,36 @@ def _poles(frame: Frame, part: Part) -> tuple[FloatArray, FloatArray, float, flo
     omega, quality = part.shape
     r = math.exp(-omega / (2 * quality))
     a, b = -2 * r * math.cos(omega), r * r
-    one, two, sine = frame.cosines
+    one, two, sine = frame.cosines(quality)
     # at its peak the denominator of a sharp one is a difference of equal numbers
     below = np.maximum((1 + a * a + b * b) + (2 * a * (1 + b)) * one + (2 * b) * two, 1e-15)
     return (sine if part.label == "high-pass" else np.ones(1)), below, a, b
 
 
 def resonance(frame: Frame, part: Part) -> FloatArray:
-    """Mean power of a resonance in the bins, its highest 1: white noise through two poles, or its derivative."""
-    above, below, *_ = _poles(frame, part)
-    mean = (above / below).mean(axis=1)
-    return np.asarray(mean / mean.max())
+    """Mean power of a resonance in the bins, its highest 1: white noise through two poles."""
+    key = ("resonance", part)
+    if key not in frame.known:
+        if len(frame.known) > REMEMBERED:
+            frame.known.clear()
+        above, below, *_ = _poles(frame, part)
+        mean = (above / below) @ np.full(below.shape[1], 1 / below.shape[1])
+        frame.known[key] = mean / mean.max()
+    result: FloatArray = frame.known[key]
+    return result
 
 
 def resonance_slope(frame: Frame, part: Part) -> FloatArray:
     """Its derivatives by the logarithms of frequency and quality, up to a share of itself."""
     above, below, a, b = _poles(frame, part)
-    (omega, quality), (one, two, _) = part.shape, frame.cosines
-    level = (above / below).mean(axis=1).max()
-    change = above / (below * below)
-    by_a = -((2 * a + 2 * (1 + b) * one) * change).mean(axis=1) / level
-    by_b = -((2 * b + 2 * a * one + 2 * two) * change).mean(axis=1) / level
+    (omega, quality), (one, two, _) = part.shape, frame.cosines(part.shape[1])
+    each = np.full(below.shape[1], 1 / below.shape[1])
+    change = above / below
+    level = (change @ each).max()
+    change = change / below
+    whole, first, second = change @ each, (change * one) @ each, (change * two) @ each
+    by_a = -(2 * a * whole + 2 * (1 + b) * first) / level
+    by_b = -(2 * b * whole + 2 * a * first + 2 * second) / level
     slow = omega / (2 * quality)  # -ln r
     da = (slow * 2 * math.sqrt(b) * math.cos(omega) + 2 * math.sqrt(b) * omega * math.sin(omega), slow * a)
     db = (-2 * slow * b, 2 * slow * b)
@@ -221,13 +241,14 @@ def resonance_slope(frame: Frame, part: Part) -> FloatArray:
 
 
 def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
-    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), QUALITIES]
+    quality = (QUALITIES[0], BROAD) if part.shape[1] < BROAD else (BROAD, QUALITIES[1])
+    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), quality]
 
 
 def _filter_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
-    """Those of its row; the cut-off of a filter in common stays."""
+    """Those of its row, or of the filter in common."""
     common = frame.common_row(part.label)
-    return [(common.cutoff,) * 2 if common else (LOWEST_CUTOFF, FILTERS[part.label].widest)]
+    return [common.bounds if common else (LOWEST_CUTOFF, FILTERS[part.label].widest)]
 
 
 COMPONENTS: dict[str, Component] = {
@@ -250,7 +271,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "floor", 0.00012, lambda n: 1, power=lambda frame, part: np.ones(frame.count.size),
-            slope=lambda frame, part: np.zeros((0, frame.count.size)),
+            slope=lambda frame, part: np.zeros((0, frame.count.size)), behind=True,
         ),
         Component(
             "resonance", 0.003, lambda n: 40 * math.log2(max(n / 128, 2.0)), most=12, refined=2, grain=(0.05, 0.7),
@@ -264,7 +285,7 @@ COMPONENTS: dict[str, Component] = {
 }  # fmt: skip
 """Every component by its name."""
 
-FACTORS = {"all": 3.0, "above": 5.0, "step above": 5.0, "between": 5.0}
+FACTORS = {"all": 5.0, "above": 8.0, "step above": 8.0, "between": 12.0}
 """Prices of the kinds of a factor. The determinant of its information pays for the search: of 200 records of noise alone
 none gained more than 2.5 by the best kind, place and size."""
 
@@ -279,8 +300,7 @@ def cost_of(part: Part, frame: Frame) -> float:
     if part.name == "factor":
         return FACTORS[part.label] - ODDS
     if part.name == "filter" and frame.common:  # the price is paid once for all channels
-        common = frame.common_row(part.label)
-        return common.score if common else math.inf
+        return 0.0 if frame.common_row(part.label) else math.inf
     row = COMPONENTS[part.name]
     if part.name == "noise" and len(part.shape) > 1:  # each further value is looked for in some fifty places
         return _price(row.places(frame.size) * 50.0 ** (len(part.shape) - 1), row.alpha, 1.0, False) - ODDS

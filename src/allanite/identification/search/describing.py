@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
+from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.component import Component
 from allanite.core.estimate import Estimate
 from allanite.core.titles import title_of
@@ -25,6 +25,9 @@ VISIBLE = 2.0
 
 LOUD = 0.5
 """Share of the power from which vibration, or what nothing describes, hides the terms."""
+
+MOST_WHITE = 0.8
+"""Share of the power of a half octave that white noise has where it is visible: a definition."""
 
 ENDS = 3.84
 """Rise of the value at the 95 % limits."""
@@ -82,6 +85,9 @@ def low_pass(answer: Answer) -> LowPass | None:
         return None
     part = having[0].f.state.filter
     assert part is not None  # noqa: S101 - they have one
+    if common := answer.result.frame.common_row(part.label):
+        ends = (c * answer.scale.rate for c in (common.cutoff, common.low, common.high))
+        return LowPass(part.label, FILTERS[part.label].title, *ends, answer.scale.rate)
     ends = [_cutoff(e) for e in having]
     w = np.array([e.weight for e in having])
     centre, spread = (np.array(each) for each in zip(*ends, strict=True))
@@ -142,16 +148,20 @@ def factor_of(f: Fitted) -> tuple[FloatArray, FloatArray]:
     return A @ f.v, np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", A, C, A), 0.0))
 
 
+def loud_in(f: Fitted) -> BoolArray:
+    """Bins in which resonances have most of the power, shape (bins,)."""
+    count = len(f.state.of("resonance"))
+    if not count:
+        return np.zeros(f.m.size, dtype=bool)
+    return np.asarray((f.likelihood.S[:, -count:] @ f.theta[-count:]) / f.m > LOUD)
+
+
 def disturbed(f: Fitted) -> tuple[tuple[float, float], ...]:
     """Frequencies, Hz, at which resonances have most of the power: the terms cannot be compared there."""
-    loud = len(f.state.of("resonance"))
-    if not loud:
-        return ()
-    share = (f.likelihood.S[:, -loud:] @ f.theta[-loud:]) / f.m
-    return _runs(f.frame, share > LOUD)
+    return _runs(f.frame, loud_in(f))
 
 
-def _runs(frame: Frame, which: FloatArray) -> tuple[tuple[float, float], ...]:
+def _runs(frame: Frame, which: BoolArray) -> tuple[tuple[float, float], ...]:
     """Runs of bins, Hz."""
     ends = np.flatnonzero(np.diff(np.concatenate(([0], which.astype(np.int8), [0])))).reshape(-1, 2)
     spectrum, first = frame.spectrum, frame.first
@@ -160,6 +170,20 @@ def _runs(frame: Frame, which: FloatArray) -> tuple[tuple[float, float], ...]:
         (float(spectrum.frequency(first[a] - 0.5)), float(spectrum.frequency(first[b - 1] + count[b - 1] - 0.5)))
         for a, b in ends
     )
+
+
+def shows_white(f: Fitted) -> bool:
+    """Whether white noise has most of the power of a half octave at least, where vibration or a factor stands beside it.
+
+    Else what stands beside it makes its value: it is known from a difference only.
+    """
+    frame = f.frame
+    if frame.white is None or not (f.state.of("resonance") or f.state.of("factor")):
+        return True
+    share = f.likelihood.S[:, frame.white] * f.theta[frame.white] / f.m
+    half = np.floor(2 * np.log2(frame.centre)).astype(int)
+    count = np.bincount(half, frame.count)
+    return bool((np.bincount(half, share * frame.count)[count > WELL_KNOWN] / count[count > WELL_KNOWN] > MOST_WHITE).any())
 
 
 def components_of(answer: Answer) -> tuple[Component, ...]:

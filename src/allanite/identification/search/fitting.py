@@ -130,9 +130,9 @@ class Fitted(Portable):
         if k:
             H[-k:, -k:] += np.eye(k)
         through = self.state.filter
-        if through is not None and (common := self.frame.common_row(through.label)):
+        if through is not None:
             at = int(active.sum()) + place_of(self.state, through)
-            H[at, at] += common.information
+            H[at, at] += self.frame.told(through.label, through.shape[0])[2] / 2
         return H, active
 
     def _wide(self, rows: FloatArray) -> FloatArray:
@@ -145,6 +145,14 @@ class Fitted(Portable):
 def sizes_inside(frame: Frame, state: State) -> int:
     """Number of sizes that the filter acts on: they come first."""
     return len(frame.powers) + sum(COMPONENTS[p.name].inside for p in state)
+
+
+def column_of_part(state: State, frame: Frame, part: Part) -> int | None:
+    """The place of the size of a part among the columns; None for a part without one."""
+    inner = [p for p in state if COMPONENTS[p.name].inside]
+    outer = [p for p in state if COMPONENTS[p.name].power is not None and not COMPONENTS[p.name].inside]
+    columns = [*inner, *outer]
+    return len(frame.powers) + columns.index(part) if part in columns else None
 
 
 def values_of(state: State) -> FloatArray:
@@ -199,7 +207,10 @@ def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     if v.size:
         acting = gain * np.exp(np.clip(factor_basis(frame, state) @ v, -STEEPEST, STEEPEST))
     S = np.column_stack(inner) * acting[:, None] if acting.size > 1 else np.column_stack(inner)
-    outer = [_power(frame, p) for p in state if COMPONENTS[p.name].power and not COMPONENTS[p.name].inside]
+    outer = [
+        _power(frame, p) * (1 - gain if COMPONENTS[p.name].behind else 1.0)
+        for p in state if COMPONENTS[p.name].power and not COMPONENTS[p.name].inside
+    ]  # fmt: skip
     if outer:
         S = np.column_stack((S, *outer))
     W = np.zeros((part.W.shape[0], S.shape[1]))
@@ -284,6 +295,8 @@ def _valued(
             trusted = part.trusted(1 / (1 + d * part.count / 2))
             theta, _ = trusted.minimise(may, theta)
     value = 2 * part.value(theta) + float(v @ v) + _volume(part, theta, frame)
+    if state.filter is not None:
+        value += frame.told(state.filter.label, state.filter.shape[0])[0]
     if d is not None:
         m, power = _observed(part, theta)
         value += _integrated(part.count, m, power, d)
@@ -330,6 +343,7 @@ def slopes(f: Fitted) -> FloatArray:
     basis = factor_basis(frame, state)
     raised = np.exp(np.clip(basis @ f.v, -STEEPEST, STEEPEST)) if f.v.size else np.ones(1)
     rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
+    behind = frame.spectrum.rounding + sum(theta[column_of_part(state, frame, p) or 0] for p in state if COMPONENTS[p.name].behind)
     for part in state:
         row = COMPONENTS[part.name]
         if row.inside and row.slope is not None:
@@ -338,7 +352,7 @@ def slopes(f: Fitted) -> FloatArray:
         elif part.name == "filter":
             moved = frame.gain(part.label, part.shape[0] * math.exp(-STEP))
             change = (gain - moved) / STEP
-            rows.append(change * (f.inside / gain - frame.spectrum.rounding))
+            rows.append(change * (f.inside / gain - behind))
         elif row.slope is not None:
             rows += list(theta[outer] * row.slope(frame, part))
             outer += 1
@@ -392,6 +406,9 @@ def _step(f: Fitted, moving: BoolArray, damping: float) -> tuple[FloatArray, Flo
     g = (Z / m[:, None]).T @ (h * (power / m - 1))
     if k:
         g[-k:] -= f.v
+    through = f.state.filter
+    if through is not None:
+        g[a + place_of(f.state, through)] -= f.frame.told(through.label, through.shape[0])[1] / 2
     some = np.concatenate((np.ones(a, dtype=bool), moving))
     H, g = H[np.ix_(some, some)], g[some]
     size = np.sqrt(np.maximum(np.diag(H), 1e-300))

@@ -28,7 +28,7 @@ from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, Part
-from .describing import components_of, lost_freedom, notes_of, scope_of
+from .describing import components_of, loud_in, lost_freedom, notes_of, scope_of, shows_white
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
 from .fitting import Fitted
 from .frame import Frame, frame_of
@@ -330,6 +330,11 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
     if not answer.result.frame.asked:
         more = {s: noise_estimate(s, answer) for s in ("GM", "GML")}
         estimates |= {s: e for s, e in more.items() if e.claimed}
+    white = answer.result.frame.white
+    if white is not None and not shows_white(answer.best):
+        symbol = answer.result.frame.powers[white]
+        e = estimates[symbol]
+        estimates[symbol] = replace(e, status="weak") if e.claimed else e
     half = answer.scale.rate / 2
     estimates = {
         s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()
@@ -364,7 +369,8 @@ def _goodness(answer: Answer, taken: tuple[Line, ...]) -> Goodness:
     power = f.completed[0][: m.size]
     cell, bounds = cells_of(f.frame.spectrum, f.frame.used)
     lost = lost_freedom(f, cell, bounds.size - 1)
-    return goodness(f.frame.spectrum, (power, m, f.trusted.count), f.frame.used, lost=lost, taken=taken)
+    powers = power, m, f.trusted.count
+    return goodness(f.frame.spectrum, powers, f.frame.used, lost=lost, loud=loud_in(f), taken=taken)
 
 
 def alternatives(answer: Answer) -> tuple[Alternative, ...]:

@@ -61,6 +61,7 @@ def entries_of(result: Searched) -> list[Entry]:
     models: dict[tuple[object, bytes], Fitted] = {}
     least = result.best.score
     for f in _some_of_each_family(result.kept):
+        models[f.state.kind, f.free.tobytes()] = f
         every = np.ones(f.theta.size, dtype=bool)
         full = resized(f, every)
         for code in range(2**P):
@@ -70,7 +71,7 @@ def entries_of(result: Searched) -> list[Entry]:
             key = (f.state.kind, may.tobytes())
             if not may.any() or key in models or _hopeless(full, may, least):
                 continue
-            g = f if (may == f.free).all() else resized(full, may)
+            g = resized(full, may)
             if math.isfinite(g.score) and g.score < least + 2 * REACH:
                 models[key] = g
     return weighted(list(models.values()))

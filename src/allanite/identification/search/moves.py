@@ -18,6 +18,7 @@ from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.whittle import step_coefficients, warm_up_direction
 
 from .components import (
+    BROAD,
     COMPONENTS,
     FACTORS,
     HIDING,
@@ -30,7 +31,7 @@ from .components import (
     Part,
     cost_of,
 )
-from .fitting import Fitted, fitted, refined
+from .fitting import Fitted, column_of_part, fitted, refined
 from .frame import LOW
 from .state import State
 
@@ -51,6 +52,10 @@ QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)
 
 CANDIDATES = 3
 """Candidates of a row that are fitted, at most."""
+
+MISSED = 40.0
+"""Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside it
+makes up for less."""
 
 BINS = 8
 """Bins that stand out at which resonances are looked for."""
@@ -110,6 +115,18 @@ class Local:
         gain = b * b / G
         return gain if signed else np.where(b > 0, gain, 0.0)
 
+    def loss(self, part: Part) -> float:
+        """What the value would rise by without a part whose size is a column, by one step; 0 for others."""
+        f = self.f
+        which = column_of_part(f.state, f.frame, part)
+        if which is None or f.theta[which] <= 0:
+            return 0.0
+        H, active = f.information
+        at = int(active[:which].sum())
+        size = np.sqrt(np.maximum(np.diag(H), 1e-300))
+        variance = np.linalg.pinv(H / np.outer(size, size), hermitian=True)[at, at] / size[at] ** 2
+        return float(f.theta[which] ** 2 / max(variance, 1e-300))
+
     def able(self, gain: float, cost: float) -> bool:
         """Whether a candidate may come within reach of the best state."""
         return gain > cost - REACH
@@ -120,8 +137,10 @@ Move = Callable[[Local], Iterator[State]]
 
 
 def less(at: Local) -> Iterator[State]:
-    """Without each of its parts; a filter takes its floor along."""
+    """Without each of its parts that may be missed; a filter takes its floor along."""
     for part in dict.fromkeys(at.f.state):
+        if at.loss(part) > cost_of(part, at.f.frame) + MISSED:
+            continue
         rest = at.f.state.lacking(part)
         yield rest.lacking(*rest.of("floor")) if part.name == "filter" else rest
 
@@ -131,7 +150,9 @@ def exchanged(at: Local) -> Iterator[State]:
     state = at.f.state
     for part in state.of("resonance"):
         other = "flat" if part.label == "high-pass" else "high-pass"
-        yield state.lacking(part).having(part._replace(label=other))
+        flipped = state.lacking(part).having(part._replace(label=other))
+        if fitted(at.f.frame, flipped, at.f.free).value < at.f.value + MISSED:
+            yield flipped
     if state.filter is None:
         return
     rest, cutoff = state.lacking(state.filter), state.filter.shape[0]
@@ -153,7 +174,8 @@ def floors(at: Local) -> Iterator[State]:
     state, part = at.f.state, Part("floor", "", ())
     if state.filter is None or state.of("floor") or state.filter.shape[0] < HIDING:
         return
-    if at.able(float(at.gains(1 / at.f.m[None])[0]), cost_of(part, at.f.frame)):
+    passed = at.f.frame.gain(state.filter.label, state.filter.shape[0])
+    if at.able(float(at.gains(((1 - passed) / at.f.m)[None])[0]), cost_of(part, at.f.frame)):
         yield state.having(part)
 
 
@@ -197,7 +219,7 @@ def exponents(at: Local) -> Iterator[State]:
     frame, state = at.f.frame, at.f.state
     if frame.flicker is None or state.of("exponent") or not (at.f.theta[: frame.slow.size][frame.slow] > 0).any():
         return
-    tries = [fitted(frame, state.having(Part("exponent", "", (a,)))) for a in (0.6, 0.8, 1.2, 1.4, 1.6)]
+    tries = [fitted(frame, state.having(Part("exponent", "", (a,)))) for a in (0.65, 0.8, 1.2, 1.4, 1.55)]
     yield min(tries, key=lambda f: f.value).state
 
 
@@ -267,7 +289,7 @@ def resonances(at: Local) -> Iterator[State]:
         if all(abs(math.log(part.shape[0] / other.shape[0])) > 0.5 / min(part.shape[1], other.shape[1]) for other in distinct):
             distinct.append(part)
     if 1 < len(distinct):
-        yield state.having(*distinct[:room])
+        yield state.having(*(p if p.shape[1] >= BROAD else p._replace(shape=(p.shape[0], 2 * BROAD)) for p in distinct[:room]))
 
 
 def _apart(one: Part, other: Part) -> bool:

@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, ODDS, Part
 from .describing import errors_of
 from .fitting import Fitted, fitted, pruned, refined
-from .frame import LOWEST_CUTOFF, Common
+from .frame import LOWEST_CUTOFF, Common, Frame
 from .moves import REACH, less
 from .search import Searched, search
 from .state import State
@@ -55,12 +56,15 @@ FINE = 0.05
 LEAST_ERROR = 5e-4
 """Standard error of the logarithm of a cut-off, at least: a moving average changes its slope at whole lengths."""
 
-ROUNDS = 2
-"""Rounds in which the other shapes follow a filter."""
+ROUNDS, FOLLOWING = 3, 1
+"""Rounds in which the other shapes follow a filter, and its cut-off."""
+
+GRID = 13
+"""Cut-offs at which the summed score is known."""
 
 RIVALS, NEXT = 4.0, 1.0
-"""Summed score over that of the best row up to which another one is an alternative: a weight of e^-2; what it is over it at
-least, so that all channels name the same row first."""
+"""Summed score over that of the best row up to which another one is an alternative: a weight of e^-2; what is added to
+it, so that all channels name the same row first."""
 
 
 class Together(NamedTuple):
@@ -108,11 +112,12 @@ class Behind:
         """Summed score of some channels over that behind the best filter."""
         return sum(self.fits[i].score - best.fits[i].score for i in channels)
 
-    def information(self, j: int) -> float:
-        """What a channel tells of the logarithm of the cut-off."""
-        f = self.fits[j]
-        assert f.state.filter is not None  # noqa: S101 - all are behind one
-        return float(errors_of(f, f.state.filter)[0]) ** -2
+    def ends(self, channels: Sequence[int]) -> tuple[float, float]:
+        """Logarithms of the cut-offs between which some channels have it in common."""
+        errors = [errors_of(f, f.state.filter)[0] for f in (self.fits[j] for j in channels) if f.state.filter]
+        error = max(float(np.sum(np.array(errors) ** -2.0)) ** -0.5, LEAST_ERROR)
+        x, low, high = (math.log(c) for c in (self.cutoff, LOWEST_CUTOFF, FILTERS[self.row].widest))
+        return max(x - NEAR * error, low), min(x + NEAR * error, high)
 
 
 def in_common(results: Sequence[Searched]) -> dict[int, tuple[Common, ...]]:
@@ -131,13 +136,56 @@ def in_common(results: Sequence[Searched]) -> dict[int, tuple[Common, ...]]:
     for b in sorted(tried, key=lambda b: b.over(best, members)):
         if b.over(best, members) < RIVALS:
             rows.setdefault(b.row, b)
-    return {j: tuple(_told(b, best, [i for i in members if i != j]) for b in rows.values()) for j in members}
+    return _told([Scan.of(b, members, b.over(best, members)) for b in rows.values()], best, members)
 
 
-def _told(b: Behind, best: Behind, others: Sequence[int]) -> Common:
-    """What the other channels tell one of a filter."""
-    score = b.over(best, others) + (NEXT if b is not best else 0.0)
-    return Common(b.row, b.cutoff, sum(b.information(i) for i in others), score)
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """Scores of channels behind a row of filters: `scores`, shape (channels, cut-offs), `at` logarithms of cut-offs.
+
+    `over` is the least sum of them over that of the best row.
+    """
+
+    row: str
+    cutoff: float
+    at: FloatArray
+    scores: FloatArray
+    over: float
+
+    @staticmethod
+    def of(b: Behind, members: Sequence[int], over: float) -> "Scan":
+        """The scores around the best cut-off, other shapes following a little."""
+        at = np.linspace(*b.ends(members), GRID)
+        scores = [
+            [_behind(b.fits[j], b.row, math.exp(x), FOLLOWING).score for x in at.tolist()] for j in members
+        ]  # fmt: skip
+        return Scan(b.row, b.cutoff, at, np.array(scores), over + (NEXT if over else 0.0))
+
+    @property
+    def weights(self) -> tuple[FloatArray, FloatArray]:
+        """Logarithms of cut-offs, closely, and the weight of each, all that of the row."""
+        from scipy.interpolate import CubicSpline
+
+        total = self.scores.sum(axis=0)
+        x = np.linspace(self.at[0], self.at[-1], 20 * GRID)
+        w = np.exp((total.min() - CubicSpline(self.at, total)(x)) / 2)
+        return x, w / w.sum() * math.exp(-self.over / 2)
+
+
+def _told(scans: Sequence[Scan], best: Behind, members: Sequence[int]) -> dict[int, tuple[Common, ...]]:
+    """What each channel is told of the filter by the others."""
+    x, w = (np.concatenate(each) for each in zip(*(scan.weights for scan in scans), strict=True))
+    order = np.argsort(x)
+    below = np.cumsum(w[order]) - w[order] / 2
+    low, high = np.exp(np.interp([0.025 * w.sum(), 0.975 * w.sum()], below, x[order])).tolist()
+    told: dict[int, list[Common]] = {j: [] for j in members}
+    for scan in scans:
+        for k, j in enumerate(members):
+            least = sum(best.fits[i].score for i in members if i != j)
+            others = scan.scores.sum(axis=0) - scan.scores[k] - least + (NEXT if scan.over else 0.0)
+            ends = min(low, scan.cutoff), max(high, scan.cutoff)
+            told[j].append(Common(scan.row, scan.cutoff, *ends, tuple(scan.at.tolist()), tuple(others.tolist())))
+    return {j: tuple(each) for j, each in told.items()}
 
 
 def _rows(results: Sequence[Searched]) -> list[str]:
@@ -193,11 +241,22 @@ def without_filter(state: State) -> State:
     return state.lacking(*state.of("filter"))
 
 
+def _fixed(frame: Frame, row: str, cutoff: float) -> Frame:
+    """Behind a filter that does not change."""
+    return frame.behind(Common(row, cutoff, cutoff, cutoff))
+
+
+def _behind(f: Fitted, row: str, cutoff: float, rounds: int = 0) -> Fitted:
+    """A fit behind another filter, the other shapes refined."""
+    state = without_filter(f.state).having(Part("filter", row, (cutoff,)))
+    return pruned(refined(fitted(_fixed(f.frame, row, cutoff), state), rounds))
+
+
 def _evaluated(results: Sequence[Searched], alone: Sequence[float], row: str, cutoff: float) -> Behind:
     """The channels behind a filter, the shapes of their best states refined."""
     fits = []
     for result in results:
-        frame = result.frame.behind(Common(row, cutoff, 0.0, 0.0))
+        frame = _fixed(result.frame, row, cutoff)
         states = [base.having(Part("filter", row, (cutoff,))) for base in bases(result, BASES)]
         tries = [pruned(refined(fitted(frame, s), ROUNDS)) for s in states if s.admitted(frame)]
         fits.append(min(tries, key=lambda f: f.score))
@@ -218,30 +277,20 @@ def _best_cutoff(b: Behind, alone: Sequence[float]) -> Behind:
     def total(x: float) -> float:
         if x not in known:
             c = math.exp(x)
-            fits = [pruned(fitted(f.frame, _moved(f.state, c))) for f in b.fits]
+            fits = [_behind(f, b.row, c) for f in b.fits]
             known[x] = Behind(b.row, c, fits, _total(fits, alone))
         return known[x].total
 
     members = [j for j, f in enumerate(b.fits) if f.score < alone[j] + APART] or range(len(b.fits))
-    error = max(sum(b.information(j) for j in members) ** -0.5, LEAST_ERROR)
-    low, high = math.log(LOWEST_CUTOFF), math.log(FILTERS[b.row].widest)
-    x = math.log(b.cutoff)
-    ends = max(x - NEAR * error, low), min(x + NEAR * error, high)
-    minimize_scalar(total, bounds=ends, method="bounded", options={"xatol": FINE * error, "maxiter": 20})
+    ends = b.ends(members)
+    fine = FINE * (ends[1] - ends[0]) / (2 * NEAR)
+    minimize_scalar(total, bounds=ends, method="bounded", options={"xatol": fine, "maxiter": 20})
     return min(known.values(), key=lambda each: each.total)
-
-
-def _moved(state: State, cutoff: float) -> State:
-    through = state.filter
-    assert through is not None  # noqa: S101 - it is behind one
-    return without_filter(state).having(through._replace(shape=(cutoff,)))
 
 
 def behind(result: Searched, common: Sequence[Common]) -> Searched:
     """The states of a search behind a filter in common, and those that lack parts which stood in its place."""
     frame, parts = result.frame.behind(*common), bases(result, STARTS)
     parts.append(parts[0].lacking(*parts[0].of("exponent")))  # which the terms can express
-    starts = [
-        base.having(Part("filter", each.row, (each.cutoff,))) for each in common for base in dict.fromkeys(parts)
-    ]
+    starts = [base.having(Part("filter", each.row, (each.cutoff,))) for each in common for base in dict.fromkeys(parts)]
     return search(frame, [s for s in starts if s.admitted(frame)], moves=(less,), unexplained=False)

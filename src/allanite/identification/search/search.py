@@ -22,6 +22,9 @@ EXPANDED = (4.0, 1.0)
 EXPANSIONS = 40
 """States that are expanded, at most, in either pass."""
 
+FOLLOWED = 2
+"""Neighbours of a start by one way that are expanded, whatever the others gain, if they are more than `REACH` better."""
+
 BETTER = 0.3
 """By how much the score of a state must be less than that of one which differs in numerators and row of the filter, so
 that it is expanded too."""
@@ -29,7 +32,7 @@ that it is expanded too."""
 SAME = 0.1
 """Difference of the scores of two states that are the same within the grain of their shapes."""
 
-FITS = 1500
+FITS = 800
 """Neighbours that are fitted, at most: a record that needs more is described by none of them."""
 
 FIRST = 3
@@ -66,19 +69,40 @@ class Searched(Portable):
             self.every[key] = f
 
 
-def search(frame: Frame, starts: Sequence[State] = (State(),), *, moves: Sequence[Move] = MOVES, unexplained: bool = True) -> Searched:
+def search(
+    frame: Frame, starts: Sequence[State] = (State(),), *, moves: Sequence[Move] = MOVES, unexplained: bool = True
+) -> Searched:
     """Expand the best states until none of those within reach of the best is left unexpanded."""
-    result = Searched(frame)
+    result, done = Searched(frame), dict[object, float]()
     for start in starts:
-        result.add(pruned(refined(fitted(frame, start))))
-    done: dict[object, float] = {}
-    _expand(result, tuple(moves), EXPANDED[0], done)
+        first = pruned(refined(fitted(frame, start)))
+        result.add(first)
+        _follow(result, first, moves, done)
+    _expand(result, moves, EXPANDED[0], done)
     if unexplained:
         for f in [f for f in result.every.values() if f.score < result.best.score + EXPANDED[1]]:
-            for g in _beside(result, f, (factors,)):
-                result.add(g)
+            _add_beside(result, f, (factors,))
         _expand(result, (*moves, factors), EXPANDED[1], done)
     return result
+
+
+def _follow(result: Searched, start: Fitted, moves: Sequence[Move], done: dict[object, float]) -> None:
+    """Expand a start and then the best that each way from it leads to, whatever the others gain.
+
+    Far from a fit what gains most at first need not lead to the best state: a broad resonance may gain more than the
+    filter that was there, but for what stands behind it.
+    """
+    if start.state.form in done:
+        return
+    done[start.state.form] = start.score
+    result.expanded += 1
+    for move in moves:
+        ways = sorted(_add_beside(result, start, (move,)), key=lambda f: f.score)[:FOLLOWED]
+        for f in ways:
+            if f.score < start.score - REACH and f.state.form not in done:
+                done[f.state.form] = f.score
+                result.expanded += 1
+                _add_beside(result, f, moves)
 
 
 def _expand(result: Searched, moves: Sequence[Move], reach: float, done: dict[object, float]) -> None:
@@ -91,8 +115,15 @@ def _expand(result: Searched, moves: Sequence[Move], reach: float, done: dict[ob
         best = min(waiting, key=lambda f: (f.score, repr(f.state.kind)))
         done[best.state.form] = best.score
         result.expanded += 1
-        for f in _beside(result, best, moves):
-            result.add(f)
+        _add_beside(result, best, moves)
+
+
+def _add_beside(result: Searched, f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
+    """Keep the neighbours of a state."""
+    beside = _beside(result, f, moves)
+    for g in beside:
+        result.add(g)
+    return beside
 
 
 def _worth(f: Fitted) -> float:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from allanite.identification.likelihood.filters import FILTERS
 
-from .components import COMPONENTS, HIDING, LEAST_MARKOV, Part, cost_of
+from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, Part, cost_of
 from .frame import Frame
 
 ORDER = tuple(COMPONENTS)
@@ -78,6 +78,8 @@ class State:
         if any(count > COMPONENTS[name].most for name, count in counts.items()):
             return False
         if self.needs_white and frame.white is None and counts["factor"]:
+            return False
+        if sum(p.shape[1] < BROAD for p in self.of("resonance")) > 1:
             return False
         if frame.common and self.filter is None:
             return False
