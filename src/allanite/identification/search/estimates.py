@@ -19,7 +19,7 @@ from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .components import Part
-from .fitting import Fitted, fitted, refined, refined_values, resized, values_of, with_values
+from .fitting import Fitted, fitted, place_of, refined, resized, values_of, with_values
 from .laws import Entry, Law, column_of, law_of
 from .search import Searched
 
@@ -252,12 +252,7 @@ class ShapeLimits:
 
 def profile_ends(f: Fitted, part: Part, which: int, drop: float) -> tuple[float, float]:
     """Values of a shape at which the value of the fit has risen by `drop`; as far as that is looked for."""
-    at = 0
-    for other in f.state:
-        if other == part:
-            break
-        at += refined_values(other)
-    at += which
+    at = place_of(f.state, part) + which
     free = fitted(f.frame, f.state, None, f, f.v)
     best, held = refined(free, settled=EXACT), np.zeros(values_of(f.state).size, dtype=bool)
     held[at] = True

@@ -83,6 +83,8 @@ class State:
             return False
         if sum(p.shape[1] < BROAD for p in self.of("resonance")) > 1:
             return False
+        if frame.common and self.filter is None:
+            return False
         if counts["floor"]:
             return self.filter is not None and self.filter.shape[0] >= HIDING
         return True
