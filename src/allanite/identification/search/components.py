@@ -146,8 +146,8 @@ def markov_places(n: int) -> float:
 REMEMBERED = 4000
 """Columns of one spectrum that are kept, at most: some 10 MB."""
 
-STEP = 1e-3
-"""Step in the logarithm of a shape for a derivative of a column."""
+STEP = 1e-5
+"""Step in the logarithm of a shape for a derivative of a column: what sizes cannot make up for is often a hundredth of it."""
 
 
 def _noise_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
@@ -245,6 +245,12 @@ def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
     return [(2 * np.pi * PERIODS / frame.size, HIGHEST), quality]
 
 
+def _filter_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
+    """Those of its row, or of the filter in common."""
+    common = frame.common_row(part.label)
+    return [common.bounds if common else (LOWEST_CUTOFF, FILTERS[part.label].widest)]
+
+
 COMPONENTS: dict[str, Component] = {
     row.name: row
     for row in (
@@ -260,7 +266,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "filter", 0.003, lambda n: 3, signed=True, refined=1, grain=(0.03,),
-            bounds=lambda frame, part: [(LOWEST_CUTOFF, FILTERS[part.label].widest)],
+            bounds=_filter_bounds,
             gain=lambda frame, part: frame.gain(part.label, part.shape[0]),
         ),
         Component(
@@ -293,6 +299,8 @@ def cost_of(part: Part, frame: Frame) -> float:
     """What a part costs in the score."""
     if part.name == "factor":
         return FACTORS[part.label] - ODDS
+    if part.name == "filter" and frame.common:  # the price is paid once for all channels
+        return 0.0 if frame.common_row(part.label) else math.inf
     row = COMPONENTS[part.name]
     if part.name == "noise" and len(part.shape) > 1:  # each further value is looked for in some fifty places
         return _price(row.places(frame.size) * 50.0 ** (len(part.shape) - 1), row.alpha, 1.0, False) - ODDS

@@ -19,7 +19,7 @@ from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, Part
 from .estimates import Answer
-from .fitting import Fitted, fitted, refined, refined_values, values_of
+from .fitting import Fitted, fitted, place_of, refined, refined_values, values_of
 from .frame import LOWEST_CUTOFF, starts_of
 from .laws import Entry
 
@@ -126,11 +126,7 @@ def _halved(x: FloatArray, gain: FloatArray) -> float:
 def errors_of(f: Fitted, part: Part) -> FloatArray:
     """Standard errors of the logarithms of the shape of a part, everything else unknown."""
     H, active = f.information
-    at = int(active.sum())
-    for other in f.state:
-        if other == part:
-            break
-        at += refined_values(other)
+    at = int(active.sum()) + place_of(f.state, part)
     size = np.sqrt(np.maximum(np.diag(H), 1e-300))
     C = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
     k = refined_values(part)

@@ -86,6 +86,9 @@ def low_pass(answer: Answer) -> LowPass | None:
         return None
     part = having[0].f.state.filter
     assert part is not None  # noqa: S101 - they have one
+    if common := answer.result.frame.common_row(part.label):
+        ends = (c * answer.scale.rate for c in (common.cutoff, common.low, common.high))
+        return LowPass(part.label, FILTERS[part.label].title, *ends, answer.scale.rate)
     ends = [_cutoff(e) for e in having]
     w = np.array([e.weight for e in having])
     centre, spread = (np.array(each) for each in zip(*ends, strict=True))

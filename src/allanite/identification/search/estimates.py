@@ -19,7 +19,7 @@ from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .components import Part
-from .fitting import Fitted, fitted, refined, refined_values, resized, values_of, with_values
+from .fitting import Fitted, fitted, place_of, refined, resized, values_of, with_values
 from .laws import Entry, Law, column_of, law_of
 from .search import Searched
 
@@ -102,10 +102,13 @@ class Answer(Portable):
 
     @cached_property
     def shown(self) -> Fitted:
-        """The best fit that the terms can express: without a power law, which is no term."""
-        plain = (e.f for e in self.entries if not e.f.state.lacks_flicker)
-        others = [f for f in self.result.every.values() if not f.state.lacks_flicker]
+        """The best fit that the terms can express: without a power law, which is no term, and with a term at all."""
+        plain = (e.f for e in self.entries if self._expressed(e.f))
+        others = [f for f in self.result.every.values() if self._expressed(f)]
         return next(plain, None) or min(others, key=lambda f: f.score)
+
+    def _expressed(self, f: Fitted) -> bool:
+        return not f.state.lacks_flicker and bool(self.scale.terms(f))
 
     @cached_property
     def full(self) -> Fitted:
@@ -249,24 +252,22 @@ class ShapeLimits:
 
 def profile_ends(f: Fitted, part: Part, which: int, drop: float) -> tuple[float, float]:
     """Values of a shape at which the value of the fit has risen by `drop`; as far as that is looked for."""
-    at = 0
-    for other in f.state:
-        if other == part:
-            break
-        at += refined_values(other)
-    at += which
+    at = place_of(f.state, part) + which
     free = fitted(f.frame, f.state, None, f, f.v)
-    best, held = refined(free), np.zeros(values_of(f.state).size, dtype=bool)
+    best, held = refined(free, settled=EXACT), np.zeros(values_of(f.state).size, dtype=bool)
     held[at] = True
     x = values_of(best.state)
 
     def excess(y: float) -> float:
         moved = x.copy()
         moved[at] = y
-        return refined(fitted(f.frame, with_values(best.state, moved), None, best, best.v), 4, held=held).value - best.value - drop
+        return refined(fitted(f.frame, with_values(best.state, moved), None, best, best.v), 4, held=held, settled=EXACT).value - best.value - drop
 
     return _end(excess, x[at], -1.0, math.log(SHORTEST)), _end(excess, x[at], 1.0, math.log(f.frame.size))
 
+
+EXACT = 1e-3
+"""Gain in 2 L that ends the rounds of scoring where limits are read off: 0.1 % of a standard error."""
 
 SHORTEST = 1e-4
 """Value of a shape, samples or radians a sample, at which its lower limit is given up."""

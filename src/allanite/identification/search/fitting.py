@@ -35,6 +35,9 @@ FARTHEST = 0.5
 HALVINGS, ROUNDS, SETTLED = 4, 8, 0.03
 """Times that a step is cut to a third; rounds of scoring, at most; gain in 2 L that ends them."""
 
+AT_END = 1e-6
+"""Distance from the end of its range, in the logarithm, within which a shape that tends outwards stays."""
+
 DAMPING = 1e-3
 """Share of its information that is added to a shape's, at first."""
 
@@ -126,6 +129,10 @@ class Fitted(Portable):
         k = self.v.size
         if k:
             H[-k:, -k:] += np.eye(k)
+        through = self.state.filter
+        if through is not None:
+            at = int(active.sum()) + place_of(self.state, through)
+            H[at, at] += self.frame.told(through.label, through.shape[0])[2] / 2
         return H, active
 
     def _wide(self, rows: FloatArray) -> FloatArray:
@@ -156,6 +163,11 @@ def values_of(state: State) -> FloatArray:
 def refined_values(part: Part) -> int:
     """How many values of a part's shape are refined with the sizes."""
     return len(part.shape) if part.name == "noise" else COMPONENTS[part.name].refined
+
+
+def place_of(state: State, part: Part) -> int:
+    """Place of the first value of a part among those that are refined."""
+    return sum(refined_values(other) for other in state.parts[: state.parts.index(part)])
 
 
 def with_values(state: State, x: FloatArray) -> State:
@@ -282,7 +294,12 @@ def _valued(
             d = (error * share) ** 2
             trusted = part.trusted(1 / (1 + d * part.count / 2))
             theta, _ = trusted.minimise(may, theta)
-    value = 2 * part.value(theta) + float(v @ v) + _volume(part, theta, frame)
+    least = part.value(theta)
+    if not math.isfinite(least):  # a shape leaves nothing where the record has power
+        return Fitted(frame, state, may, theta, v, part, trusted, error, math.inf)
+    value = 2 * least + float(v @ v) + _volume(part, theta, frame)
+    if state.filter is not None:
+        value += frame.told(state.filter.label, state.filter.shape[0])[0]
     if d is not None:
         m, power = _observed(part, theta)
         value += _integrated(part.count, m, power, d)
@@ -345,7 +362,9 @@ def slopes(f: Fitted) -> FloatArray:
     return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * f.inside[:, None]).T))
 
 
-def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None) -> Fitted:
+def refined(
+    f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None, settled: float = SETTLED
+) -> Fitted:
     """The best shapes near those of a fit: Fisher scoring of sizes and shapes together, with step halving.
 
     With `only` of its last shapes alone; `held` shapes stay as they are, shape (values,).
@@ -356,12 +375,16 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray |
         moving[: x.size - only] = False
     if held is not None:
         moving[: x.size] &= ~held
+    low, high = bounds_of(f.frame, f.state)
+    moving[: x.size] &= low < high
     if not moving.any():
         return f
-    low, high = bounds_of(f.frame, f.state)
     damping = DAMPING
     for _ in range(rounds):
         dx, dv = _step(f, moving, damping)
+        stuck = ((x < low + AT_END) & (dx < 0)) | ((x > high - AT_END) & (dx > 0))
+        if stuck.any():  # the others as if these stayed, which they do
+            dx, dv = _step(f, np.concatenate((moving[: x.size] & ~stuck, moving[x.size :])), damping)
         better = None
         for _ in range(HALVINGS):
             state = with_values(f.state, np.clip(x + dx, low, high))
@@ -374,7 +397,7 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray |
             break
         gain, f, x = f.value - better.value, better, values_of(better.state)
         damping = max(damping / 4, 1e-6)
-        if gain < SETTLED:
+        if gain < settled:
             break
     return f
 
@@ -388,6 +411,9 @@ def _step(f: Fitted, moving: BoolArray, damping: float) -> tuple[FloatArray, Flo
     g = (Z / m[:, None]).T @ (h * (power / m - 1))
     if k:
         g[-k:] -= f.v
+    through = f.state.filter
+    if through is not None:
+        g[a + place_of(f.state, through)] -= f.frame.told(through.label, through.shape[0])[1] / 2
     some = np.concatenate((np.ones(a, dtype=bool), moving))
     H, g = H[np.ix_(some, some)], g[some]
     size = np.sqrt(np.maximum(np.diag(H), 1e-300))

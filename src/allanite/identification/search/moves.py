@@ -196,7 +196,12 @@ def markov(at: Local) -> Iterator[State]:
 
 def _acting(f: Fitted) -> FloatArray:
     """What the filter and the factors make of noise in the sensor, over m."""
-    bare = f.frame.table(f.frame.powers[0]) if f.frame.powers else np.ones(1)
+    frame, first = f.frame, next((p for p in f.state if COMPONENTS[p.name].inside), None)
+    if frame.powers:
+        bare = frame.table(frame.powers[0])
+    else:  # one noise with a shape was asked for, at least
+        power = COMPONENTS[first.name].power if first else None
+        bare = power(frame, first) if first and power else np.ones(1)
     return np.asarray(f.likelihood.S[:, 0] / np.maximum(bare, 1e-300) / f.m)
 
 

@@ -79,7 +79,11 @@ class State:
             return False
         if self.needs_white and frame.white is None and counts["factor"]:
             return False
+        if not frame.powers and not any(COMPONENTS[name].inside for name in counts):
+            return False
         if sum(p.shape[1] < BROAD for p in self.of("resonance")) > 1:
+            return False
+        if frame.common and self.filter is None:
             return False
         if counts["floor"]:
             return self.filter is not None and self.filter.shape[0] >= HIDING
