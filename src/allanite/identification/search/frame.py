@@ -287,7 +287,7 @@ def starts_of(row: str) -> tuple[float, ...]:
 
 @lru_cache(4096)
 def edges_of(row: str, step: int) -> float:
-    """Variance of white noise behind a filter along the edges of a record, at a step of the logarithm of the cut-off."""
+    """Variance of white noise behind a filter along the edges of a record, at a step of the cut-off's logarithm."""
     return FILTERS[row].edges(min(math.exp(step * EDGES_GRID), FILTERS[row].widest))
 
 

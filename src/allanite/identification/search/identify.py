@@ -133,7 +133,9 @@ def pending(
     taken, rest = _without_lines(record, symbols, band, masks) if lines else ((), record)
     seen = spectrum(rest, detrend=deterministic(symbols))
     # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
-    moves = tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
+    moves = (
+        tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
+    )
     return pending_of(
         seen, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken, moves=moves
     )  # fmt: skip
@@ -338,9 +340,7 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
         e = estimates[symbol]
         estimates[symbol] = replace(e, status="weak") if e.claimed else e
     half = answer.scale.rate / 2
-    estimates = {
-        s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()
-    }
+    estimates = {s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()}
     return estimates | {s: warm_up_estimate(s, warm, answer) for s in answer.symbols if TERMS[s].transient}
 
 

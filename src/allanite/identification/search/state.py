@@ -72,7 +72,7 @@ class State:
         """Whether a power law stands in the place of flicker."""
         return bool(self.of("exponent"))
 
-    def admitted(self, frame: Frame) -> bool:
+    def admitted(self, frame: Frame) -> bool:  # noqa: PLR0911 - a rule a line
         """Whether its parts may stand together."""
         counts = Counter(p.name for p in self.parts)
         if any(count > COMPONENTS[name].most for name, count in counts.items()):
