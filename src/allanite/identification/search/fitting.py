@@ -22,7 +22,7 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
 
-from .components import ANGLE, BEHIND, COMPONENTS, STEP, TERM, UNLIKELY, Part
+from .components import ANGLE, BEHIND, COMPONENTS, STEP, UNLIKELY, Part
 from .frame import Frame, leak
 from .state import State
 
@@ -182,7 +182,8 @@ def with_values(state: State, x: FloatArray) -> State:
 def bounds_of(frame: Frame, state: State) -> tuple[FloatArray, FloatArray]:
     """Least and greatest logarithms of the shapes."""
     ends = [end for p in state if refined_values(p) for end in COMPONENTS[p.name].bounds(frame, p)]
-    return np.log(np.array(ends).reshape(-1, 2)).T  # type: ignore[return-value]
+    low, high = np.log(np.array(ends).reshape(-1, 2)).T
+    return low, high
 
 
 def factor_basis(frame: Frame, state: State) -> FloatArray:
@@ -279,7 +280,7 @@ def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray | N
     return _adding(part, np.broadcast_to(part.added, known.shape) + known)
 
 
-def _valued(
+def _valued(  # noqa: PLR0917 - what a fit is made of
     frame: Frame, state: State, may: BoolArray, theta: FloatArray, v: FloatArray, part: Likelihood, error: float
 ) -> Fitted:
     """A fit with its value; where there are resonances, with the best error of their shapes and the sizes beside it."""
@@ -294,7 +295,10 @@ def _valued(
             d = (error * share) ** 2
             trusted = part.trusted(1 / (1 + d * part.count / 2))
             theta, _ = trusted.minimise(may, theta)
-    value = 2 * part.value(theta) + float(v @ v) + _volume(part, theta, frame)
+    least = part.value(theta)
+    if not math.isfinite(least):  # a shape leaves nothing where the record has power
+        return Fitted(frame, state, may, theta, v, part, trusted, error, math.inf)
+    value = 2 * least + float(v @ v) + _volume(part, theta, frame)
     if state.filter is not None:
         value += frame.told(state.filter.label, state.filter.shape[0])[0]
     if d is not None:
@@ -343,7 +347,8 @@ def slopes(f: Fitted) -> FloatArray:
     basis = factor_basis(frame, state)
     raised = np.exp(np.clip(basis @ f.v, -STEEPEST, STEEPEST)) if f.v.size else np.ones(1)
     rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
-    behind = frame.spectrum.rounding + sum(theta[column_of_part(state, frame, p) or 0] for p in state if COMPONENTS[p.name].behind)
+    columns = [column_of_part(state, frame, p) for p in state if COMPONENTS[p.name].behind]
+    behind = frame.spectrum.rounding + sum(float(theta[i]) for i in columns if i is not None)
     for part in state:
         row = COMPONENTS[part.name]
         if row.inside and row.slope is not None:
@@ -359,7 +364,9 @@ def slopes(f: Fitted) -> FloatArray:
     return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * f.inside[:, None]).T))
 
 
-def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None) -> Fitted:
+def refined(
+    f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None, settled: float = SETTLED
+) -> Fitted:
     """The best shapes near those of a fit: Fisher scoring of sizes and shapes together, with step halving.
 
     With `only` of its last shapes alone; `held` shapes stay as they are, shape (values,).
@@ -392,7 +399,7 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray |
             break
         gain, f, x = f.value - better.value, better, values_of(better.state)
         damping = max(damping / 4, 1e-6)
-        if gain < SETTLED:
+        if gain < settled:
             break
     return f
 

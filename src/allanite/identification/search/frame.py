@@ -188,8 +188,8 @@ class Frame(Portable):
     @cached_property
     def plain(self) -> Likelihood:
         """The likelihood of the powers and ramps in the bins that are read."""
-        part = likelihood(self.spectrum, [*self.powers, *self.ramps])
-        return part if self.used.all() else part.only(self.used)
+        # without the directions of which no bin knows: a ramp, where each piece is read by itself
+        return likelihood(self.spectrum, [*self.powers, *self.ramps]).only(self.used)
 
     def beside(self, more: tuple[tuple[str, float], ...]) -> Likelihood:
         """The same with more loose directions: ("step", sample) or ("warm-up", time constant in samples)."""
@@ -203,7 +203,7 @@ class Frame(Portable):
             part = replace(
                 plain, UU=UU, Uc=Uc, W=np.insert(plain.W, at, 0.0, axis=0), flat=np.insert(plain.flat, at, True)
             )
-            self.known[key] = part if self.used.all() else part.only(self.used)
+            self.known[key] = part.only(self.used)
         result: Likelihood = self.known[key]
         return result
 
@@ -287,7 +287,7 @@ def starts_of(row: str) -> tuple[float, ...]:
 
 @lru_cache(4096)
 def edges_of(row: str, step: int) -> float:
-    """Variance of white noise behind a filter along the edges of a record, at a step of the logarithm of the cut-off."""
+    """Variance of white noise behind a filter along the edges of a record, at a step of the cut-off's logarithm."""
     return FILTERS[row].edges(min(math.exp(step * EDGES_GRID), FILTERS[row].widest))
 
 

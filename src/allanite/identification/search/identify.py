@@ -28,7 +28,8 @@ from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, Part
-from .describing import components_of, loud_in, lost_freedom, notes_of, scope_of, shows_white
+from .cutoffs import cutoff_law
+from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of, shows_white
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
 from .fitting import Fitted
 from .frame import Frame, frame_of
@@ -132,7 +133,9 @@ def pending(
     taken, rest = _without_lines(record, symbols, band, masks) if lines else ((), record)
     seen = spectrum(rest, detrend=deterministic(symbols))
     # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
-    moves = tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
+    moves = (
+        tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
+    )
     return pending_of(
         seen, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken, moves=moves
     )  # fmt: skip
@@ -319,6 +322,7 @@ def _concluded(
         findings=tuple(findings),
         warm_up=warm.term if warm else None,
         components=components_of(answer),
+        cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None,
     )
 
 
@@ -336,9 +340,7 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
         e = estimates[symbol]
         estimates[symbol] = replace(e, status="weak") if e.claimed else e
     half = answer.scale.rate / 2
-    estimates = {
-        s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()
-    }
+    estimates = {s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()}
     return estimates | {s: warm_up_estimate(s, warm, answer) for s in answer.symbols if TERMS[s].transient}
 
 

@@ -22,7 +22,7 @@ from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, ODDS, Part
-from .describing import errors_of
+from .cutoffs import errors_of
 from .fitting import Fitted, fitted, pruned, refined
 from .frame import LOWEST_CUTOFF, Common, Frame
 from .moves import REACH, less
