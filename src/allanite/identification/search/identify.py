@@ -345,10 +345,10 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
 
 
 def _model(estimates: dict[str, Estimate], answer: Answer) -> Model:
-    """The best model: its noise terms, claimed or not, and the ramp if it is claimed."""
-    scatter = [e for s, e in estimates.items() if TERMS[s].waveform is not None and TERMS[s].scatters]
-    ramps = [Term(e.symbol, e.value, answer.scale.signal, e.shape) for e in scatter if e.value is not None]
-    return Model((*answer.scale.terms(answer.shown), *ramps))
+    """The best model: its noise terms, claimed or not, and a ramp and a warm-up that are claimed."""
+    known = [e for s, e in estimates.items() if TERMS[s].waveform is not None]
+    given = [Term(e.symbol, e.value, answer.scale.signal, e.shape) for e in known if e.value is not None]
+    return Model((*answer.scale.terms(answer.shown), *given))
 
 
 def _correlation(shown: Sequence[str], f: Fitted) -> FloatArray:

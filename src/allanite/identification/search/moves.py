@@ -69,6 +69,10 @@ CHANCE = 6.0
 LEAST_EVIDENCE = 0.1
 """Evidence for a factor, in 2 L, from which it is fitted: 1 % of records of noise alone have more."""
 
+WIDE_SIZES, MANY = (0.64, 2.56), 14
+"""Sizes of a factor that are fitted where one step is no guide, and rounds of scoring of these fits: each
+divides the power by e^2 at most."""
+
 WARM_UPS = 11
 """Time constants of a warm-up that are tried, from a hundredth of the record on."""
 
@@ -132,8 +136,8 @@ class Local:
         return gain > cost - REACH
 
 
-Move = Callable[[Local], Iterator[State]]
-"""From a fit to the states beside it that are worth fitting."""
+Move = Callable[[Local], Iterator[State | Fitted]]
+"""From a fit to the states beside it that are worth fitting, or to their fits where these are known already."""
 
 
 def less(at: Local) -> Iterator[State]:
@@ -372,7 +376,7 @@ MOVES: tuple[Move, ...] = (less, exchanged, floors, steps, warm_ups, markov, exp
 """All ways from a state to its neighbours. Their order decides nothing."""
 
 
-def factors(at: Local) -> Iterator[State]:
+def factors(at: Local) -> Iterator[State | Fitted]:
     """What no component describes: by the evidence of one step, and by a fit of each where that is no guide."""
     frame, state = at.f.frame, at.f.state
     if frame.white is None or len(state.of("factor")) >= COMPONENTS["factor"].most:
@@ -400,11 +404,9 @@ def factors(at: Local) -> Iterator[State]:
     ]
     if ranked[0][0] > FAR:
         wide = [p for p in splines.places if p[0] != "between" and p not in taken]
-        each = [
-            fitted(frame, state.having(Part("factor", p[0], (p[1], p[2], t)))) for p in wide for t in (0.16, 0.64, 2.56)
-        ]
-        each = [refined(f, 4) for f in sorted(each, key=lambda f: f.value)[:6]]
-        tries += [f.state for f in sorted(each, key=lambda f: f.value)[:CANDIDATES]]
+        parts = [Part("factor", p[0], (p[1], p[2], size)) for p in wide for size in WIDE_SIZES]
+        each = [refined(fitted(frame, state.having(part)), MANY) for part in parts]
+        yield from sorted(each, key=lambda f: f.score)[:CANDIDATES]
     yield from tries
 
 

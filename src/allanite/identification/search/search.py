@@ -77,32 +77,50 @@ def search(
     for start in starts:
         first = pruned(refined(fitted(frame, start)))
         result.add(first)
-        _follow(result, first, moves, done)
+        if first.state.form not in done:
+            _follow(result, first, moves, done)
     _expand(result, moves, EXPANDED[0], done)
     if unexplained:
         for f in [f for f in result.every.values() if f.score < result.best.score + EXPANDED[1]]:
             _add_beside(result, f, (factors,))
+        for bare in _bare(result.best):
+            _follow(result, bare, (factors,), done, moves)
         _expand(result, (*moves, factors), EXPANDED[1], done)
     return result
 
 
-def _follow(result: Searched, start: Fitted, moves: Sequence[Move], done: dict[object, float]) -> None:
+def _bare(f: Fitted) -> list[Fitted]:
+    """A fit without its resonances, and without its filter too, where a factor may be what they stand for.
+
+    Several broad resonances do, and angle noise behind a filter, which rises and falls again.
+    """
+    loud, through = f.state.of("resonance"), (*f.state.of("filter"), *f.state.of("floor"))
+    rises = bool(through) and bool((f.free[: f.frame.angle.size] & f.frame.angle).any())
+    states = ([f.state.lacking(*loud)] if loud else []) + ([f.state.lacking(*loud, *through)] if loud or rises else [])
+    return [pruned(refined(fitted(f.frame, state))) for state in dict.fromkeys(states)]
+
+
+def _follow(
+    result: Searched,
+    start: Fitted,
+    ways: Sequence[Move],
+    done: dict[object, float],
+    moves: Sequence[Move] = (),
+) -> None:
     """Expand a start and then the best that each way from it leads to, whatever the others gain.
 
     Far from a fit what gains most at first need not lead to the best state: a broad resonance may gain more than the
     filter that was there, but for what stands behind it.
     """
-    if start.state.form in done:
-        return
-    done[start.state.form] = start.score
+    done.setdefault(start.state.form, start.score)
     result.expanded += 1
-    for move in moves:
-        ways = sorted(_add_beside(result, start, (move,)), key=lambda f: f.score)[:FOLLOWED]
-        for f in ways:
+    for move in ways:
+        beside = sorted(_add_beside(result, start, (move,)), key=lambda f: f.score)[:FOLLOWED]
+        for f in beside:
             if f.score < start.score - REACH and f.state.form not in done:
                 done[f.state.form] = f.score
                 result.expanded += 1
-                _add_beside(result, f, moves)
+                _add_beside(result, f, (*moves, *ways))
 
 
 def _expand(result: Searched, moves: Sequence[Move], reach: float, done: dict[object, float]) -> None:
@@ -134,8 +152,10 @@ def _worth(f: Fitted) -> float:
 def _beside(result: Searched, f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
     """The fitted neighbours of a state that may come within reach."""
     frame, at = f.frame, Local(f)
-    states = [s for move in moves for s in move(at) if s.admitted(frame)]
-    fits = [_first(frame, f, s) for s in dict.fromkeys(states)]
+    ways = [way for move in moves for way in move(at)]
+    fits = [way for way in ways if isinstance(way, Fitted)]
+    states = dict.fromkeys(way for way in ways if isinstance(way, State) and way.admitted(frame))
+    fits += [_first(frame, f, state) for state in states]
     result.fits += len(fits)
     for rounds in (0, 8):
         least = min([_worth(f), *map(_worth, fits)])
