@@ -19,7 +19,7 @@ from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, Part
 from .estimates import Answer
-from .fitting import Fitted, fitted, place_of, refined, refined_values, values_of
+from .fitting import Fitted, fitted, place_of, refined, refined_values, sizes_inside, values_of
 from .frame import LOWEST_CUTOFF, starts_of
 from .laws import Entry
 
@@ -35,6 +35,9 @@ CLOSE = 0.005
 
 BROAD = 5.0
 """Quality of a resonance up to which it may describe the shape of a filter instead of vibration."""
+
+NEAR = 16.0
+"""Ratio of the cut-off and a frequency up to which power that differs may be due to the shape of the filter."""
 
 GRID = 2048
 """Frequencies up to half the sampling rate at which the cut-off of the samples is looked for."""
@@ -69,8 +72,8 @@ class CutoffLaw(Portable):
         low = quantile_of(self.weight, self.low, self.spread, tail)
         high = quantile_of(self.weight, self.high, self.spread, 1 - tail)
         if math.isinf(high) and self.bare is not None:
-            beside = lowest_cutoff(self.bare, level)
-            low = min(low, math.log(beside if math.isfinite(low) else min(beside, halved(self.bare))))
+            known = math.inf if math.isfinite(low) else halved(self.bare, LOWEST_CUTOFF / 2)
+            low = min(low, math.log(min(known, lowest_cutoff(self.bare, level))))
         return self.rate * math.exp(low - SHAPES), self.rate * math.exp(high + SHAPES)
 
 
@@ -97,20 +100,25 @@ def cutoffs_of(f: Fitted) -> tuple[float, float]:
     assert part is not None  # noqa: S101 - asked of models with a filter
     cutoff = part.shape[0]
     x = np.arange(1, GRID + 1) / (2 * GRID)
-    several = (cutoff, _halved(x, FILTERS[part.label].gain(x, cutoff)), halved(f))
+    several = (cutoff, _halved(x, FILTERS[part.label].gain(x, cutoff)), halved(f, cutoff / NEAR))
     return min(several), min(max(c for c in several if math.isfinite(c)), FILTERS[part.label].widest)
 
 
-def halved(f: Fitted) -> float:
-    """Where the power of all but drift and narrow peaks falls to half of its highest; infinity if it does not."""
-    frame, parts = f.frame, [p for p in f.state if COMPONENTS[p.name].inside]
+def halved(f: Fitted, lowest: float) -> float:
+    """Where the power of all but drift and narrow peaks falls to half of its highest; infinity if it does not.
+
+    From the frequency `lowest` on, cycles a sample: what is below, of whatever shape, is no filter's.
+    """
+    frame = f.frame
     apart = np.zeros(f.theta.size, dtype=bool)
     apart[: len(frame.powers)] = frame.slow
-    apart[len(frame.powers) : len(frame.powers) + len(parts)] = [p.name == "noise" for p in parts]
+    apart[len(frame.powers) : sizes_inside(frame, f.state)] = True
     loud = [p.shape[1] > BROAD for p in f.state.of("resonance")]
     apart[apart.size - len(loud) :] = loud
     power = f.m - f.likelihood.S[:, apart] @ f.theta[apart]
-    return _halved(frame.centre / (2 * frame.size), power / max(power.max(), 1e-300))
+    x = frame.centre / (2 * frame.size)
+    near = x >= lowest
+    return _halved(x[near], power[near] / max(power[near].max(initial=0.0), 1e-300)) if near.any() else math.inf
 
 
 def _halved(x: FloatArray, gain: FloatArray) -> float:
