@@ -15,7 +15,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.identification.likelihood.filters import FILTERS
-from allanite.identification.likelihood.whittle import step_coefficients, warm_up_direction
+from allanite.identification.likelihood.whittle import Pair, step_coefficients, warm_up_direction
 
 from .components import (
     BROAD,
@@ -54,8 +54,8 @@ CANDIDATES = 3
 """Candidates of a row that are fitted, at most."""
 
 MISSED = 40.0
-"""Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside it
-makes up for less."""
+"""Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside
+it makes up for less."""
 
 BINS = 8
 """Bins that stand out at which resonances are looked for."""
@@ -291,10 +291,15 @@ def resonances(at: Local) -> Iterator[State]:
     strong = [part for gain, part in chosen if gain > COMPONENTS["resonance"].price(frame.size)]
     distinct: list[Part] = []
     for part in strong:
-        if all(abs(math.log(part.shape[0] / other.shape[0])) > 0.5 / min(part.shape[1], other.shape[1]) for other in distinct):
+        if all(
+            abs(math.log(part.shape[0] / other.shape[0])) > 0.5 / min(part.shape[1], other.shape[1])
+            for other in distinct
+        ):
             distinct.append(part)
-    if 1 < len(distinct):
-        yield state.having(*(p if p.shape[1] >= BROAD else p._replace(shape=(p.shape[0], 2 * BROAD)) for p in distinct[:room]))
+    if len(distinct) > 1:
+        yield state.having(
+            *(p if p.shape[1] >= BROAD else p._replace(shape=(p.shape[0], 2 * BROAD)) for p in distinct[:room])
+        )
 
 
 def _apart(one: Part, other: Part) -> bool:
@@ -303,13 +308,18 @@ def _apart(one: Part, other: Part) -> bool:
     return abs(math.log(one.shape[0] / other.shape[0])) > 0.08 or not 1 / 3 < ratio < 3
 
 
+def _both(pair: Pair) -> FloatArray:
+    """Coefficients of even and of odd index."""
+    return pair[0] + pair[1]
+
+
 def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The lowest coefficients, their standard deviations, and an orthonormal basis of what is loose in them."""
     frame = at.f.frame
     k = min(LOW, frame.count.size)
     c, root = (frame.spectrum.even + frame.spectrum.odd)[:k], np.sqrt(at.f.m[:k])
     loose = [step_coefficients(frame.size, p.shape[0])[:k] for p in at.f.state.of("step")]
-    loose += [sum(warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
+    loose += [_both(warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
     if frame.ramps:
         ramp = np.zeros(k)
         ramp[: min(k, frame.spectrum.ramp.size)] = frame.spectrum.ramp[:k]
@@ -351,7 +361,7 @@ def warm_ups(at: Local) -> Iterator[State]:
         return
     y, root, Q = _lowest(at)
     taus = n * np.geomspace(1 / 100, LONGEST_WARM_UP, WARM_UPS)
-    D = np.array([sum(warm_up_direction(frame.spectrum, float(tau)))[: y.size] for tau in taus]) / root
+    D = np.array([_both(warm_up_direction(frame.spectrum, float(tau)))[: y.size] for tau in taus]) / root
     D = D - D @ Q @ Q.T
     gain = (D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)
     if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(n)):
@@ -385,7 +395,9 @@ def factors(at: Local) -> Iterator[State]:
     ranked.sort(key=lambda each: -each[0])
     if not ranked:
         return
-    tries = [state.having(Part("factor", place[0], (place[1], place[2], size))) for _, place, size in ranked[:CANDIDATES]]
+    tries = [
+        state.having(Part("factor", place[0], (place[1], place[2], size))) for _, place, size in ranked[:CANDIDATES]
+    ]
     if ranked[0][0] > FAR:
         wide = [p for p in splines.places if p[0] != "between" and p not in taken]
         each = [

@@ -72,7 +72,7 @@ class State:
         """Whether a power law stands in the place of flicker."""
         return bool(self.of("exponent"))
 
-    def admitted(self, frame: Frame) -> bool:
+    def admitted(self, frame: Frame) -> bool:  # noqa: PLR0911 - a rule a line
         """Whether its parts may stand together."""
         counts = Counter(p.name for p in self.parts)
         if any(count > COMPONENTS[name].most for name, count in counts.items()):
@@ -82,6 +82,8 @@ class State:
         if not frame.powers and not any(COMPONENTS[name].inside for name in counts):
             return False
         if sum(p.shape[1] < BROAD for p in self.of("resonance")) > 1:
+            return False
+        if frame.common and self.filter is None:
             return False
         if counts["floor"]:
             return self.filter is not None and self.filter.shape[0] >= HIDING
