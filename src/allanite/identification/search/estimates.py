@@ -131,8 +131,10 @@ class Answer(Portable):
     def nodes(self, beside: tuple[Term, ...]) -> Averaged:
         """Models along the profile of that noise, all terms free, with what stands `beside` it."""
         thetas, weight = ThetaProfile(self.everything, self.slowest).weighted(NODES, PRIOR)
-        models = [Model((*self.scale.terms(_with_sizes(self.full, theta)), *beside)) for theta in thetas]
-        kept = [(m, float(w)) for m, w in zip(models, weight, strict=True) if w > LEAST * weight.max()]
+        along = [(*self.scale.terms(_with_sizes(self.full, theta)), *beside) for theta in thetas]
+        # beside resonances and white noise behind a filter none of the terms need be there
+        kept = [(Model(t), float(w)) for t, w in zip(along, weight, strict=True) if t and w > LEAST * weight.max()]
+        kept = kept or [(Model((*self.scale.terms(self.shown), *beside)), 1.0)]
         return averaged([m for m, _ in kept], [w for _, w in kept])
 
 
