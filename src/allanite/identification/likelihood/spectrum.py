@@ -160,6 +160,14 @@ class BinnedSpectrum(Portable):
             count[low:] = self.pieces.told[low:]
         return count
 
+    def near_one(self) -> "BinnedSpectrum":
+        """The same in a unit in which its mean power is near 1: a power of two of the record's, so that it is exact."""
+        unit = 2.0 ** round(np.log2(float(self.power.mean())) / 2)
+        return replace(
+            self, power=self.power / unit**2, peak=self.peak / unit**2, even=self.even / unit, odd=self.odd / unit,
+            slope=self.slope / unit, rounding=self.rounding / unit**2, unit_factor=self.unit_factor * unit,
+        )  # fmt: skip
+
     def read(self, band: tuple[float, float] | None, masks: Sequence[tuple[float, float]]) -> BoolArray:
         """Which bins lie in a band and in none of the masks, shape (bins,)."""
         used = np.ones(self.first.size, dtype=bool) if band is None else self.within(band)

@@ -173,9 +173,8 @@ def law_of_term(symbol: str, answer: Answer) -> tuple[Law | None, tuple[float, .
     if symbol in frame.powers:
         law = law_of(answer.entries, frame.powers.index(symbol))
         return law, (), law is not None and law.claimed
-    label, number = (symbol, 0) if symbol in frame.asked or symbol == "GM" else ("GM", 1)
-    if symbol not in frame.asked and number and symbol != "GML":
-        return None, (), False
+    fast = next((s for s in TERMS if TERMS[s].second == symbol), None)
+    label, number = (fast, 1) if fast else (symbol, 0)
     at = [column_of(e.f, label, number) for e in answer.entries]
     having = [e for e, i in zip(answer.entries, at, strict=True) if i is not None and e.f.theta[i] > 0]
     if having:

@@ -29,6 +29,9 @@ JUMPS = 4.0
 ROUNDING = 1e-12
 """What is added to a covariance so that it has a root."""
 
+SLOW = 6
+"""Octave of the coefficient index below which no factor begins: what is slow has noise terms and a time constant."""
+
 KINDS = ("all", "above", "step above", "between")
 
 Place = tuple[str, float, float]
@@ -72,12 +75,14 @@ class Splines:
 
     @cached_property
     def places(self) -> list[Place]:
-        """Everywhere; from every half octave of the upper six on; between whole octaves two to five apart."""
+        """Everywhere; from every half octave of the upper six on; between whole octaves two to five apart, above `SLOW`."""
         top, whole = self.top, int(self.top)
         above = np.arange(0.0, min(top - 5.0, 6.6), 0.5)
         places: list[Place] = [("all", 0.0, top)]
         places += [(kind, top - float(k), top) for kind in ("above", "step above") for k in above]
-        places += [("between", float(a), float(b)) for a in range(whole) for b in range(a + 2, min(a + 5, whole) + 1)]
+        places += [
+            ("between", float(a), float(b)) for a in range(SLOW, whole) for b in range(a + 2, min(a + 5, whole) + 1)
+        ]
         return places
 
 

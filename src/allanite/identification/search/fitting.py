@@ -337,6 +337,8 @@ def _volume(part: Likelihood, theta: FloatArray, frame: Frame) -> float:
     if own <= 0:
         return 0.0
     V = part.directions(theta)[1][np.ix_(part.flat, part.flat)]
+    if not np.isfinite(V).all():
+        return math.inf
     return float(np.linalg.slogdet(V)[1] - np.linalg.slogdet(V[own:, own:])[1])
 
 

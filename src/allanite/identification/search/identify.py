@@ -34,7 +34,7 @@ from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate,
 from .fitting import Fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
-from .moves import MOVES, Move, filters, floors, less, markov, resonances
+from .moves import MOVES, Move, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
 from .search import Searched, search
 from .slow import WarmUp, exponent_finding, steps_finding, under, warm_up_estimate
@@ -166,6 +166,7 @@ def pending_of(
 ) -> Pending:
     """The search in a spectrum, of a channel of this name and signal; `taken` are sinusoids removed before."""
     name, signal = channel
+    seen = seen.near_one()  # so that no unit and no size of a record changes a digit
     result = searched(seen, symbols, band, masks, rival=rival, moves=moves)
     scale = Scale(signal, seen.rate, seen.unit_factor, seen.slope)
     automatic = band == "auto" and rival and not masks and moves is None
@@ -191,7 +192,7 @@ def searched(
             choice="terms",
         )
     return search(
-        frame, starts_for(frame), moves=moves or moves_for(band, rival=rival),
+        frame, starts_for(frame, symbols), moves=moves or moves_for(band, rival=rival),
         unexplained=choice == "auto" and moves is None,
     )  # fmt: skip
 
@@ -204,7 +205,7 @@ def moves_for(band: Band, *, rival: bool) -> tuple[Move, ...]:
     return tuple(move for move in MOVES if move.__name__ not in without)
 
 
-def starts_for(frame: Frame) -> list[State]:
+def starts_for(frame: Frame, symbols: Sequence[str]) -> list[State]:
     """Where the search begins: without a shape, and with each of those asked for, at the best of a grid."""
     starts = [State()] if frame.powers else []
     parts = [shapes_of(frame, symbol) for symbol in frame.asked]
@@ -214,6 +215,8 @@ def starts_for(frame: Frame) -> list[State]:
         for first in _best_of(frame, parts[0], State()):
             beside = State().having(first)
             starts += [beside.having(part) for part in _best_of(frame, parts[1], beside)]
+    if any(TERMS[s].transient for s in symbols) and frame.able_to_warm_up and frame.ramps:
+        starts += [start.having(*_best_of(frame, warm_ups_of(frame), start, 1)) for start in starts[:1]]
     return starts
 
 
@@ -221,11 +224,12 @@ def shapes_of(frame: Frame, symbol: str) -> list[Part]:
     """Shapes of a term on a grid of its parameters."""
     from itertools import product
 
+    fast = next((s for s in TERMS if TERMS[s].second == symbol), symbol)
     axes = [
         np.geomspace(low, high, max(2, round(p.steps * np.log10(high / low)))).tolist()
         for p in TERMS[symbol].parameters if p.search is not None for low, high in [p.search(frame.size)]
     ]  # fmt: skip
-    return [Part("noise", symbol, shape) for shape in product(*axes)]
+    return [Part("noise", fast, shape) for shape in product(*axes)]
 
 
 def _best_of(frame: Frame, parts: list[Part], beside: State, most: int = 3) -> list[Part]:

@@ -31,8 +31,9 @@ from .components import (
     Part,
     cost_of,
 )
+from .factors import SLOW
 from .fitting import Fitted, column_of_part, fitted, refined
-from .frame import LOW
+from .frame import LOW, Frame
 from .state import State
 
 REACH = 8.0
@@ -351,12 +352,22 @@ def steps(at: Local) -> Iterator[State]:
         yield state.having(Part("step", "", (best,)))
 
 
+def warm_ups_of(frame: Frame) -> list[Part]:
+    """Warm-ups that are tried first."""
+    return [
+        Part("warm-up", "", (tau,)) for tau in (frame.size * np.geomspace(1 / 100, LONGEST_WARM_UP, WARM_UPS)).tolist()
+    ]
+
+
 def warm_ups(at: Local) -> Iterator[State]:
     """A warm-up, or the one of the state with another time constant."""
     frame, state = at.f.frame, at.f.state
     if not frame.able_to_warm_up or not frame.ramps:
         return
-    n, own = frame.size, state.of("warm-up")
+    n, own, steps_ = frame.size, state.of("warm-up"), state.of("step")
+    if steps_ and not own:  # steps near the start, that fall like a warm-up
+        tries = [fitted(frame, state.lacking(*steps_).having(part)) for part in warm_ups_of(frame)]
+        yield min(tries, key=lambda f: f.value).state
     rest = state.lacking(*own)
     if own:
         taus = np.clip(own[0].shape[0] * np.array([0.7, 0.93, 1.07, 1.4]), n / 200, LONGEST_WARM_UP * n)
@@ -425,7 +436,7 @@ def places_beside(part: Part, top: float) -> Iterator[Part]:
     if part.label == "all":
         return
     for a, b in ((low - step, high), (low + step, high), (low, high - step), (low, high + step)):
-        if "above" in part.label and b != high:
+        if ("above" in part.label and b != high) or a < SLOW:
             continue
         if 0 <= a < b - 1 and b <= top + 1e-9 and (a <= top - 1e-9):
             yield part._replace(shape=(a, b, size))

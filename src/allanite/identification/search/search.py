@@ -161,7 +161,7 @@ def _beside(result: Searched, f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
         least = min([_worth(f), *map(_worth, fits)])
         fits = [g for g in fits if _worth(g) < least + 2 * REACH]
         if not rounds:
-            fits = [_tuned(refined(g)) for g in fits]
+            fits = [g for g in (_tuned(refined(g)) for g in fits) if g.state.admitted(frame)]
     return [pruned(g) for g in fits]
 
 

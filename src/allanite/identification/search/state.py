@@ -85,6 +85,8 @@ class State:
             return False
         if frame.common and self.filter is None:
             return False
+        if counts["factor"] and self.hides_angle:
+            return False  # below it the factor is the filter by another name
         if counts["floor"]:
             return self.filter is not None and self.filter.shape[0] >= HIDING
         return True
