@@ -75,7 +75,7 @@ class Splines:
 
     @cached_property
     def places(self) -> list[Place]:
-        """Everywhere; from every half octave of the upper six on; between whole octaves two to five apart, above `SLOW`."""
+        """Everywhere; from every half octave of the upper six on; between whole octaves two to five apart."""
         top, whole = self.top, int(self.top)
         above = np.arange(0.0, min(top - 5.0, 6.6), 0.5)
         places: list[Place] = [("all", 0.0, top)]
