@@ -3,11 +3,11 @@
     python benchmarks/prices.py --lines FILE.jsonl [--short 40] [--usual 60] [--long 20] [--write PATH]
 
 So many records of 2^13, 2^16 and 2^18 samples of each null are made by `independent`: clean, behind a filter, and
-beside a resonance, which the states to compare with then have. The gain of a row of the table of components is how much lower
-2 L' is with one such part more than without, sizes and shapes refined and all powers free; of several states of the
-component that is there, the best of either side counts. FILE has a line for each record; a record that it has is not
-made again, which is right for the gains as long as they do not change, and wrong for the claims of other prices. The
-seed is the CRC-32 of null and size, and the number of the record.
+beside a resonance, which the states to compare with then have. The gain of a row of the table of components is how
+much lower 2 L' is with one such part more than without, sizes and shapes refined and all powers free; of several states
+of the component that is there, the best of either side counts. FILE has a line for each record; a record that it has is
+not made again, which is right for the gains as long as they do not change, and wrong for the claims of other prices.
+The seed is the CRC-32 of null and size, and the number of the record.
 """
 
 from table import begin, markdown
@@ -46,6 +46,9 @@ ROWS: dict[str, tuple[Move, str]] = {
 
 STATES = 3
 """States of the component that is there, beside which others are tried, at most."""
+
+TUNED = {"filter": 1, "resonance": 1, "warm-up": 3}
+"""Rows whose alternatives are no shapes that are refined, and how often these are exchanged."""
 
 EXPENSIVE = 1e3
 """Price of the kinds of a factor that are not tried."""
@@ -105,14 +108,15 @@ def bases_of(frame: Frame, beside: str) -> list[Fitted]:
 
 
 def grown(frame: Frame, base: Fitted, name: str, move: Move) -> list[Fitted]:
-    """The states with one part more of a row, beside a state; also with other numerators and rows of the filter."""
+    """The states with one part more of a row, beside a state; also with other time constants, numerators and filters."""
     tries = search.search(frame, (base.state,), moves=(move,), unexplained=False).every.values()
     count = len(base.state.parts) + 1
     more = [f for f in tries if len(f.state.parts) == count and len(f.state.of(name)) > len(base.state.of(name))]
-    if name not in ("filter", "resonance") or not more:
-        return more
-    best = min(more, key=lambda f: f.score)
-    return [*more, *(pruned(refined(fitted(frame, s))) for s in moves.exchanged(Local(best)))]
+    for _ in range(TUNED.get(name, 0) if more else 0):
+        best = min(more, key=lambda f: f.score)
+        change = moves.warm_ups if name == "warm-up" else moves.exchanged
+        more += [pruned(refined(fitted(frame, s))) for s in change(Local(best))]
+    return more
 
 
 def gain_of(frame: Frame, bases: list[Fitted], row: str) -> tuple[float, float]:
@@ -159,7 +163,7 @@ def line_of(name: str, n: int, index: int) -> dict[str, Any]:
 
 
 def run(sizes: dict[int, int], path: Path) -> list[dict[str, Any]]:
-    """The lines of what is asked for; what a file lacks is appended: the first of each null and size, then the second."""
+    """The lines of what is asked for; a file gets those that it lacks: the first of each null and size, then the second."""
     done = {(line["null"], line["n"], line["index"]) for line in lines_of(path)}
     with path.open("a", encoding="utf-8") as out:
         for index in range(max(sizes.values())):
