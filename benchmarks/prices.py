@@ -108,7 +108,7 @@ def bases_of(frame: Frame, beside: str) -> list[Fitted]:
 
 
 def grown(frame: Frame, base: Fitted, name: str, move: Move) -> list[Fitted]:
-    """The states with one part more of a row, beside a state; also with other time constants, numerators and filters."""
+    """The states with one part more of a row beside a state; also with other time constants, numerators, filters."""
     tries = search.search(frame, (base.state,), moves=(move,), unexplained=False).every.values()
     count = len(base.state.parts) + 1
     more = [f for f in tries if len(f.state.parts) == count and len(f.state.of(name)) > len(base.state.of(name))]
@@ -163,7 +163,7 @@ def line_of(name: str, n: int, index: int) -> dict[str, Any]:
 
 
 def run(sizes: dict[int, int], path: Path) -> list[dict[str, Any]]:
-    """The lines of what is asked for; a file gets those that it lacks: the first of each null and size, then the second."""
+    """The lines of what is asked for; a file gets what it lacks: the first of each null and size, then the second."""
     done = {(line["null"], line["n"], line["index"]) for line in lines_of(path)}
     with path.open("a", encoding="utf-8") as out:
         for index in range(max(sizes.values())):
