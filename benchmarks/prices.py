@@ -184,7 +184,8 @@ def main() -> None:
     body += ["## Gains by null", "", "97 % quantile of the gain.", "", *markdown(*nulls_rows(lines))]
     body += ["## Claims", "", "% of records.", "", *markdown(*claims_rows(lines))]
     body += ["## Weights", "", *markdown(*weights_rows(lines))]
-    job.publish("Prices of components", NOTES, body)
+    spent = f"{sum(line['cpu'] for line in lines) / 60:.0f} min of processor time for {len(lines)} records"
+    job.publish("Prices of components", (*NOTES, spent), body)
 
 
 NOTES = (
