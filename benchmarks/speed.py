@@ -30,7 +30,8 @@ import numpy as np
 from numba import njit
 
 import allanite as al
-from allanite.identification.likelihood.model_selection import look
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.search.identify import searched
 from allanite.kernels.overlapped import overlapped
 from allanite.kernels.theo import theo1
 from allanite.statistics.grids import GRIDS
@@ -184,16 +185,22 @@ def read_csv(rows: int = 1_000_000) -> tuple[float, float]:
     return min(ours), min(theirs)
 
 
+def selection(record: al.Record) -> object:
+    """The search in a record for what explains it, without its sinusoids."""
+    return searched(spectrum(record, detrend=True), "QNBKR", "auto", rival=True)
+
+
 def ratios(run: Run) -> bool:
     """The table of what one record takes."""
     record = record_of(run.asked.samples)
     curve = al.deviation(record, "oadev", taus="log")
     al.analyze(record)
     bounds = {name: share(record, name) for name in DIFFERENCES}
-    look(record, "QNBKR", None, rival=True)
+    select = partial(selection, record)
+    select()
     jobs = [
         lambda: al.deviation(record, "oadev", m=curve.m.tolist()),
-        lambda: look(record, "QNBKR", None, rival=True),
+        select,
         lambda: al.identify(record),
         lambda: al.analyze(record),
     ]

@@ -278,6 +278,8 @@ MAKERS = {
     "Codes": lambda: codes(np.repeat([0.0, 1.0, 3.0, 4.0], 50)),
     "Compared": lambda: compare(read_paper("000", PAPER), Path()).items[0],
     "Comparison": comparison,
+    "ClaimedSetting": lambda: al.claim_of("gyro lowpass 42 Hz").settings[0],
+    "Component": lambda: filtered().components[0],
     "Comparison of fits": lambda: al.compare(fit(), fit(i=3)),
     "Compensated": lambda: compensation()[0],
     "Compensated that is refused": lambda: compensation()[1],

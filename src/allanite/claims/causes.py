@@ -8,12 +8,13 @@ import numpy as np
 
 from allanite.core.model import Term
 from allanite.core.record import Record
-from allanite.phrases.phrase import Phrase, say
+from allanite.phrases.phrase import say
 from allanite.study.results import Channel, Study
 
 from .claim import ClaimedNoise
 from .convention import NAN, WALKS, Convention, Place, explaining, pooled
 from .result import Cause, CheckedTerm
+from .settings import SETTINGS
 
 NAMED = 3
 """Conventions that fit, at most, if they are named: more of them explain nothing."""
@@ -30,6 +31,8 @@ NEAR = 0.1
 
 def causes_of(study: Study, claim: ClaimedNoise, terms: Sequence[CheckedTerm]) -> tuple[Cause, ...]:
     """The causes of what contradicts a claim, by kind of sensor and quantity."""
+    against = [row for row in terms if row.contradicts and row.quantity in SETTINGS]
+    terms = [row for row in terms if row.quantity not in SETTINGS]
     light = {row.channel for row in terms if row.quantity == "kurtosis" and row.contradicts}
     found = list[Cause]()
     for _, rows in groupby(sorted(terms, key=lambda row: row.signal.name), key=lambda row: row.signal.name):
@@ -38,6 +41,8 @@ def causes_of(study: Study, claim: ClaimedNoise, terms: Sequence[CheckedTerm]) -
     rest = tuple(row.channel for row in terms if row.quantity == "kurtosis" and row.channel in light - named)
     if rest:
         found.append(_trace(rest, "kurtosis", say("the samples are uniform: rand() instead of randn()")))
+    told = dict.fromkeys((row.quantity, row.reason) for row in against)
+    found += [_trace(tuple(r.channel for r in against if (r.quantity, r.reason) == each), *each) for each in told]
     return (*found, *_half(study, light))
 
 
@@ -54,7 +59,7 @@ def _of_sensor(study: Study, claim: ClaimedNoise, wrong: list[CheckedTerm], ligh
     return [*([driven] if driven else []), *(cause.only(shared) if shared - {""} else cause for cause in found)]
 
 
-def _trace(channels: tuple[str, ...], quantity: str, sentence: Phrase) -> Cause:
+def _trace(channels: tuple[str, ...], quantity: str, sentence: str) -> Cause:
     """A cause that is no factor."""
     return Cause(channels, quantity, NAN, NAN, NAN, ("",), (sentence,))
 

@@ -20,6 +20,7 @@ from allanite.study.results import Channel, Study
 
 from .causes import causes_of
 from .claim import KINDS, ClaimedNoise, claim_of
+from .configured import setting_rows
 from .exact import Counts, by_sensor, curve_row, exact_rows
 from .result import AGREES, EXCEEDS, NOT_SHOWN, CheckedTerm, ClaimCheck, fit_of
 
@@ -48,7 +49,8 @@ def check(
     form that is claimed, with profile limits; then come the correlation time of the bias, other noise, the Allan
     deviation at every octave of averaging times and the distribution of the residuals. Data sheets and limits are upper
     bounds: each number is held against the identified noise. The chance that a right record is contradicted in any of
-    its channels is 1 - level.
+    its channels is 1 - level. Settings, the cut-off of a low-pass filter and the rate of the sensor, are held against
+    the filter that the samples show and the samples that repeat others.
 
     Parameters
     ----------
@@ -87,6 +89,8 @@ def check(
     >>> found = al.check(record, "N 0.2121 deg/sqrt(h)")
     >>> found.causes[0].names
     ('sqrt(2)',)
+    >>> al.check(record, "lowpass 30 Hz").causes
+    (<Cause : the record shows no low-pass below 45 Hz>,)
     """
     if not 0 <= tolerance < 1:
         raise UsageError(f"the tolerance must be from 0 to less than 1, not {tolerance:g}", choice="tolerance")
@@ -109,14 +113,16 @@ def check(
 
 def _checked(study: Study, claims: dict[float, ClaimedNoise], bound: bool, tolerance: float) -> Iterator[CheckedTerm]:
     """The rows of all channels, by kind of sensor."""
-    alpha = 1 - study.recipe.level
+    settings, sensors = next(iter(claims.values())).settings, by_sensor(study, claims)
+    noise = 1 if bound else SHARES * bool(sensors)
+    alpha = (1 - study.recipe.level) / max(noise + bool(settings), 1)
     if bound:
         yield from _bounds(study, claims, alpha, tolerance)
-        return
-    sensors = by_sensor(study, claims)
-    count = Counts(sensors, alpha / SHARES, tolerance)
-    for sensor in sensors:
-        yield from exact_rows(sensor, count)
+    else:
+        count = Counts(sensors, alpha, tolerance)
+        for sensor in sensors:
+            yield from exact_rows(sensor, count)
+    yield from setting_rows(study, settings, alpha, tolerance)
 
 
 def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, tolerance: float) -> Iterator[CheckedTerm]:

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.planning.datasheets import claimed
 from allanite.terms import TERMS
+
+from .settings import ClaimedSetting, settings_in
 
 SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml", ".xml", ".toml", ".txt", ".cfg"}
 """Suffixes of files of claims: a text with one of them is a path, also where there is no such file."""
@@ -50,6 +52,8 @@ class ClaimedNoise(Value):
         The limits of a limits file.
     rate : float or None
         Rate that the formulas of the file used, Hz.
+    settings : tuple of ClaimedSetting
+        Cut-off of the low-pass filter and rate of the sensor.
     """
 
     source: str
@@ -58,6 +62,7 @@ class ClaimedNoise(Value):
     bound: bool = False
     limits: Specification | None = None
     rate: float | None = None
+    settings: tuple[ClaimedSetting, ...] = ()
 
     def of(self, signal: Signal) -> Model | None:
         """The model of a kind of sensor; None if there is none."""
@@ -75,14 +80,20 @@ class ClaimedNoise(Value):
 
     @property
     def title(self) -> str:
-        """Source and kind in a few words: ``imu.yaml (kalibr)``."""
-        if self.kind == "model":
-            return self.source
-        return say("{name} ({kind})", name=os.path.basename(self.source), kind=KINDS.get(self.kind, self.kind))
+        """Source and kind in a few words: ``imu.yaml (kalibr)``, with the settings."""
+        noise = self.source
+        if self.source and self.kind != "model":
+            noise = say("{name} ({kind})", name=os.path.basename(self.source), kind=KINDS.get(self.kind, self.kind))
+        return join(", ", filter(None, (noise, *(s.words() for s in self.settings))))
+
+    @property
+    def text(self) -> str:
+        """What `claim_of` reads as this claim."""
+        return ", ".join(filter(None, (self.source, *(s.words() for s in self.settings))))
 
     def _summary(self) -> str:
         said = [str(self.limits)] if self.limits is not None else list(map(str, self.models))
-        return f"of {self.title}: {join('; ', said)}"
+        return f"of {self.title}: {join('; ', said)}" if said else f"of {self.title}"
 
 
 @public
@@ -96,7 +107,8 @@ def claim_of(
     given : str, path, Model or ClaimedNoise
         In this order: the path of a file of a target (kalibr, gazebo, px4 ...) or of limits (.toml); a model ``"N 0.3
         deg/sqrt(h), K 3 deg/h/sqrt(h)"`` or a value with its unit, those of several sensors separated by ``;``; the
-        name of a data sheet.
+        name of a data sheet. Behind any of them, or alone, settings: ``lowpass 42 Hz``, ``rate 100 Hz``, of one kind
+        of sensor ``gyro lowpass 42 Hz``.
     origin : str, optional
         Name of the target whose file it is; otherwise the fields in it tell.
     rate : float, optional
@@ -121,6 +133,10 @@ def claim_of(
     if isinstance(given, ClaimedNoise | Model):
         return given if isinstance(given, ClaimedNoise) else ClaimedNoise(str(given), "model", (given,))
     text = os.fspath(given)
+    settings, rest = ((), text) if os.path.isfile(text) else settings_in(text)
+    if settings:
+        noise = claim_of(rest, origin, rate) if rest else ClaimedNoise("", "model", ())
+        return replace(noise, settings=settings)
     if origin or os.path.isfile(text) or os.path.splitext(text)[1] in SUFFIXES or not isinstance(given, str):
         return _of_file(text, origin or "", rate)
     if text[:1].isdigit() or text.split(" ")[0] in TERMS:

@@ -30,10 +30,11 @@ LIGHT = -0.5
 
 @dataclass(frozen=True, eq=False)
 class AxisCheck:
-    """A channel and the model that is claimed of it."""
+    """A channel and its claimed model; a claimed filter has `settled` from an averaging time on, s."""
 
     channel: Channel
     model: Model
+    settled: float = 0.0
 
     @property
     def noise(self) -> tuple[Term, ...]:
@@ -106,9 +107,11 @@ def by_sensor(study: Study, claims: dict[float, ClaimedNoise]) -> list[Sensor]:
     """The kinds of sensors of which something is claimed, by sampling rate of the claims."""
     found: dict[str, list[AxisCheck]] = {}
     for channel in study:
-        model = claims[channel.record.rate].of(channel.record.signal)
+        claim, signal = claims[channel.record.rate], channel.record.signal
+        model = claim.of(signal)
         if model is not None:
-            found.setdefault(channel.record.signal.name, []).append(AxisCheck(channel, model))
+            settled = max((s.settled for s in claim.settings if s.holds_for(signal)), default=0.0)
+            found.setdefault(signal.name, []).append(AxisCheck(channel, model, settled))
     return [Sensor(axes[0].model.signal, tuple(axes)) for axes in found.values()]
 
 
@@ -145,7 +148,7 @@ def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
                 channel, quantity=other.symbol, found=other.value * math.sqrt(float(subset.theta[i])),
                 unit=sensor.signal.sheet[other.row.power], outcome=UNCLAIMED,
             )  # fmt: skip
-        yield curve_row(axis.channel, axis.model, axis.model, count.channel, count.outcome)
+        yield curve_row(axis.channel, axis.model, axis.model, count.channel, count.outcome, settled=axis.settled)
         yield from _distribution(axis, channel, count)
 
 
@@ -185,9 +188,15 @@ def _estimated(channel: Channel, term: Term, count: Counts) -> CheckedTerm:
 
 
 def curve_row(
-    channel: Channel, claimed: Model, supposed: Model | Fit, alpha: float, judge: Callable[[float, float], str]
+    channel: Channel,
+    claimed: Model,
+    supposed: Model | Fit,
+    alpha: float,
+    judge: Callable[[float, float], str],
+    *,
+    settled: float = 0.0,
 ) -> CheckedTerm:
-    """The Allan deviation where it is farthest from the claimed one, all octaves considered.
+    """The Allan deviation where it is farthest from the claimed one, all octaves from the time `settled` on considered.
 
     Its intervals are those under the noise that is `supposed`; `judge` says what limits of the ratio mean.
     """
@@ -198,6 +207,8 @@ def curve_row(
     low, high = (limit / expected for limit in curve.interval(1 - alpha / curve.tau.size))
     outcomes = [judge(float(one), float(other)) for one, other in zip(low, high, strict=True)]
     outside = np.maximum(low, 1 / high)
+    outcomes = [o if tau >= settled else AGREES for o, tau in zip(outcomes, curve.tau, strict=True)]
+    outside = np.where(curve.tau >= settled, outside, outside - 2 * outside.max())
     most = int(np.argmax(np.where([outcome != AGREES for outcome in outcomes], outside, outside - outside.max())))
     return CheckedTerm(
         record.name, record.signal, "curve", factor * float(expected[most]), factor * float(curve.deviation[most]),

@@ -47,7 +47,8 @@ class CheckedTerm(Value):
     signal : Signal
     quantity : str
         Symbol of a term; "minimum" of the Allan deviation; "T", a correlation time; "curve", the Allan deviation where
-        it is farthest from the claimed one; "kurtosis", the excess kurtosis of the residuals.
+        it is farthest from the claimed one; "kurtosis", the excess kurtosis of the residuals; "cutoff" of a low-pass
+        filter, and "rate" of the sensor, Hz.
     claimed, found : float or None
         SI; None if it is not claimed, or nothing was found.
     unit : str
@@ -169,6 +170,8 @@ class ClaimCheck(Study):
     def verdict(self) -> str:
         """The answer in a few words."""
         against = [row for row in self.terms if row.contradicts]
+        if all(row.outcome == NOT_SHOWN for row in self.terms):
+            return say("the record neither confirms nor contradicts the claim")
         if not against:
             return say("the record agrees with the claim")
         channels = list(dict.fromkeys(row.channel for row in against if row.quantity != "T"))
@@ -187,7 +190,7 @@ class ClaimCheck(Study):
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""
-        return super().choices() | {"claims": self.claim.source, "tolerance": self.tolerance}
+        return super().choices() | {"claims": self.claim.text, "tolerance": self.tolerance}
 
     def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
         return super()._around(level, channels) | {"agrees": self.agrees, "verdict": self.verdict}

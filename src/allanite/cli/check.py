@@ -29,7 +29,8 @@ def check(file: str, **choices: Any) -> None:
 
     --claims names a file of a filter or simulator (kalibr, gazebo, px4 ...), a limits file, a data sheet, or a model.
     Files and models claim exact values, data sheets and limits upper bounds. Each number is compared with the record:
-    the factor with its interval, and the convention that explains it (sqrt(2), sqrt(rate), 57.3 ...).
+    the factor with its interval, and the convention that explains it (sqrt(2), sqrt(rate), 57.3 ...). Settings of the
+    sensor may be claimed, too: 'lowpass 42 Hz, rate 100 Hz'.
 
     Exit codes: 0 if the record agrees, 4 if it contradicts the claim, 3 if it cannot be read.
     """

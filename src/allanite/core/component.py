@@ -16,8 +16,8 @@ class Component(Value):
     Attributes
     ----------
     name : str
-        A fixed keyword for programs: "filter", "resonance", "step", "warm-up", "exponent", "noise" for Gauss-Markov noise,
-        "floor" for white noise behind a filter, "factor" for power that nothing describes.
+        A fixed keyword for programs: "filter", "resonance", "step", "warm-up", "exponent", "noise" for Gauss-Markov
+        noise, "floor" for white noise behind a filter, "factor" for power that nothing describes.
     weight : float
         Of the models that hold it, of all that are consistent with the record.
     words : str

@@ -173,8 +173,11 @@ class Fit(Value):
     warm_up : Term or None
         A warm-up that was found; it is part of the model only where it was asked for.
     components : tuple of Component
-        What the models consistent with the record hold beside the terms, each with the weight of those that do: claimed,
-        almost claimed, or unlikely.
+        What the models consistent with the record hold beside the terms, each with the weight of those that do:
+        claimed, almost claimed, or unlikely.
+    cutoff : level -> (low, high), or None
+        Limits of the -3 dB frequency of a low-pass filter, Hz, whether one is claimed or not; infinity where the record
+        may have none. None if no filter was looked for.
     """
 
     _keys: ClassVar = {"estimates": "terms", "rivals": "alternatives", "nodes": "averaged"}
@@ -196,6 +199,7 @@ class Fit(Value):
     nodes: Callable[[], Averaged] | None = None
     warm_up: Term | None = None
     components: tuple[Component, ...] = ()
+    cutoff: Callable[[float], tuple[float, float]] | None = None
 
     Q, F, N, B, K, R, W, GM, GML, GMA, GM2, Sine = map(
         _estimate_of, ("Q", "F", "N", "B", "K", "R", "W", "GM", "GML", "GMA", "GM2", "Sine")

@@ -169,8 +169,8 @@ def _rejection(good: Goodness | None, scope: Scope | None) -> tuple[Phrase, tupl
     if scope is None or scope.choice != "auto":
         return head, () if scope is None else (try_band(),)
     tried = say(
-        "low-pass filters, vibration, steps, a warm-up and power of any other shape were tried beside the terms; none of "
-        "them explains the record"
+        "low-pass filters, vibration, steps, a warm-up and power of any other shape were tried beside the terms; none "
+        "of them explains the record"
     )
     return head, (tried,)
 

@@ -20,7 +20,8 @@ WEIGHS = (0.2, 3.0)
 """Averaging times times a frequency between which a vibration of this frequency matters in a deviation."""
 
 ROUGHLY = 0.3
-"""Difference from the power of the terms, as a share of it, above which a part of the spectrum is said to be undescribed."""
+"""Difference from the power of the terms, as a share of it, above which a part of the spectrum is called undescribed.
+"""
 
 SETTLED = 10.0
 """Multiple of the period of a filter's cut-off beyond which it lowers a deviation by a few per cent at most."""

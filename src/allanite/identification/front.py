@@ -1,7 +1,8 @@
 """Identification by any of the methods: the selection of a method and its input."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Unpack, overload
 
 from allanite.core.aliases import public
@@ -10,6 +11,7 @@ from allanite.core.doors import Samples, Sampling, as_source
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.names import demand_name
+from allanite.core.plain import Portable
 from allanite.core.record import Record, Recording
 from allanite.core.threads import one_thread
 from allanite.core.validity import Band, demand_band
@@ -26,7 +28,8 @@ from .curves.leastsquares import least_squares, slopes, whole
 from .curves.nonnegative import nnls
 from .curves.piecewise import piecewise
 from .methods import METHODS, symbols_of
-from .search.identify import whittle
+from .search.identify import Pending, pending, whittle
+from .search.pooling import Together, together
 
 FITS: dict[str, Callable[..., Fit]] = {
     "whittle": whittle,
@@ -88,14 +91,14 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
         curve, is the best method for curves and gives standard errors. The others are methods of papers and programs,
         for comparison, without intervals. `METHODS` lists the efficiency of each.
     terms : str or sequence of str
-        "auto" for Q, N, B, K and R, where Gauss-Markov noise (GM) replaces flicker if there is clear evidence
-        ("whittle" only); or symbols, for example "QNK", "N,GM,K" or ["N", "K"].
+        "auto" for Q, N, B, K and R, and Gauss-Markov noise (GM, and GML for a second) beside them if there is clear
+        evidence ("whittle" only); or symbols, for example "QNK", "N,GM,K" or ["N", "K"].
     statistic : str, optional
         Statistic of the curve computed from a record, for methods that fit a curve; by default oadev.
     band : {"auto", "all"} or (low, high), optional
-        Frequencies to fit, Hz ("whittle" only). "auto", the default, uses all of them if the terms explain them;
-        otherwise it looks for a low-pass filter, leaves out resonances, and finds the widest band that the terms
-        explain (`Fit.scope`).
+        Frequencies to fit, Hz ("whittle" only). "auto", the default, uses all of them, and looks for a low-pass filter,
+        vibration, steps, a warm-up and power of any other shape beside the terms (`Fit.components`); "all" looks for
+        neither filter nor vibration, a band for no filter.
     masks : sequence of (low, high)
         Frequencies that are not used, Hz ("whittle" only), beside those that "auto" or a band leaves out.
     lines : bool
@@ -133,13 +136,52 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     ('identified', 'absent', True)
     """
     source = as_source(source, "identify", sampling)  # a table becomes a recording, an array a record
+    begin = partial(
+        started, method=method, terms=terms, statistic=statistic, band=band, masks=masks, lines=lines, ranges=ranges,
+        outliers=outliers,
+    )  # fmt: skip
     if isinstance(source, Recording):
-        same = Choices(
-            terms=terms, statistic=statistic, band=band, masks=masks, lines=lines, ranges=ranges, outliers=outliers
-        )
-        return _by_channel(source, lambda record: identify(record, method, **same))
+        return _by_channel(source, begin)
     if not isinstance(source, Record | Curve):
         raise UsageError(f"identify takes a record, samples or a curve, not a {type(source).__name__}")
+    return begin(source).fit()
+
+
+@dataclass(frozen=True, eq=False)
+class Started(Portable):
+    """An identification that is not concluded: a search, or the fit of a method that has none; `notes` come last."""
+
+    search: Pending | Fit
+    notes: tuple[str, ...] = ()
+
+    def fit(self, shared: Together | None = None) -> Fit:
+        """The fit, behind a filter that channels have in common if there is one."""
+        with one_thread():
+            fit = self.search.fit(shared) if isinstance(self.search, Pending) else self.search
+        return replace(fit, notes=(*fit.notes, *self.notes))
+
+
+def finished(begun: Sequence[Started]) -> list[Callable[[], Fit]]:
+    """The fits of the channels of a recording, each to be made: those of one kind may have a filter in common."""
+    searches = [(i, s.search) for i, s in enumerate(begun) if isinstance(s.search, Pending)]
+    with one_thread():
+        shared = dict(zip([i for i, _ in searches], together([s for _, s in searches]), strict=True))
+    return [partial(s.fit, shared.get(i)) for i, s in enumerate(begun)]
+
+
+def started(  # noqa: PLR0913 - each is a choice of its own
+    source: Record | Curve,
+    method: str | None = None,
+    *,
+    terms: str | Sequence[str] = "auto",
+    statistic: str | None = None,
+    band: Band | None = None,
+    masks: Sequence[tuple[float, float]] = (),
+    lines: bool = True,
+    ranges: Mapping[str, tuple[float, float]] | None = None,
+    outliers: str = "mark",
+) -> Started:
+    """Search for the noise of a record or curve; parameters and exceptions are those of `identify`."""
     name = method or ("whittle" if isinstance(source, Record) else "gls")
     demand_name("method", name, METHODS, choice="method")
     robust.demand_choice(outliers)
@@ -154,19 +196,20 @@ def identify(  # noqa: PLR0913 - each is a choice of its own
     if "rival" in row.options:
         options["rival"] = terms == "auto"
     readable = _source(source, name, statistic)
+    begin: Callable[..., Pending | Fit] = pending if name == "whittle" else FITS[name]
     if outliers == "mark" and isinstance(readable, Record):
         found = robust.outliers(readable)
         with one_thread():
-            fit = FITS[name](robust.marked(readable, found), symbols, **options)
-            if not found.at.size:
-                return fit
-            note = say(
-                "{outliers}: excluded from the fit ({option} includes them)",
-                outliers=found.words(readable), option=spelled("--outliers keep", "outliers='keep'"),
-            )  # fmt: skip
-            return replace(fit, notes=(*fit.notes, note))
+            search = begin(robust.marked(readable, found), symbols, **options)
+        if not found.at.size:
+            return Started(search)
+        note = say(
+            "{outliers}: excluded from the fit ({option} includes them)",
+            outliers=found.words(readable), option=spelled("--outliers keep", "outliers='keep'"),
+        )  # fmt: skip
+        return Started(search, (note,))
     with one_thread():
-        return FITS[name](readable, symbols, **options)
+        return Started(begin(readable, symbols, **options))
 
 
 def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> None:
@@ -206,12 +249,17 @@ def _source(source: Record | Curve, name: str, statistic: str | None) -> Record 
     return source
 
 
-def _by_channel(recording: Recording, fit: Callable[[Record], Fit]) -> dict[str, Fit]:
+def _by_channel(recording: Recording, begin: Callable[[Record], Started]) -> dict[str, Fit]:
     """The fits that are possible; an error if there are none."""
-    fits, refusals = {}, []
+    begun, fits, refusals = dict[str, Started](), dict[str, Fit](), list[str]()
     for record in recording:
         try:
-            fits[record.name] = fit(record)
+            begun[record.name] = begin(record)
+        except DataError as error:
+            refusals.append(str(error))
+    for name, fit in zip(begun, finished(list(begun.values())), strict=True):
+        try:
+            fits[name] = fit()
         except DataError as error:
             refusals.append(str(error))
     if not fits:

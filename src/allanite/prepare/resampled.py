@@ -50,6 +50,20 @@ def resampled(view: View) -> Finding | None:
 
 
 def _held(view: View) -> Finding | None:
+    rate = held_rate(view)
+    if rate is None:
+        return None
+    what = say(
+        "every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at {sampled:.6g} Hz",
+        usual=view.rate / (view.rate - rate),
+        rate=rate,
+        sampled=view.rate,
+    )
+    return Finding("resampled", what, CONSEQUENCE, REMEDY)
+
+
+def held_rate(view: View) -> float | None:
+    """Sampling rate, Hz, of a sensor whose samples are repeated periodically; None if they are not."""
     same = np.flatnonzero(view.steps[1:] == view.steps[:-1])
     if same.size < max(20, 0.001 * view.steps.size):
         return None
@@ -58,14 +72,7 @@ def _held(view: View) -> Finding | None:
     # random distances spread as widely as their mean; the beat of two clocks gives two successive numbers
     if usual < 1.9 or float((np.abs(between - usual) > 1.0).mean()) > 0.05:
         return None
-    rate = view.rate * (1 - same.size / view.steps.size)
-    what = say(
-        "every {usual:.4g}th sample repeats the previous one: a sensor with {rate:.5g} Hz sampled at {sampled:.6g} Hz",
-        usual=usual,
-        rate=rate,
-        sampled=view.rate,
-    )
-    return Finding("resampled", what, CONSEQUENCE, REMEDY)
+    return float(view.rate * (1 - same.size / view.steps.size))
 
 
 def _interpolated(view: View) -> Finding | None:

@@ -205,10 +205,10 @@ class Accumulator:
         return curve_of(self, noise)
 
     def fit(self, terms: str = "auto", **choices: Any) -> Fit:
-        """The noise coefficients so far; see `stream.coefficients.fit_of`."""
-        from .coefficients import fit_of
+        """The noise coefficients so far; see `stream.coefficients.search_in`."""
+        from .coefficients import search_in
 
-        return fit_of(self, terms, **choices)
+        return search_in(self, terms, **choices).fit()
 
     def __repr__(self) -> str:
         return f"Accumulator({self.row.name} of {self.size} samples, {self.like.rate:g} Hz, {self.like.unit})"

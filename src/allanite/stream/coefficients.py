@@ -14,13 +14,12 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError
-from allanite.core.fit import Fit
 from allanite.core.record import SHORTEST
 from allanite.core.validity import Band, demand_band
 from allanite.identification.likelihood.bins import SINGLE, edges_of
 from allanite.identification.likelihood.spectrum import ROUNDING, BinnedSpectrum, less_slope, transformed
 from allanite.identification.methods import symbols_of
-from allanite.identification.search.identify import deterministic, whittle_of
+from allanite.identification.search.identify import Pending, deterministic, pending_of
 from allanite.phrases.phrase import say
 from allanite.prepare.gaps import FEW, Gaps, gaps_between
 from allanite.statistics.moments.lags import second_difference
@@ -35,10 +34,10 @@ FULL = 0.5
 """Share of its samples that a cell must have."""
 
 
-def fit_of(
+def search_in(
     stream: "Accumulator", terms: str = "auto", *, band: Band = "auto", masks: Sequence[tuple[float, float]] = ()
-) -> Fit:
-    """Identify the noise of a stream; `terms`, `band` and `masks` are those of `identify`.
+) -> Pending:
+    """Search for the noise of a stream; `terms`, `band` and `masks` are those of `identify`.
 
     Sinusoids are not looked for, and outliers not excluded: both need the samples.
 
@@ -54,7 +53,7 @@ def fit_of(
     if stream.size < SHORTEST:
         raise DataError(say("{count} samples are {too_few}", count=stream.size, too_few=FEW))
     seen = spectrum_of(stream, detrend=deterministic(symbols))
-    return whittle_of(seen, (stream.like.name, stream.like.signal), symbols, band, masks=masks, rival=terms == "auto")
+    return pending_of(seen, (stream.like.name, stream.like.signal), symbols, band, masks=masks, rival=terms == "auto")
 
 
 @dataclass(frozen=True, eq=False)

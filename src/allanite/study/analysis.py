@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from allanite.core.aliases import public
@@ -16,7 +17,7 @@ from allanite.statistics.readings import readings
 
 from .channels import Progress, Source, run
 from .keeper import STRIDES, Inspected, Keeper, demand_grid
-from .noise import noise_in
+from .noise import begun_in, noise_in
 from .recipe import Recipe
 from .results import Channel, Study
 
@@ -80,7 +81,7 @@ def analyzed(source: Source, recipe: Recipe, progress: Progress | None = None) -
 
     with importing(IDENTIFICATION, kernels=recipe.method == "whittle"):
         return run(Study, source, recipe, lambda seen: _channel(seen, recipe), Channel.refused, keeping=keeping,
-                   in_parts_too=(STRIDES,), progress=progress)  # fmt: skip
+                   begin=partial(begun_in, recipe=recipe), in_parts_too=(STRIDES,), progress=progress)  # fmt: skip
 
 
 def _channel(seen: Inspected, recipe: Recipe) -> Channel:

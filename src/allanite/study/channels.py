@@ -14,6 +14,7 @@ from allanite.core.finding import Finding, Quality
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record, Recording
 from allanite.core.threads import one_thread
+from allanite.identification.front import Started, finished
 from allanite.parallel.processors import how_many, imported
 from allanite.parallel.sharing import shared
 from allanite.phrases.phrase import join, say
@@ -33,6 +34,11 @@ from .recipe import READING, Recipe
 
 Source = Recording | Samples | FrameLike | str | os.PathLike[str]
 Progress = Callable[[str, float], None]
+Begin = Callable[[Inspected], Started]
+
+SEARCHING = 0.7
+"""Share of a job in which identifications are begun."""
+
 Result = TypeVar("Result")
 
 
@@ -89,13 +95,14 @@ def whole_recording(
     return read(source, **options, progress=lambda share: tell(f"reading, {100 * share:.0f} %", 0.04 * share))
 
 
-def each_channel(
+def each_channel(  # noqa: PLR0913 - each has a default but those that make the job
     channels: Sequence[tuple[str, tuple[Record, ...]]],
     work: Callable[[Inspected], Result],
     refused: Callable[[Inspected, str], Result],
     *,
     findings: Sequence[Finding] = (),
     look: Callable[[Record], Quality] = inspect,
+    begin: Begin | None = None,
     doing: str = "analyzing",
     demand: bool = False,
     progress: Progress | None = None,
@@ -113,6 +120,8 @@ def each_channel(
         Findings about the files as a whole; a fatal one refuses every channel.
     look : Record -> Quality
         Function that checks a record, instead of `inspect`.
+    begin : Inspected -> Started, optional
+        Begins the identification of a channel, which is finished when that of all was begun: `begun_in`.
     doing : str
         Progress message, placed before the name.
     demand : bool
@@ -134,17 +143,52 @@ def each_channel(
         name, records = channel
         return Inspected(name, records, tuple(look(record) for record in records))
 
-    def begun(i: int) -> None:
-        tell(f"{doing} {channels[i][0]}", (i + 0.3) / (len(channels) + 0.3))
+    together = begin if len(channels) > 1 else None
+    searching = SEARCHING if together else 0.0
+
+    def tells(name: str, i: int, since: float, until: float) -> None:
+        tell(f"{doing} {name}", since + (until - since) * (i + 0.3) / (len(channels) + 0.3))
 
     imported(progress)
     with one_thread():
         seen = _on_bodies(shared(inspected, channels, count=count, known=every))
-        results = shared(lambda one: _result(one, work, refused, fatal), seen, count=count, known=every, begun=begun)
+        if together:
+            seen = identified(
+                seen, together, fatal,
+                lambda begin, able: shared(
+                    begin, able, count=count, known=every, begun=lambda i: tells(able[i].name, i, 0.0, searching)
+                ),
+            )  # fmt: skip
+        results = shared(
+            lambda one: _result(one, work, refused, fatal), seen, count=count, known=every,
+            begun=lambda i: tells(seen[i].name, i, searching, 1.0),
+        )  # fmt: skip
     if demand:
         _demand_result(seen, results)
     tell("done", 1.0)
     return tuple(results)
+
+
+def identified(
+    channels: Sequence[Inspected],
+    begin: Begin,
+    fatal: str,
+    each: Callable[[Callable[[Inspected], Started | None], Sequence[Inspected]], Sequence[Started | None]],
+) -> Sequence[Inspected]:
+    """The channels with an identification to be finished, begun in `each` of them: they may have a filter in common."""
+    able = [i for i, seen in enumerate(channels) if not (fatal or any(q.refusal for q in seen.qualities))]
+    if len(able) < 2:
+        return channels
+
+    def started(seen: Inspected) -> Started | None:
+        try:
+            return begin(seen)
+        except DataError:  # which it raises once more when its result is asked for
+            return None
+
+    known = {i: s for i, s in zip(able, each(started, [channels[i] for i in able]), strict=True) if s is not None}
+    finish = dict(zip(known, finished(list(known.values())), strict=True))
+    return [replace(seen, finish=finish.get(i)) for i, seen in enumerate(channels)]
 
 
 def _on_bodies(channels: Sequence[Inspected]) -> Sequence[Inspected]:
@@ -177,6 +221,7 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     refused: Callable[[Inspected, str], Any],
     *,
     keeping: Keeping | None = None,
+    begin: Begin | None = None,
     in_parts_too: tuple[str, ...] = (),
     doing: str = "analyzing",
     demand: bool = True,
@@ -192,7 +237,7 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
         Makes the result of the job from the fields of `Job`.
     source, recipe
         As for `open_recording`.
-    work, refused, doing, progress
+    work, refused, begin, doing, progress
         As for `each_channel`.
     keeping : callable, optional
         Makes the keeper of a channel that is read in parts; None if the job needs all samples.
@@ -210,8 +255,10 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     """
     with in_parts(source, recipe, wanted=keeping is not None) as reader:
         if reader is not None and keeping is not None:
-            seen, findings, notes, provenance = passed(reader, recipe, keeping, progress)
-            results = tuple(_result(one, work, refused, Quality(findings).refusal) for one in seen)
+            read, findings, notes, provenance = passed(reader, recipe, keeping, progress)
+            fatal = Quality(findings).refusal
+            seen = identified(read, begin, fatal, lambda f, items: list(map(f, items))) if begin else read
+            results = tuple(_result(one, work, refused, fatal) for one in seen)
             if demand:
                 _demand_result(seen, results)
             if progress is not None:
@@ -220,8 +267,9 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
     recording = open_recording(source, recipe, progress=progress)
     channels = [(one.name, (one,)) for one in recording]
     results = each_channel(
-        channels, work, refused, findings=recording.findings, doing=doing, demand=demand, progress=progress
-    )
+        channels, work, refused, findings=recording.findings, begin=begin, doing=doing, demand=demand,
+        progress=progress,
+    )  # fmt: skip
     named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
     findings = (*recording.findings, *drift_findings(recording, recipe, named))
     return kind(results, recipe, findings, recording.notes, provenance_of(recording))

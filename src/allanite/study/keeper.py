@@ -1,6 +1,6 @@
 """One channel after its inspection; of one that is read in parts, the sums of curves, identification and spectrum."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,11 +18,13 @@ from allanite.core.plain import Portable
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
 from allanite.identification.checks.contradiction import MeasuredCurve
+from allanite.identification.search.identify import Pending
 from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import spelled
 from allanite.statistics.spectra.raw_spectrum import Raw
 from allanite.statistics.spectra.welch import Periodograms
 from allanite.stream.accumulator import Accumulator, streamable
+from allanite.stream.coefficients import search_in
 from allanite.stream.curve import grid
 
 from .recipe import Recipe
@@ -105,10 +107,10 @@ class Keeper:
         for stream in self._all:
             stream.like = replace(stream.like, rate=rate)
 
-    def fit(self, recipe: Recipe) -> Fit:
-        """The noise, without the outliers that were left out."""
+    def search(self, recipe: Recipe) -> Pending:
+        """The search for the noise, without the outliers that were left out."""
         masks = demand_pieces(recipe.mask, "Hz") if recipe.mask else ()
-        return (self.clean or self.streams[0]).fit(recipe.terms, band=recipe.band, masks=masks)
+        return search_in(self.clean or self.streams[0], recipe.terms, band=recipe.band, masks=masks)
 
     def measured(self, fit: Fit) -> MeasuredCurve:
         """The Allan deviation, by which a fit is judged."""
@@ -130,13 +132,15 @@ class Inspected:
     """One channel after its inspection, before it is processed.
 
     `headed` are processed together: one record, or one of each recording that is compared. Of a record that was read
-    in parts there is the header, and the keeper of its sums.
+    in parts there is the header, and the keeper of its sums. `finish` concludes an identification that was begun for
+    all channels together.
     """
 
     name: str
     headed: tuple[Record | Header, ...]
     qualities: tuple[Quality, ...]
     keeper: Keeper | None = None
+    finish: Callable[[], Fit] | None = None
 
     @property
     def records(self) -> tuple[Record, ...]:

@@ -28,7 +28,7 @@ from allanite.statistics import deviation
 from .channels import Inspected, Progress, Source, run
 from .job import Job
 from .modelling import NoiseSettings, PlanSettings, SelfCheckSettings, StateSpaceSettings, Use, ways
-from .noise import noise_of
+from .noise import begun_in, noise_in
 from .provenance import provenance_of
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 from .results import Noise, noise_dict, noise_from
@@ -232,7 +232,7 @@ def run_model_job(
     assert source is not None  # noqa: S101 - one of them is there
 
     def follow(seen: Inspected) -> Modelled:
-        record, noise = seen.record, noise_of(seen.record, recipe, moved=seen.quality.moved)
+        record, noise = seen.record, noise_in(seen, recipe)
         wrong = [e for e in noise.fit if e.status == "not valid"] if noise.explained else []
         missing = (
             say("{symbol} is left out of the model because its coefficient is not valid: {reason}",
@@ -251,7 +251,9 @@ def run_model_job(
     def refused(seen: Inspected, why: str) -> Modelled:
         return Modelled(seen.name, seen.record.rate, seen.record, seen.quality, refusal=why)
 
-    return run(kind, source, recipe, follow, refused, progress=progress)
+    return run(
+        kind, source, recipe, follow, refused, begin=partial(begun_in, recipe=recipe), progress=progress
+    )  # fmt: skip
 
 
 def demand_no_recording(settings: NoiseSettings, recipe: Recipe) -> None:

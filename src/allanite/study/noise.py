@@ -14,7 +14,7 @@ from allanite.core.threads import one_thread
 from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Band
 from allanite.identification.checks.contradiction import MeasuredCurve, contradictions, held, measured, not_rounding
 from allanite.identification.checks.residuals import residuals
-from allanite.identification.front import identify
+from allanite.identification.front import Started, started
 from allanite.identification.methods import METHODS, symbols_of
 from allanite.identification.search.identify import explaining
 from allanite.phrases.phrase import join, say
@@ -109,35 +109,48 @@ def noise_of(
     DataError
         The record cannot support the identification.
     """
+    recipe = replace(recipe, terms=terms or recipe.terms, band=band or recipe.band)
+    return _judged(begun(record, recipe, lines=lines).fit(), record, recipe, moved=moved)
+
+
+def begun(record: Record, recipe: Recipe, *, lines: bool = True) -> Started:
+    """The search for the noise of a channel with the choices of the recipe; the rest as for `noise_of`."""
     row = METHODS.get(recipe.method)
     readable = row is not None and recipe.statistic in row.allowed
-    choice = recipe.outliers or "mark"
-    band = band or recipe.band
-    fit = identify(
+    search = started(
         record,
         method=recipe.method,
-        terms=terms or recipe.terms,
+        terms=recipe.terms,
         statistic=recipe.statistic if readable else None,
-        band=band,
+        band=recipe.band,
         masks=demand_pieces(recipe.mask, "Hz") if recipe.mask else (),
-        outliers=choice,
+        outliers=recipe.outliers or "mark",
         lines=lines,
         ranges=recipe.ranges,
     )
-    if row is not None and row.allowed and not readable:
-        note = say(
-            "method {method!r} cannot fit {statistic}: the coefficients are those of {other}",
-            method=recipe.method,
-            statistic=recipe.statistic,
-            other=row.statistic,
-        )
-        fit = replace(fit, notes=(*fit.notes, note))
+    if row is None or not row.allowed or readable:
+        return search
+    note = say(
+        "method {method!r} cannot fit {statistic}: the coefficients are those of {other}",
+        method=recipe.method,
+        statistic=recipe.statistic,
+        other=row.statistic,
+    )
+    return replace(search, notes=(*search.notes, note))
+
+
+def begun_in(seen: Inspected, recipe: Recipe) -> Started:
+    """The same of a channel in memory or read in parts, for those of a recording to be finished together."""
+    return begun(seen.record, recipe) if seen.keeper is None else Started(seen.keeper.search(recipe))
+
+
+def _judged(fit: Fit, record: Record, recipe: Recipe, *, moved: bool) -> Noise:
+    """The noise of a fit, graded, with the terms that only a request adds where these describe the record."""
     if fit.goodness is None:
         return Noise(fit)
-    noise = graded(Noise(fit, partial(residuals, record, fit, outliers=choice)), record)
+    noise = graded(Noise(fit, partial(residuals, record, fit, outliers=recipe.outliers or "mark")), record)
     described = noise.validity != UNEXPLAINED and (noise.fit.scope is None or noise.fit.scope.until is None)
-    enough = described or moved or (terms or recipe.terms) != "auto"
-    return noise if enough else _with_remedy(noise, record, recipe)
+    return noise if described or moved or recipe.terms != "auto" else _with_remedy(noise, record, recipe)
 
 
 def _with_remedy(noise: Noise, record: Record, recipe: Recipe) -> Noise:
@@ -195,9 +208,9 @@ def noise_in(seen: Inspected, recipe: Recipe) -> Noise:
 
     Of a record that is read in parts the curve alone judges the coefficients, so that the model has a reservation.
     """
+    fit = (seen.finish or begun_in(seen, recipe).fit)()
     if seen.keeper is None:
-        return noise_of(seen.record, recipe, moved=seen.quality.moved)
-    fit = seen.keeper.fit(recipe)
+        return _judged(fit, seen.record, recipe, moved=seen.quality.moved)
     noise, curve = Noise(fit), seen.keeper.measured(fit)
     if noise.validity == UNEXPLAINED:
         return replace(noise, fit=fit.invalid(REJECTED))

@@ -161,11 +161,11 @@ class ComparisonChoices:
 
 @dataclass(frozen=True, repr=False)
 class ClaimChoices:
-    """What is claimed of the noise of a recording."""
+    """What is claimed of the noise of a recording, and of the settings of its sensor."""
 
     claims: str | None = choice(
         "CLAIM", "File of a filter or simulator, limits file (.toml), name of a data sheet, or model: "
-        "'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'.")
+        "'N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)'; settings behind it or alone: 'lowpass 42 Hz, rate 100 Hz'.")
     claims_from: str | None = choice("TARGET", "Program whose file it is.", told="recognized by its fields")
     at_most: bool = choice("", "The values are upper bounds, as those of data sheets and limits files.", default=False)
     tolerance: float = choice("PERCENT", "Difference that is accepted.", kind=PERCENT, default=0.02)

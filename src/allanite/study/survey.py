@@ -28,7 +28,7 @@ from .channels import Inspected, Progress, Source, run
 from .hybrid_bias import joints
 from .job import Job
 from .keeper import STRIDES, WHOLE, Keeper, demand_grid, demand_sums
-from .noise import noise_in
+from .noise import begun_in, noise_in
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 from .results import ChannelResult
 from .settings import DensityChoices, DeviationChoices, WindowChoices
@@ -277,5 +277,6 @@ def survey(
         jumps = () if fit is None else joints([v for v in values if isinstance(v, Curve)], fit)
         return Measured(seen.first, seen.quality, noise, values=shown, alerts=(*alerts, *jumps, *seen.alerts))
 
+    begin = partial(begun_in, recipe=recipe) if settings.fitted else None
     return run(partial(Survey, settings=settings), source, recipe, work, Measured.refused, keeping=settings.keeping,
-               in_parts_too=settings.notes, doing="measuring", progress=progress)  # fmt: skip
+               begin=begin, in_parts_too=settings.notes, doing="measuring", progress=progress)  # fmt: skip

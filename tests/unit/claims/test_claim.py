@@ -7,6 +7,7 @@ from tests.rows import paired, rows
 
 import allanite as al
 from allanite.claims.claim import claim_of
+from allanite.claims.settings import settings_in
 from allanite.core.errors import DataError, UsageError
 from allanite.exporting.exports import EXPORTS
 
@@ -41,6 +42,29 @@ def test_file_of_every_target_is_recognized(target, named, tmp_path):
 def test_text_is_a_model(text, models, bound):
     found = claim_of(text)
     assert ([str(model) for model in found.models], found.bound, found.kind) == (models, bound, "model")
+
+
+@rows("text, settings, rest", [
+    ("lowpass 42 Hz", [("cutoff", 42.0, "")], ""),
+    ("imu.yaml, Low-pass at 42 Hz; odr 1kHz", [("cutoff", 42.0, ""), ("rate", 1000.0, "")], "imu.yaml"),
+    ("gyro dlpf 42 Hz, accelerometer bandwidth: 20.5 Hz", [("cutoff", 42.0, "gyro"), ("cutoff", 20.5, "accel")], ""),
+    ("N 1 deg/sqrt(h), cut-off 9 Hz; 60 ug/sqrt(Hz)", [("cutoff", 9.0, "")], "N 1 deg/sqrt(h); 60 ug/sqrt(Hz)"),
+    ("output rate 100 Hz; N 1 deg/sqrt(h)", [("rate", 100.0, "")], "N 1 deg/sqrt(h)"),
+    ("N 1 deg/sqrt(h)", [], "N 1 deg/sqrt(h)"),
+    ("rate.toml", [], "rate.toml"),
+])  # fmt: skip
+def test_settings_are_taken_out_of_a_text(text, settings, rest):
+    found, left = settings_in(text)
+    assert ([(s.quantity, s.value, s.sensor) for s in found], left) == (settings, rest)
+
+
+def test_a_claim_with_settings_is_read_from_its_own_text():
+    claim = claim_of("N 1 deg/sqrt(h); lowpass 42 Hz; 60 ug/sqrt(Hz), gyro rate 0.2 kHz")
+    assert [s.words() for s in claim.settings] == ["lowpass 42 Hz", "gyro rate 200 Hz"]
+    assert len(claim.models) == 2
+    assert claim_of(claim.text) == claim
+    with pytest.raises(UsageError, match="a positive number of Hz"):
+        claim_of("lowpass 0 Hz")
 
 
 def test_correlation_time_makes_a_gauss_markov_bias(tmp_path):

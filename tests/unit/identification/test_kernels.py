@@ -11,11 +11,12 @@ from scipy.signal import butter, lfilter
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.identification.likelihood.band import Tuned, portion
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.spectrum import spectrum
-from allanite.identification.likelihood.tuning import tuning
-from allanite.identification.likelihood.whittle import likelihood
+from allanite.identification.likelihood.whittle import gain_of, likelihood
+from allanite.identification.search.frame import frame_of
+from allanite.identification.search.moves import exchanged, filters, less
+from allanite.identification.search.search import search
 from allanite.kernels.binned import binned, less_ramp
 from allanite.kernels.leastsquares import weighted_nnls
 from allanite.kernels.whittle import _logarithms
@@ -121,24 +122,20 @@ def test_a_start_where_nothing_makes_noise_is_left():
 def test_the_filter_is_that_of_an_exhaustive_search(row, b, a):
     """Every cut-off of a fine grid, each likelihood made anew."""
     seen = filtered(b, a)
-    part = portion(seen, "NBKR", seen.frequency(seen.first) < 45)
-    found = tuning(part)
-    assert found.filters[0].row == row
-    whole, free = likelihood(seen, "NBKR"), np.ones(3, dtype=bool)
-    without = 2 * whole.only(part.used).minimise(free)[1]
+    used = seen.frequency(seen.first) < 45
+    best = search(frame_of(seen, "NBKR", used), moves=(less, exchanged, filters), unexplained=False).best
+    assert best.state.filter.label == row
+    (cutoff,) = best.state.filter.shape
+    whole = likelihood(seen, "NBKR").only(used)
 
-    def gain(name, cutoff):
-        power = Tuned(name, cutoff).gain(seen)
+    def least(name, cutoff):
+        power = gain_of(name, cutoff, seen)
         edges, mean = FILTERS[name].edges(cutoff) * np.array([1.0, 0, 0]), float(power @ seen.count / seen.count.sum())
-        behind = whole.only(part.used).behind(power[part.used], mean, edges)
-        return without - 2 * behind.minimise(free)[1]
+        return 2 * whole.behind(power[used], mean, edges).minimise(best.free)[1]
 
-    best = {one.row: (one.cutoff, gained) for one, gained in zip(found.filters, found.gains, strict=True)}
-    coarse = [gain(name, c) for name, other in FILTERS.items() for c in other.widest * 2.0 ** -np.arange(7)]
-    assert max(coarse) <= found.gains[0] * (1 + 1e-12)  # equal but for rounding
-    cutoff, gained = best[row]
+    assert best.value == pytest.approx(least(row, cutoff), abs=0.02)
+    coarse = [least(name, c) for name, other in FILTERS.items() for c in other.widest * 2.0 ** -np.arange(7)]
+    assert min(coarse) > best.value - 0.02
     fine = cutoff * np.exp(np.arange(-60, 61) * 2.5e-3)
     fine = fine[fine <= FILTERS[row].widest]
-    gains = [gain(row, c) for c in fine]
-    assert abs(math.log(fine[int(np.argmax(gains))] / cutoff)) < 5.1e-3
-    assert gained == pytest.approx(gain(row, cutoff), abs=1e-4)
+    assert abs(math.log(fine[int(np.argmin([least(row, c) for c in fine]))] / cutoff)) < 5.1e-3

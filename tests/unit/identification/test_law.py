@@ -7,56 +7,65 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.identification.likelihood.law import law, traces
-from allanite.identification.likelihood.model_selection import look
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.search.frame import frame_of
+from allanite.identification.search.laws import entries_of, law_of
+from allanite.identification.search.search import search
 
 MODEL = al.N(1, "deg/sqrt(h)") + al.B(6, "deg/h") + al.K(30, "deg/h/sqrt(h)")
 
 
+def entries(record, symbols):
+    """The models of the terms alone, with their weights."""
+    seen = spectrum(record, detrend="R" in symbols)
+    return entries_of(search(frame_of(seen, symbols, seen.read(None, ())), moves=(), unexplained=False))
+
+
 @pytest.fixture(scope="module")
-def found():
-    return look(al.simulate(MODEL, 3000, 1.0, rng=np.random.default_rng(1)), "QNBKR", None, rival=False)
+def models():
+    return entries(al.simulate(MODEL, 3000, 1.0, rng=np.random.default_rng(1)), "QNBKR")
 
 
-def by_force(found, which, penalty, root):
-    """Cumulative probability at the roots: every subset, minimised at each of them."""
+def by_force(models, which, root):
+    """Cumulative probability at the roots: every subset that has the term, minimised at each of them."""
     density = np.zeros(root.size)
-    for subset in found.fitted:
-        if subset.free[which]:
-            least = [subset.likelihood.minimise(subset.free, None, (which, c * c))[1] for c in root]
-            density += np.exp(-0.5 * (2 * np.array(least) + (penalty * subset.free).sum() - found.chosen.score(2.0)))
+    for entry in models:
+        if entry.f.free[which]:
+            part, free = entry.f.likelihood, entry.f.free
+            least = np.array([part.minimise(free, None, (which, c * c))[1] for c in root])
+            own = np.exp(least.min() - least)
+            density += entry.weight * own / own.sum()
     below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
     return below / below[-1]
 
 
-@rows("symbol", ["Q", "N", "B", "K"])
-def test_it_is_that_of_all_subsets_on_a_fine_grid(found, symbol):
-    which = found.noise.index(symbol)
-    ours = law(traces(found.fitted, which, [found.akaike]), found.akaike)
+@rows("which", range(4))
+def test_it_is_that_of_all_subsets_on_a_fine_grid(models, which):
+    ours = law_of(models, which)
     root = np.linspace(ours.root[0], ours.root[-1], 301)
-    dense = by_force(found, which, found.akaike, root)
+    dense = by_force(models, which, root)
     spread = ours.quantile(0.84) - ours.quantile(0.16)
     for p in (0.025, 0.16, 0.5, 0.84, 0.975):
         assert ours.quantile(p) == pytest.approx(float(np.interp(p, dense, root)), abs=0.04 * spread)
 
 
-def test_its_spread_is_the_standard_deviation():
-    record = al.simulate(record_model(), 4096, 1.0, rng=np.random.default_rng(2))
-    found = look(record, "N", None, rival=False)
-    ours, _ = found.laws(0)
+def test_its_spread_is_that_of_the_bound():
+    ours = law_of(entries(al.simulate(record_model(), 4096, 1.0, rng=np.random.default_rng(2)), "N"), 0)
     low, high = ours.limits(0.95)
-    assert ours.spread == pytest.approx((high - low) / 3.92, rel=0.02)
-    assert ours.spread / ours.quantile(0.5) == pytest.approx(float(al.bound(record_model(), 4096, 1.0)["N"]), rel=0.1)
+    assert (high - low) / 3.92 / ours.quantile(0.5) == pytest.approx(
+        float(al.bound(record_model(), 4096, 1.0)["N"]), rel=0.1
+    )
 
 
 def record_model():
     return al.Model((al.N(1, "deg/sqrt(h)"),))
 
 
-def test_limits_of_what_is_absent_begin_at_zero(found):
-    ours, _ = found.laws(found.noise.index("Q"))
-    assert ours.limits(0.95)[0] == 0
-    assert 0 < ours.quantile(0.5) < ours.limits(0.95)[1]
+def test_limits_of_what_is_absent_begin_at_zero():
+    absent = al.identify(al.simulate(MODEL, 3000, 1.0, rng=np.random.default_rng(1)))["Q"]
+    low, high = absent.interval(0.95)
+    assert low == 0
+    assert 0 < absent.median < high
 
 
 def test_the_median_of_an_absent_term_is_told_and_claims_nothing():

@@ -9,11 +9,8 @@ from tests.rows import paired, rows
 
 import allanite as al
 import slow_noise
-from allanite.identification.checks.exponent import exponent
 from allanite.identification.checks.popcorn import _normal, jumps
-from allanite.identification.likelihood.model_selection import look
 from allanite.identification.likelihood.spectrum import spectrum
-from allanite.identification.likelihood.warmup import without_warm_up
 from allanite.identification.likelihood.whittle import likelihood, with_warm_up
 from allanite.study.noise import noise_of
 
@@ -142,7 +139,7 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
 @pytest.mark.slow("seconds of analyses")
 @rows("seed, terms", paired([3, 4, 31, 32], ["auto", "N,W"]))
 def test_a_strong_warm_up_is_explained_and_so_is_the_record(seed, terms):
-    """Of these seeds three are beside a misfit that is allowed for, whose likelihood had no end; see `trusted`."""
+    """Alone and with white noise as the only other term."""
     y = np.random.default_rng(seed).standard_normal(40_000) - 3 * np.exp(-np.arange(40_000) / 4000)
     noise = noise_of(al.Record(y, 20.0, "deg/h"), al.Recipe(terms=terms))
     assert noise.validity == "approximate"
@@ -207,16 +204,15 @@ def test_another_power_law_is_named(a):
 
 
 def test_an_exponent_of_one_is_flicker():
-    found = look(record_of(N + B, 2**15), [*"QNBKR"], None, rival=True)
-    assert exponent(found) is None
+    fit = al.identify(record_of(N + al.B(0.006, "deg/s"), 2**15))
+    assert fit.findings == ()
+    assert fit["B"].claimed
 
 
 def test_without_flicker_or_a_low_end_nothing_is_looked_for():
     record = record_of(N + B, 2**15, 3, settling(60, 0.2))
-    found = look(record, [*"QNK"], None, rival=True)
-    assert exponent(found) is None
-    cut = look(record, [*"QNBKR"], (0.5, 50.0), rival=True)
-    assert without_warm_up(cut, record.signal) == (None, cut)
+    assert "flicker exponent" not in [finding.name for finding in al.identify(record, terms="QNK").findings]
+    assert al.identify(record, band=(0.5, 50.0)).findings == ()
 
 
 def test_bursts_are_named_with_a_window_without_them():
@@ -252,8 +248,4 @@ def test_where_no_bin_tells_of_the_drift_none_is_looked_for():
     assert seen.pieces.low == 0
     every = np.ones(seen.first.size, dtype=bool)
     assert not with_warm_up(likelihood(seen, "QNBK"), seen, every, 300.0).UU.any()
-    found = look(torn, "QNBK", None, rival=True)
-    assert found.used[0]
-    warm, same = without_warm_up(found, torn.signal)
-    assert warm is None
-    assert same is found
+    assert al.identify(torn).warm_up is None

@@ -38,8 +38,8 @@ def goodness(
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate
     is z, and the sum of z^2 over the cells is chi-square with the number of cells less what sizes and shapes take of
     them, `lost`, and a half. `powers` are observed and expected power and the count of the bins `used`, given the loose
-    directions. In bins that are `loud` with the peaks of vibration no narrow peaks are looked for; `taken` are sinusoids
-    removed before.
+    directions. In bins that are `loud` with the peaks of vibration no narrow peaks are looked for; `taken` are
+    sinusoids removed before.
     """
     from scipy.special import chdtrc
 

@@ -33,7 +33,7 @@ def likelihood(spectrum: BinnedSpectrum, symbols: Sequence[str]) -> Likelihood:
     edge = np.array([TERMS[symbol].edge + TERMS[symbol].ends for symbol in noise])
     ends = 2 if spectrum.pieces is None else 0
     return Likelihood(
-        S=np.column_stack([table_column(symbol, spectrum) for symbol in noise]),
+        S=np.column_stack([np.zeros((spectrum.first.size, 0)), *(table_column(symbol, spectrum) for symbol in noise)]),
         power=spectrum.power,
         count=spectrum.told,
         UU=UU,

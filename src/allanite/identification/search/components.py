@@ -32,8 +32,8 @@ TERM = 0.0228
 """Rate of false claims of a noise term that is absent: it gains 4 in 2 L in 2.3 % of records."""
 
 LEAST_MARKOV, QUICKEST_MARKOV = 30.0, 5.3
-"""Samples. A shorter time constant than the first is taken where white noise stands beside it, else it is a filter's; a
-shorter one than the second is that of a filter of the cut-off `HIDING` with white noise behind it: a definition."""
+"""Samples. A time constant below the first is taken where white noise stands beside it, else it is a filter's; one
+below the second is that of a filter of the cut-off `HIDING` with white noise behind it: a definition."""
 
 LONGEST_MARKOV = 0.1
 """Share of the record up to which a time constant differs from a random walk (`terms.row.LONGEST`)."""
@@ -41,8 +41,12 @@ LONGEST_MARKOV = 0.1
 HIDING = 0.03
 """Cut-off, cycles a sample, below which a filter with noise behind it is Gauss-Markov and white noise: a definition."""
 
-QUALITIES = (2.0, 300.0)
+QUALITIES = (2.5, 300.0)
 """Least and greatest quality of a resonance: a broader one is a filter, a narrower one a sinusoid."""
+
+BROAD = 4.0
+"""Quality below which a state has one resonance at most: several are as broad as the knots of a factor, and sure of
+what it leaves open."""
 
 PERIODS = 16
 """Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
@@ -50,8 +54,8 @@ PERIODS = 16
 HIGHEST = 3.1
 """Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
 
-EXPONENTS = (0.4, 1.8)
-"""Exponents of a power law between which its column is exact within 3 %."""
+EXPONENTS = (0.6, 1.6)
+"""Exponents of a power law between which its column is exact within 1 %."""
 
 LONGEST_WARM_UP = 0.37
 """Share of the record up to which a warm-up differs from a ramp with a parabola."""
@@ -97,8 +101,8 @@ class Component:
     inside : bool
         Whether the filter acts on it.
     behind : bool
-        Whether it is what the filter does not take of white noise: its column is multiplied by 1 - gain, so that the white
-        noise before and behind the filter together is N, as at long averaging times.
+        Whether it is what the filter does not take of white noise: its column is multiplied by 1 - gain, so that the
+        white noise before and behind the filter together is N, as at long averaging times.
     gain : (frame, part) -> array, shape (bins,)
         What a filter lets pass.
     """
@@ -142,8 +146,8 @@ def markov_places(n: int) -> float:
 REMEMBERED = 4000
 """Columns of one spectrum that are kept, at most: some 10 MB."""
 
-STEP = 1e-3
-"""Step in the logarithm of a shape for a derivative of a column."""
+STEP = 1e-5
+"""Step in the logarithm of a shape for a derivative: what sizes cannot make up for is often a hundredth of it."""
 
 
 def _noise_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
@@ -237,7 +241,14 @@ def resonance_slope(frame: Frame, part: Part) -> FloatArray:
 
 
 def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
-    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), QUALITIES]
+    quality = (QUALITIES[0], BROAD) if part.shape[1] < BROAD else (BROAD, QUALITIES[1])
+    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), quality]
+
+
+def _filter_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
+    """Those of its row, or of the filter in common."""
+    common = frame.common_row(part.label)
+    return [common.bounds if common else (LOWEST_CUTOFF, FILTERS[part.label].widest)]
 
 
 COMPONENTS: dict[str, Component] = {
@@ -255,7 +266,7 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component(
             "filter", 0.003, lambda n: 3, signed=True, refined=1, grain=(0.03,),
-            bounds=lambda frame, part: [(LOWEST_CUTOFF, FILTERS[part.label].widest)],
+            bounds=_filter_bounds,
             gain=lambda frame, part: frame.gain(part.label, part.shape[0]),
         ),
         Component(
@@ -274,9 +285,9 @@ COMPONENTS: dict[str, Component] = {
 }  # fmt: skip
 """Every component by its name."""
 
-FACTORS = {"all": 5.0, "above": 8.0, "step above": 8.0, "between": 12.0}
-"""Prices of the kinds of a factor. The determinant of its information pays for the search: of 200 records of noise alone
-none gained more than 2.5 by the best kind, place and size."""
+FACTORS = {"all": 4.0, "above": 5.0, "step above": 5.0, "between": 10.0}
+"""Prices of the kinds of a factor. The determinant of its information pays for most of the search
+(`benchmarks/prices.py`)."""
 
 ANGLE, BEHIND, UNLIKELY = 2.0, 4.0, 8.0
 """What angle noise costs beyond another term: it is clearly visible or of no weight, as it dominates a fixed share of
@@ -288,6 +299,8 @@ def cost_of(part: Part, frame: Frame) -> float:
     """What a part costs in the score."""
     if part.name == "factor":
         return FACTORS[part.label] - ODDS
+    if part.name == "filter" and frame.common:  # the price is paid once for all channels
+        return 0.0 if frame.common_row(part.label) else math.inf
     row = COMPONENTS[part.name]
     if part.name == "noise" and len(part.shape) > 1:  # each further value is looked for in some fifty places
         return _price(row.places(frame.size) * 50.0 ** (len(part.shape) - 1), row.alpha, 1.0, False) - ODDS

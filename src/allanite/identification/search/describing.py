@@ -1,10 +1,10 @@
-"""What a fit says besides its numbers: the filter, vibration and undescribed power in it, and what could take a place."""
+"""What a fit says besides its numbers: the filter, vibration and undescribed power in it, and rivals of its terms."""
 
 import math
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.component import Component
 from allanite.core.estimate import Estimate
 from allanite.core.titles import title_of
@@ -15,8 +15,9 @@ from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
 from .components import CLAIMED, LONGEST_MARKOV, Part
+from .cutoffs import errors_of, quantile_of
 from .estimates import Answer, shaped_terms
-from .fitting import Fitted, factor_basis, fitted, refined, refined_values
+from .fitting import Fitted, factor_basis, fitted, refined
 from .frame import Frame
 from .laws import Entry, weights_of
 
@@ -69,7 +70,9 @@ def scope_of(
 def bare_power(answer: Answer) -> FloatArray:
     """Power of the terms of the fit that is shown in every bin, without filter and factors, shape (all bins,)."""
     f = answer.shown
-    everywhere = f.frame if f.frame.used.all() else Frame(f.frame.spectrum, f.frame.powers, (), np.ones_like(f.frame.used))
+    frame, everywhere = f.frame, f.frame
+    if not frame.used.all():
+        everywhere = Frame(frame.spectrum, frame.powers, (), np.ones_like(frame.used))
     power = np.zeros(everywhere.count.size)
     columns = [everywhere.table(s) for s in f.frame.powers]
     columns += [everywhere.column(symbol if symbol != "GML" else "GM", shape) for symbol, shape in shaped_terms(f)]
@@ -85,10 +88,14 @@ def low_pass(answer: Answer) -> LowPass | None:
         return None
     part = having[0].f.state.filter
     assert part is not None  # noqa: S101 - they have one
+    if answer.result.frame.common:
+        common = answer.result.frame.common[0]  # in all channels the same
+        cutoff, least, most = (c * answer.scale.rate for c in (common.cutoff, common.low, common.high))
+        return LowPass(common.row, FILTERS[common.row].title, cutoff, least, most, answer.scale.rate)
     ends = [_cutoff(e) for e in having]
     w = np.array([e.weight for e in having])
     centre, spread = (np.array(each) for each in zip(*ends, strict=True))
-    low, high = _mixture(w / w.sum(), centre, spread)
+    low, high = (quantile_of(w / w.sum(), centre, spread, p) for p in (0.025, 0.975))
     rate, widest = answer.scale.rate, FILTERS[part.label].widest
     c = part.shape[0]
     return LowPass(
@@ -102,30 +109,6 @@ def _cutoff(e: Entry) -> tuple[float, float]:
     part = e.f.state.filter
     assert part is not None  # noqa: S101 - the entry has one
     return math.log(part.shape[0]), errors_of(e.f, part)[0]
-
-
-def errors_of(f: Fitted, part: Part) -> FloatArray:
-    """Standard errors of the logarithms of the shape of a part, everything else unknown."""
-    H, active = f.information
-    at = int(active.sum())
-    for other in f.state:
-        if other == part:
-            break
-        at += refined_values(other)
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    C = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
-    k = refined_values(part)
-    return np.sqrt(np.maximum(np.diag(C)[at : at + k], 0.0))
-
-
-def _mixture(w: FloatArray, centre: FloatArray, spread: FloatArray) -> tuple[float, float]:
-    """The 2.5 and 97.5 % points of a mixture of normal laws."""
-    from scipy.special import ndtr
-
-    spread = np.maximum(spread, 1e-9)
-    x = np.linspace(float((centre - 5 * spread).min()), float((centre + 5 * spread).max()), 2001)
-    below = w @ ndtr((x - centre[:, None]) / spread[:, None])
-    return float(np.interp(0.025, below, x)), float(np.interp(0.975, below, x))
 
 
 def misfit_of(answer: Answer) -> tuple[float, float]:
@@ -174,7 +157,7 @@ def _runs(frame: Frame, which: BoolArray) -> tuple[tuple[float, float], ...]:
 
 
 def shows_white(f: Fitted) -> bool:
-    """Whether white noise has most of the power of a half octave at least, where vibration or a factor stands beside it.
+    """Whether white noise has most of the power of a half octave, where vibration or a factor stands beside it.
 
     Else what stands beside it makes its value: it is known from a difference only.
     """
@@ -184,7 +167,8 @@ def shows_white(f: Fitted) -> bool:
     share = f.likelihood.S[:, frame.white] * f.theta[frame.white] / f.m
     half = np.floor(2 * np.log2(frame.centre)).astype(int)
     count = np.bincount(half, frame.count)
-    return bool((np.bincount(half, share * frame.count)[count > WELL_KNOWN] / count[count > WELL_KNOWN] > MOST_WHITE).any())
+    white, known = np.bincount(half, share * frame.count), count > WELL_KNOWN
+    return bool((white[known] > MOST_WHITE * count[known]).any())
 
 
 def components_of(answer: Answer) -> tuple[Component, ...]:
@@ -214,9 +198,11 @@ def _span(f: Fitted, part: Part) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-def _words(answer: Answer, f: Fitted, part: Part) -> str:
+def _words(answer: Answer, f: Fitted, part: Part) -> str:  # noqa: PLR0911 - one sentence a row
     """A part as text."""
     rate = answer.scale.rate
+    if part.name == "filter" and answer.result.frame.common:
+        part = part._replace(label=answer.result.frame.common[0].row, shape=(answer.result.frame.common[0].cutoff,))
     if part.name == "filter":
         return say("{filter}, -3 dB at {cutoff:.3g} Hz", filter=FILTERS[part.label].title, cutoff=part.shape[0] * rate)
     if part.name == "floor":
@@ -247,7 +233,8 @@ def _factor_words(f: Fitted) -> str:
             first = f.frame.spectrum.frequency(f.frame.centre)
             inside = (first >= a) & (first <= b)
             at = float(np.max(sign * u[inside])) * sign
-            spans.append(say("{change:+.0f} % from {low:.2g} to {high:.2g} Hz", change=100 * math.expm1(min(at, 20.0)), low=a, high=b))
+            change = 100 * math.expm1(min(at, 20.0))
+            spans.append(say("{change:+.0f} % from {low:.2g} to {high:.2g} Hz", change=change, low=a, high=b))
     size = max(p.shape[2] for p in f.state.of("factor"))
     if not spans:
         return say("the power differs by some {size:.2g} % an octave from that of the terms", size=100 * size)
@@ -256,7 +243,7 @@ def _factor_words(f: Fitted) -> str:
 
 def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
     """Two explanations of one record, and which terms others could replace."""
-    notes = []
+    notes: list[str] = []
     frame, scale = answer.result.frame, answer.scale
     for symbol, e in estimates.items():
         if symbol not in frame.powers or not e.claimed:
@@ -268,14 +255,16 @@ def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
             unit, values = _in_sheet(answer, symbol, law.modes)
             notes.append(
                 say(
-                    "{symbol}: two explanations of the record, {first} or {second} {unit}; a longer record would decide",
+                    "{symbol}: two explanations of the record, {first} or {second} {unit}; a longer record would "
+                    "decide",
                     symbol=symbol, first=f"{values[0]:.3g}", second=f"{values[1]:.3g}", unit=unit,
                 )
             )  # fmt: skip
     slow = [frame.powers[i] for i in np.flatnonzero(frame.slow)]
     names = [s for s in (*slow, "GM") if s in estimates or s == "GM"]
     claimed = any(estimates[s].claimed for s in names if s in estimates)
-    weight = sum(e.weight for e in answer.entries if e.f.theta[: len(frame.powers)][frame.slow].any() or e.f.state.of("noise"))
+    drifting = (e.f.theta[: len(frame.powers)][frame.slow].any() or e.f.state.of("noise") for e in answer.entries)
+    weight = sum(e.weight for e, drifts in zip(answer.entries, drifting, strict=True) if drifts)
     if not claimed and weight >= CLAIMED and slow:
         likely = [s for s in names if _weight_of(answer, s) > 1 - CLAIMED]
         if likely:
@@ -334,7 +323,7 @@ def least_time_constant(answer: Answer, walk: int) -> float | None:
     return least
 
 
-def lost_freedom(f: Fitted, cell: FloatArray, cells: int) -> float:
+def lost_freedom(f: Fitted, cell: IntArray, cells: int) -> float:
     """Degrees of freedom that sizes and shapes take of the cells: the trace of their hat matrix."""
     H, active = f.information
     m, h = f.m, f.trusted.count / 2
@@ -345,4 +334,3 @@ def lost_freedom(f: Fitted, cell: FloatArray, cells: int) -> float:
     size = np.sqrt(np.maximum(np.diag(H), 1e-300))
     inverse = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
     return float(np.einsum("ci,ij,cj->", T, inverse, T))
-

@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.averaged import Averaged, averaged
 from allanite.core.estimate import WEAK, Estimate
 from allanite.core.limits import Remembered, Stored, quantile
@@ -18,8 +19,8 @@ from allanite.identification.likelihood.selection import Subset, ThetaProfile
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
-from .components import Part
-from .fitting import Fitted, fitted, refined, refined_values, resized, values_of, with_values
+from .components import CLAIMED, Part
+from .fitting import Fitted, fitted, place_of, refined, resized, values_of, with_values
 from .laws import Entry, Law, column_of, law_of
 from .search import Searched
 
@@ -102,10 +103,13 @@ class Answer(Portable):
 
     @cached_property
     def shown(self) -> Fitted:
-        """The best fit that the terms can express: without a power law, which is no term."""
-        plain = (e.f for e in self.entries if not e.f.state.lacks_flicker)
-        others = [f for f in self.result.every.values() if not f.state.lacks_flicker]
+        """The best fit that the terms can express: without a power law, which is no term, and with a term at all."""
+        plain = (e.f for e in self.entries if self._expressed(e.f))
+        others = [f for f in self.result.every.values() if self._expressed(f)]
         return next(plain, None) or min(others, key=lambda f: f.score)
+
+    def _expressed(self, f: Fitted) -> bool:
+        return not f.state.lacks_flicker and bool(self.scale.terms(f))
 
     @cached_property
     def full(self) -> Fitted:
@@ -137,9 +141,7 @@ def subset_of(f: Fitted) -> Subset:
     return Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta))
 
 
-def _with_sizes(f: Fitted, theta: object) -> Fitted:
-    from dataclasses import replace
-
+def _with_sizes(f: Fitted, theta: FloatArray) -> Fitted:
     return replace(f, theta=theta)
 
 
@@ -155,7 +157,8 @@ class LawLimits:
     def __call__(self, level: float) -> tuple[float, float]:
         """Two-sided limits."""
         low, high = self.law.limits(level) if self.law else (0.0, math.inf)
-        return self.scale.coefficient(self.symbol, low if self.claimed else 0.0), self.scale.coefficient(self.symbol, high)
+        ends = (low if self.claimed else 0.0, high)
+        return self.scale.coefficient(self.symbol, ends[0]), self.scale.coefficient(self.symbol, ends[1])
 
     def upper(self, level: float) -> float:
         """One-sided upper limit."""
@@ -180,18 +183,12 @@ def law_of_term(symbol: str, answer: Answer) -> tuple[Law | None, tuple[float, .
                 for e, i in zip(answer.entries, at, strict=True)]  # fmt: skip
         law = law_of(answer.entries, where or 0, same)
         weight = sum(e.weight for e in having)
-        return law, _shape_in(best, label, number), weight >= _claimed()
+        return law, _shape_in(best, label, number), weight >= CLAIMED
     others = [f for f in answer.result.every.values() if column_of(f, label, number) is not None]
     if not others:
         return None, (), False
     f = min(others, key=lambda f: f.score)
     return law_of([Entry(f, 1.0)], column_of(f, label, number) or 0), _shape_in(f, label, number), False
-
-
-def _claimed() -> float:
-    from .components import CLAIMED
-
-    return CLAIMED
 
 
 def _part_in(f: Fitted, label: str, number: int) -> Part:
@@ -221,10 +218,8 @@ def noise_estimate(symbol: str, answer: Answer) -> Estimate:
     )
     if not shape:
         return plain
-    from dataclasses import replace
-
     f = next(f for _, _, f in law.parts)
-    parts = [p for p in f.state.of("noise")]
+    parts = f.state.of("noise")
     own = next(p for p in parts if p.shape == shape) if any(p.shape == shape for p in parts) else parts[0]
     ends = Remembered(ShapeLimits(f, own, scale, symbol))
     return replace(plain, shape=scale.shape(symbol, own.shape), shape_limits=ends)
@@ -249,24 +244,23 @@ class ShapeLimits:
 
 def profile_ends(f: Fitted, part: Part, which: int, drop: float) -> tuple[float, float]:
     """Values of a shape at which the value of the fit has risen by `drop`; as far as that is looked for."""
-    at = 0
-    for other in f.state:
-        if other == part:
-            break
-        at += refined_values(other)
-    at += which
+    at = place_of(f.state, part) + which
     free = fitted(f.frame, f.state, None, f, f.v)
-    best, held = refined(free), np.zeros(values_of(f.state).size, dtype=bool)
+    best, held = refined(free, settled=EXACT), np.zeros(values_of(f.state).size, dtype=bool)
     held[at] = True
     x = values_of(best.state)
 
     def excess(y: float) -> float:
         moved = x.copy()
         moved[at] = y
-        return refined(fitted(f.frame, with_values(best.state, moved), None, best, best.v), 4, held=held).value - best.value - drop
+        start = fitted(f.frame, with_values(best.state, moved), None, best, best.v)
+        return refined(start, 4, held=held, settled=EXACT).value - best.value - drop
 
     return _end(excess, x[at], -1.0, math.log(SHORTEST)), _end(excess, x[at], 1.0, math.log(f.frame.size))
 
+
+EXACT = 1e-3
+"""Gain in 2 L that ends the rounds of scoring where limits are read off: 0.1 % of a standard error."""
 
 SHORTEST = 1e-4
 """Value of a shape, samples or radians a sample, at which its lower limit is given up."""
@@ -305,8 +299,10 @@ def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
     if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
     ramps = [(w, _ramp_law(f, answer, size)) for w, f in _heaviest(answer)]
-    ramp = RampLimits(*(np.concatenate([getattr(r, name) for _, r in ramps]) for name in ("centre", "spread")),
-                      np.concatenate([w * r.weight for w, r in ramps]))  # fmt: skip
+    ramp = RampLimits(
+        np.concatenate([r.centre for _, r in ramps]), np.concatenate([r.spread for _, r in ramps]),
+        np.concatenate([w * r.weight for w, r in ramps]),
+    )  # fmt: skip
     value = float(ramp.weight @ ramp.centre)
     error = math.sqrt(float(ramp.weight @ (ramp.spread**2 + (ramp.centre - value) ** 2)))
     limits, upper = Remembered(ramp), Remembered(ramp.upper)
@@ -378,6 +374,4 @@ def observable(estimate: Estimate, band: tuple[float, float], half: float, *, fi
         )
     if not reason:
         return estimate
-    return Estimate(
-        estimate.symbol, estimate.signal, None, None, "not observable", None, "whittle", reason=reason
-    )
+    return Estimate(estimate.symbol, estimate.signal, None, None, "not observable", None, "whittle", reason=reason)

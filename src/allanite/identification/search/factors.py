@@ -77,9 +77,7 @@ class Splines:
         above = np.arange(0.0, min(top - 5.0, 6.6), 0.5)
         places: list[Place] = [("all", 0.0, top)]
         places += [(kind, top - float(k), top) for kind in ("above", "step above") for k in above]
-        places += [
-            ("between", float(a), float(b)) for a in range(whole) for b in range(a + 2, min(a + 5, whole) + 1)
-        ]
+        places += [("between", float(a), float(b)) for a in range(whole) for b in range(a + 2, min(a + 5, whole) + 1)]
         return places
 
 

@@ -22,7 +22,7 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
 
-from .components import ANGLE, BEHIND, COMPONENTS, STEP, TERM, UNLIKELY, Part
+from .components import ANGLE, BEHIND, COMPONENTS, STEP, UNLIKELY, Part
 from .frame import Frame, leak
 from .state import State
 
@@ -34,6 +34,9 @@ FARTHEST = 0.5
 
 HALVINGS, ROUNDS, SETTLED = 4, 8, 0.03
 """Times that a step is cut to a third; rounds of scoring, at most; gain in 2 L that ends them."""
+
+AT_END = 1e-6
+"""Distance from the end of its range, in the logarithm, within which a shape that tends outwards stays."""
 
 DAMPING = 1e-3
 """Share of its information that is added to a shape's, at first."""
@@ -126,6 +129,10 @@ class Fitted(Portable):
         k = self.v.size
         if k:
             H[-k:, -k:] += np.eye(k)
+        through = self.state.filter
+        if through is not None:
+            at = int(active.sum()) + place_of(self.state, through)
+            H[at, at] += self.frame.told(through.label, through.shape[0])[2] / 2
         return H, active
 
     def _wide(self, rows: FloatArray) -> FloatArray:
@@ -158,6 +165,11 @@ def refined_values(part: Part) -> int:
     return len(part.shape) if part.name == "noise" else COMPONENTS[part.name].refined
 
 
+def place_of(state: State, part: Part) -> int:
+    """Place of the first value of a part among those that are refined."""
+    return sum(refined_values(other) for other in state.parts[: state.parts.index(part)])
+
+
 def with_values(state: State, x: FloatArray) -> State:
     """The state with other shapes; its parts keep their order."""
     values, parts = iter(np.exp(x).tolist()), []
@@ -170,7 +182,8 @@ def with_values(state: State, x: FloatArray) -> State:
 def bounds_of(frame: Frame, state: State) -> tuple[FloatArray, FloatArray]:
     """Least and greatest logarithms of the shapes."""
     ends = [end for p in state if refined_values(p) for end in COMPONENTS[p.name].bounds(frame, p)]
-    return np.log(np.array(ends).reshape(-1, 2)).T  # type: ignore[return-value]
+    low, high = np.log(np.array(ends).reshape(-1, 2)).T
+    return low, high
 
 
 def factor_basis(frame: Frame, state: State) -> FloatArray:
@@ -267,7 +280,7 @@ def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray | N
     return _adding(part, np.broadcast_to(part.added, known.shape) + known)
 
 
-def _valued(
+def _valued(  # noqa: PLR0917 - what a fit is made of
     frame: Frame, state: State, may: BoolArray, theta: FloatArray, v: FloatArray, part: Likelihood, error: float
 ) -> Fitted:
     """A fit with its value; where there are resonances, with the best error of their shapes and the sizes beside it."""
@@ -282,7 +295,12 @@ def _valued(
             d = (error * share) ** 2
             trusted = part.trusted(1 / (1 + d * part.count / 2))
             theta, _ = trusted.minimise(may, theta)
-    value = 2 * part.value(theta) + float(v @ v) + _volume(part, theta, frame)
+    least = part.value(theta)
+    if not math.isfinite(least):  # a shape leaves nothing where the record has power
+        return Fitted(frame, state, may, theta, v, part, trusted, error, math.inf)
+    value = 2 * least + float(v @ v) + _volume(part, theta, frame)
+    if state.filter is not None:
+        value += frame.told(state.filter.label, state.filter.shape[0])[0]
     if d is not None:
         m, power = _observed(part, theta)
         value += _integrated(part.count, m, power, d)
@@ -329,7 +347,8 @@ def slopes(f: Fitted) -> FloatArray:
     basis = factor_basis(frame, state)
     raised = np.exp(np.clip(basis @ f.v, -STEEPEST, STEEPEST)) if f.v.size else np.ones(1)
     rows, inner, outer = [], len(frame.powers), sizes_inside(frame, state)
-    behind = frame.spectrum.rounding + sum(theta[column_of_part(state, frame, p) or 0] for p in state if COMPONENTS[p.name].behind)
+    columns = [column_of_part(state, frame, p) for p in state if COMPONENTS[p.name].behind]
+    behind = frame.spectrum.rounding + sum(float(theta[i]) for i in columns if i is not None)
     for part in state:
         row = COMPONENTS[part.name]
         if row.inside and row.slope is not None:
@@ -345,7 +364,9 @@ def slopes(f: Fitted) -> FloatArray:
     return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * f.inside[:, None]).T))
 
 
-def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None) -> Fitted:
+def refined(
+    f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None, settled: float = SETTLED
+) -> Fitted:
     """The best shapes near those of a fit: Fisher scoring of sizes and shapes together, with step halving.
 
     With `only` of its last shapes alone; `held` shapes stay as they are, shape (values,).
@@ -356,12 +377,16 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray |
         moving[: x.size - only] = False
     if held is not None:
         moving[: x.size] &= ~held
+    low, high = bounds_of(f.frame, f.state)
+    moving[: x.size] &= low < high
     if not moving.any():
         return f
-    low, high = bounds_of(f.frame, f.state)
     damping = DAMPING
     for _ in range(rounds):
         dx, dv = _step(f, moving, damping)
+        stuck = ((x < low + AT_END) & (dx < 0)) | ((x > high - AT_END) & (dx > 0))
+        if stuck.any():  # the others as if these stayed, which they do
+            dx, dv = _step(f, np.concatenate((moving[: x.size] & ~stuck, moving[x.size :])), damping)
         better = None
         for _ in range(HALVINGS):
             state = with_values(f.state, np.clip(x + dx, low, high))
@@ -374,7 +399,7 @@ def refined(f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray |
             break
         gain, f, x = f.value - better.value, better, values_of(better.state)
         damping = max(damping / 4, 1e-6)
-        if gain < SETTLED:
+        if gain < settled:
             break
     return f
 
@@ -388,6 +413,9 @@ def _step(f: Fitted, moving: BoolArray, damping: float) -> tuple[FloatArray, Flo
     g = (Z / m[:, None]).T @ (h * (power / m - 1))
     if k:
         g[-k:] -= f.v
+    through = f.state.filter
+    if through is not None:
+        g[a + place_of(f.state, through)] -= f.frame.told(through.label, through.shape[0])[1] / 2
     some = np.concatenate((np.ones(a, dtype=bool), moving))
     H, g = H[np.ix_(some, some)], g[some]
     size = np.sqrt(np.maximum(np.diag(H), 1e-300))

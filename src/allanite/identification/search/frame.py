@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,47 @@ EDGES_GRID = 0.01
 """Step in the logarithm of a cut-off at which the noise at the edges of a record is computed; it changes as little."""
 
 
+class Common(NamedTuple):
+    """A filter in common with other channels: what these tell of it.
+
+    Attributes
+    ----------
+    row : str
+    cutoff, low, high : float
+        Cycles a sample, of all channels together, with the 95 % limits over all rows.
+    at, scores : tuple of float
+        Logarithms of cut-offs, and the summed score of the other channels behind each, over that behind the best one of
+        the best row; empty where only this cut-off is admitted.
+    """
+
+    row: str
+    cutoff: float
+    low: float
+    high: float
+    at: tuple[float, ...] = ()
+    scores: tuple[float, ...] = ()
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Least and greatest cut-off."""
+        return (math.exp(self.at[0]), math.exp(self.at[-1])) if self.at else (self.cutoff, self.cutoff)
+
+    def told(self, cutoff: float) -> tuple[float, float, float]:
+        """The score of the other channels at a cut-off, and its first and second derivative by the logarithm."""
+        if not self.at:
+            return 0.0, 0.0, 0.0
+        curve = _curve(self.at, self.scores)
+        value, slope, curvature = (float(curve(math.log(cutoff), k)) for k in range(3))
+        return value, slope, max(curvature, 0.0)
+
+
+@lru_cache(256)
+def _curve(at: tuple[float, ...], scores: tuple[float, ...]) -> Any:
+    from scipy.interpolate import CubicSpline
+
+    return CubicSpline(at, scores)
+
+
 @dataclass(frozen=True, eq=False)
 class Frame(Portable):
     """Bins of one spectrum that are read, and the columns of the terms in them.
@@ -53,6 +94,8 @@ class Frame(Portable):
         Bins that are read: a user's band and masks.
     asked : tuple of str
         Noise terms with a shape that a user asked for.
+    common : tuple of Common
+        The only filters, one of which every state has; empty where that is left to the search.
     """
 
     spectrum: BinnedSpectrum
@@ -60,10 +103,26 @@ class Frame(Portable):
     ramps: tuple[str, ...]
     used: BoolArray
     asked: tuple[str, ...] = ()
+    common: tuple[Common, ...] = ()
     known: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     def __getstate__(self) -> dict[str, Any]:
         return super().__getstate__() | {"known": {}}
+
+    def behind(self, *common: Common) -> "Frame":
+        """The same spectrum behind filters of several channels, with what is known of it."""
+        same = replace(self, common=common)
+        same.__dict__.update({key: value for key, value in vars(self).items() if key != "common"})
+        return same
+
+    def told(self, row: str, cutoff: float) -> tuple[float, float, float]:
+        """What other channels tell of a filter; see `Common.told`."""
+        common = self.common_row(row)
+        return common.told(cutoff) if common else (0.0, 0.0, 0.0)
+
+    def common_row(self, row: str) -> Common | None:
+        """The filter in common of a row."""
+        return next((each for each in self.common if each.row == row), None)
 
     @property
     def size(self) -> int:
@@ -129,8 +188,8 @@ class Frame(Portable):
     @cached_property
     def plain(self) -> Likelihood:
         """The likelihood of the powers and ramps in the bins that are read."""
-        part = likelihood(self.spectrum, [*self.powers, *self.ramps])
-        return part if self.used.all() else part.only(self.used)
+        # without the directions of which no bin knows: a ramp, where each piece is read by itself
+        return likelihood(self.spectrum, [*self.powers, *self.ramps]).only(self.used)
 
     def beside(self, more: tuple[tuple[str, float], ...]) -> Likelihood:
         """The same with more loose directions: ("step", sample) or ("warm-up", time constant in samples)."""
@@ -144,7 +203,7 @@ class Frame(Portable):
             part = replace(
                 plain, UU=UU, Uc=Uc, W=np.insert(plain.W, at, 0.0, axis=0), flat=np.insert(plain.flat, at, True)
             )
-            self.known[key] = part if self.used.all() else part.only(self.used)
+            self.known[key] = part.only(self.used)
         result: Likelihood = self.known[key]
         return result
 
@@ -228,7 +287,7 @@ def starts_of(row: str) -> tuple[float, ...]:
 
 @lru_cache(4096)
 def edges_of(row: str, step: int) -> float:
-    """Variance of white noise behind a filter along the edges of a record, at a step of the logarithm of the cut-off."""
+    """Variance of white noise behind a filter along the edges of a record, at a step of the cut-off's logarithm."""
     return FILTERS[row].edges(min(math.exp(step * EDGES_GRID), FILTERS[row].widest))
 
 

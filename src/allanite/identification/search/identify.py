@@ -1,8 +1,9 @@
 """Identification by likelihood: which terms are present, their sizes and their uncertainties."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from allanite.core.finding import Finding
 from allanite.core.fit import Alternative, Fit, Goodness, Line
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
+from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.core.validity import Band, Scope
@@ -20,18 +22,20 @@ from allanite.identification.checks.goodness import cells_of, goodness
 from allanite.identification.likelihood.lines import levels, suspected, waves_of
 from allanite.identification.likelihood.selection import correlation
 from allanite.identification.likelihood.spectrum import BinnedSpectrum, spectrum
-from allanite.phrases.phrase import say, say_count
+from allanite.phrases.phrase import join, say, say_count
 from allanite.prepare.gaps import known_rates, refusal
 from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, Part
-from .describing import components_of, loud_in, lost_freedom, notes_of, scope_of, shows_white
+from .cutoffs import cutoff_law
+from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of, shows_white
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
 from .fitting import Fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
 from .moves import MOVES, Move, filters, floors, less, markov, resonances
+from .pooling import Together, behind
 from .search import Searched, search
 from .slow import WarmUp, exponent_finding, steps_finding, under, warm_up_estimate
 from .state import State
@@ -46,7 +50,58 @@ SHOWN = 1e-3
 """Weight of a model from which it takes part in the expected power that is tested."""
 
 
-def whittle(
+@dataclass(frozen=True, eq=False)
+class Pending(Portable):
+    """A search that is not concluded: other channels may have a filter in common with it.
+
+    Attributes
+    ----------
+    result : Searched
+    scale : Scale
+    symbols : tuple of str
+        Terms that were asked for.
+    name : str
+        Of the channel.
+    band, masks
+        As they were asked for.
+    automatic : bool
+        Whether all was left to the search, so that its filter may be one in common.
+    taken : tuple of Line
+        Sinusoids removed before.
+    """
+
+    result: Searched
+    scale: Scale
+    symbols: tuple[str, ...]
+    name: str
+    band: Band
+    masks: Sequence[tuple[float, float]]
+    automatic: bool
+    taken: tuple[Line, ...] = ()
+
+    def fit(self, shared: Together | None = None) -> Fit:
+        """The fit, behind a filter in common if there is one."""
+        result = behind(self.result, shared.common) if shared else self.result
+        answer = Answer(result, entries_of(result), self.scale, self.symbols)
+        fit = _concluded(answer, self.name, self.band, self.masks, self.taken)
+        if not shared:
+            return fit
+        note = say("one low-pass filter is shared by the channels {channels}", channels=join(", ", shared.channels))
+        return replace(fit, notes=(*fit.notes, note))
+
+
+def whittle(record: Record, symbols: Sequence[str], band: Band = "auto", **options: Any) -> Fit:
+    """Identify terms by the binned DCT-II Whittle likelihood: a search that is concluded; parameters as for `pending`.
+
+    Sinusoids are detected and removed. The components of the record, its low-pass filter, vibration, steps, a warm-up,
+    Gauss-Markov noise, are searched for by 2 L and a price for each (`search`); each coefficient is averaged over the
+    models that are consistent with the record (`laws`), with upper limits for what is absent; the signed ramp is
+    estimated by generalized least squares, averaged over what hides it.
+    """
+    return pending(record, symbols, band, **options).fit()
+
+
+def pending(
     record: Record,
     symbols: Sequence[str],
     band: Band = "auto",
@@ -54,13 +109,8 @@ def whittle(
     masks: Sequence[tuple[float, float]] = (),
     lines: bool = True,
     rival: bool = False,
-) -> Fit:
-    """Identify terms by the binned DCT-II Whittle likelihood, by one search with one score.
-
-    Sinusoids are detected and removed. The components of the record, its low-pass filter, vibration, steps, a warm-up,
-    Gauss-Markov noise, are searched for by 2 L and a price for each (`search`); each coefficient is averaged over the
-    models that are consistent with the record (`laws`), with upper limits for what is absent; the signed ramp is
-    estimated by generalized least squares, averaged over what hides it.
+) -> Pending:
+    """The search in a record without its sinusoids.
 
     Parameters
     ----------
@@ -83,8 +133,10 @@ def whittle(
     taken, rest = _without_lines(record, symbols, band, masks) if lines else ((), record)
     seen = spectrum(rest, detrend=deterministic(symbols))
     # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
-    moves = tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
-    return whittle_of(
+    moves = (
+        tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
+    )
+    return pending_of(
         seen, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken, moves=moves
     )  # fmt: skip
 
@@ -101,7 +153,7 @@ def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
     return fit if good is not None and good.explained and not fit.findings else None
 
 
-def whittle_of(
+def pending_of(
     seen: BinnedSpectrum,
     channel: tuple[str, Signal],
     symbols: Sequence[str],
@@ -111,13 +163,13 @@ def whittle_of(
     rival: bool = False,
     taken: tuple[Line, ...] = (),
     moves: Sequence[Move] | None = None,
-) -> Fit:
-    """Identify terms in a spectrum, of a channel of this name and signal; `taken` are sinusoids removed before."""
+) -> Pending:
+    """The search in a spectrum, of a channel of this name and signal; `taken` are sinusoids removed before."""
     name, signal = channel
     result = searched(seen, symbols, band, masks, rival=rival, moves=moves)
     scale = Scale(signal, seen.rate, seen.unit_factor, seen.slope)
-    answer = Answer(result, entries_of(result), scale, tuple(symbols))
-    return _concluded(answer, name, band, masks, taken)
+    automatic = band == "auto" and rival and not masks and moves is None
+    return Pending(result, scale, tuple(symbols), name, band, masks, automatic, taken)
 
 
 def searched(
@@ -270,6 +322,7 @@ def _concluded(
         findings=tuple(findings),
         warm_up=warm.term if warm else None,
         components=components_of(answer),
+        cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None,
     )
 
 
@@ -287,9 +340,7 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
         e = estimates[symbol]
         estimates[symbol] = replace(e, status="weak") if e.claimed else e
     half = answer.scale.rate / 2
-    estimates = {
-        s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()
-    }
+    estimates = {s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()}
     return estimates | {s: warm_up_estimate(s, warm, answer) for s in answer.symbols if TERMS[s].transient}
 
 

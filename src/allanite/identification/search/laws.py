@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -157,7 +158,7 @@ class Law(Portable):
         density = np.diff(self.below)
         middle = (self.root[1:] + self.root[:-1]) / 2
         values = sorted(root for _, root, _ in self.parts)
-        gaps = [(b - a, (a + b) / 2) for a, b in zip(values[:-1], values[1:], strict=True)]
+        gaps = [(b - a, (a + b) / 2) for a, b in pairwise(values)]
         _, cut = max(gaps)
         lower, upper = density[middle < cut], density[middle >= cut]
         if not lower.size or not upper.size or min(lower.sum(), upper.sum()) < MODE:

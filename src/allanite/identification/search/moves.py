@@ -15,9 +15,10 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.identification.likelihood.filters import FILTERS
-from allanite.identification.likelihood.whittle import step_coefficients, warm_up_direction
+from allanite.identification.likelihood.whittle import Pair, step_coefficients, warm_up_direction
 
 from .components import (
+    BROAD,
     COMPONENTS,
     FACTORS,
     HIDING,
@@ -53,8 +54,8 @@ CANDIDATES = 3
 """Candidates of a row that are fitted, at most."""
 
 MISSED = 40.0
-"""Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside it
-makes up for less."""
+"""Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside
+it makes up for less."""
 
 BINS = 8
 """Bins that stand out at which resonances are looked for."""
@@ -195,7 +196,12 @@ def markov(at: Local) -> Iterator[State]:
 
 def _acting(f: Fitted) -> FloatArray:
     """What the filter and the factors make of noise in the sensor, over m."""
-    bare = f.frame.table(f.frame.powers[0]) if f.frame.powers else np.ones(1)
+    frame, first = f.frame, next((p for p in f.state if COMPONENTS[p.name].inside), None)
+    if frame.powers:
+        bare = frame.table(frame.powers[0])
+    else:  # one noise with a shape was asked for, at least
+        power = COMPONENTS[first.name].power if first else None
+        bare = power(frame, first) if first and power else np.ones(1)
     return np.asarray(f.likelihood.S[:, 0] / np.maximum(bare, 1e-300) / f.m)
 
 
@@ -218,7 +224,7 @@ def exponents(at: Local) -> Iterator[State]:
     frame, state = at.f.frame, at.f.state
     if frame.flicker is None or state.of("exponent") or not (at.f.theta[: frame.slow.size][frame.slow] > 0).any():
         return
-    tries = [fitted(frame, state.having(Part("exponent", "", (a,)))) for a in (0.6, 0.8, 1.2, 1.4, 1.6)]
+    tries = [fitted(frame, state.having(Part("exponent", "", (a,)))) for a in (0.65, 0.8, 1.2, 1.4, 1.55)]
     yield min(tries, key=lambda f: f.value).state
 
 
@@ -285,10 +291,15 @@ def resonances(at: Local) -> Iterator[State]:
     strong = [part for gain, part in chosen if gain > COMPONENTS["resonance"].price(frame.size)]
     distinct: list[Part] = []
     for part in strong:
-        if all(abs(math.log(part.shape[0] / other.shape[0])) > 0.5 / min(part.shape[1], other.shape[1]) for other in distinct):
+        if all(
+            abs(math.log(part.shape[0] / other.shape[0])) > 0.5 / min(part.shape[1], other.shape[1])
+            for other in distinct
+        ):
             distinct.append(part)
-    if 1 < len(distinct):
-        yield state.having(*distinct[:room])
+    if len(distinct) > 1:
+        yield state.having(
+            *(p if p.shape[1] >= BROAD else p._replace(shape=(p.shape[0], 2 * BROAD)) for p in distinct[:room])
+        )
 
 
 def _apart(one: Part, other: Part) -> bool:
@@ -297,13 +308,18 @@ def _apart(one: Part, other: Part) -> bool:
     return abs(math.log(one.shape[0] / other.shape[0])) > 0.08 or not 1 / 3 < ratio < 3
 
 
+def _both(pair: Pair) -> FloatArray:
+    """Coefficients of even and of odd index."""
+    return pair[0] + pair[1]
+
+
 def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The lowest coefficients, their standard deviations, and an orthonormal basis of what is loose in them."""
     frame = at.f.frame
     k = min(LOW, frame.count.size)
     c, root = (frame.spectrum.even + frame.spectrum.odd)[:k], np.sqrt(at.f.m[:k])
     loose = [step_coefficients(frame.size, p.shape[0])[:k] for p in at.f.state.of("step")]
-    loose += [sum(warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
+    loose += [_both(warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
     if frame.ramps:
         ramp = np.zeros(k)
         ramp[: min(k, frame.spectrum.ramp.size)] = frame.spectrum.ramp[:k]
@@ -345,7 +361,7 @@ def warm_ups(at: Local) -> Iterator[State]:
         return
     y, root, Q = _lowest(at)
     taus = n * np.geomspace(1 / 100, LONGEST_WARM_UP, WARM_UPS)
-    D = np.array([sum(warm_up_direction(frame.spectrum, float(tau)))[: y.size] for tau in taus]) / root
+    D = np.array([_both(warm_up_direction(frame.spectrum, float(tau)))[: y.size] for tau in taus]) / root
     D = D - D @ Q @ Q.T
     gain = (D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)
     if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(n)):
@@ -379,7 +395,9 @@ def factors(at: Local) -> Iterator[State]:
     ranked.sort(key=lambda each: -each[0])
     if not ranked:
         return
-    tries = [state.having(Part("factor", place[0], (place[1], place[2], size))) for _, place, size in ranked[:CANDIDATES]]
+    tries = [
+        state.having(Part("factor", place[0], (place[1], place[2], size))) for _, place, size in ranked[:CANDIDATES]
+    ]
     if ranked[0][0] > FAR:
         wide = [p for p in splines.places if p[0] != "between" and p not in taken]
         each = [

@@ -1,4 +1,4 @@
-"""The search: the neighbours of the best states, until none within reach of the best has neighbours that were not tried.
+"""The search: the neighbours of the best states, until none within reach of the best has neighbours left to try.
 
 First without factors, which explain whatever they hide; then with them. Every state is refined before it is compared,
 and all within `REACH` of the best are kept. No random numbers, and no test of fit.
@@ -23,7 +23,7 @@ EXPANSIONS = 40
 """States that are expanded, at most, in either pass."""
 
 FOLLOWED = 2
-"""Neighbours of a start by one way that are expanded, whatever the others gain, if they are more than `REACH` better."""
+"""Neighbours of a start by one way that are expanded, whatever the others gain, if they gain `REACH`."""
 
 BETTER = 0.3
 """By how much the score of a state must be less than that of one which differs in numerators and row of the filter, so

@@ -20,7 +20,7 @@ from allanite.terms import TERMS, WHITE
 
 from .components import Part
 from .estimates import Answer
-from .fitting import Fitted, fitted
+from .fitting import Fitted, column_of_part, fitted
 from .laws import law_of
 from .moves import PLACES
 
@@ -36,12 +36,14 @@ REACH = 12.0
 NODES = 24
 """Time constants over which the size of a warm-up is averaged."""
 
+
 def sizes_of(f: Fitted, name: str) -> tuple[FloatArray, FloatArray]:
     """Sizes of the steps or of the warm-up of a fit, and their standard errors, in the unit of the spectrum."""
     names = [p.name for p in f.state if p.name in ("step", "warm-up")]
     eta, V, _ = f.trusted.directions(f.theta)
     at = int(np.count_nonzero(~f.trusted.flat)) + np.flatnonzero([n == name for n in names])
     return eta[at], np.sqrt(np.diag(V)[at])
+
 
 @dataclass(frozen=True, eq=False)
 class WarmUp(Portable):
@@ -128,6 +130,7 @@ class WarmUp(Portable):
             (cut, cut + min(self.until, self.duration)),
         )
 
+
 @dataclass(frozen=True, eq=False)
 class WarmUpProfile(Portable):
     """The profile of the value over the time constant of a warm-up."""
@@ -162,6 +165,7 @@ class WarmUpProfile(Portable):
         weight: FloatArray = np.exp(-0.5 * (excess - excess.min()))
         return RampLimits(-amplitude, error, weight / weight.sum())
 
+
 def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estimate:
     """The change of the rate from the start of the record to where it settles; absent without a warm-up."""
     signal = answer.scale.signal
@@ -177,11 +181,11 @@ def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estima
         shape=(warm.tau,), shape_limits=Remembered(along),
     )  # fmt: skip
 
+
 def steps_finding(answer: Answer, f: Fitted) -> Finding:
     """The finding about the steps of a fit."""
     signal, spectrum = answer.scale.signal, f.frame.spectrum
-    unit, (size, error) = signal.sheet[0], sizes_of(f, "step")
-    size = size * answer.scale.factor
+    unit, size = signal.sheet[0], sizes_of(f, "step")[0] * answer.scale.factor
     time = spectrum.cut + np.array([p.shape[0] for p in f.state.of("step")]) / spectrum.rate
     span = spectrum.cut, spectrum.cut + spectrum.size / spectrum.rate
     each = [
@@ -200,6 +204,7 @@ def steps_finding(answer: Answer, f: Fitted) -> Finding:
         (float(time[0]), float(time[0])),
     )
 
+
 def exponent_finding(answer: Answer, f: Fitted) -> Finding:
     """The finding that the bias drift is not flicker."""
     from .estimates import profile_ends
@@ -209,7 +214,7 @@ def exponent_finding(answer: Answer, f: Fitted) -> Finding:
     low, high = profile_ends(f, part, 0, quantile(0.975) ** 2)
     harm, begins = say("B, K and Q are not meaningful as coefficients"), say("towards low frequencies")
     white = f.frame.white
-    slow = float(f.theta[len(f.frame.powers) + [p.name for p in f.state if p.name in ("noise", "exponent")].index("exponent")])
+    slow = float(f.theta[column_of_part(f.state, f.frame, part) or 0])
     if white is not None and f.theta[white] > 0 and slow > 0:
         law = law_of(answer.entries, white)
         unit = scale.signal.sheet[TERMS["N"].power]
@@ -231,6 +236,7 @@ def exponent_finding(answer: Answer, f: Fitted) -> Finding:
         harm,
         say("read the noise at the averaging times of interest off the Allan deviation"),
     )
+
 
 def under(a: float, estimate: Estimate) -> Estimate:
     """The estimate if the bias drift follows another power law: only the white noise besides it is valid."""

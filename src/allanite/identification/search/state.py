@@ -8,7 +8,7 @@ from functools import cached_property
 
 from allanite.identification.likelihood.filters import FILTERS
 
-from .components import COMPONENTS, HIDING, LEAST_MARKOV, Part, cost_of
+from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, Part, cost_of
 from .frame import Frame
 
 ORDER = tuple(COMPONENTS)
@@ -72,12 +72,18 @@ class State:
         """Whether a power law stands in the place of flicker."""
         return bool(self.of("exponent"))
 
-    def admitted(self, frame: Frame) -> bool:
+    def admitted(self, frame: Frame) -> bool:  # noqa: PLR0911 - a rule a line
         """Whether its parts may stand together."""
         counts = Counter(p.name for p in self.parts)
         if any(count > COMPONENTS[name].most for name, count in counts.items()):
             return False
         if self.needs_white and frame.white is None and counts["factor"]:
+            return False
+        if not frame.powers and not any(COMPONENTS[name].inside for name in counts):
+            return False
+        if sum(p.shape[1] < BROAD for p in self.of("resonance")) > 1:
+            return False
+        if frame.common and self.filter is None:
             return False
         if counts["floor"]:
             return self.filter is not None and self.filter.shape[0] >= HIDING

@@ -6,6 +6,7 @@ from typing import Any
 
 from allanite.claims.claim import ClaimedNoise
 from allanite.claims.result import NOT_SHOWN, OUTCOMES, UNCLAIMED, CheckedTerm, ClaimCheck
+from allanite.claims.settings import CUTOFF, RATE, SETTINGS
 from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal
 from allanite.phrases.phrase import Phrase, join, say
@@ -25,6 +26,8 @@ TITLES = {
     "curve": say("Allan deviation"),
     "kurtosis": say("excess kurtosis of the residuals"),
     MINIMUM: say("minimum of the Allan deviation"),
+    CUTOFF: say("low-pass filter, -3 dB"),
+    RATE: say("samples of the sensor a second"),
 }
 """What the quantities are called that are no terms."""
 
@@ -55,6 +58,10 @@ HOW = (
         "bound."
     ),
     say(
+        "Low-pass filter: the -3 dB frequency over all models that are consistent with the record, whether they have a "
+        "filter or not. Rate: the sampling rate, less the samples that repeat the one before periodically."
+    ),
+    say(
         "All comparisons of a record share the chance of a false alarm, which is one minus the confidence level in "
         "all. A convention is named if its factor lies in the interval."
     ),
@@ -74,10 +81,13 @@ def first_of_check(value: ClaimCheck, level: float) -> First:
     shown = {row.signal.name: row.signal for row in value.terms}
     answer = [_axes(value, signal) for signal in shown.values()]
     remarks = [Remark(", ".join(cause.channels), (cause.words,), grave=True) for cause in value.causes]
+    undecided = [row for row in value.terms if row.quantity in SETTINGS and row.outcome == NOT_SHOWN and row.reason]
+    for reason in dict.fromkeys(row.reason for row in undecided):
+        remarks.append(Remark(", ".join(row.channel for row in undecided if row.reason == reason), (reason,)))
     remarks += [] if value.agrees else doubts(value.checked)
     legend = [("", say("Factors are found over claimed; * contradicts the claim, all comparisons considered."))]
     title = join("   ", (title_of(value), say("against {claim}", claim=value.claim.title)))
-    after = [FIGURES, DETAILS, *([] if value.agrees or value.claim.bound else [AT_MOST])]
+    after = [FIGURES, DETAILS, *([] if value.agrees or value.claim.bound or not value.claim.models else [AT_MOST])]
     return First(title, value.verdict, answer, remarks, legend, how_read(value), after)
 
 
@@ -98,7 +108,8 @@ def _axes(value: ClaimCheck, signal: Signal) -> Axes:
             if first.claimed is None or quantity in ("curve", "kurtosis")
             else rounded(first.shown(first.claimed) or 0.0)
         )
-        symbol, unit = _symbol(quantity), first.unit * bool(_symbol(quantity))
+        symbol = _symbol(quantity)
+        unit = first.unit if symbol or quantity in SETTINGS else ""
         cells = [claimed, *(_cell(own.get(name)) for name in names)]
         found.append(Quantity(_title(first), symbol, unit, cells, 0 if any(r.contradicts for r in own.values()) else 1))
     return Axes([say("claimed"), *names], found, signal.sensor)
@@ -182,12 +193,14 @@ def _sheets(value: ClaimCheck) -> Iterator[Sheet]:
 
 
 def _claim_rows(value: ClaimedNoise, _: float) -> Rows:
-    return ("term", "value", "unit"), [[t.symbol, t.value, t.unit] for model in value.models for t in model]
+    terms = [[t.symbol, t.value, t.unit] for model in value.models for t in model]
+    return ("term", "value", "unit"), [*terms, *([s.quantity, s.value, "Hz"] for s in value.settings)]
 
 
 @view(rows=_claim_rows)
 def claim_view(value: ClaimedNoise, level: float) -> Face:
     """The terms that are claimed."""
     rows = [[t.symbol, words.title(t.symbol, t.signal), str(t)] for model in value.models for t in model]
+    rows += [["", TITLES[s.quantity], s.words()] for s in value.settings]
     table = Table((Column(say("term"), "symbol"), Column("", "text"), Column("", "text")), rows)
     return Face(say("what {source} claims", source=value.title), say("noise and claim"), [Sheet("", (), [table])])

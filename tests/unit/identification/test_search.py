@@ -1,0 +1,380 @@
+"""The one search: its derivatives, its prices, its laws, and what it says of small records whose truth is known."""
+
+import math
+from dataclasses import FrozenInstanceError
+
+import numpy as np
+import pytest
+from scipy.signal import butter, iirpeak, lfilter
+from scipy.stats import chi2
+from tests.rows import rows
+
+import allanite as al
+from allanite.identification.likelihood.filters import FILTERS, Filter
+from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.search import moves as ways
+from allanite.identification.search.components import CLAIMED, COMPONENTS, FACTORS, ODDS, Part, cost_of
+from allanite.identification.search.fitting import (
+    factor_basis,
+    fitted,
+    likelihood_of,
+    refined,
+    slopes,
+    values_of,
+    with_values,
+)
+from allanite.identification.search.frame import frame_of
+from allanite.identification.search.identify import moves_for
+from allanite.identification.search.laws import entries_of, law_of, weighted
+from allanite.identification.search.search import search
+from allanite.identification.search.state import State, alike
+
+RATE = 100.0
+N, B, K = al.N(0.005, "deg/sqrt(s)"), al.B(0.002, "deg/s"), al.K(3e-4, "deg/s/sqrt(s)")
+POLE = math.exp(-2 * math.pi / 12)
+RC = ([1 - POLE], [1, -POLE])
+QUIET = 2048
+
+
+def made(model=N + B, n=2**13, seed=1, behind=None):
+    """Rates of a model, behind a filter where one is given."""
+    y = al.simulate(al.Model(model), n + QUIET, RATE, rng=np.random.default_rng(seed)).values
+    return (lfilter(*behind, y) if behind else y)[QUIET:]
+
+
+def frame_from(y, symbols="QNBKR"):
+    seen = spectrum(al.Record(y, RATE, "rad/s"), detrend="R" in symbols)
+    return frame_of(seen, symbols, seen.read(None, ()))
+
+
+def identified(y, **choices):
+    return al.identify(al.Record(y, RATE, "rad/s"), **choices)
+
+
+def covered(fit, symbol, truth):
+    low, high = fit[symbol].interval()
+    return low < truth < high
+
+
+GM, PEAK, HIGH_PASS = (
+    Part("noise", "GM", (400.0,)),
+    Part("resonance", "flat", (0.6, 12.0)),
+    Part("resonance", "high-pass", (1.7, 6.0)),
+)
+WIDE, ABOVE = Part("factor", "all", (0.0, 13.0, 0.3)), Part("factor", "above", (9.0, 13.0, 0.6))
+
+
+# --- derivatives ---------------------------------------------------------------------------------------------------
+
+
+@rows(
+    "parts",
+    [
+        (GM,),
+        (Part("noise", "GM", (40.0,)), Part("noise", "GM", (600.0,))),
+        (Part("exponent", "", (1.3,)),),
+        (Part("filter", "rc", (0.08,)),),
+        (Part("filter", "bilinear 2", (0.2,)), Part("floor", "", ())),
+        (PEAK, HIGH_PASS),
+        (Part("resonance", "flat", (0.3, 150.0)),),
+        (WIDE,),
+        (GM, Part("filter", "rc", (0.1,)), PEAK, ABOVE),
+    ],
+    ids=lambda parts: "+".join(f"{p.name} {p.label}" for p in parts),
+)
+def test_slopes_are_those_of_the_expected_power(parts):
+    """Up to what the sizes can do: a resonance is scaled by its highest bin, which its own size makes up for."""
+    frame = frame_from(made(behind=RC))
+    f = fitted(frame, State().having(*parts))
+    rng = np.random.default_rng(2)
+    theta = f.theta.max() * 10.0 ** rng.uniform(-1, 0, f.theta.size) / f.likelihood.S.max(axis=0) * f.m.max()
+    rank = factor_basis(frame, f.state).shape[1]
+    v, x = 0.3 * rng.standard_normal(rank), values_of(f.state)
+    from dataclasses import replace
+
+    f = replace(f, theta=theta, v=v, likelihood=likelihood_of(frame, f.state, v))
+    m = f.likelihood.expectation(theta)
+
+    def moved(i, h):
+        y, w = x.copy(), v.copy()
+        (y if i < x.size else w)[i if i < x.size else i - x.size] += h
+        return likelihood_of(frame, with_values(f.state, y), w).expectation(theta)
+
+    h = 1e-5
+    central = np.array([(moved(i, h) - moved(i, -h)) / (2 * h) for i in range(x.size + rank)])
+    sizes = f.likelihood.S / m[:, None]
+    Q = np.linalg.qr(sizes / np.linalg.norm(sizes, axis=0))[0]
+    ours, expected = ((rows_ / m) - (rows_ / m) @ Q @ Q.T for rows_ in (slopes(f), central))
+    assert ours.shape == expected.shape
+    for a, b, c in zip(ours, expected, central / m, strict=True):
+        assert np.linalg.norm(a - b) < 0.01 * np.linalg.norm(b) + 1e-4 * np.linalg.norm(c)
+
+
+# --- states --------------------------------------------------------------------------------------------------------
+
+
+def test_a_state_never_changes_and_its_parts_stand_in_the_order_of_the_table():
+    every = [ABOVE, HIGH_PASS, PEAK, Part("filter", "rc", (0.1,)), GM, Part("step", "", (900.0,))]
+    states = {State().having(*(every[i] for i in np.random.default_rng(k).permutation(len(every)))) for k in range(10)}
+    (state,) = states
+    assert [p.name for p in state] == ["noise", "filter", "resonance", "resonance", "factor", "step"]
+    with pytest.raises(FrozenInstanceError):
+        state.parts = ()
+    assert state.lacking(GM).having(GM) == state
+    assert state.lacking(GM, PEAK).of("resonance") == (HIGH_PASS,)
+    assert GM in state.parts
+    with pytest.raises(ValueError, match="not in list"):
+        state.lacking(WIDE)
+    assert state.kind == state.lacking(PEAK).having(PEAK._replace(shape=(0.605, 12.1))).kind
+    assert state.lacking(PEAK).having(PEAK._replace(label="high-pass")).form == state.form
+    assert state.lacking(PEAK).having(PEAK._replace(label="high-pass")).kind != state.kind
+    assert not alike(state, state.lacking(GM))
+
+
+@rows(
+    "parts, may",
+    [
+        ((Part("floor", "", ()),), False),
+        ((Part("filter", "rc", (0.02,)), Part("floor", "", ())), False),
+        ((Part("filter", "rc", (0.2,)), Part("floor", "", ())), True),
+        ((Part("filter", "rc", (0.2,)), Part("filter", "rc", (0.1,))), False),
+        ((GM, GM, GM), False),
+    ],
+)
+def test_what_may_stand_together(parts, may):
+    assert State().having(*parts).admitted(frame_from(made())) is may
+
+
+# --- prices --------------------------------------------------------------------------------------------------------
+
+
+def test_a_price_is_what_noise_alone_gains_at_its_rate():
+    n = 2**16
+    for row in COMPONENTS.values():
+        rate = row.alpha * (1 if row.signed else 2) / row.places(n)
+        assert row.price(n) == pytest.approx(chi2.isf(rate, row.freedom), rel=1e-9)
+        assert row.cost(n) == row.price(n) - ODDS
+    said = {
+        "term": 4.0, "noise": 11.5, "filter": 10.8, "floor": 13.5, "resonance": 18.5, "step": 17.3, "warm-up": 14.2,
+        "sinusoid": 30.0,
+    }  # fmt: skip
+    for name, price in said.items():
+        assert COMPONENTS[name].price(n) == pytest.approx(price, abs=0.1)
+    assert pytest.approx(1 / (1 + math.exp(-1))) == CLAIMED
+
+
+def test_a_state_costs_what_its_parts_and_terms_do():
+    frame = frame_from(made())
+    state = State().having(GM, PEAK, WIDE)
+    assert state.cost(frame) == pytest.approx(
+        COMPONENTS["noise"].cost(frame.size) + COMPONENTS["resonance"].cost(frame.size) + FACTORS["all"] - ODDS
+    )
+    f = fitted(frame, State())
+    assert f.score - f.value == pytest.approx(4 * 2.0 + 2.0, abs=0.1)  # angle noise costs two more
+    behind = fitted(frame, State().having(Part("filter", "rc", (0.2,))))
+    assert behind.score - behind.value - behind.state.cost(frame) == pytest.approx(4 * 2.0 + 4.0, abs=0.1)
+    loop = Part("noise", "GM2", (9.0, 0.1))
+    assert cost_of(loop, frame) > cost_of(GM, frame) + 5
+
+
+# --- the search ----------------------------------------------------------------------------------------------------
+
+
+def humped(n=2**13, seed=3):
+    y, rng = made(n=n, seed=seed), np.random.default_rng(seed + 1000)
+    return y + 4 * y.std() * lfilter(*iirpeak(20, 20, RATE), rng.standard_normal(n))
+
+
+@rows(
+    "record",
+    [made(seed=4, behind=RC), humped(), made(N + K, seed=5) + 0.02 * np.exp(-np.arange(2**13) / 900.0)],
+    ids=["rc", "hump", "warm-up"],
+)
+def test_the_order_of_the_moves_decides_nothing(record):
+    kept = []
+    for k in range(3):
+        order = [ways.MOVES[i] for i in np.random.default_rng(k).permutation(len(ways.MOVES))]
+        result = search(frame_from(record), moves=order)
+        kept.append({f.state.family: f.score for f in reversed(result.kept)})
+    for other in kept[1:]:
+        assert set(other) == set(kept[0])
+        assert other == pytest.approx(kept[0], abs=0.05)
+
+
+def test_what_is_looked_for_follows_from_what_is_asked():
+    def named(band, *, rival=True):
+        return {move.__name__ for move in moves_for(band, rival=rival)}
+
+    every = {move.__name__ for move in ways.MOVES}
+    assert named("auto") == every
+    assert named((0.0, 10.0)) == every - {"filters", "floors"}
+    assert named("all") == every - {"filters", "floors", "resonances"}
+    assert named("auto", rival=False) == every - {"markov", "exponents"}
+
+
+def test_a_refined_fit_is_the_least_nearby():
+    frame = frame_from(made(al.Model((N, al.GM(0.02, "deg/s", time_constant=1.0))), 2**14))
+    best = refined(fitted(frame, State().having(Part("noise", "GM", (60.0,)))), settled=1e-4)
+    assert best.state.parts[0].shape[0] == pytest.approx(100, rel=0.4)
+    for factor in (0.9, 0.97, 1.03, 1.1):
+        near = fitted(frame, with_values(best.state, values_of(best.state) + math.log(factor)))
+        assert near.value > best.value - 1e-3
+
+
+# --- laws ----------------------------------------------------------------------------------------------------------
+
+
+def test_weights_and_laws_are_those_of_all_that_is_kept():
+    entries = entries_of(search(frame_from(made(N + B + K, 2**14, 6))))
+    assert sum(e.weight for e in entries) == pytest.approx(1)
+    weights = [e.weight for e in entries]
+    assert weights == sorted(weights, reverse=True)
+    for which in range(4):
+        law = law_of(entries, which)
+        p = np.linspace(0.001, 0.999, 99)
+        values = [law.quantile(float(x)) for x in p]
+        assert (np.diff(values) >= 0).all()
+        for level in (0.3, 0.68, 0.95, 0.99):
+            low, high = law.limits(level)
+            assert 0 <= low <= law.quantile(0.5) <= high
+        assert law.weight == pytest.approx(sum(e.weight for e in entries if e.f.free[which]))
+
+
+def test_look_alikes_weigh_as_the_best_of_them():
+    frame = frame_from(made(seed=7, behind=RC))
+    free = np.array([False, True, True, False])
+
+    def behind(row):
+        return refined(fitted(frame, State().having(Part("filter", row, (1 / 12,))), free))
+
+    one, others = behind("rc"), [behind(row) for row in ("rc", "bilinear 1", "averaged rc")]
+    alone = weighted([one, fitted(frame, State(), free)])
+    together = weighted([*others, fitted(frame, State(), free)])
+    best = min(f.score for f in others)
+    assert sum(e.weight for e in alone) == pytest.approx(1)
+    bare = fitted(frame, State(), free).score
+    share = {bool(e.f.state.parts): 0.0 for e in together}
+    for e in together:
+        share[bool(e.f.state.parts)] += e.weight
+    assert share[True] == pytest.approx(1 / (1 + math.exp((best - bare) / 2)), rel=1e-3)
+    assert len({e.f.state.family for e in together if e.f.state.parts}) == 1
+
+
+def test_a_value_lies_within_its_limits():
+    for seed, behind in enumerate((None, RC, butter(2, 1 / 3))):
+        for e in identified(made(N + B, 2**13, seed, behind)):
+            if e.value is not None and e.limits is not None:
+                low, high = e.interval(0.3)
+                assert low <= e.value <= high
+
+
+# --- the room ------------------------------------------------------------------------------------------------------
+
+
+NOTCHED = butter(4, 0.24)
+
+
+def fourth_order(f, cutoff):
+    """A digital Butterworth filter of the 4th order: in no row of the table."""
+    warped = np.tan(np.pi * np.minimum(np.asarray(f, dtype=float), 0.499999)) / math.tan(math.pi * min(cutoff, 0.45))
+    return 1 / (1 + warped**8)
+
+
+def test_a_new_row_of_the_filters_is_taken_by_its_row_alone(monkeypatch):
+    monkeypatch.setitem(
+        FILTERS, "fourth order of a test", Filter("4th-order low-pass", fourth_order, 0.45 * 2.0 ** -np.arange(6.0))
+    )
+    fit = identified(made(N + B, 2**14, 2, NOTCHED))
+    assert fit.scope.filter.row == "fourth order of a test"
+    assert fit.scope.filter.cutoff == pytest.approx(12.0, rel=0.02)
+    assert "4th-order low-pass" in fit.scope.sentences[0]
+    assert covered(fit, "N", N.value)
+    assert fit["N"].value == pytest.approx(N.value, rel=0.05)
+
+
+@rows("seed", range(2))
+def test_an_unknown_filter_keeps_the_plateau(seed):
+    """Without its row what it takes away is power that nothing describes, and no vibration: N is the level below it."""
+    fit = identified(made(N + B, 2**14, seed, NOTCHED))
+    assert fit["N"].claimed
+    assert fit["N"].value == pytest.approx(N.value, rel=0.15)
+    low, high = fit["N"].interval(0.99)
+    assert low < N.value < high
+    assert [c.words for c in fit.components if c.name == "resonance" and c.claimed] == []
+
+
+@rows("seed", range(3))
+def test_angle_noise_before_a_filter_leaves_the_white_noise(seed):
+    model = al.sensor("fog")
+    truth = next(term.value for term in model if term.symbol == "N")
+    fit = identified(made(model, 2**14, seed, RC))
+    assert fit["N"].value == pytest.approx(truth, rel=0.05)
+    assert covered(fit, "N", truth)
+    assert fit.scope.filter is not None
+    assert not any(c.claimed for c in fit.components if c.name in ("noise", "factor", "resonance"))
+
+
+def test_a_band_and_masks_are_those_of_the_user():
+    quiet, t = made(N + B, 2**13, 8), np.arange(2**13) / RATE
+    loud = quiet + 20 * quiet.std() * np.sin(2 * np.pi * 30.2 * t)
+    for choices in ({"band": (0.0, 20.0)}, {"masks": [(25.0, 35.0)]}, {"band": (0.0, 45.0), "masks": [(25.0, 35.0)]}):
+        fit = identified(loud, lines=False, **choices)
+        assert fit.scope.choice == ("asked" if "band" in choices else "auto")
+        assert fit.scope.masks == tuple(choices.get("masks", ()))
+        assert fit.scope.band[1] == choices.get("band", (0.0, 50.0))[1]
+        assert covered(fit, "N", N.value)
+        assert not [c for c in fit.components if c.name == "resonance" and c.claimed]
+    assert identified(quiet).scope.masks == ()
+
+
+def test_a_resonance_is_a_component_with_its_place():
+    fit = identified(humped(2**14))
+    (peak,) = (c for c in fit.components if c.name == "resonance" and c.claimed)
+    assert peak.low < 20 < peak.high
+    assert peak.weight > 0.99
+    assert peak.words.startswith("vibration at ")
+    assert covered(fit, "N", N.value)
+    ((low, high),) = fit.scope.disturbed
+    assert 15 < low < 20 < high < 25
+    assert fit.scope.masks == ()
+    assert not fit.scope.holds(np.array([1 / 20])).any()
+    assert fit.scope.holds(np.array([10.0])).all()
+
+
+def test_steps_are_components_and_leave_the_noise():
+    y = made(N, 2**14, 9)
+    y = y + 0.4 * y.std() * (np.arange(y.size) > 6000)
+    fit = identified(y)
+    (step,) = (c for c in fit.components if c.name == "step" and c.claimed)
+    assert [f.name for f in fit.findings] == ["steps"]
+    assert fit.findings[0].place[0] == pytest.approx(60, abs=2)
+    assert step.words.startswith("step at ")
+    assert not fit["K"].claimed
+    assert covered(fit, "N", N.value)
+
+
+def test_a_warm_up_is_a_component_and_leaves_the_noise():
+    y = made(N + B, 2**14, 10)
+    fit = identified(y - 60 * B.value * np.exp(-np.arange(y.size) / 3000))
+    (warm,) = (c for c in fit.components if c.name == "warm-up" and c.claimed)
+    assert [f.name for f in fit.findings] == ["warm-up"]
+    assert fit.warm_up.shape[0] == pytest.approx(30, rel=0.15)
+    assert fit.warm_up.value == pytest.approx(60 * B.value, rel=0.15)
+    assert warm.weight > 0.9
+    assert not fit["K"].claimed
+    assert covered(fit, "N", N.value)
+
+
+def test_flicker_is_no_power_that_nothing_describes():
+    """A factor that stands at the lowest octaves alone could take the place of any slow noise."""
+    fits = [identified(made(N + al.B(0.006, "deg/s"), 2**14, seed)) for seed in range(4)]
+    assert all(fit["B"].claimed for fit in fits)
+    assert not any(c.claimed for fit in fits for c in fit.components if c.name == "factor")
+
+
+@rows("seed", range(4))
+def test_clean_records_hold_nothing_beside_the_terms(seed):
+    fit = identified(made(N + B + K, 2**13, seed + 20))
+    assert [c for c in fit.components if c.claimed] == []
+    assert fit.scope.whole
+    assert covered(fit, "N", N.value)
