@@ -35,7 +35,7 @@ ROOMS = {
     "fuzz": "batch cli core readers study web", "gaps": "identification statistics", "hybrids": "statistics",
     "identification": "identification", "limits": "identification statistics", "methods": "identification",
     "mutants": "", "noise_identification": "statistics", "out_of_core": "stream statistics",
-    "rate": "applications/constant_rate", "real_sensors": "identification prepare",
+    "prices": "identification", "rate": "applications/constant_rate", "real_sensors": "identification prepare",
     "search_cells": "identification", "search_recordings": "identification prepare", "selection": "identification",
     "signals": "cli parallel statistics", "simulation": "simulation", "slow_noise": "identification",
     "speed": "identification kernels statistics", "stranger": "cli kernels", "stream": "stream",
