@@ -139,7 +139,7 @@ def test_a_warm_up_is_named_and_taken_off_the_noise():
 @pytest.mark.slow("seconds of analyses")
 @rows("seed, terms", paired([3, 4, 31, 32], ["auto", "N,W"]))
 def test_a_strong_warm_up_is_explained_and_so_is_the_record(seed, terms):
-    """Of these seeds three are beside a misfit that is allowed for, whose likelihood had no end; see `trusted`."""
+    """Alone and with white noise as the only other term."""
     y = np.random.default_rng(seed).standard_normal(40_000) - 3 * np.exp(-np.arange(40_000) / 4000)
     noise = noise_of(al.Record(y, 20.0, "deg/h"), al.Recipe(terms=terms))
     assert noise.validity == "approximate"
@@ -204,7 +204,7 @@ def test_another_power_law_is_named(a):
 
 
 def test_an_exponent_of_one_is_flicker():
-    fit = al.identify(record_of(N + B, 2**15))
+    fit = al.identify(record_of(N + al.B(0.006, "deg/s"), 2**15))
     assert fit.findings == ()
     assert fit["B"].claimed
 

@@ -285,7 +285,7 @@ COMPONENTS: dict[str, Component] = {
 }  # fmt: skip
 """Every component by its name."""
 
-FACTORS = {"all": 5.0, "above": 8.0, "step above": 8.0, "between": 12.0}
+FACTORS = {"all": 4.0, "above": 5.0, "step above": 5.0, "between": 10.0}
 """Prices of the kinds of a factor. The determinant of its information pays for most of the search
 (`benchmarks/prices.py`)."""
 

@@ -88,9 +88,10 @@ def low_pass(answer: Answer) -> LowPass | None:
         return None
     part = having[0].f.state.filter
     assert part is not None  # noqa: S101 - they have one
-    if common := answer.result.frame.common_row(part.label):
+    if answer.result.frame.common:
+        common = answer.result.frame.common[0]  # in all channels the same
         cutoff, least, most = (c * answer.scale.rate for c in (common.cutoff, common.low, common.high))
-        return LowPass(part.label, FILTERS[part.label].title, cutoff, least, most, answer.scale.rate)
+        return LowPass(common.row, FILTERS[common.row].title, cutoff, least, most, answer.scale.rate)
     ends = [_cutoff(e) for e in having]
     w = np.array([e.weight for e in having])
     centre, spread = (np.array(each) for each in zip(*ends, strict=True))
@@ -200,6 +201,8 @@ def _span(f: Fitted, part: Part) -> tuple[float, float]:
 def _words(answer: Answer, f: Fitted, part: Part) -> str:  # noqa: PLR0911 - one sentence a row
     """A part as text."""
     rate = answer.scale.rate
+    if part.name == "filter" and answer.result.frame.common:
+        part = part._replace(label=answer.result.frame.common[0].row, shape=(answer.result.frame.common[0].cutoff,))
     if part.name == "filter":
         return say("{filter}, -3 dB at {cutoff:.3g} Hz", filter=FILTERS[part.label].title, cutoff=part.shape[0] * rate)
     if part.name == "floor":

@@ -173,7 +173,7 @@ class Scan:
 
 
 def _told(scans: Sequence[Scan], best: Behind, members: Sequence[int]) -> dict[int, tuple[Common, ...]]:
-    """What each channel is told of the filter by the others."""
+    """What the others tell each channel of the filter."""
     x, w = (np.concatenate(each) for each in zip(*(scan.weights for scan in scans), strict=True))
     order = np.argsort(x)
     below = np.cumsum(w[order]) - w[order] / 2
