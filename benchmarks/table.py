@@ -29,6 +29,7 @@ CODE = ("src", "benchmarks/*.py", "tests/reference")
 
 ROOMS = {
     "angle": "applications/angle", "bags": "readers", "bound": "planning/bound.py statespace", "check": "claims",
+    "check_settings": "claims identification",
     "comparison": "comparison", "compensation": "applications/compensation", "confidence_coverage": "statistics",
     "consistency": "exporting", "data_sheets": "claims interpretation planning", "drift": "planning",
     "end_to_end": "cli reporting study", "environments": "", "explanations": "identification",

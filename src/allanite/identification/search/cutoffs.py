@@ -112,13 +112,19 @@ def halved(f: Fitted, lowest: float) -> float:
     frame = f.frame
     apart = np.zeros(f.theta.size, dtype=bool)
     apart[: len(frame.powers)] = frame.slow
-    apart[len(frame.powers) : sizes_inside(frame, f.state)] = True
+    inside = [p for p in f.state if COMPONENTS[p.name].inside]
+    apart[len(frame.powers) : sizes_inside(frame, f.state)] = [_slower(p, lowest) for p in inside]
     loud = [p.shape[1] > BROAD for p in f.state.of("resonance")]
     apart[apart.size - len(loud) :] = loud
     power = f.m - f.likelihood.S[:, apart] @ f.theta[apart]
     x = frame.centre / (2 * frame.size)
     near = x >= lowest
     return _halved(x[near], power[near] / max(power[near].max(initial=0.0), 1e-300)) if near.any() else math.inf
+
+
+def _slower(part: Part, lowest: float) -> bool:
+    """Whether noise with a shape is drift; quick Gauss-Markov noise beside white noise is a filter's shape, too."""
+    return part.label != "GM" or 2 * math.pi * part.shape[0] * lowest > 1
 
 
 def _halved(x: FloatArray, gain: FloatArray) -> float:
