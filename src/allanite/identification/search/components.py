@@ -48,7 +48,7 @@ BROAD = 4.0
 """Quality below which a state has one resonance at most: several are as broad as the knots of a factor, and sure of
 what it leaves open."""
 
-PERIODS = 16
+PERIODS = 32
 """Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
 
 HIGHEST = 3.1
@@ -261,7 +261,7 @@ COMPONENTS: dict[str, Component] = {
             slope=_noise_slope, inside=True,
         ),
         Component(
-            "exponent", 0.002, lambda n: 1, signed=True, refined=1, grain=(0.05,),
+            "exponent", 0.005, lambda n: 2.5, signed=True, refined=1, grain=(0.05,),
             bounds=lambda frame, part: [EXPONENTS], power=power_law, slope=_power_law_slope, inside=True,
         ),
         Component(
@@ -274,12 +274,12 @@ COMPONENTS: dict[str, Component] = {
             slope=lambda frame, part: np.zeros((0, frame.count.size)), behind=True,
         ),
         Component(
-            "resonance", 0.003, lambda n: 40 * math.log2(max(n / 128, 2.0)), most=12, refined=2, grain=(0.05, 0.7),
+            "resonance", 0.003, lambda n: 60 * math.log2(max(n / 1024, 2.0)), most=12, refined=2, grain=(0.05, 0.7),
             bounds=_resonance_bounds, power=resonance, slope=resonance_slope,
         ),
         Component("factor", 0.05, lambda n: 1, signed=True, most=3, grain=(0.5, 0.5, 0.5)),
-        Component("step", 0.005, lambda n: 154, signed=True, most=10, grain=(0.01,)),
-        Component("warm-up", 0.002, lambda n: 12, signed=True, grain=(0.3,)),
+        Component("step", 0.003, lambda n: 400, signed=True, most=10, grain=(0.01,)),
+        Component("warm-up", 0.002, lambda n: 24, signed=True, grain=(0.3,)),
         Component("sinusoid", 0.01, lambda n: n / 2, freedom=2.0, signed=True, most=12),
     )
 }  # fmt: skip

@@ -67,8 +67,9 @@ FACTOR_SIZES = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28, 2.56])
 CHANCE = 6.0
 """Standard deviations of a bin's power above which a residual is a misfit."""
 
-LEAST_EVIDENCE = 0.1
-"""Evidence for a factor, in 2 L, from which it is fitted: 1 % of records of noise alone have more."""
+SHORT, LEAST_EVIDENCE = 4.0, 0.5
+"""Evidence for a factor, in 2 L, from which it is fitted: so much below its price, where it weighs e^-1 of the state
+without it, and at least so much, as a factor of no size has none."""
 
 WIDE_SIZES, MANY = (0.64, 2.56), 14
 """Sizes of a factor that are fitted where one step is no guide, and rounds of scoring of these fits: each
@@ -405,7 +406,7 @@ def factors(at: Local) -> Iterator[State | Fitted]:
             t2 = FACTOR_SIZES[:, None] ** 2
             gain = (t2 * y / (1 + t2 * size)).sum(axis=1) - np.log1p(t2 * size).sum(axis=1)
             best = int(gain.argmax())
-            if gain[best] > LEAST_EVIDENCE:
+            if gain[best] > max(FACTORS[place[0]] - SHORT, LEAST_EVIDENCE):
                 ranked.append((float(gain[best]) - FACTORS[place[0]], place, float(FACTOR_SIZES[best])))
     ranked.sort(key=lambda each: -each[0])
     if not ranked:
