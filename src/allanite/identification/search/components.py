@@ -31,9 +31,9 @@ CLAIMED = 1 / (1 + math.exp(-ODDS / 2))
 TERM = 0.0228
 """Rate of false claims of a noise term that is absent: it gains 4 in 2 L in 2.3 % of records."""
 
-LEAST_MARKOV, QUICKEST_MARKOV = 30.0, 5.3
-"""Samples. A time constant below the first is taken where white noise stands beside it, else it is a filter's; one
-below the second is that of a filter of the cut-off `HIDING` with white noise behind it: a definition."""
+LEAST_MARKOV = 30.0
+"""Time constant of Gauss-Markov noise that was not asked for, samples, at least: a shorter one is that of a filter, with
+white noise behind it where it is below five samples: a definition."""
 
 LONGEST_MARKOV = 0.1
 """Share of the record up to which a time constant differs from a random walk (`terms.row.LONGEST`)."""
@@ -154,7 +154,7 @@ def _noise_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
     """Of a term that was asked for those of its row, else those of drift."""
     if part.label in frame.asked:
         return [p.search(frame.size) for p in TERMS[part.label].parameters if p.search is not None]
-    return [(QUICKEST_MARKOV, max(LONGEST_MARKOV * frame.size, 2 * LEAST_MARKOV))]
+    return [(LEAST_MARKOV, max(LONGEST_MARKOV * frame.size, 2 * LEAST_MARKOV))]
 
 
 def _noise_slope(frame: Frame, part: Part) -> FloatArray:

@@ -26,7 +26,6 @@ from .components import (
     LONGEST_MARKOV,
     LONGEST_WARM_UP,
     PERIODS,
-    QUICKEST_MARKOV,
     SIZES,
     Part,
     cost_of,
@@ -186,9 +185,9 @@ def floors(at: Local) -> Iterator[State]:
 
 
 def time_constants(n: int) -> FloatArray:
-    """Of Gauss-Markov noise, that are tried first; the quick ones come with white noise."""
+    """Of Gauss-Markov noise, that are tried first."""
     high = max(LONGEST_MARKOV * n, 2 * LEAST_MARKOV)
-    return np.geomspace(QUICKEST_MARKOV, high, max(4, round(PER_DECADE * math.log10(high / QUICKEST_MARKOV))))
+    return np.geomspace(LEAST_MARKOV, high, max(3, round(PER_DECADE * math.log10(high / LEAST_MARKOV))))
 
 
 def markov(at: Local) -> Iterator[State]:
