@@ -22,6 +22,9 @@ whose images are no more than a ripple of 4 exp(-2 pi cut-off): a record does no
 LAGS, LEAST = 1024, 1e-9
 """Samples over which a filter correlates, at most; a gain so low that where it is less does not matter."""
 
+TWO, THREE = math.sqrt(2 ** (1 / 2) - 1), math.sqrt(2 ** (1 / 3) - 1)
+"""Cut-off of two and of three RC filters, one behind the other, over that of each."""
+
 AVERAGED, TWICE, THRICE = 0.443, 0.3189, 0.2617
 """Cut-off of a moving average, of one behind another, and of three, times the number of samples."""
 
@@ -148,6 +151,13 @@ def _thrice_averaged(f: FloatArray, cutoff: float) -> FloatArray:
 
 FILTERS: dict[str, Filter] = {
     "rc": Filter(say("1st-order low-pass"), _sampled_one_pole, _octaves(HIGHEST_RC)),
+    "rc twice": Filter(
+        say("two 1st-order low-passes, one behind the other"), lambda f, cutoff: _sampled_one_pole(f, cutoff / TWO) ** 2
+    ),
+    "rc three times": Filter(
+        say("three 1st-order low-passes, one behind the other"),
+        lambda f, cutoff: _sampled_one_pole(f, cutoff / THREE) ** 3,
+    ),
     "averaged rc": Filter(
         say("1st-order low-pass, averaged over each sample"), _averaged_one_pole, _octaves(HIGHEST_RC)
     ),
