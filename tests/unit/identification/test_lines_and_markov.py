@@ -94,15 +94,6 @@ def test_terms_that_are_asked_for_are_obeyed():
         al.identify(record, terms="NGMN")
 
 
-def test_two_gauss_markov_terms_are_an_alternative():
-    model = N + al.GM(0.02, "deg/s", time_constant=0.5) + al.GM(0.02, "deg/s", time_constant=30.0)
-    fit = al.identify(record_of(model), terms="QNGMKR")
-    pair = next(a for a in fit.alternatives if [t.symbol for t in a.model].count("GM") == 2)
-    assert pair.aic < -5
-    constants = sorted(t.shape[0] for t in pair.model if t.symbol == "GM")
-    np.testing.assert_allclose(constants, [0.5, 30.0], rtol=0.5)
-
-
 def test_limits_of_the_time_constant_are_where_the_likelihood_has_dropped():
     seen = spectrum(record_of(N + GM, 2**15), detrend=False)
     frame = frame_of(seen, "N", seen.read(None, ()))

@@ -82,7 +82,7 @@ def test_a_small_misfit_is_allowed_for_in_the_limits():
     c *= 1 + 0.03 * np.sin(3 * np.log(np.maximum(f, 1e-4)))
     fit = al.identify(al.Record(np.fft.irfft(c), RATE, "deg/s"), terms="N")
     assert fit.validity == "approximate"
-    assert 0.005 < fit.scope.misfit < 0.2
+    assert 0.005 < fit.scope.misfit < 0.3
     (factor,) = {c.name for c in fit.components if c.claimed}
     assert factor == "factor"
     low, high = fit["N"].interval()

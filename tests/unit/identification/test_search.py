@@ -155,7 +155,7 @@ def test_a_price_is_what_noise_alone_gains_at_its_rate():
         assert row.price(n) == pytest.approx(chi2.isf(rate, row.freedom), rel=1e-9)
         assert row.cost(n) == row.price(n) - ODDS
     said = {
-        "term": 4.0, "noise": 11.5, "filter": 10.8, "floor": 13.5, "resonance": 18.5, "step": 17.3, "warm-up": 14.2,
+        "term": 4.0, "noise": 11.5, "filter": 10.8, "floor": 13.5, "resonance": 18.5, "step": 20.1, "warm-up": 15.5,
         "sinusoid": 30.0,
     }  # fmt: skip
     for name, price in said.items():
@@ -307,7 +307,7 @@ def test_an_unknown_filter_keeps_the_plateau(seed):
 def test_angle_noise_before_a_filter_leaves_the_white_noise(seed):
     model = al.sensor("fog")
     truth = next(term.value for term in model if term.symbol == "N")
-    fit = identified(made(model, 2**14, seed, RC))
+    fit = identified(made(model, 2**16, seed, RC))
     assert fit["N"].value == pytest.approx(truth, rel=0.05)
     assert covered(fit, "N", truth)
     assert fit.scope.filter is not None

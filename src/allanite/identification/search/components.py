@@ -31,9 +31,12 @@ CLAIMED = 1 / (1 + math.exp(-ODDS / 2))
 TERM = 0.0228
 """Rate of false claims of a noise term that is absent: it gains 4 in 2 L in 2.3 % of records."""
 
-LEAST_MARKOV = 30.0
-"""Time constant of Gauss-Markov noise that was not asked for, samples, at least: a shorter one is that of a filter, with
-white noise behind it where it is below five samples: a definition."""
+LEAST_MARKOV, QUICKEST_MARKOV = 30.0, 5.3
+"""Samples. Below the first, a time constant that was not asked for needs white noise beside it, else it is a filter's,
+and costs `QUICK` more; below the second it is that of a filter with white noise behind it: a definition."""
+
+QUICK = 6.0
+"""What a quick time constant costs more, in 2 L: odds of e^3 against noise that only a few samples correlate."""
 
 LONGEST_MARKOV = 0.1
 """Share of the record up to which a time constant differs from a random walk (`terms.row.LONGEST`)."""
@@ -54,8 +57,8 @@ PERIODS = 32
 HIGHEST = 3.1
 """Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
 
-EXPONENTS = (0.6, 1.6)
-"""Exponents of a power law between which its column is exact within 1 %."""
+EXPONENTS = (0.7, 1.6)
+"""Exponents of a power law: between 0.6 and 1.6 its column is exact within 1 %, and a lower one is nearly white."""
 
 LONGEST_WARM_UP = 0.37
 """Share of the record up to which a warm-up differs from a ramp with a parabola."""
@@ -154,7 +157,7 @@ def _noise_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
     """Of a term that was asked for those of its row, else those of drift."""
     if part.label in frame.asked:
         return [p.search(frame.size) for p in TERMS[part.label].parameters if p.search is not None]
-    return [(LEAST_MARKOV, max(LONGEST_MARKOV * frame.size, 2 * LEAST_MARKOV))]
+    return [(QUICKEST_MARKOV, max(LONGEST_MARKOV * frame.size, 2 * LEAST_MARKOV))]
 
 
 def _noise_slope(frame: Frame, part: Part) -> FloatArray:
@@ -304,4 +307,5 @@ def cost_of(part: Part, frame: Frame) -> float:
     row = COMPONENTS[part.name]
     if part.name == "noise" and len(part.shape) > 1:  # each further value is looked for in some fifty places
         return _price(row.places(frame.size) * 50.0 ** (len(part.shape) - 1), row.alpha, 1.0, False) - ODDS
-    return row.cost(frame.size)
+    quick = part.name == "noise" and part.label not in frame.asked and part.shape[0] < LEAST_MARKOV
+    return row.cost(frame.size) + (QUICK if quick else 0.0)

@@ -215,7 +215,7 @@ def starts_for(frame: Frame, symbols: Sequence[str]) -> list[State]:
         for first in _best_of(frame, parts[0], State()):
             beside = State().having(first)
             starts += [beside.having(part) for part in _best_of(frame, parts[1], beside)]
-    if any(TERMS[s].transient for s in symbols) and frame.able_to_warm_up and frame.ramps:
+    if any(TERMS[s].transient for s in symbols) and frame.able_to_warm_up:
         starts += [start.having(*_best_of(frame, warm_ups_of(frame), start, 1)) for start in starts[:1]]
     return starts
 

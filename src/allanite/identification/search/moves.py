@@ -26,6 +26,7 @@ from .components import (
     LONGEST_MARKOV,
     LONGEST_WARM_UP,
     PERIODS,
+    QUICKEST_MARKOV,
     SIZES,
     Part,
     cost_of,
@@ -66,7 +67,7 @@ FACTOR_SIZES = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28, 2.56])
 CHANCE = 6.0
 """Standard deviations of a bin's power above which a residual is a misfit."""
 
-SHORT, LEAST_EVIDENCE = 4.0, 0.5
+SHORT, LEAST_EVIDENCE = 4.0, 1.5
 """Evidence for a factor, in 2 L, from which it is fitted: so much below its price, where it weighs e^-1 of the state
 without it, and at least so much, as a factor of no size has none."""
 
@@ -187,7 +188,7 @@ def floors(at: Local) -> Iterator[State]:
 def time_constants(n: int) -> FloatArray:
     """Of Gauss-Markov noise, that are tried first."""
     high = max(LONGEST_MARKOV * n, 2 * LEAST_MARKOV)
-    return np.geomspace(LEAST_MARKOV, high, max(3, round(PER_DECADE * math.log10(high / LEAST_MARKOV))))
+    return np.geomspace(QUICKEST_MARKOV, high, max(4, round(PER_DECADE * math.log10(high / QUICKEST_MARKOV))))
 
 
 def markov(at: Local) -> Iterator[State]:
@@ -229,7 +230,7 @@ def exponents(at: Local) -> Iterator[State]:
     frame, state = at.f.frame, at.f.state
     if frame.flicker is None or state.of("exponent") or not (at.f.theta[: frame.slow.size][frame.slow] > 0).any():
         return
-    tries = [fitted(frame, state.having(Part("exponent", "", (a,)))) for a in (0.65, 0.8, 1.2, 1.4, 1.55)]
+    tries = [fitted(frame, state.having(Part("exponent", "", (a,)))) for a in (0.75, 0.85, 1.2, 1.4, 1.55)]
     yield min(tries, key=lambda f: f.value).state
 
 
@@ -362,7 +363,7 @@ def warm_ups_of(frame: Frame) -> list[Part]:
 def warm_ups(at: Local) -> Iterator[State]:
     """A warm-up, or the one of the state with another time constant."""
     frame, state = at.f.frame, at.f.state
-    if not frame.able_to_warm_up or not frame.ramps:
+    if not frame.able_to_warm_up:
         return
     n, own, steps_ = frame.size, state.of("warm-up"), state.of("step")
     if steps_ and not own:  # steps near the start, that fall like a warm-up

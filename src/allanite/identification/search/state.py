@@ -8,7 +8,7 @@ from functools import cached_property
 
 from allanite.identification.likelihood.filters import FILTERS
 
-from .components import BROAD, COMPONENTS, HIDING, Part, cost_of
+from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, Part, cost_of
 from .frame import Frame
 
 ORDER = tuple(COMPONENTS)
@@ -62,7 +62,10 @@ class State:
     @property
     def needs_white(self) -> bool:
         """Whether white noise must stand beside its parts, as these could take its place: see `components`."""
-        return any(p.name == "factor" for p in self.parts)
+        return any(
+            p.name == "factor" or (p.name == "noise" and len(p.shape) == 1 and p.shape[0] < LEAST_MARKOV)
+            for p in self.parts
+        )
 
     @property
     def lacks_flicker(self) -> bool:
