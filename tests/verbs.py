@@ -50,7 +50,7 @@ ROWS = {
          "a.csv --channels gx --method slopes", "a.csv b.csv --channels gx --limits limits.toml",
          "a.csv b.csv --channels gx --device fog"),
         "",
-        {f"analyze {SAMPLE}": r"N +angle random walk +°/√h +0\.1192 ± 1 % +0\.1495"},
+        {f"analyze {SAMPLE}": r"N +angle random walk +°/√h +0\.1192 ± 1\.5 % +0\.1495"},
         {"analyze unit0.csv unit1.csv": r"2 of 2 units analyzed\n\nfile +channel +N °/√h .*\nunit0\.csv +gx +\d"},
     ),
     "batch": Row(),  # shows nothing
@@ -81,7 +81,7 @@ ROWS = {
          "a.csv --channels gx --datasheet adis16470"),
         "--part 300",
         {f"compare {TWO}": r"changed: gx / gy\n\n.*\n +noise as a whole +changed, p < 1e-12",
-         f"compare {TWO} --datasheet adis16470": r"Angular Random Walk +°/√h +0\.34 +0\.1192 ± 1 %"},
+         f"compare {TWO} --datasheet adis16470": r"Angular Random Walk +°/√h +0\.34 +0\.1192 ± 1\.5 %"},
     ),
     "check": Row(
         ("a.csv --channels gx --claims 'N 1 deg/sqrt(h), K 9000 deg/h/sqrt(h)' --at-most",
@@ -125,7 +125,7 @@ ROWS = {
         ("--sensor fog --require '1 deg in 10 min'", "six.csv --from-curve",
          f"{GIVEN} --times 3600 --turn-on '9 deg/h'", "a.csv --channels gx --calibration 0 --platform level"),
         "--unexplained",
-        {f"drift {TWO}": r"\n10 s +0\.0123 +± 10 %",
+        {f"drift {TWO}": r"\n10 s +0\.0123 +± 9\.\d %",
          f"drift --model {NOISE}": r"after +heading, attitude \[°\] +velocity \[m/s\] +position \[m\]\n1 s +0\.00",
          "drift --require '100 m in 1 min'": r"position after 60 s: 100 m required\n.*\naccelerometer +N +16\.90"},
     ),

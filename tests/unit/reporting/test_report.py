@@ -401,7 +401,7 @@ def test_csv_holds_the_curves_in_the_units_of_data_sheets(study):
 
 @rows(("statistic", "share"), [("mdev", "0.546 B"), ("mtotdev", "0.462 B")])
 def test_flicker_has_the_level_of_the_statistic(statistic, share):
-    record = al.simulate(al.N(1, "deg/sqrt(h)") + al.B(10, "deg/h"), 8000, 1.0, rng=np.random.default_rng(1))
+    record = al.simulate(al.N(1, "deg/sqrt(h)") + al.B(10, "deg/h"), 8000, 1.0, rng=np.random.default_rng(2))
     fit = al.identify(record)
     figure = plot(al.deviation(record, statistic, taus="octave", noise=fit), fit)
     assert any(text.get_text().startswith(f"{share} = ") for text in figure.axes[0].texts)

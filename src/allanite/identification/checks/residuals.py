@@ -86,7 +86,8 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
     checks, correlation, power, error = _checks(series, parts)
     expected, observed = _quantiles(series)
     # other slow effects, or a changing level, have tails of their own
-    steady = not fit.findings and all(check.passed for check in checks if check.name in ("halves", "eighths"))
+    slow = {finding.name for finding in fit.findings} - {"steps"}  # a burst has steps at its ends
+    steady = not slow and all(check.passed for check in checks if check.name in ("halves", "eighths"))
     jumping = popcorn(jumps(series, fit.model, record.rate), record.signal, seconds) if steady else []
     return Residuals(
         name=record.name,

@@ -264,7 +264,7 @@ COMPONENTS: dict[str, Component] = {
             slope=_noise_slope, inside=True,
         ),
         Component(
-            "exponent", 0.005, lambda n: 2.5, signed=True, refined=1, grain=(0.05,),
+            "exponent", 0.002, lambda n: 4, signed=True, refined=1, grain=(0.05,),
             bounds=lambda frame, part: [EXPONENTS], power=power_law, slope=_power_law_slope, inside=True,
         ),
         Component(

@@ -27,9 +27,6 @@ VISIBLE = 2.0
 LOUD = 0.5
 """Share of the power from which vibration, or what nothing describes, hides the terms."""
 
-MOST_WHITE = 0.8
-"""Share of the power of a half octave that white noise has where it is visible: a definition."""
-
 ENDS = 3.84
 """Rise of the value at the 95 % limits."""
 
@@ -154,21 +151,6 @@ def _runs(frame: Frame, which: BoolArray) -> tuple[tuple[float, float], ...]:
         (float(spectrum.frequency(first[a] - 0.5)), float(spectrum.frequency(first[b - 1] + count[b - 1] - 0.5)))
         for a, b in ends
     )
-
-
-def shows_white(f: Fitted) -> bool:
-    """Whether white noise has most of the power of a half octave, where vibration or a factor stands beside it.
-
-    Else what stands beside it makes its value: it is known from a difference only.
-    """
-    frame = f.frame
-    if frame.white is None or not (f.state.of("resonance") or f.state.of("factor")):
-        return True
-    share = f.likelihood.S[:, frame.white] * f.theta[frame.white] / f.m
-    half = np.floor(2 * np.log2(frame.centre)).astype(int)
-    count = np.bincount(half, frame.count)
-    white, known = np.bincount(half, share * frame.count), count > WELL_KNOWN
-    return bool((white[known] > MOST_WHITE * count[known]).any())
 
 
 def components_of(answer: Answer) -> tuple[Component, ...]:

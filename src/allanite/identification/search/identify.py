@@ -29,15 +29,15 @@ from allanite.terms import TERMS
 
 from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
-from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of, shows_white
+from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
 from .fitting import Fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
 from .moves import MOVES, Move, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
-from .search import Searched, search
-from .slow import WarmUp, exponent_finding, steps_finding, under, warm_up_estimate
+from .search import Searched, search, shows_white
+from .slow import WarmUp, exponent_finding, hidden_finding, steps_finding, under, warm_up_estimate
 from .state import State
 
 SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
@@ -308,6 +308,8 @@ def _concluded(
         findings.append(exponent_finding(answer, best))
         a = best.state.of("exponent")[0].shape[0]
         estimates = {s: under(a, e) for s, e in estimates.items()}
+    if not shows_white(best):
+        findings.append(hidden_finding())
     model = _model(estimates, answer)
     deterministic_terms = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
     return Fit(
@@ -338,11 +340,6 @@ def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, E
     if not answer.result.frame.asked:
         more = {s: noise_estimate(s, answer) for s in ("GM", "GML")}
         estimates |= {s: e for s, e in more.items() if e.claimed}
-    white = answer.result.frame.white
-    if white is not None and not shows_white(answer.best):
-        symbol = answer.result.frame.powers[white]
-        e = estimates[symbol]
-        estimates[symbol] = replace(e, status="weak") if e.claimed else e
     half = answer.scale.rate / 2
     estimates = {s: observable(e, scope.band, half, filtered=scope.filter is not None) for s, e in estimates.items()}
     return estimates | {s: warm_up_estimate(s, warm, answer) for s in answer.symbols if TERMS[s].transient}

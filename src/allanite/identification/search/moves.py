@@ -360,6 +360,20 @@ def warm_ups_of(frame: Frame) -> list[Part]:
     ]
 
 
+def _tuned_warm_up(f: Fitted, rest: State, part: Part) -> State:
+    """The state with the best time constant near that of a warm-up."""
+    from scipy.optimize import minimize_scalar
+
+    n = f.frame.size
+    low, high = max(part.shape[0] / 2, n / 1000), min(part.shape[0] * 2, LONGEST_WARM_UP * n)
+
+    def value(x: float) -> float:
+        return fitted(f.frame, rest.having(Part("warm-up", "", (math.exp(x),))), f.free).value
+
+    best = minimize_scalar(value, bounds=(math.log(low), math.log(high)), method="bounded", options={"xatol": 2e-3})
+    return rest.having(Part("warm-up", "", (math.exp(float(best.x)),)))
+
+
 def warm_ups(at: Local) -> Iterator[State]:
     """A warm-up, or the one of the state with another time constant."""
     frame, state = at.f.frame, at.f.state
@@ -371,9 +385,7 @@ def warm_ups(at: Local) -> Iterator[State]:
         yield min(tries, key=lambda f: f.value).state
     rest = state.lacking(*own)
     if own:
-        taus = np.clip(own[0].shape[0] * np.array([0.7, 0.93, 1.07, 1.4]), n / 200, LONGEST_WARM_UP * n)
-        tries = [fitted(frame, rest.having(Part("warm-up", "", (float(tau),)))) for tau in taus]
-        yield min(tries, key=lambda f: f.value).state
+        yield _tuned_warm_up(at.f, rest, own[0])
         return
     y, root, Q = _lowest(at)
     taus = n * np.geomspace(1 / 100, LONGEST_WARM_UP, WARM_UPS)
@@ -414,7 +426,7 @@ def factors(at: Local) -> Iterator[State | Fitted]:
     tries = [
         state.having(Part("factor", place[0], (place[1], place[2], size))) for _, place, size in ranked[:CANDIDATES]
     ]
-    if ranked[0][0] > FAR:
+    if ranked[0][0] > FAR and not taken:
         wide = [p for p in splines.places if p[0] != "between" and p not in taken]
         parts = [Part("factor", p[0], (p[1], p[2], size)) for p in wide for size in WIDE_SIZES]
         each = [refined(fitted(frame, state.having(part)), MANY) for part in parts]

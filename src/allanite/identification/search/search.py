@@ -8,7 +8,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from allanite.core.plain import Portable
+from allanite.identification.likelihood.cells import WELL_KNOWN
 
 from .components import Part
 from .fitting import Fitted, fitted, pruned, refined
@@ -32,8 +35,11 @@ that it is expanded too."""
 SAME = 0.1
 """Difference of the scores of two states that are the same within the grain of their shapes."""
 
-FITS = 800
+FITS = 400
 """Neighbours that are fitted, at most: a record that needs more is described by none of them."""
+
+MOST_WHITE = 0.8
+"""Share of the power of a half octave that white noise has where it is visible: a definition."""
 
 FIRST = 3
 """Rounds of refinement before the hopeless are dropped."""
@@ -80,13 +86,28 @@ def search(
         if first.state.form not in done:
             _follow(result, first, moves, done)
     _expand(result, moves, EXPANDED[0], done)
-    if unexplained:
+    if unexplained and shows_white(result.best):  # else nothing is known of the noise
         for f in [f for f in result.every.values() if f.score < result.best.score + EXPANDED[1]]:
             _add_beside(result, f, (factors,))
         for bare in _bare(result.best):
             _follow(result, bare, (factors,), done, moves)
         _expand(result, (*moves, factors), EXPANDED[1], done)
     return result
+
+
+def shows_white(f: Fitted) -> bool:
+    """Whether white noise has most of the power of a half octave, where vibration or a factor stands beside it.
+
+    Else what stands beside it makes its value: it is known from a difference only.
+    """
+    frame = f.frame
+    if frame.white is None or not (f.state.of("resonance") or f.state.of("factor")):
+        return True
+    share = f.likelihood.S[:, frame.white] * f.theta[frame.white] / f.m
+    half = np.floor(2 * np.log2(frame.centre)).astype(int)
+    count = np.bincount(half, frame.count)
+    white, known = np.bincount(half, share * frame.count), count > WELL_KNOWN
+    return bool((white[known] > MOST_WHITE * count[known]).any())
 
 
 def _bare(f: Fitted) -> list[Fitted]:
@@ -176,8 +197,6 @@ def _first(frame: Frame, f: Fitted, state: State) -> Fitted:
 
 def _alone(f: Fitted, part: Part) -> Fitted:
     """The shape of one part refined, the others held."""
-    import numpy as np
-
     from .fitting import refined_values
 
     held = [p != part for p in f.state for _ in range(refined_values(p))]

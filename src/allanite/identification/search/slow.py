@@ -1,4 +1,4 @@
-"""What the bias does beside the terms: a warm-up, steps, or a power law other than that of flicker, as findings."""
+"""What a record has beside the terms, as findings: a warm-up, steps, another power law, vibration that hides noise."""
 
 import math
 from dataclasses import dataclass
@@ -202,6 +202,17 @@ def steps_finding(answer: Answer, f: Fitted) -> Finding:
             choice=longest_without(zip(time - apart, time + apart, strict=True), span),
         ),
         (float(time[0]), float(time[0])),
+    )
+
+
+def hidden_finding() -> Finding:
+    """The finding that vibration, or what nothing describes, leaves no frequency to the noise of the sensor."""
+    return Finding(
+        "vibration",
+        say("vibration has more power than the white noise of the sensor at all frequencies"),
+        say("what it leaves of the noise cannot be checked"),
+        say("record at rest, on a quiet base"),
+        fatal=True,
     )
 
 
