@@ -154,7 +154,7 @@ STEP = 1e-5
 
 
 def _noise_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
-    """Of a term that was asked for those of its row, else those of drift."""
+    """Those of its row for a term that was asked for, else those of drift."""
     if part.label in frame.asked:
         return [p.search(frame.size) for p in TERMS[part.label].parameters if p.search is not None]
     return [(QUICKEST_MARKOV, max(LONGEST_MARKOV * frame.size, 2 * LEAST_MARKOV))]

@@ -111,7 +111,7 @@ def shows_white(f: Fitted) -> bool:
 
 
 def _bare(f: Fitted) -> list[Fitted]:
-    """A fit without its resonances, and without its filter too, where a factor may be what they stand for.
+    """A fit without its resonances, and without its filter too, that may stand in the place of a factor.
 
     Several broad resonances do, and angle noise behind a filter, which rises and falls again.
     """

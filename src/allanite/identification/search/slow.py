@@ -75,7 +75,7 @@ class WarmUp(Portable):
 
     @property
     def duration(self) -> float:
-        """Of the record, s."""
+        """Length of the record, s."""
         spectrum = self.f.frame.spectrum
         return (spectrum.size + int(spectrum.gaps.lost.sum())) / spectrum.rate
 
