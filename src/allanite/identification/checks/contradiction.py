@@ -12,7 +12,7 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.record import Record
-from allanite.identification.search.components import LEAST_MARKOV
+from allanite.identification.search.components import QUICKEST_MARKOV
 from allanite.phrases.phrase import say
 from allanite.prepare.outliers import marked, outliers
 from allanite.prepare.rounding import grid
@@ -102,6 +102,8 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
     """
     curve = seen.octaves
+    if any(c.name == "resonance" and c.claimed for c in fit.components):  # which has such a slope beyond its period
+        return {}
     white = [e for e in fit if TERMS[e.symbol].slope == WHITE and e.limits and _most(e) < math.inf]
     slope = np.full(curve.tau.size, np.inf)
     slope[1:-1] = np.log(curve.deviation[2:] / curve.deviation[:-2]) / np.log(curve.tau[2:] / curve.tau[:-2])
@@ -113,7 +115,7 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     beside = [
         Term(e.symbol, size, e.signal, e.shape)
         for e in fit
-        if e not in white and _memory(e) * curve.rate > LEAST_MARKOV and 0 < (size := _most(e)) < math.inf
+        if e not in white and _memory(e) * curve.rate > QUICKEST_MARKOV and 0 < (size := _most(e)) < math.inf
     ]
     beside += [line.term for line in fit.lines]
     other = _deviation(fit, beside, curve) ** 2

@@ -31,7 +31,7 @@ CLAIMED = 1 / (1 + math.exp(-ODDS / 2))
 TERM = 0.0228
 """Rate of false claims of a noise term that is absent: it gains 4 in 2 L in 2.3 % of records."""
 
-LEAST_MARKOV, QUICKEST_MARKOV = 30.0, 5.3
+LEAST_MARKOV, QUICKEST_MARKOV = 30.0, 4.0
 """Samples. Below the first, a time constant that was not asked for needs white noise beside it, else it is a filter's,
 and costs `QUICK` more; below the second it is that of a filter with white noise behind it: a definition."""
 
@@ -41,7 +41,7 @@ QUICK = 6.0
 LONGEST_MARKOV = 0.1
 """Share of the record up to which a time constant differs from a random walk (`terms.row.LONGEST`)."""
 
-HIDING = 0.03
+HIDING = 0.04
 """Cut-off, cycles a sample, below which a filter with noise behind it is Gauss-Markov and white noise: a definition."""
 
 QUALITIES = (2.5, 300.0)
