@@ -16,7 +16,7 @@ import allanite as al
 RATE = 100.0
 BASE = al.simulate(al.sensor("mems"), 6000, RATE, rng=np.random.default_rng(1)).values
 JOBS = {
-    "identify": (al.identify, 1e-6),
+    "identify": (al.identify, 1e-5),  # deviates of cells are small differences
     "deviation": (al.deviation, 2e-8),  # the limits follow the noise that is identified
     "mdev": (lambda record: al.deviation(record, "mdev", noise=None), 1e-12),
     "spectrum": (al.spectrum, 1e-12),

@@ -90,7 +90,7 @@ def check(
     >>> found.causes[0].names
     ('sqrt(2)',)
     >>> al.check(record, "lowpass 30 Hz").causes
-    (<Cause : the record shows no low-pass below 45 Hz>,)
+    (<Cause : the record shows no low-pass below 35.3 Hz>,)
     """
     if not 0 <= tolerance < 1:
         raise UsageError(f"the tolerance must be from 0 to less than 1, not {tolerance:g}", choice="tolerance")
