@@ -191,8 +191,11 @@ def searched(
             f"{', '.join(frame.asked)}",
             choice="terms",
         )
+    ways = tuple(moves or moves_for(band, rival=rival))
+    if any(len(TERMS[s].parameters) > 1 for s in frame.asked):  # an oscillation is a resonance by another name
+        ways = tuple(move for move in ways if move is not resonances)
     return search(
-        frame, starts_for(frame, symbols), moves=moves or moves_for(band, rival=rival),
+        frame, starts_for(frame, symbols), moves=ways,
         unexplained=choice == "auto" and moves is None,
     )  # fmt: skip
 
