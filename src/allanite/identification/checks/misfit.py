@@ -30,14 +30,14 @@ def reasons(
     spectral = fit.goodness is not None and not fit.goodness.explained
     if not spectral and all(check.passed for check in checks):
         return []
-    found = rounding_of(record)
-    if found.sparse:  # the samples are steps of a quantizer without sufficient dither
+    steps = rounding_of(record)
+    if steps.sparse:  # the samples are steps of a quantizer without sufficient dither
         how = say(
             "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
-            size=found.step * (record.scale or 1.0), unit=record.unit, noise=found.noise,
+            size=steps.step * (record.scale or 1.0), unit=record.unit, noise=steps.noise,
         )  # fmt: skip
         what = say(
-            "quantization errors are not white: {details}", details=join(", ", filter(None, (found.counted, how)))
+            "quantization errors are not white: {details}", details=join(", ", filter(None, (steps.counted, how)))
         )
         harm = say("the rounding error follows the signal, and N and Q are not meaningful")
         remedy = say("use a finer output of the sensor, or add dither before rounding")

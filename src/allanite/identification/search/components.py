@@ -206,9 +206,9 @@ def _poles(frame: Frame, part: Part) -> tuple[FloatArray, FloatArray, float, flo
     omega, quality = part.shape
     r = math.exp(-omega / (2 * quality))
     a, b = -2 * r * math.cos(omega), r * r
-    one, two, sine = frame.cosines(quality)
+    cosine, twice, sine = frame.cosines(quality)
     # at its peak the denominator of a sharp one is a difference of equal numbers
-    below = np.maximum((1 + a * a + b * b) + (2 * a * (1 + b)) * one + (2 * b) * two, 1e-15)
+    below = np.maximum((1 + a * a + b * b) + (2 * a * (1 + b)) * cosine + (2 * b) * twice, 1e-15)
     return (sine if part.label == "high-pass" else np.ones(1)), below, a, b
 
 
@@ -228,12 +228,12 @@ def resonance(frame: Frame, part: Part) -> FloatArray:
 def resonance_slope(frame: Frame, part: Part) -> FloatArray:
     """Its derivatives by the logarithms of frequency and quality, up to a share of itself."""
     above, below, a, b = _poles(frame, part)
-    (omega, quality), (one, two, _) = part.shape, frame.cosines(part.shape[1])
+    (omega, quality), (cosine, twice, _) = part.shape, frame.cosines(part.shape[1])
     each = np.full(below.shape[1], 1 / below.shape[1])
     change = above / below
     level = (change @ each).max()
     change = change / below
-    whole, first, second = change @ each, (change * one) @ each, (change * two) @ each
+    whole, first, second = change @ each, (change * cosine) @ each, (change * twice) @ each
     by_a = -(2 * a * whole + 2 * (1 + b) * first) / level
     by_b = -(2 * b * whole + 2 * a * first + 2 * second) / level
     slow = omega / (2 * quality)  # -ln r

@@ -77,11 +77,11 @@ class Scale:
 
 def shaped_terms(f: Fitted) -> Iterator[tuple[str, tuple[float, ...]]]:
     """Symbols and shapes of the noise in the sensor that has one; no symbol for a power law, which is no term."""
-    seen = set[str]()
+    before = set[str]()
     for part in f.state:
         if part.name == "noise":
-            symbol = TERMS[part.label].second if part.label in seen else part.label
-            seen.add(part.label)
+            symbol = TERMS[part.label].second if part.label in before else part.label
+            before.add(part.label)
             yield symbol, part.shape
         elif part.name == "exponent":
             yield "", ()
@@ -294,7 +294,7 @@ def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
     """The signed ramp: normal for given noise, averaged over the possible noise of the longest memory, and over states.
 
     That noise is what hides a ramp, and is known from a few coefficients only: averaging gives the wide tails of
-    Student's t, and holds where the noise was not seen at all.
+    Student's t, and holds where the noise was not visible at all.
     """
     scale, size = answer.scale, answer.scale.coefficient(symbol, 1.0)
     if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp

@@ -243,8 +243,8 @@ class Frame(Portable):
         if key not in self.known:
             inside = (np.arange(points) + 0.5) / points
             first, count = self.spectrum.first[self.used], self.spectrum.count[self.used]
-            one = np.cos(np.pi / self.size * (first[:, None] + count[:, None] * inside - 0.5))
-            self.known[key] = (one, 2 * one * one - 1, 1 - one * one)
+            cosine = np.cos(np.pi / self.size * (first[:, None] + count[:, None] * inside - 0.5))
+            self.known[key] = (cosine, 2 * cosine * cosine - 1, 1 - cosine * cosine)
         result: tuple[FloatArray, FloatArray, FloatArray] = self.known[key]
         return result
 

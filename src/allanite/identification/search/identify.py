@@ -131,13 +131,13 @@ def pending(
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
     taken, rest = _without_lines(record, symbols, band, masks) if lines else ((), record)
-    seen = spectrum(rest, detrend=deterministic(symbols))
+    bins = spectrum(rest, detrend=deterministic(symbols))
     # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
     moves = (
         tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
     )
     return pending_of(
-        seen, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken, moves=moves
+        bins, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken, moves=moves
     )  # fmt: skip
 
 
@@ -154,7 +154,7 @@ def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
 
 
 def pending_of(
-    seen: BinnedSpectrum,
+    bins: BinnedSpectrum,
     channel: tuple[str, Signal],
     symbols: Sequence[str],
     band: Band = "auto",
@@ -166,15 +166,15 @@ def pending_of(
 ) -> Pending:
     """The search in a spectrum, of a channel of this name and signal; `taken` are sinusoids removed before."""
     name, signal = channel
-    seen = seen.near_one()  # so that no unit and no size of a record changes a digit
-    result = searched(seen, symbols, band, masks, rival=rival, moves=moves)
-    scale = Scale(signal, seen.rate, seen.unit_factor, seen.slope)
+    bins = bins.near_one()  # so that no unit and no size of a record changes a digit
+    result = searched(bins, symbols, band, masks, rival=rival, moves=moves)
+    scale = Scale(signal, bins.rate, bins.unit_factor, bins.slope)
     automatic = band == "auto" and rival and not masks and moves is None
     return Pending(result, scale, tuple(symbols), name, band, masks, automatic, taken)
 
 
 def searched(
-    seen: BinnedSpectrum,
+    bins: BinnedSpectrum,
     symbols: Sequence[str],
     band: Band,
     masks: Sequence[tuple[float, float]] = (),
@@ -184,7 +184,7 @@ def searched(
 ) -> Searched:
     """The search in a spectrum for what a user asked for."""
     choice, asked = _frequencies(band)
-    frame = frame_of(seen, [s for s in symbols if TERMS[s].scatters], seen.read(asked, masks))
+    frame = frame_of(bins, [s for s in symbols if TERMS[s].scatters], bins.read(asked, masks))
     if len(frame.asked) > MOST_ASKED:
         raise UsageError(
             f"at most two noises with a time constant or a frequency can be looked for at a time, not "
@@ -249,25 +249,25 @@ def _without_lines(
     """The sinusoids of a record and the rest of it; the record itself if there are none."""
     from .fitting import fitted, pruned
 
-    seen = spectrum(record, detrend=deterministic(symbols))
+    bins = spectrum(record, detrend=deterministic(symbols))
     asked = _frequencies(band)[1]
-    frame = frame_of(seen, [s for s in symbols if TERMS[s].scatters], seen.read(asked, masks))
+    frame = frame_of(bins, [s for s in symbols if TERMS[s].scatters], bins.read(asked, masks))
     if not frame.powers:
         return (), record
     level = _level(pruned(fitted(frame, State())))
-    if not suspected(seen, level, frame.used):
+    if not suspected(bins, level, frame.used):
         return (), record
     # between the lobes of a filter the noise is low, and what is at their tops is no line
-    level = _level(searched(seen, symbols, band, masks, rival=True, moves=SMOOTH).best)
-    if not suspected(seen, level, frame.used):
+    level = _level(searched(bins, symbols, band, masks, rival=True, moves=SMOOTH).best)
+    if not suspected(bins, level, frame.used):
         return (), record
     rates = known_rates(record)
     mean = float(np.nanmean(rates))
     low, high = (0.0, record.rate / 2) if asked is None else asked
-    waves, _ = waves_of(rates - mean, seen, level, (low / record.rate, high / record.rate))
+    waves, _ = waves_of(rates - mean, bins, level, (low / record.rate, high / record.rate))
     if not waves:
         return (), record
-    scale = [seen.unit_factor / float(np.sinc(wave.frequency)) for wave in waves]
+    scale = [bins.unit_factor / float(np.sinc(wave.frequency)) for wave in waves]
     lines = tuple(
         Line(wave.frequency * record.rate, wave.amplitude * s, wave.error * s, wave.phase, record.signal)
         for wave, s in zip(waves, scale, strict=True)

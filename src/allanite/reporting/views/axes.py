@@ -11,7 +11,7 @@ from allanite.core.kinds import KIND_WORDS
 from allanite.core.model import coefficient_factor
 from allanite.core.record import Record
 from allanite.core.units import Signal, convert
-from allanite.core.validity import APPROXIMATE, UNEXPLAINED
+from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
 from allanite.phrases.phrase import Phrase, join, say, say_count
 from allanite.reporting import words
 from allanite.reporting.digits import digits, rounded
@@ -169,7 +169,7 @@ def fit_words(noise: Noise | None, refusal: str = "") -> str:
     if noise.validity == UNEXPLAINED:
         return say("DOES NOT FIT")
     if within:
-        return say("within {share:.2g} %", share=100 * within)
+        return say("but for a part") if within > ROUGHLY else say("within {share:.2g} %", share=100 * within)
     if until is not None:
         return say("up to {time}", time=words.duration(until))
     return say("fits{mark}, p {p:.2g}", mark="*" * (noise.validity == APPROXIMATE), p=good.p)
