@@ -174,10 +174,12 @@ def part_of(
         raise DataError(
             say_count(
                 int(inside.sum()),
-                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
-                "has {count} bin of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
-                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz one of them "
-                "has {count} bins of the spectrum, fewer than {fewest}; record longer, or at more similar rates",
+                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz, where no "
+                "vibration hides the noise, one of them has {count} bin of the spectrum, fewer than {fewest}; record "
+                "longer, at rest, or at more similar rates",
+                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz, where no "
+                "vibration hides the noise, one of them has {count} bins of the spectrum, fewer than {fewest}; record "
+                "longer, at rest, or at more similar rates",
                 low=low,
                 high=high,
                 fewest=FEWEST,

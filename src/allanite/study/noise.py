@@ -150,9 +150,7 @@ def _judged(fit: Fit, record: Record, recipe: Recipe, *, moved: bool) -> Noise:
         return Noise(fit)
     noise = graded(Noise(fit, partial(residuals, record, fit, outliers=recipe.outliers or "mark")), record)
     described = noise.validity != UNEXPLAINED and (noise.fit.scope is None or noise.fit.scope.until is None)
-    # a damped oscillation is vibration by another name
-    hidden = any(c.name == "resonance" and c.claimed for c in noise.fit.components)
-    enough = described or hidden or moved or recipe.terms != "auto"
+    enough = described or moved or recipe.terms != "auto"
     return noise if enough else _with_remedy(noise, record, recipe)
 
 

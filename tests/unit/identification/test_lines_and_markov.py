@@ -63,7 +63,7 @@ def test_gauss_markov_takes_the_place_of_flicker_where_the_record_says_so():
     assert low < T < high
     assert fit.model["GM"].shape == (T,)
     (markov,) = (c for c in fit.components if c.name == "noise" and c.claimed)
-    assert f"time constant of {T:.3g} s" in markov.words
+    assert f"time constant {T:.4g} s" in markov.words
     data = fit.to_dict()
     assert data["terms"][-1]["time_constant"]["value"] == T
     assert al.Model.from_dict(data["model"])["GM"].shape == (T,)

@@ -16,7 +16,7 @@ RATE, SIZE = 40.0, 72_000
 HUMPS = {
     "weakly damped": ("N 0.3 arcsec*sqrt(s), GM2 1.2 arcsec 0.3 Hz 0.05, R 0.5 arcsec/s", "N,R,GM2", 62),
     "loud": ("N 0.3 arcsec*sqrt(s), GM2 4 arcsec 0.3 Hz 0.02, R 0.5 arcsec/s", "N,R,GM2", 60),
-    "two processes": ("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s, GM 1 arcsec 20 s", "N,GM,GM", 20),
+    "critically damped": ("N 0.3 arcsec*sqrt(s), GM2 1.2 arcsec 0.3 Hz 1, R 0.5 arcsec/s", "N,R,GM2", 20),
 }
 
 
@@ -57,7 +57,17 @@ def test_the_option_that_the_command_names_helps(tmp_path):
 
 
 def test_of_a_body_that_moved_no_more_terms_are_named():
-    assert noise_of(simulated("two processes"), al.Recipe(), moved=True).fit.findings == ()
+    assert "terms" not in {f.name for f in noise_of(simulated("loud"), al.Recipe(), moved=True).fit.findings}
+
+
+@pytest.mark.slow("takes more than half a second")
+def test_two_relaxation_processes_are_told_apart_without_being_named():
+    model = al.Model("N 0.3 arcsec*sqrt(s), GM 1.2 arcsec 2 s, GM 1 arcsec 20 s")
+    fit = channel_of(al.simulate(model, SIZE, RATE, rng=np.random.default_rng(20))).fit
+    assert fit.validity == "explained"
+    for symbol, tau in (("GM", 2.0), ("GML", 20.0)):
+        ((low, high),) = fit[symbol].shape_limits(0.95)
+        assert low < tau < high
 
 
 @pytest.mark.slow("takes more than half a second")

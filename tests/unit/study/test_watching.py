@@ -251,7 +251,7 @@ def test_watch_is_analyze_of_what_came(tmp_path, kind, outliers):
 
 
 @pytest.mark.slow("long streams")
-@rows(("size", "words"), [(0.0, ""), (3.0, "the bias steps: +"), (15.0, "the bias steps: +14.5 deg/h at 1234 s")])
+@rows(("size", "words"), [(0.0, ""), (3.0, "the bias steps: +"), (15.0, "the bias steps: +14.6 deg/h at 1234 s")])
 def test_a_step_is_reported_and_noise_has_none(tmp_path, size, words):
     noise = al.simulate(al.N(1, "deg/h*sqrt(s)") + al.B(0.3, "deg/h") + al.K(1, "deg/h/sqrt(h)"), 200_000, 100.0,
                         rng=np.random.default_rng(4))  # fmt: skip

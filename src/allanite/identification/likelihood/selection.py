@@ -187,8 +187,8 @@ def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) 
 def correlation(subset: Subset) -> FloatArray:
     """Correlation of the estimates of the free terms, shape (f, f): that of theta, and of its root."""
     C = _covariance(subset.likelihood, subset.theta, subset.free)
-    size = np.sqrt(np.diag(C))
-    return np.asarray(C / np.outer(size, size))
+    size = np.sqrt(np.abs(np.diag(C)))  # see `_covariance`
+    return np.asarray(np.clip(C / np.outer(size, size), -1, 1))
 
 
 def _variances(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:

@@ -60,8 +60,8 @@ HIGHEST = 3.1
 EXPONENTS = (0.7, 1.6)
 """Exponents of a power law: between 0.6 and 1.6 its column is exact within 1 %, and a lower one is nearly white."""
 
-LONGEST_WARM_UP = 0.37
-"""Share of the record up to which a warm-up differs from a ramp with a parabola."""
+SHORTEST_WARM_UP, LONGEST_WARM_UP = 0.001, 0.37
+"""Shares of the record from which a warm-up is looked for, and up to which it differs from a ramp with a parabola."""
 
 SIZES = (0.004, 6.0)
 """Least and greatest size of a factor, RMS of the logarithm of the power."""
@@ -97,6 +97,8 @@ class Component:
     grain : tuple of float
         Steps in the logarithms of the shape within which two states are the same.
     bounds : (frame, part) -> (low, high) for each value that is refined
+    ending : bool
+        Whether beyond its bounds it is something else, so that no state has it at one of them.
     power : (frame, part) -> array, shape (bins,)
         Expected power for a size of 1, of noise in the sensor or behind its filter; None for other components.
     slope : (frame, part) -> array, shape (values, bins)
@@ -119,6 +121,7 @@ class Component:
     refined: int = 0
     grain: tuple[float, ...] = ()
     bounds: Callable[[Frame, Part], list[tuple[float, float]]] = lambda frame, part: []
+    ending: bool = False
     power: Callable[[Frame, Part], FloatArray] | None = None
     slope: Callable[[Frame, Part], FloatArray] | None = None
     inside: bool = False
@@ -141,13 +144,23 @@ def _price(places: float, alpha: float, freedom: float, signed: bool) -> float:
     return float(chdtri(freedom, min((1 if signed else 2) * alpha / places, 1.0)))
 
 
+AT_BOUND = 0.01
+"""Distance from a bound, in the logarithm of a shape, within which it is at that bound."""
+
+
+def at_bound(part: Part, frame: Frame) -> bool:
+    """Whether the shape of a part that was not asked for stands where it would be something else."""
+    row = COMPONENTS[part.name]
+    if not row.ending or part.label in frame.asked:
+        return False
+    ends = zip(part.shape, row.bounds(frame, part), strict=False)
+    return any(min(abs(math.log(x / low)), abs(math.log(x / high))) < AT_BOUND for x, (low, high) in ends)
+
+
 def markov_places(n: int) -> float:
     """Effective number of time constants."""
     return 3.7 * math.log10(max(n / 300, 10.0))
 
-
-REMEMBERED = 4000
-"""Columns of one spectrum that are kept, at most: some 10 MB."""
 
 STEP = 1e-5
 """Step in the logarithm of a shape for a derivative: what sizes cannot make up for is often a hundredth of it."""
@@ -175,13 +188,9 @@ def power_law(frame: Frame, part: Part) -> FloatArray:
 
     from allanite.identification.likelihood.whittle import column
 
-    key = ("exponent", part.shape)
-    if key not in frame.known:
-        assert frame.flicker is not None  # noqa: S101 - the part stands in its place
-        row = replace(TERMS[frame.powers[frame.flicker]], dct=partial(_power_law, a=part.shape[0]))
-        frame.known[key] = column(row, frame.spectrum)[frame.used]
-    result: FloatArray = frame.known[key]
-    return result
+    assert frame.flicker is not None  # noqa: S101 - the part stands in its place
+    row = replace(TERMS[frame.powers[frame.flicker]], dct=partial(_power_law, a=part.shape[0]))
+    return frame.remembered(("exponent", part.shape), lambda: column(row, frame.spectrum)[frame.used])
 
 
 def _power_law(k: FloatArray, n: int, a: float) -> FloatArray:
@@ -214,19 +223,21 @@ def _poles(frame: Frame, part: Part) -> tuple[FloatArray, FloatArray, float, flo
 
 def resonance(frame: Frame, part: Part) -> FloatArray:
     """Mean power of a resonance in the bins, its highest 1: white noise through two poles."""
-    key = ("resonance", part)
-    if key not in frame.known:
-        if len(frame.known) > REMEMBERED:
-            frame.known.clear()
+
+    def computed() -> FloatArray:
         above, below, *_ = _poles(frame, part)
         mean = (above / below) @ np.full(below.shape[1], 1 / below.shape[1])
-        frame.known[key] = mean / mean.max()
-    result: FloatArray = frame.known[key]
-    return result
+        return np.asarray(mean / mean.max())
+
+    return frame.remembered(("resonance", part), computed)
 
 
 def resonance_slope(frame: Frame, part: Part) -> FloatArray:
     """Its derivatives by the logarithms of frequency and quality, up to a share of itself."""
+    return frame.remembered(("resonance slope", part), lambda: _resonance_slope(frame, part))
+
+
+def _resonance_slope(frame: Frame, part: Part) -> FloatArray:
     above, below, a, b = _poles(frame, part)
     (omega, quality), (cosine, twice, _) = part.shape, frame.cosines(part.shape[1])
     each = np.full(below.shape[1], 1 / below.shape[1])
@@ -260,12 +271,12 @@ COMPONENTS: dict[str, Component] = {
         Component("term", TERM, lambda n: 1),
         Component(
             "noise", 0.003, markov_places, most=2, refined=1, grain=(0.25, 0.25),
-            bounds=_noise_bounds, power=lambda frame, part: frame.column(part.label, part.shape),
+            bounds=_noise_bounds, ending=True, power=lambda frame, part: frame.column(part.label, part.shape),
             slope=_noise_slope, inside=True,
         ),
         Component(
             "exponent", 0.002, lambda n: 4, signed=True, refined=1, grain=(0.05,),
-            bounds=lambda frame, part: [EXPONENTS], power=power_law, slope=_power_law_slope, inside=True,
+            bounds=lambda frame, part: [EXPONENTS], ending=True, power=power_law, slope=_power_law_slope, inside=True,
         ),
         Component(
             "filter", 0.003, lambda n: 3, signed=True, refined=1, grain=(0.03,),
@@ -282,7 +293,10 @@ COMPONENTS: dict[str, Component] = {
         ),
         Component("factor", 0.05, lambda n: 1, signed=True, most=3, grain=(0.5, 0.5, 0.5)),
         Component("step", 0.003, lambda n: 400, signed=True, most=10, grain=(0.01,)),
-        Component("warm-up", 0.002, lambda n: 24, signed=True, grain=(0.3,)),
+        Component(
+            "warm-up", 0.002, lambda n: 24, signed=True, grain=(0.3,),
+            bounds=lambda frame, part: [(SHORTEST_WARM_UP * frame.size, LONGEST_WARM_UP * frame.size)], ending=True,
+        ),
         Component("sinusoid", 0.01, lambda n: n / 2, freedom=2.0, signed=True, most=12),
     )
 }  # fmt: skip
@@ -292,10 +306,10 @@ FACTORS = {"all": 4.0, "above": 5.0, "step above": 5.0, "between": 10.0}
 """Prices of the kinds of a factor. The determinant of its information pays for most of the search
 (`benchmarks/prices.py`)."""
 
-ANGLE, BEHIND, UNLIKELY = 2.0, 4.0, 8.0
+ANGLE, BEHIND = 2.0, 4.0
 """What angle noise costs beyond another term: it is clearly visible or of no weight, as it dominates a fixed share of
-all coefficients; what it costs instead behind a filter or beside resonances, whose shapes it gains from (gains above 4
-in 17 %, above 8 in 2 % of records without it); and besides behind a cut-off below `HIDING`, where it is white noise."""
+all coefficients; and what it costs instead behind a filter or beside resonances, whose shapes it gains from (gains
+above 4 in 17 %, above 8 in 2 % of records without it). Behind a cut-off below `HIDING` it is white: a definition."""
 
 
 def cost_of(part: Part, frame: Frame) -> float:

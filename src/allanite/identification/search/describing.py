@@ -7,6 +7,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.component import Component
 from allanite.core.estimate import Estimate
+from allanite.core.model import Term
 from allanite.core.titles import title_of
 from allanite.core.validity import LowPass, Scope
 from allanite.identification.likelihood.cells import WELL_KNOWN, surroundings
@@ -97,7 +98,7 @@ def low_pass(answer: Answer) -> LowPass | None:
     c = part.shape[0]
     return LowPass(
         part.label, FILTERS[part.label].title, c * rate, min(math.exp(low), c) * rate,
-        max(min(math.exp(high), widest), c) * rate, rate,
+        max(math.exp(min(high, math.log(widest))), c) * rate, rate,
     )  # fmt: skip
 
 
@@ -195,8 +196,8 @@ def _words(answer: Answer, f: Fitted, part: Part) -> str:  # noqa: PLR0911 - one
             frequency=part.shape[0] * rate / (2 * math.pi), quality=part.shape[1],
         )  # fmt: skip
     if part.name == "noise":
-        shape = answer.scale.shape(part.label, part.shape)
-        return say("{title} with a time constant of {time:.3g} s", title=TERMS[part.label].title, time=shape[-1])
+        term = Term(part.label, 0.0, answer.scale.signal, answer.scale.shape(part.label, part.shape))
+        return say("{term} with {shape}", term=TERMS[part.label].title, shape=term.shape_words)
     if part.name == "exponent":
         return say("noise of density f^-{exponent:.2f}", exponent=part.shape[0])
     if part.name == "step":

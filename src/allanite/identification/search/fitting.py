@@ -22,7 +22,7 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
 
-from .components import ANGLE, BEHIND, COMPONENTS, STEP, UNLIKELY, Part
+from .components import ANGLE, BEHIND, COMPONENTS, STEP, Part
 from .frame import Frame, leak
 from .state import State
 
@@ -87,7 +87,7 @@ class Fitted(Portable):
         """What its parts and terms cost."""
         frame, state = self.frame, self.state
         free = self.free[: len(frame.powers)]
-        angle = (BEHIND if state.rises else ANGLE) + (UNLIKELY if state.hides_angle else 0.0)
+        angle = BEHIND if state.rises else ANGLE
         terms = COMPONENTS["term"].cost(frame.size) * int(free.sum()) + angle * int((free & frame.angle).sum())
         return state.cost(frame) + terms
 
@@ -245,6 +245,8 @@ def admissible(frame: Frame, state: State, free: BoolArray | None, sizes: int) -
         every[: len(frame.powers)] = free[: len(frame.powers)]
     if state.lacks_flicker and frame.flicker is not None:
         every[frame.flicker] = False
+    if state.hides_angle:
+        every[: len(frame.powers)][frame.angle] = False
     if state.needs_white and frame.white is not None:
         every[frame.white] = True
     return every

@@ -1,7 +1,7 @@
 """One spectrum, and what may explain it: columns, gains and shapes that all states of a search have in common."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -33,6 +33,9 @@ POINTS, MOST_POINTS = 0.11, 16
 
 LOW = 64
 """Coefficients of the lowest frequencies, which tell of steps and of a warm-up (`bins.SINGLE`)."""
+
+REMEMBERED = 4000
+"""Arrays of one spectrum that are kept, at most: some 20 MB."""
 
 EDGES_GRID = 0.01
 """Step in the logarithm of a cut-off at which the noise at the edges of a record is computed; it changes as little."""
@@ -214,9 +217,17 @@ class Frame(Portable):
 
     def column(self, symbol: str, shape: tuple[float, ...]) -> FloatArray:
         """Expected power of a noise term with a shape, in samples, for theta = 1, shape (bins,)."""
-        key = ("column", symbol, shape)
+        return self.remembered(
+            ("column", symbol, shape),
+            lambda: column(TERMS[symbol].shaped(shape, 1.0), self.spectrum)[self.used],  # type: ignore[misc]
+        )
+
+    def remembered(self, key: Any, computed: Callable[[], FloatArray]) -> FloatArray:
+        """An array that is computed once, as long as there are not too many."""
         if key not in self.known:
-            self.known[key] = column(TERMS[symbol].shaped(shape, 1.0), self.spectrum)[self.used]  # type: ignore[misc]
+            if len(self.known) > REMEMBERED:
+                self.known.clear()
+            self.known[key] = computed()
         result: FloatArray = self.known[key]
         return result
 

@@ -37,7 +37,16 @@ from .laws import entries_of, weights_of
 from .moves import MOVES, Move, filters, floors, less, markov, resonances, warm_ups_of
 from .pooling import Together, behind
 from .search import Searched, search, shows_white
-from .slow import WarmUp, exponent_finding, hidden_finding, steps_finding, under, warm_up_estimate
+from .slow import (
+    RESONANCES,
+    WarmUp,
+    crowded_finding,
+    exponent_finding,
+    hidden_finding,
+    steps_finding,
+    under,
+    warm_up_estimate,
+)
 from .state import State
 
 SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
@@ -143,7 +152,7 @@ def pending(
 
 def deterministic(symbols: Sequence[str]) -> bool:
     """Whether there is a ramp among the terms."""
-    return any(TERMS[symbol].waveform is not None for symbol in symbols)
+    return any(TERMS[s].scatters and TERMS[s].waveform is not None for s in symbols)
 
 
 def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
@@ -313,6 +322,8 @@ def _concluded(
         estimates = {s: under(a, e) for s, e in estimates.items()}
     if not shows_white(best):
         findings.append(hidden_finding())
+    elif len(best.state.of("resonance")) >= RESONANCES:
+        findings.append(crowded_finding())
     model = _model(estimates, answer)
     deterministic_terms = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
     return Fit(

@@ -98,6 +98,8 @@ def _hopeless(full: Fitted, may: BoolArray, least: float) -> bool:
 def weighted(models: Sequence[Fitted]) -> list[Entry]:
     """Models with their weights."""
     score = np.array([f.score for f in models])
+    near = score < score.min() + 2 * REACH  # the subsets of one state may be better than all that were searched
+    models, score = [f for f, may in zip(models, near.tolist(), strict=True) if may], score[near]
     w = np.exp(-0.5 * (score - score.min()))
     families = [(f.free[: len(f.frame.powers)].tobytes(), f.state.family) for f in models]
     best: dict[object, float] = {}

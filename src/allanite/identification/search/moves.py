@@ -27,12 +27,13 @@ from .components import (
     LONGEST_WARM_UP,
     PERIODS,
     QUICKEST_MARKOV,
+    SHORTEST_WARM_UP,
     SIZES,
     Part,
     cost_of,
 )
 from .factors import SLOW
-from .fitting import Fitted, column_of_part, fitted, refined
+from .fitting import Fitted, column_of_part, factor_basis, fitted, refined
 from .frame import LOW, Frame
 from .state import State
 
@@ -42,8 +43,8 @@ REACH = 8.0
 FAR = 60.0
 """Gain in 2 L above which one step is no guide."""
 
-PER_DECADE = 4
-"""Time constants a decade that are tried."""
+PER_DECADE, INSIDE = 4, 1.05
+"""Time constants a decade that are tried, and the factor by which they stay inside their bounds."""
 
 PLACES, FINE = 512, 61
 """Places at which a step is looked for, and places between the neighbours of the best."""
@@ -57,6 +58,9 @@ CANDIDATES = 3
 MISSED = 40.0
 """Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside
 it makes up for less."""
+
+EQUAL = 0.5
+"""Change of the value up to which the numerators of a resonance are the same: those of a sharp one are."""
 
 BINS = 8
 """Bins that stand out at which resonances are looked for."""
@@ -89,8 +93,12 @@ class Local:
     def over(self) -> FloatArray:
         """Residuals; those beyond chance count by their logarithm: far from a fit their squares would decide."""
         r = self.f.residual
-        log = np.log1p(np.maximum(r, -1 + 1e-9))
-        return np.where(np.abs(r) * np.sqrt(self.h) > CHANCE, log, r)
+        return np.where(np.abs(r) * np.sqrt(self.h) > CHANCE, self.logs, r)
+
+    @cached_property
+    def logs(self) -> FloatArray:
+        """Logarithms of the power over the expected one."""
+        return np.asarray(np.log1p(np.maximum(self.f.residual, -1 + 1e-9)))
 
     @cached_property
     def h(self) -> FloatArray:
@@ -157,7 +165,7 @@ def exchanged(at: Local) -> Iterator[State]:
     for part in state.of("resonance"):
         other = "flat" if part.label == "high-pass" else "high-pass"
         flipped = state.lacking(part).having(part._replace(label=other))
-        if fitted(at.f.frame, flipped, at.f.free).value < at.f.value + MISSED:
+        if abs(rise := fitted(at.f.frame, flipped, at.f.free).value - at.f.value) > EQUAL and rise < MISSED:
             yield flipped
     if state.filter is None:
         return
@@ -188,7 +196,8 @@ def floors(at: Local) -> Iterator[State]:
 def time_constants(n: int) -> FloatArray:
     """Of Gauss-Markov noise, that are tried first."""
     high = max(LONGEST_MARKOV * n, 2 * LEAST_MARKOV)
-    return np.geomspace(QUICKEST_MARKOV, high, max(4, round(PER_DECADE * math.log10(high / QUICKEST_MARKOV))))
+    steps = max(4, round(PER_DECADE * math.log10(high / QUICKEST_MARKOV)))
+    return np.geomspace(QUICKEST_MARKOV * INSIDE, high / INSIDE, steps)
 
 
 def markov(at: Local) -> Iterator[State]:
@@ -356,7 +365,8 @@ def steps(at: Local) -> Iterator[State]:
 def warm_ups_of(frame: Frame) -> list[Part]:
     """Warm-ups that are tried first."""
     return [
-        Part("warm-up", "", (tau,)) for tau in (frame.size * np.geomspace(1 / 100, LONGEST_WARM_UP, WARM_UPS)).tolist()
+        Part("warm-up", "", (tau,))
+        for tau in (frame.size * np.geomspace(1 / 100, LONGEST_WARM_UP / INSIDE, WARM_UPS)).tolist()
     ]
 
 
@@ -365,7 +375,7 @@ def _tuned_warm_up(f: Fitted, rest: State, part: Part) -> State:
     from scipy.optimize import minimize_scalar
 
     n = f.frame.size
-    low, high = max(part.shape[0] / 2, n / 1000), min(part.shape[0] * 2, LONGEST_WARM_UP * n)
+    low, high = max(part.shape[0] / 2, SHORTEST_WARM_UP * n), min(part.shape[0] * 2, LONGEST_WARM_UP * n)
 
     def value(x: float) -> float:
         return fitted(f.frame, rest.having(Part("warm-up", "", (math.exp(x),))), f.free).value
@@ -381,19 +391,20 @@ def warm_ups(at: Local) -> Iterator[State]:
         return
     n, own, steps_ = frame.size, state.of("warm-up"), state.of("step")
     if steps_ and not own:  # steps near the start, that fall like a warm-up
-        tries = [fitted(frame, state.lacking(*steps_).having(part)) for part in warm_ups_of(frame)]
-        yield min(tries, key=lambda f: f.value).state
+        bare = state.lacking(*steps_)
+        tries = [(fitted(frame, bare.having(part)).value, i) for i, part in enumerate(warm_ups_of(frame))]
+        yield _tuned_warm_up(at.f, bare, warm_ups_of(frame)[min(tries)[1]])
     rest = state.lacking(*own)
     if own:
         yield _tuned_warm_up(at.f, rest, own[0])
         return
     y, root, Q = _lowest(at)
-    taus = n * np.geomspace(1 / 100, LONGEST_WARM_UP, WARM_UPS)
+    taus = n * np.geomspace(1 / 100, LONGEST_WARM_UP / INSIDE, WARM_UPS)
     D = np.array([_both(warm_up_direction(frame.spectrum, float(tau)))[: y.size] for tau in taus]) / root
     D = D - D @ Q @ Q.T
     gain = (D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)
     if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(n)):
-        yield rest.having(Part("warm-up", "", (float(taus[int(gain.argmax())]),)))
+        yield _tuned_warm_up(at.f, rest, Part("warm-up", "", (float(taus[int(gain.argmax())]),)))
 
 
 MOVES: tuple[Move, ...] = (less, exchanged, floors, steps, warm_ups, markov, exponents, resonances, filters)
@@ -429,9 +440,17 @@ def factors(at: Local) -> Iterator[State | Fitted]:
     if ranked[0][0] > FAR and not taken:
         wide = [p for p in splines.places if p[0] != "between" and p not in taken]
         parts = [Part("factor", p[0], (p[1], p[2], size)) for p in wide for size in WIDE_SIZES]
-        each = [refined(fitted(frame, state.having(part)), MANY) for part in parts]
-        yield from sorted(each, key=lambda f: f.score)[:CANDIDATES]
+        each = sorted((_raised(at, part) for part in parts), key=lambda f: f.score)[: 2 * CANDIDATES]
+        yield from sorted((refined(f, MANY) for f in each), key=lambda f: f.score)[:CANDIDATES]
     yield from tries
+
+
+def _raised(at: Local, part: Part) -> Fitted:
+    """The fit beside a factor that begins where it fits the logarithms of the residuals best."""
+    state = at.f.state.having(part)
+    A = factor_basis(at.f.frame, state) * (at.f.inside / at.f.m)[:, None]
+    v = np.linalg.solve(np.eye(A.shape[1]) + (A * at.h[: A.shape[0], None]).T @ A, A.T @ (at.h[: A.shape[0]] * at.logs))
+    return fitted(at.f.frame, state, v=np.asarray(v, dtype=np.float64))
 
 
 def neighbours(part: Part) -> Iterator[Part]:

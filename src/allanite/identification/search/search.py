@@ -14,7 +14,7 @@ from allanite.core.plain import Portable
 from allanite.identification.likelihood.cells import WELL_KNOWN
 
 from .components import Part
-from .fitting import Fitted, fitted, pruned, refined
+from .fitting import Fitted, factor_basis, fitted, pruned, refined
 from .frame import Frame
 from .moves import MOVES, REACH, Local, Move, factors, neighbours, places_beside
 from .state import State, alike
@@ -40,6 +40,9 @@ FITS = 400
 
 MOST_WHITE = 0.8
 """Share of the power of a half octave that white noise has where it is visible: a definition."""
+
+TUNED = 2
+"""Other sizes and places of the factors of a fit that are refined in a round, at most."""
 
 FIRST = 3
 """Rounds of refinement before the hopeless are dropped."""
@@ -203,6 +206,14 @@ def _alone(f: Fitted, part: Part) -> Fitted:
     return refined(f, FIRST, held=np.array(held, dtype=bool))
 
 
+def _as_high(f: Fitted, state: State) -> Fitted:
+    """A state with other factors, that begins with as nearly the same power as these allow."""
+    A, h = factor_basis(f.frame, state), f.trusted.count[: f.m.size] / 2
+    u = factor_basis(f.frame, f.state) @ f.v
+    v = np.linalg.solve(np.eye(A.shape[1]) + (A * h[:, None]).T @ A, A.T @ (h * u))
+    return fitted(f.frame, state, f.free, f, np.asarray(v, dtype=np.float64))
+
+
 def _tuned(f: Fitted) -> Fitted:
     """The sizes and places of its factors, one after the other, as long as the score falls."""
     for _ in range(6):
@@ -210,7 +221,8 @@ def _tuned(f: Fitted) -> Fitted:
         for part in f.state.of("factor"):
             rest = f.state.lacking(part)
             others = (*neighbours(part), *places_beside(part, f.frame.splines.top))
-            tries += [refined(fitted(f.frame, rest.having(other), f.free, f, f.v), 3) for other in others]
+            tries += [_as_high(f, rest.having(other)) for other in others]
+        tries = [refined(g, 3) for g in sorted(tries, key=lambda g: g.score)[:TUNED]]
         best = min(tries, key=lambda g: g.score, default=f)
         if best.score > f.score - 0.05:
             break

@@ -18,11 +18,14 @@ from allanite.phrases.phrase import join, say
 from allanite.phrases.wording import longest_without, spelled
 from allanite.terms import TERMS, WHITE
 
-from .components import Part
+from .components import COMPONENTS, Part
 from .estimates import Answer
 from .fitting import Fitted, column_of_part, fitted
 from .laws import law_of
 from .moves import PLACES
+
+RESONANCES = COMPONENTS["resonance"].most
+"""Vibrations in a record, at most: one that has so many is not described by them."""
 
 HARMLESS = 2.0
 """Standard errors to which a warm-up has fallen where a window can begin."""
@@ -210,6 +213,17 @@ def hidden_finding() -> Finding:
     return Finding(
         "vibration",
         say("vibration has more power than the white noise of the sensor at all frequencies"),
+        say("what it leaves of the noise cannot be checked"),
+        say("record at rest, on a quiet base"),
+        fatal=True,
+    )
+
+
+def crowded_finding() -> Finding:
+    """The finding that a record has as many vibrations as are looked for, so that more may stand in the terms."""
+    return Finding(
+        "vibration",
+        say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES),
         say("what it leaves of the noise cannot be checked"),
         say("record at rest, on a quiet base"),
         fatal=True,

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from allanite.identification.likelihood.filters import FILTERS
 
-from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, Part, cost_of
+from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, Part, at_bound, cost_of
 from .frame import Frame
 
 ORDER = tuple(COMPONENTS)
@@ -76,6 +76,8 @@ class State:
         """Whether its parts may stand together."""
         counts = Counter(p.name for p in self.parts)
         if any(count > COMPONENTS[name].most for name, count in counts.items()):
+            return False
+        if any(at_bound(part, frame) for part in self.parts):
             return False
         if self.needs_white and frame.white is None and counts["factor"]:
             return False
