@@ -25,16 +25,15 @@ def white(seed, size=12_000):
     return np.random.default_rng(seed).standard_normal(size)
 
 
-def swept():
-    t = np.arange(12_000) / RATE
-    return white(3) + 3 * np.sin(2 * np.pi * t * (1 + 0.01 * t))
+def louder(seed, factor):
+    return white(seed) * np.repeat([1.0, factor], 6000)
 
 
 @pytest.fixture(scope="module")
 def recording():
-    """One channel of each grade: white noise, white noise that gets louder, and a swept sinusoid."""
-    louder = white(2) * np.repeat([1.0, 1.2], 6000)
-    return al.Recording(tuple(record_of(v, n) for v, n in ((white(1), "good"), (louder, "fair"), (swept(), "bad"))))
+    """One channel of each grade: white noise, and such that gets a fifth louder, and three times as loud."""
+    each = {"good": white(1), "fair": louder(2, 1.2), "bad": louder(3, 3.0)}
+    return al.Recording(tuple(record_of(values, name) for name, values in each.items()))
 
 
 @pytest.fixture(scope="module")
