@@ -144,7 +144,7 @@ def test_what_channels_share_is_named(share):
 
 def test_slow_things_in_common_are_named():
     rng = np.random.default_rng(1)
-    warm = al.simulate(al.Model((al.K(1.0, "deg/h/sqrt(s)"),)), 2**15, 100.0, rng=rng).values * np.degrees(3600)
+    warm = al.simulate(al.Model((al.K(3.0, "deg/h/sqrt(s)"),)), 2**15, 100.0, rng=rng).values * np.degrees(3600)
     records = [al.Record(rng.standard_normal(2**15) * 30 + warm, 100.0, "deg/h", name=name) for name in "xy"]
     recording = al.Recording(tuple(records))
     found = al.shared(recording, al.identify(recording))

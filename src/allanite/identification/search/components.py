@@ -159,7 +159,7 @@ def at_bound(part: Part, frame: Frame) -> bool:
 
 def markov_places(n: int) -> float:
     """Effective number of time constants."""
-    return 3.7 * math.log10(max(n / 300, 10.0))
+    return 1.8 * math.log10(max(n / 300, 10.0))
 
 
 STEP = 1e-5
@@ -270,7 +270,7 @@ COMPONENTS: dict[str, Component] = {
     for row in (
         Component("term", TERM, lambda n: 1),
         Component(
-            "noise", 0.003, markov_places, most=2, refined=1, grain=(0.25, 0.25),
+            "noise", 0.005, markov_places, most=2, refined=1, grain=(0.25, 0.25),
             bounds=_noise_bounds, ending=True, power=lambda frame, part: frame.column(part.label, part.shape),
             slope=_noise_slope, inside=True,
         ),

@@ -15,7 +15,7 @@ from allanite.identification.likelihood.filters import FILTERS
 from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
-from .components import CLAIMED, LONGEST_MARKOV, Part
+from .components import CLAIMED, COMPONENTS, LONGEST_MARKOV, Part
 from .cutoffs import errors_of, quantile_of
 from .estimates import Answer, shaped_terms
 from .fitting import Fitted, factor_basis, fitted, refined
@@ -291,19 +291,14 @@ def least_time_constant(answer: Answer, walk: int) -> float | None:
     None where none within the record could.
     """
     f, frame = answer.shown, answer.result.frame
-    if not f.free[walk] or f.state.of("noise"):
+    if not f.free[walk] or len(f.state.of("noise")) >= COMPONENTS["noise"].most:
         return None
     free = np.ones(f.theta.size, dtype=bool)
     free[walk] = False
     with_walk = refined(fitted(frame, f.state, None, f, f.v), 2).value
     times = np.geomspace(LONGEST_MARKOV * frame.size, 30.0, 24)
-    least = None
-    for T in times.tolist():
-        g = fitted(frame, f.state.having(Part("noise", "GM", (T,))), free)
-        if g.value > with_walk + ENDS:
-            break
-        least = T
-    return least
+    values = [fitted(frame, f.state.having(Part("noise", "GM", (T,))), free).value for T in times.tolist()]
+    return min((T for T, value in zip(times.tolist(), values, strict=True) if value < with_walk + ENDS), default=None)
 
 
 def lost_freedom(f: Fitted, cell: IntArray, cells: int) -> float:

@@ -18,6 +18,7 @@ from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.whittle import Pair, step_coefficients, warm_up_direction
 
 from .components import (
+    AT_BOUND,
     BROAD,
     COMPONENTS,
     FACTORS,
@@ -160,13 +161,16 @@ def less(at: Local) -> Iterator[State]:
 
 
 def exchanged(at: Local) -> Iterator[State]:
-    """With the other numerator of each resonance, or another filter of the same cut-off."""
+    """With the other numerator of each resonance, on the other side of `BROAD`, or another filter of the same cut-off."""
     state = at.f.state
     for part in state.of("resonance"):
         other = "flat" if part.label == "high-pass" else "high-pass"
         flipped = state.lacking(part).having(part._replace(label=other))
         if abs(rise := fitted(at.f.frame, flipped, at.f.free).value - at.f.value) > EQUAL and rise < MISSED:
             yield flipped
+        if abs(math.log(part.shape[1] / BROAD)) < AT_BOUND:
+            beyond = BROAD / INSIDE if part.shape[1] >= BROAD else BROAD * INSIDE
+            yield state.lacking(part).having(part._replace(shape=(part.shape[0], beyond)))
     if state.filter is None:
         return
     rest, cutoff = state.lacking(state.filter), state.filter.shape[0]

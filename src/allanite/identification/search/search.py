@@ -16,7 +16,7 @@ from allanite.identification.likelihood.cells import WELL_KNOWN
 from .components import Part
 from .fitting import Fitted, factor_basis, fitted, pruned, refined
 from .frame import Frame
-from .moves import MOVES, REACH, Local, Move, factors, neighbours, places_beside
+from .moves import MOVES, REACH, Local, Move, factors, neighbours, places_beside, resonances
 from .state import State, alike
 
 EXPANDED = (4.0, 1.0)
@@ -38,8 +38,8 @@ SAME = 0.1
 FITS = 400
 """Neighbours that are fitted, at most: a record that needs more is described by none of them."""
 
-MOST_WHITE = 0.8
-"""Share of the power of a half octave that white noise has where it is visible: a definition."""
+MOST_WHITE = 0.5
+"""Share of the power of a half octave that white noise has where it is visible: the greater part."""
 
 TUNED = 2
 """Other sizes and places of the factors of a fit that are refined in a round, at most."""
@@ -89,6 +89,10 @@ def search(
         if first.state.form not in done:
             _follow(result, first, moves, done)
     _expand(result, moves, EXPANDED[0], done)
+    if resonances in moves:
+        for other in _recast(result.best):
+            result.add(other)
+        _expand(result, moves, EXPANDED[0], done)
     if unexplained and shows_white(result.best):  # else nothing is known of the noise
         for f in [f for f in result.every.values() if f.score < result.best.score + EXPANDED[1]]:
             _add_beside(result, f, (factors,))
@@ -111,6 +115,22 @@ def shows_white(f: Fitted) -> bool:
     count = np.bincount(half, frame.count)
     white, known = np.bincount(half, share * frame.count), count > WELL_KNOWN
     return bool((white[known] > MOST_WHITE * count[known]).any())
+
+
+def _recast(f: Fitted) -> list[Fitted]:
+    """A fit with one numerator for all its resonances, and without its filter: no single exchange leads there.
+
+    The skirts of resonances towards low frequencies are those of white noise behind a filter.
+    """
+    loud, through = f.state.of("resonance"), (*f.state.of("filter"), *f.state.of("floor"))
+    if not loud:
+        return []
+    rest = f.state.lacking(*loud)
+    cast = [tuple(part._replace(label=label) for part in loud) for label in ("flat", "high-pass")]
+    bases = [rest, rest.lacking(*through)] if through else [rest]
+    states = [base.having(*parts) for base in bases for parts in cast]
+    fits = [pruned(refined(fitted(f.frame, state))) for state in states if state != f.state and state.admitted(f.frame)]
+    return [g for g in fits if g.state.admitted(f.frame)]
 
 
 def _bare(f: Fitted) -> list[Fitted]:
