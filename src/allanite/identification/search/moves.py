@@ -161,7 +161,7 @@ def less(at: Local) -> Iterator[State]:
 
 
 def exchanged(at: Local) -> Iterator[State]:
-    """With the other numerator of each resonance, on the other side of `BROAD`, or another filter of the same cut-off."""
+    """With another numerator of a resonance, beyond `BROAD` where it stops there, or another filter of that cut-off."""
     state = at.f.state
     for part in state.of("resonance"):
         other = "flat" if part.label == "high-pass" else "high-pass"
