@@ -72,7 +72,7 @@ def text_of(catalogue: Catalog) -> str:
     for message in catalogue:
         _flag(message)
     out = io.BytesIO()
-    write_po(out, catalogue, width=120, sort_by_file=True, include_lineno=False, ignore_obsolete=True)
+    write_po(out, catalogue, width=120, sort_by_file=True, no_location=True, ignore_obsolete=True)
     return HEADER.sub("", out.getvalue().decode())
 
 

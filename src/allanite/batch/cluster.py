@@ -23,23 +23,12 @@ class Dask:
     """The workers of a Dask scheduler, which see the files by the same paths and have the same version of allanite.
 
     Another worker takes over from one that is lost; a file that has cost several workers is reported as failed.
-
-    Attributes
-    ----------
-    address : str
-        Of the scheduler: ``tcp://10.0.0.5:8786``.
     """
 
-    address: str
+    address: str  # of the scheduler: ``tcp://10.0.0.5:8786``
 
     def run(self, task: Task, items: Sequence[Plain]) -> Iterator[Done]:
-        """Apply `task` to every item in the order in which they are finished; see `Executor`.
-
-        Raises
-        ------
-        UsageError
-            dask is not installed, the scheduler does not answer, has no worker or ends, or workers have other versions.
-        """
+        """Apply `task` to every item in the order in which they are finished; see `Executor`."""
         demand_extra("dask", "distributed", what="a scheduler")
         distributed = import_module("distributed")
         try:

@@ -65,14 +65,9 @@ class Processes:
 
     A process that is killed is replaced. Its item is tried once more, and then reported as failed; other items are not
     affected. The processes import the main module anew: a script that uses them needs ``if __name__ == "__main__":``.
-
-    Attributes
-    ----------
-    workers : int
-        Number of processes, at least 1.
     """
 
-    workers: int
+    workers: int  # number of processes, at least 1
 
     def __post_init__(self) -> None:
         if self.workers < 1:

@@ -24,27 +24,16 @@ def worst_of(outcomes: "list[str]") -> str:
 
 @dataclass(frozen=True, repr=False)
 class Judgement(Value):
-    """What a limit says of one coefficient of one channel.
-
-    Attributes
-    ----------
-    channel : str
-    limit : Limit
-    outcome : {"pass", "fail", "not shown"}
-    size : float or None
-        What was held against the limit, SI: the value or the upper end of its interval; of a term that was not
-        identified its upper limit. None where nothing is known.
-    reason : str
-        The numbers, in the unit of the limit.
-    near : bool
-        Whether the interval of the value holds the limit: another record of this unit may fall on its other side.
-    """
+    """What a limit says of one coefficient of one channel."""
 
     channel: str
     limit: Limit
-    outcome: str
+    outcome: str  # One of "pass", "fail", "not shown"
+    # what was held against the limit, SI: the value or the upper end of its interval; of a term that was not
+    # identified its upper limit. None where nothing is known.
     size: float | None
-    reason: str
+    reason: str  # the numbers, in the unit of the limit
+    # whether the interval of the value holds the limit: another record of this unit may fall on its other side
     near: bool = False
 
     def _summary(self) -> str:
@@ -62,13 +51,7 @@ class Seen(NamedTuple):
 
 
 def judge_study(study: Study, specification: Specification) -> tuple[Judgement, ...]:
-    """Every limit of a specification, held against the channels of a study.
-
-    Raises
-    ------
-    UsageError
-        A limit of a channel is in the unit of another kind of sensor.
-    """
+    """Every limit of a specification, held against the channels of a study."""
     judgements = []
     for channel in study:
         name = channel.record.name

@@ -34,20 +34,15 @@ class Distribution(Coefficient):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trend(Coefficient):
-    """A straight line through the values of a coefficient.
+    """A straight line through the values of a coefficient."""
 
-    Attributes
-    ----------
-    along : {"temperature", "date"}
-    at, values : arrays
-        Temperature in degrees Celsius, or time in seconds since 1970, and value in SI of the units that have both.
-    slope, low, high : float
-        Change in SI for each kelvin or second, with its 95 % interval, from the scatter of the values about the line.
-    """
-
-    along: str
+    along: str  # One of "temperature", "date"
+    # at, values: temperature in degrees Celsius, or time in seconds since 1970, and value in SI of the units that
+    # have both
     at: FloatArray
     values: FloatArray
+    # slope, low, high: change in SI for each kelvin or second, with its 95 % interval, from the scatter of the values
+    # about the line
     slope: float
     low: float
     high: float

@@ -53,26 +53,7 @@ def several(named: Sequence[PathLike]) -> bool:
 
 
 def expand(named: Sequence[PathLike], besides: Iterable[str | None] = ()) -> Sources:
-    """The files that are meant by these names, in the order in which they were named.
-
-    Parameters
-    ----------
-    named : sequence of str or path
-        A file, ``"-"`` for standard input, a folder (the files in it, in the order of their names, but not those of
-        folders inside it), or a pattern such as ``"units/*.csv"`` (``**`` goes through folders). A file that is named
-        twice is taken once. The folder of a ROS 2 bag counts as a file.
-    besides : iterable of path or None
-        Files that are not recordings: those that will be written, and settings.
-
-    Returns
-    -------
-    Sources
-
-    Raises
-    ------
-    DataError
-        A folder cannot be read or holds no recording, or no file matches a pattern.
-    """
+    """The files that are meant by these names, in the order in which they were named."""
     left = {os.path.realpath(path) for path in besides if path is not None}
     found: dict[str, str] = {}
     notes: list[str] = []
@@ -112,24 +93,7 @@ def _is_pattern(name: str) -> bool:
 
 
 def manifest_of(source: PathLike, besides: Iterable[str | None] = ()) -> Sources:
-    """The files of a batch, in the order of their names.
-
-    Parameters
-    ----------
-    source : path
-        A folder, a pattern such as ``"units/*.csv"``, or a manifest: a text file with a path in each line, or a CSV
-        file with the columns ``file``, ``unit_id``, ``temperature`` (a number), ``date`` (ISO 8601) and others, of
-        which only the first is required. Paths are relative to the folder of the manifest.
-    besides : iterable of path or None
-        Files of a folder that are not recordings.
-
-    Raises
-    ------
-    DataError
-        A folder cannot be read or holds no recording, or no file matches a pattern.
-    UsageError
-        A manifest cannot be read, or is wrong in a line that the message names.
-    """
+    """The files of a batch, in the order of their names."""
     if several([source]):
         found = expand([source], besides)
         return Sources(tuple(sorted(found.files)), found.notes)

@@ -26,26 +26,13 @@ LIMITED = (*(symbol for symbol, row in TERMS.items() if not row.periodic), MINIM
 
 @dataclass(frozen=True, repr=False)
 class Limit(Value):
-    """The largest size that a coefficient may have.
+    """The largest size that a coefficient may have."""
 
-    Attributes
-    ----------
-    symbol : str
-        A noise term, or "minimum" for the minimum of the Allan deviation.
-    maximum : float
-        In SI.
-    unit : str
-        The unit in which the limit was given.
-    signal : Signal
-        The kind of sensor that the unit belongs to; other channels are not judged by this limit.
-    judge : {"value", "upper"}
-        What must not exceed the limit: the value, or the upper end of its interval.
-    """
-
-    symbol: str
-    maximum: float
-    unit: str
-    signal: Signal
+    symbol: str  # a noise term, or "minimum" for the minimum of the Allan deviation
+    maximum: float  # in SI
+    unit: str  # the unit in which the limit was given
+    signal: Signal  # the kind of sensor that the unit belongs to; other channels are not judged by this limit
+    # what must not exceed the limit: the value, or the upper end of its interval. One of "value", "upper".
     judge: str = "value"
 
     @property

@@ -19,51 +19,26 @@ AT_ONCE = 64
 
 @dataclass(frozen=True)
 class FileStatus:
-    """A file of a batch, and what became of it.
-
-    Attributes
-    ----------
-    file : str
-    facts : dict
-        The columns of the manifest.
-    key, sha256 : str
-        The key of its result, and of what content it is; empty if the file cannot be read.
-    status : {"done", "failed", "open"}
-    error : str
-        Why it has failed.
-    rejected : str
-        Channels without a result, or whose noise no model explains.
-    """
+    """A file of a batch, and what became of it."""
 
     file: str
-    facts: dict[str, Any]
+    facts: dict[str, Any]  # the columns of the manifest
+    # key, sha256: the key of its result, and of what content it is; empty if the file cannot be read
     key: str = ""
     sha256: str = ""
-    status: str = OPEN
-    error: str = ""
-    rejected: str = ""
+    status: str = OPEN  # One of "done", "failed", "open"
+    error: str = ""  # why it has failed
+    rejected: str = ""  # channels without a result, or whose noise no model explains
 
 
 @dataclass(frozen=True)
 class Resumed:
-    """What a run of a batch has done.
+    """What a run of a batch has done."""
 
-    Attributes
-    ----------
-    files : tuple of FileStatus
-        All files, in the order of their names.
-    analyzed : int
-        Records that were analyzed now; files with the same content are one.
-    before : int
-        Files that were done by an earlier run.
-    notes : tuple of str
-        What was left out.
-    """
-
-    files: tuple[FileStatus, ...]
-    analyzed: int
-    before: int
-    notes: tuple[str, ...] = ()
+    files: tuple[FileStatus, ...]  # all files, in the order of their names
+    analyzed: int  # records that were analyzed now; files with the same content are one
+    before: int  # files that were done by an earlier run
+    notes: tuple[str, ...] = ()  # what was left out
 
     @property
     def failed(self) -> tuple[FileStatus, ...]:

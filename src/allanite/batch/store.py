@@ -37,13 +37,7 @@ LOCK = ".lock"
 
 
 def identity(file: str, choices: Plain) -> tuple[str, str]:
-    """The sha256 of a file, and the key of its result: of the content, the form of the name, the recipe, the version.
-
-    Raises
-    ------
-    DataError
-        The file cannot be read.
-    """
+    """The sha256 of a file, and the key of its result: of content, form of the name, recipe, version."""
     if file == STDIN:
         raise UsageError("a batch reads files, not standard input")
     name, member = checked(file)
@@ -66,13 +60,7 @@ class Store:
 
     @classmethod
     def opened(cls, folder: str | os.PathLike[str], *, new: bool = False) -> "Store":
-        """An existing folder of results, or with `new` one that may have to be made.
-
-        Raises
-        ------
-        UsageError
-            It is not a folder of results, or cannot be made.
-        """
+        """An existing folder of results, or with `new` one that may have to be made."""
         path = Path(folder)
         if new:
             try:
@@ -103,13 +91,7 @@ class Store:
             return False
 
     def put(self, key: str, result: Plain) -> None:
-        """Store a result at once.
-
-        Raises
-        ------
-        UsageError
-            The disk is full or cannot be written to.
-        """
+        """Store a result at once."""
         import pyarrow as pa
 
         row = {name: dumps(value) for name, value in sorted(result.items())}
@@ -117,13 +99,7 @@ class Store:
         self.write(f"{PARTS}/{key}.parquet", table.replace_schema_metadata({DIGEST: _digest(row)}))
 
     def get(self, key: str) -> Plain:
-        """A stored result.
-
-        Raises
-        ------
-        DataError
-            The part is missing or damaged.
-        """
+        """A stored result."""
         return {name: loads(text) for name, text in self._texts(key).items()}
 
     def _texts(self, key: str) -> dict[str, str]:
@@ -144,13 +120,7 @@ class Store:
 
     @contextmanager
     def writer(self, name: str, schema: Any) -> Iterator[Any]:
-        """A table that is written row group by row group, and is there once all of them are.
-
-        Raises
-        ------
-        UsageError
-            The disk is full or cannot be written to.
-        """
+        """A table that is written row group by row group, and is there once all of them are."""
         from pyarrow import parquet
 
         with (
@@ -166,13 +136,7 @@ class Store:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """Be the only run that writes to this folder, from which drafts of a killed run are removed.
-
-        Raises
-        ------
-        UsageError
-            Another run writes to it, or the disk cannot be written to.
-        """
+        """Be the only run that writes to this folder, from which drafts of a killed run are removed."""
         name = repr(str(self.folder))
         try:
             file = locked(self.folder / LOCK)
@@ -196,13 +160,7 @@ class Store:
         self.write(FILES, pa.Table.from_pylist(rows, schema=_schema(names).with_metadata(about)))
 
     def files(self) -> tuple[list[Plain], Plain, str]:
-        """The rows of the table of files, the recipe, and the version.
-
-        Raises
-        ------
-        DataError
-            It cannot be read, or is another table.
-        """
+        """The rows of the table of files, the recipe, and the version."""
         from pyarrow import ArrowInvalid, parquet
 
         try:

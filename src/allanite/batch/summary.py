@@ -90,16 +90,7 @@ class Known(NamedTuple):
 def gathered(
     channels: Iterable[tuple[str, Channel]], level: float, *, valued: bool = False
 ) -> list[tuple[tuple[str, str, Signal], list[Known]]]:
-    """Channel, symbol and signal of every coefficient, with what is known of it over units.
-
-    Parameters
-    ----------
-    channels : iterable of (file, Channel)
-    level : float
-        Of the interval whose upper end is the limit of a minimum that the record does not reach.
-    valued : bool
-        Only values.
-    """
+    """Channel, symbol and signal of every coefficient, with what is known of it over units."""
     results: dict[tuple[str, str, str], tuple[tuple[str, str, Signal], list[Known]]] = {}
     for file, channel in channels:
         name, signal = channel.record.name, channel.record.signal

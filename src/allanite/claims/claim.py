@@ -176,15 +176,7 @@ def _limited(limits: Specification) -> Iterator[Model]:
 
 
 def recognized(text: str, rate: float | None = None, name: str = "the text") -> Imported:
-    """The noise in the text of a file of a target, which is recognized by its fields.
-
-    Raises
-    ------
-    DataError
-        No target has such fields.
-    UsageError
-        Several targets have them, and they mean something else in each.
-    """
+    """The noise in the text of a file of a target, which is recognized by its fields."""
     counts = {row.name: _fields(text, row) for row in EXPORTS.values()}
     most = max(counts.values())
     if not most:

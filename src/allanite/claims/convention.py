@@ -11,55 +11,25 @@ NAN = math.nan
 
 @dataclass(frozen=True)
 class Place:
-    """What a factor may depend on.
+    """What a factor may depend on."""
 
-    Attributes
-    ----------
-    symbol : str
-        The term, or "T" for a correlation time.
-    claimed : float
-        Its coefficient, SI.
-    rate : float
-        Sampling rate, Hz.
-    time : float
-        Correlation time that is claimed, s.
-    other : float
-        What is claimed of the same term of the other kind of sensor, SI.
-    uniform : bool
-        Whether the samples are distributed uniformly.
-    """
-
-    symbol: str
-    claimed: float
-    rate: float
-    time: float = NAN
-    other: float = NAN
-    uniform: bool = False
+    symbol: str  # the term, or "T" for a correlation time
+    claimed: float  # its coefficient, SI
+    rate: float  # sampling rate, Hz
+    time: float = NAN  # correlation time that is claimed, s
+    other: float = NAN  # what is claimed of the same term of the other kind of sensor, SI
+    uniform: bool = False  # whether the samples are distributed uniformly
 
 
 @dataclass(frozen=True)
 class Convention:
-    """A row of `CONVENTIONS`.
+    """A row of `CONVENTIONS`."""
 
-    Attributes
-    ----------
-    name : str
-        The factor as a formula; empty if it follows from what is claimed.
-    factor : Place -> float
-        Found over claimed, or its inverse; NaN where the convention does not apply.
-    sentence : str
-        What was taken for what.
-    symbols : tuple of str
-        The terms that it applies to; empty: all coefficients of noise.
-    inverse : bool
-        Whether the inverse factor has the same cause.
-    """
-
-    name: str
-    factor: Callable[[Place], float]
-    sentence: str
-    symbols: tuple[str, ...] = ()
-    inverse: bool = True
+    name: str  # the factor as a formula; empty if it follows from what is claimed
+    factor: Callable[[Place], float]  # found over claimed, or its inverse; NaN where the convention does not apply
+    sentence: str  # what was taken for what
+    symbols: tuple[str, ...] = ()  # the terms that it applies to; empty: all coefficients of noise
+    inverse: bool = True  # whether the inverse factor has the same cause
 
 
 def _constant(value: float) -> Callable[[Place], float]:
@@ -131,12 +101,6 @@ CONVENTIONS = (
 
 def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convention]]:
     """The conventions whose factor lies within limits, the nearest to their middle first, each after its formula.
-
-    Parameters
-    ----------
-    low, high : float
-        Limits of what was found over what is claimed.
-    place : Place
 
     Examples
     --------

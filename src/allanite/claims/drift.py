@@ -25,28 +25,16 @@ PLANNED = ("N", "B", "K")
 
 @dataclass(frozen=True, eq=False)
 class DriftCourse:
-    """A quantity with time.
+    """A quantity with time."""
 
-    Attributes
-    ----------
-    name : str
-        In `QUANTITIES`.
-    times : array
-        s.
-    sigma, low, high : array
-        Standard deviation and its interval, SI; NaN limits if no coefficient has an interval.
-    most : array
-        Upper limit with the terms that were not identified at theirs.
-    shares : tuple of DriftShare
-        Of the axis of each sensor that is the worst at a time, those of upper limits among them.
-    """
-
-    name: str
-    times: FloatArray
+    name: str  # in `QUANTITIES`
+    times: FloatArray  # s
+    # sigma, low, high: standard deviation and its interval, SI; NaN limits if no coefficient has an interval
     sigma: FloatArray
     low: FloatArray
     high: FloatArray
-    most: FloatArray
+    most: FloatArray  # upper limit with the terms that were not identified at theirs
+    # of the axis of each sensor that is the worst at a time, those of upper limits among them
     shares: tuple[DriftShare, ...]
 
     def to(self, unit: str) -> FloatArray:

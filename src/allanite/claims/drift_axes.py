@@ -22,25 +22,14 @@ TURN_ON, SCALE = say("turn-on bias"), say("scale factor")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DriftCause(Value):
-    """What makes one axis drift: a noise term, or a constant error.
+    """What makes one axis drift: a noise term, or a constant error."""
 
-    Attributes
-    ----------
-    name : str
-        Symbol of the term, "turn-on bias" or "scale factor".
-    term : Term or None
-        With its coefficient; of one that was not identified, its upper limit (`limit`).
-    bias, step : float
-        Constant error of the rate, and of its integral from the start on, SI.
-    low, high : float
-        Limits of the coefficient as shares of it; NaN if there are none.
-    limit : bool
-    """
-
-    name: str
-    term: Term | None = None
+    name: str  # symbol of the term, "turn-on bias" or "scale factor"
+    term: Term | None = None  # with its coefficient; of one that was not identified, its upper limit (`limit`)
+    # bias, step: constant error of the rate, and of its integral from the start on, SI
     bias: float = 0.0
     step: float = 0.0
+    # low, high: limits of the coefficient as shares of it; NaN if there are none
     low: float = math.nan
     high: float = math.nan
     limit: bool = False
@@ -54,26 +43,15 @@ class DriftCause(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DriftAxis(Value):
-    """The causes of one axis.
-
-    Attributes
-    ----------
-    sensor, channel : str
-    causes : tuple of DriftCause
-    rate : float or None
-        Sampling rate, Hz.
-    longest : float or None
-        Longest averaging time of its curve, s: beyond it the drift is what the terms predict.
-    correlation : array or None
-        Of the estimates of its terms, in the order of the causes.
-    """
+    """The causes of one axis."""
 
     sensor: str
     channel: str
     causes: tuple[DriftCause, ...]
-    rate: float | None = None
+    rate: float | None = None  # sampling rate, Hz
+    # longest averaging time of its curve, s: beyond it the drift is what the terms predict
     longest: float | None = None
-    correlation: FloatArray | None = None
+    correlation: FloatArray | None = None  # of the estimates of its terms, in the order of the causes
 
     def __post_init__(self) -> None:
         terms = sum(cause.term is not None and not cause.limit for cause in self.causes)

@@ -85,11 +85,6 @@ class Requirement(NamedTuple):
     def of(cls, text: str) -> "Requirement":
         """Read ``1 deg in 10 min`` or ``attitude 1 deg in 10 min``.
 
-        Raises
-        ------
-        UsageError
-            It is of another form, or in a unit of no quantity.
-
         Examples
         --------
         >>> Requirement.of("100 m in 1 min")[1:]

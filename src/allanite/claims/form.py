@@ -80,19 +80,7 @@ class Form:
 
 
 def form_of(record: Record, model: Model, fit: Fit, times: FloatArray) -> Form:
-    """The likelihood of a record under claimed noise.
-
-    Parameters
-    ----------
-    record : Record
-        Its outliers and sinusoids are left out.
-    model : Model
-        The claimed terms. A ramp and a warm-up among them may have any size, sinusoids are left out.
-    fit : Fit
-        Of the record: it tells the frequencies that noise explains, the filter, and sinusoids.
-    times : array, shape (k,)
-        Other time constants, s, of the first claimed term that has one.
-    """
+    """The likelihood of a record under claimed noise."""
     record, claimed = treated(record, "mark"), [t for t in model if t.row.waveform is None]
     symbols = [t.symbol for t in claimed]
     plain = [t for t in claimed if not t.shape]

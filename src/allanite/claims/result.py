@@ -38,38 +38,25 @@ CONTRADICTS = (DIFFERS, EXCEEDS, UNCLAIMED)
 
 @dataclass(frozen=True, repr=False)
 class CheckedTerm(Value):
-    """One number of a claim held against the record.
+    """One number of a claim held against the record."""
 
-    Attributes
-    ----------
-    channel : str
-        Name of the channel; of a correlation time, which the channels of a sensor have in common, their names.
-    signal : Signal
-    quantity : str
-        Symbol of a term; "minimum" of the Allan deviation; "T", a correlation time; "curve", the Allan deviation where
-        it is farthest from the claimed one; "kurtosis", the excess kurtosis of the residuals; "cutoff" of a low-pass
-        filter, and "rate" of the sensor, Hz.
-    claimed, found : float or None
-        SI; None if it is not claimed, or nothing was found.
-    unit : str
-        Unit in which it is shown.
-    ratio, low, high : float
-        Found over claimed with its interval, whose level considers all comparisons of the record. NaN if unknown.
-    outcome : str
-        A key of `OUTCOMES`.
-    reason : str
-    """
-
+    # name of the channel; of a correlation time, which the channels of a sensor have in common, their names
     channel: str
     signal: Signal
+    # symbol of a term; "minimum" of the Allan deviation; "T", a correlation time; "curve", the Allan deviation where
+    # it is farthest from the claimed one; "kurtosis", the excess kurtosis of the residuals; "cutoff" of a low-pass
+    # filter, and "rate" of the sensor, Hz
     quantity: str
+    # claimed, found: SI; None if it is not claimed, or nothing was found
     claimed: float | None
     found: float | None
-    unit: str
+    unit: str  # unit in which it is shown
+    # ratio, low, high: found over claimed with its interval, whose level considers all comparisons of the record. NaN
+    # if unknown.
     ratio: float = float("nan")
     low: float = float("nan")
     high: float = float("nan")
-    outcome: str = AGREES
+    outcome: str = AGREES  # a key of `OUTCOMES`
     reason: str = ""
 
     @property
@@ -87,30 +74,19 @@ class CheckedTerm(Value):
 
 @dataclass(frozen=True, repr=False)
 class Cause(Value):
-    """Why channels of a kind of sensor miss their claim.
-
-    Attributes
-    ----------
-    channels : tuple of str
-    quantity : str
-        As in `CheckedTerm`.
-    factor, low, high : float
-        Found over claimed, of all these channels together; NaN if it is no factor.
-    names : tuple of str
-        Factors that lie in the interval, as formulas, the nearest first; empty if none does.
-    sentences : tuple of str
-        What each of them means.
-    """
+    """Why channels of a kind of sensor miss their claim."""
 
     _alike = ("names sentences",)
 
     channels: tuple[str, ...]
-    quantity: str
+    quantity: str  # as in `CheckedTerm`
+    # factor, low, high: found over claimed, of all these channels together; NaN if it is no factor
     factor: float
     low: float
     high: float
+    # factors that lie in the interval, as formulas, the nearest first; empty if none does
     names: tuple[str, ...] = ()
-    sentences: tuple[str, ...] = ()
+    sentences: tuple[str, ...] = ()  # what each of them means
 
     def only(self, names: Container[str]) -> "Cause":
         """The cause with some of its factors."""

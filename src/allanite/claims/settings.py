@@ -23,21 +23,12 @@ ITEM = re.compile(
 
 @dataclass(frozen=True, repr=False)
 class ClaimedSetting(Value):
-    """A setting that is claimed.
+    """A setting that is claimed."""
 
-    Attributes
-    ----------
-    quantity : {"cutoff", "rate"}
-        The -3 dB frequency of a low-pass filter, or the samples of the sensor in a second.
-    value : float
-        Hz.
-    sensor : str
-        Beginning of the name of the kind of sensor; empty for all.
-    """
-
+    # the -3 dB frequency of a low-pass filter, or the samples of the sensor in a second. One of "cutoff", "rate".
     quantity: str
-    value: float
-    sensor: str = ""
+    value: float  # Hz
+    sensor: str = ""  # beginning of the name of the kind of sensor; empty for all
 
     def holds_for(self, signal: Signal) -> bool:
         """Whether it is a setting of this kind of sensor."""

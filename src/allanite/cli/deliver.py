@@ -55,22 +55,7 @@ class Outputs:
 
 
 def outputs(choices: dict[str, Any], inputs: Sequence[str | None], *, also: Sequence[str] = ()) -> Outputs:
-    """Take the output options out of `choices`, and refuse before any work what could not be written afterwards.
-
-    Parameters
-    ----------
-    choices : dict
-        Options of a verb; the output options are removed.
-    inputs : sequence of path or None
-        Input files; they are never overwritten.
-    also : sequence of str
-        Other options that name an output file.
-
-    Raises
-    ------
-    UsageError
-        A file exists or cannot be written, or two outputs have the same destination; the language is unknown.
-    """
+    """Take the output options out of `choices`, and refuse before any work what could not be written afterwards."""
     named = ((name, choices.pop(name, None)) for name in ("report", "plot", *PRINTED, *also))
     paths = {name: path for name, path in named if path is not None}
     found = Outputs(paths, **{name: choices.pop(name) for name in (*FLAGS, "threads") if name in choices})

@@ -53,26 +53,14 @@ class Failure(click.ClickException):
 
 @dataclass(frozen=True)
 class Verb:
-    """A row of `VERBS`.
-
-    Attributes
-    ----------
-    name : str
-    group : str
-        The heading of the help that it stands below: one of the others', or a new one.
-    command : str or click.Command
-        The command; or module in `allanite.cli` and name of it, imported when it is requested.
-    task : str or VerbTask
-        Likewise what the page runs; empty if it does not.
-    synonyms : tuple of str
-        Other names by which it is asked for; they are suggested, not taken.
-    """
+    """A row of `VERBS`."""
 
     name: str
-    group: str
+    group: str  # the heading of the help that it stands below: one of the others', or a new one
+    # the command; or module in `allanite.cli` and name of it, imported when it is requested
     command: str | click.Command
-    task: "str | VerbTask" = ""
-    synonyms: tuple[str, ...] = ()
+    task: "str | VerbTask" = ""  # likewise what the page runs; empty if it does not
+    synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
 
     def imported(self, part: str = "command") -> Any:
         """The command, or the task."""

@@ -30,26 +30,14 @@ class Reports:
 
 @dataclass(frozen=True)
 class VerbTask:
-    """What a verb does, beside its command in the row of `VERBS`.
-
-    Attributes
-    ----------
-    run : (files, recipe, settings, reports) -> result
-    settings : str or type
-        The class of the settings; or module in `allanite` and name of it; empty if there are none.
-    usual : mapping
-        Defaults of the recipe that are not its own.
-    code : result -> int
-        The exit code, unless it is strict.
-    most : int, optional
-        Number of files at most.
-    """
+    """What a verb does, beside its command in the row of `VERBS`."""
 
     run: "Callable[[Sequence[str], Recipe, Any, Reports], Any]"
+    # the class of the settings; or module in `allanite` and name of it; empty if there are none
     settings: str | type[Any] = ""
-    usual: Mapping[str, Any] = field(default_factory=dict)
-    code: Callable[[Any], int] = lambda result: 0
-    most: int | None = 1
+    usual: Mapping[str, Any] = field(default_factory=dict)  # defaults of the recipe that are not its own
+    code: Callable[[Any], int] = lambda result: 0  # the exit code, unless it is strict
+    most: int | None = 1  # number of files at most
 
     @property
     def kind(self) -> type[Any] | None:
@@ -68,13 +56,7 @@ def jobs() -> list[str]:
 
 
 def task_of(verb: str) -> VerbTask:
-    """The task of a verb.
-
-    Raises
-    ------
-    UsageError
-        The page has no such job.
-    """
+    """The task of a verb."""
     from allanite.core.names import demand_name
 
     from . import VERBS

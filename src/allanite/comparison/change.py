@@ -37,65 +37,37 @@ OUTCOMES = {
 
 @dataclass(frozen=True, repr=False)
 class Homogeneity(Value):
-    """Test of whether several records have the same noise.
+    """Test of whether several records have the same noise."""
 
-    Attributes
-    ----------
-    statistic : float
-        Twice the gain in log-likelihood of separate models over one common model.
-    dof : int
-        Number of additional coefficients.
-    p : float
-        p-value: by bootstrap as far as its draws permit, by chi-square beyond.
-    draws : int
-        Number of draws; 0 where chi-square was clear enough.
-    """
-
-    statistic: float
-    dof: int
-    p: float
-    draws: int
+    statistic: float  # twice the gain in log-likelihood of separate models over one common model
+    dof: int  # number of additional coefficients
+    p: float  # p-value: by bootstrap as far as its draws permit, by chi-square beyond
+    draws: int  # number of draws; 0 where chi-square was clear enough
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Change(Value):
-    """One coefficient before and after.
-
-    Attributes
-    ----------
-    symbol, signal
-        The term, and the kind of sensor.
-    before, after : Estimate
-    ratio : float
-        The coefficient after over that before, with its sign for a ramp; NaN where neither record has any.
-    p, adjusted : float
-        p-value of the difference; the same after Holm's correction for all terms.
-    limits : level -> (low, high)
-        Interval of the ratio.
-    alpha : float
-        Adjusted p below which the change is significant.
-    frequency : float or None
-        Frequency of a sinusoid, Hz.
-    needed : float or None
-        Length of each record, s, needed to detect a change by a factor of 2 of a coefficient that is as large as its
-        upper limit, if these records do not resolve it.
-    """
+    """One coefficient before and after."""
 
     _keys: ClassVar = {"adjusted": "p_holm"}
     _also = ("outcome",)
 
     _checks = TERM
 
+    # symbol, signal: the term, and the kind of sensor
     symbol: str
     signal: Signal
     before: Estimate
     after: Estimate
-    ratio: float
+    ratio: float  # the coefficient after over that before, with its sign for a ramp; NaN where neither record has any
+    # p, adjusted: p-value of the difference; the same after Holm's correction for all terms
     p: float
     adjusted: float
-    limits: Limits
-    alpha: float = 0.05
-    frequency: float | None = None
+    limits: Limits  # interval of the ratio
+    alpha: float = 0.05  # adjusted p below which the change is significant
+    frequency: float | None = None  # frequency of a sinusoid, Hz
+    # length of each record, s, needed to detect a change by a factor of 2 of a coefficient that is as large as its
+    # upper limit, if these records do not resolve it
     needed: float | None = None
 
     @property

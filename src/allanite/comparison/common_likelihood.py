@@ -42,27 +42,14 @@ PASSED = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Joint(Portable):
-    """The likelihoods of several records of one kind of sensor, for squared coefficients in SI.
+    """The likelihoods of several records of one kind of sensor, for squared coefficients in SI."""
 
-    Attributes
-    ----------
-    symbols : tuple of str
-        The noise terms: the columns.
-    parts : tuple of Likelihood
-    seen : tuple of BinnedSpectrum
-        The spectrum of each part.
-    signal : Signal
-    band : (low, high)
-        The frequencies that every part has, Hz.
-    shapes : dict of tuple of float
-        The shape of each term that has one, SI: the same in all records.
-    """
-
-    symbols: tuple[str, ...]
+    symbols: tuple[str, ...]  # the noise terms: the columns
     parts: tuple[Likelihood, ...]
-    seen: tuple[BinnedSpectrum, ...]
+    seen: tuple[BinnedSpectrum, ...]  # the spectrum of each part
     signal: Signal
-    band: tuple[float, float]
+    band: tuple[float, float]  # the frequencies that every part has, Hz
+    # the shape of each term that has one, SI: the same in all records
     shapes: Mapping[str, Shape] = field(default_factory=dict)
 
     def term(self, symbol: str, value: float) -> Term:
@@ -102,26 +89,7 @@ def joint(
     shapes: Mapping[str, Shape] | None = None,
     scopes: Sequence[Scope | None] = (),
 ) -> Joint:
-    """The likelihoods of records in the band of frequencies that all of them have.
-
-    Parameters
-    ----------
-    records : sequence of Record
-        At least two, of one kind of sensor; rates, units and lengths may differ.
-    symbols : sequence of str
-        Keys of `TERMS`; a deterministic one is integrated out of each record.
-    band : (low, high), optional
-        Frequencies that count, Hz, within the common band.
-    shapes : dict of tuple of float, optional
-        The shape of each term that has one, SI, in all records; a term whose shape is not given is left out.
-    scopes : sequence of Scope, optional
-        Where the model of each record holds: all are compared where all of them do, each behind its own filter.
-
-    Raises
-    ------
-    DataError
-        The records are of different sensors, too short, constant, or have no band in common.
-    """
+    """The likelihoods of records in the band of frequencies that all of them have."""
     demand_one_kind(records)
     shapes = shapes or {}
     for record in records:
@@ -196,11 +164,6 @@ def common_band(
     """The frequencies that all records have, Hz, within a band if one is given, and where the models hold.
 
     For a filtered record those that the filter hardly changes: how well its cut-off is known plays no part there.
-
-    Raises
-    ------
-    DataError
-        There are none.
     """
     low, high = max(1 / (2 * r.duration) for r in records), min(r.rate / 2 for r in records)
     for scope in filter(None, scopes):
@@ -231,13 +194,7 @@ def common_band(
 
 
 def demand_one_kind(records: Sequence[Record]) -> None:
-    """Make sure that records are of one kind of sensor.
-
-    Raises
-    ------
-    DataError
-        They are not.
-    """
+    """Make sure that records are of one kind of sensor."""
     signals = {record.signal.name: record.name for record in records}
     if len(signals) > 1:
         kinds = (

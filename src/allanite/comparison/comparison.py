@@ -28,25 +28,17 @@ SECOND = 5.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ratios(Value):
-    """Ratio of two curves' variances, after over before, at the averaging times that both have.
-
-    Attributes
-    ----------
-    before, after : Curve
-        With their limits, at the same averaging times.
-    p : array, shape (k,)
-        p-value of each ratio, separately for each averaging time.
-    limits : level -> (low, high)
-        Interval of the ratio of the variances, from the distribution of a ratio of two weighted sums of chi-squares;
-        with many degrees of freedom it is Fisher's F.
-    """
+    """Ratio of two curves' variances, after over before, at the averaging times that both have."""
 
     _also = ("ratio",)
     _alike = ("before.variance after.variance p",)
 
+    # before, after: with their limits, at the same averaging times
     before: Curve
     after: Curve
-    p: FloatArray
+    p: FloatArray  # shape (k,); p-value of each ratio, separately for each averaging time
+    # interval of the ratio of the variances, from the distribution of a ratio of two weighted sums of chi-squares;
+    # with many degrees of freedom it is Fisher's F
     limits: Callable[[float], tuple[FloatArray, FloatArray]]
 
     @property

@@ -28,13 +28,6 @@ CLEAR = 1e-4
 def homogeneity(joint: Joint, rng: "np.random.Generator", *, draws: int = DRAWS) -> Homogeneity:
     """Test of one common model against a model for each record, of the terms that the common model holds.
 
-    Parameters
-    ----------
-    joint : Joint
-    rng : numpy.random.Generator
-    draws : int
-        Number of draws of the bootstrap, which stops early if p is far from small.
-
     References
     ----------
     J. Besag, P. Clifford, Biometrika 78 (1991) 301: sequential Monte Carlo p-values.

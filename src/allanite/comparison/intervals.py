@@ -26,11 +26,6 @@ class IntervalContrast:
     ----------
     A. Donner, G. Y. Zou, Statistical Methods in Medical Research 21 (2012) 347: the method of variance estimates
     recovery.
-
-    Raises
-    ------
-    UsageError
-        A fit has no intervals.
     """
 
     first: Estimate
@@ -95,15 +90,7 @@ def _log(above: float, below: float) -> float:
 
 
 def compare_fits(before: object, after: object, recipe: Recipe) -> Comparison:
-    """What has changed between two fits, by the intervals of their coefficients.
-
-    Raises
-    ------
-    UsageError
-        One of them is no fit, or has no intervals.
-    DataError
-        They are of different kinds of sensor.
-    """
+    """What has changed between two fits, by the intervals of their coefficients."""
     if not (isinstance(before, Fit) and isinstance(after, Fit)):
         raise UsageError("a fit can only be compared with a fit; pass both records, which carry more information")
     if before.signal is not after.signal:

@@ -22,23 +22,7 @@ from .together import ComparedChannel, Together, of_symbol
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PooledTerm(Value):
-    """One coefficient of all runs.
-
-    Attributes
-    ----------
-    value : float
-        The coefficient that all runs have in common, SI, with its sign for a ramp; 0 where they show none.
-    limits : level -> (low, high)
-        Interval of the common coefficient, if there is one.
-    runs : tuple of Estimate
-        Estimates of each run by itself.
-    between : float
-        Standard deviation of the runs' coefficients, over the common one; NaN where that may be 0.
-    within : float
-        The same to be expected of runs of equal sensors, from the standard errors.
-    statistic, dof, p, adjusted
-        Chi-square of the coefficient being the same in all runs, and its p, also after Holm's correction.
-    """
+    """One coefficient of all runs."""
 
     _keys: ClassVar = {"statistic": "chi_square", "adjusted": "p_holm"}
 
@@ -46,11 +30,13 @@ class PooledTerm(Value):
 
     symbol: str
     signal: Signal
-    value: float
-    limits: Callable[[float], tuple[float, float]]
-    runs: tuple[Estimate, ...]
-    between: float
-    within: float
+    value: float  # the coefficient that all runs have in common, SI, with its sign for a ramp; 0 where they show none
+    limits: Callable[[float], tuple[float, float]]  # interval of the common coefficient, if there is one
+    runs: tuple[Estimate, ...]  # estimates of each run by itself
+    between: float  # standard deviation of the runs' coefficients, over the common one; NaN where that may be 0
+    within: float  # the same to be expected of runs of equal sensors, from the standard errors
+    # statistic, dof, p, adjusted: chi-square of the coefficient being the same in all runs, and its p, also after
+    # Holm's correction
     statistic: float
     dof: int
     p: float

@@ -27,13 +27,7 @@ from .records_joined import join_records
 
 
 def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator") -> PooledChannel:
-    """What the records of several runs have in common.
-
-    Raises
-    ------
-    DataError
-        They cannot be pooled.
-    """
+    """What the records of several runs have in common."""
     alpha = alpha_of(recipe.level)
     joined = join_records(seen.records, recipe)
     _, curves = shared_curves(joined.records, joined.fits, recipe.statistic, recipe.taus)

@@ -40,18 +40,11 @@ CONVERGED = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class RatioLaw:
-    """Law of the ratio (second over first) of two independent variances, each over its expectation.
-
-    Attributes
-    ----------
-    first, second : ChiSquareSum
-    edf : (array, array), shape (k,) each
-        Their equivalent degrees of freedom.
-    """
+    """Law of the ratio (second over first) of two independent variances, each over its expectation."""
 
     first: ChiSquareSum
     second: ChiSquareSum
-    edf: tuple[FloatArray, FloatArray]
+    edf: tuple[FloatArray, FloatArray]  # shape (k,); their equivalent degrees of freedom
 
     def below(self, ratio: FloatArray) -> FloatArray:
         """Probability of a smaller ratio, shape (k,)."""
@@ -115,18 +108,7 @@ def _largest(mixture: ChiSquareSum) -> FloatArray:
 def ratio_law(
     records: tuple[Record, Record], statistic: str, m: Sequence[IntArray], models: Sequence[Model]
 ) -> RatioLaw:
-    """The law of the ratio of two records' variances.
-
-    Parameters
-    ----------
-    records : (Record, Record)
-    statistic : str
-        A name in `STATISTICS`.
-    m : (int array, int array), shape (k,) each
-        Averaging factors of each.
-    models : (Model, Model)
-        The noise of each.
-    """
+    """The law of the ratio of two records' variances."""
     row = statistic_named(statistic)
     angles = [integrated(record, row.order) for record in records]
     points = [
@@ -154,23 +136,7 @@ def shared_curves(
 
 
 def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequence[float]) -> list[IntArray]:
-    """Averaging factors of each record, at the same averaging times.
-
-    Parameters
-    ----------
-    records : sequence of Record
-    statistic : str
-        Not a hybrid.
-    taus : name of a grid, or seconds
-        A grid is that of the record with the longest sample interval.
-
-    Raises
-    ------
-    DataError
-        The records have no averaging time in common.
-    UsageError
-        The statistic is a hybrid or a maximum, or the grid has no name.
-    """
+    """Averaging factors of each record, at the same averaging times."""
     row = statistic_named(statistic)
     if row.parts or row.extreme or row.order < 2:
         raise UsageError(

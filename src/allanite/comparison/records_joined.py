@@ -68,11 +68,6 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
 
     Outliers are omitted, and sinusoids removed as the fits found them. Where one record has a term with a shape it is
     asked of all, and compared with one shape.
-
-    Raises
-    ------
-    DataError
-        The records are of different kinds, two are the same, or have no band of frequencies in common.
     """
     demand_one_kind(records)
     _demand_different(records)

@@ -56,11 +56,6 @@ def run_together(
     """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one.
 
     `kind` makes the result of the fields of `Together`.
-
-    Raises
-    ------
-    DataError
-        No channel supports the job.
     """
     findings = sources.findings
     results = each_channel(
@@ -77,15 +72,7 @@ def open_sources(
     against: Sequence[str] | None = None,
     progress: Progress | None = None,
 ) -> SourceSet:
-    """Open each source and pair the channels; those of the last one may be named, and are then taken in order.
-
-    Raises
-    ------
-    DataError
-        A file cannot be read.
-    UsageError
-        Something is no source, the channels do not pair, or an option is wrong.
-    """
+    """Open each source and pair the channels; those of the last one may be named, and are then taken in order."""
     last = recipe if against is None else replace(recipe, channels=tuple(against))
     recipes = [*[recipe] * (len(sources) - 1), last]
     recordings = tuple(open_source(source, r, progress) for source, r in zip(sources, recipes, strict=True))

@@ -22,39 +22,18 @@ OfTerm = TypeVar("OfTerm", bound=Any)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ComparedChannel(Value):
-    """One channel of several recordings; `refusal` says why it has no result.
+    """One channel of several recordings; `refusal` says why it has no result."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the channel; of all if they differ.
-    test : Homogeneity or None
-        The likelihood ratio of one common model against one for each record.
-    fits : tuple of Fit
-    explained : tuple of bool
-        Whether each fit explains its record.
-    grades : tuple of str
-        How well, as text.
-    records : tuple of Record
-        Only the header of each where the result was stored.
-    band : (low, high) or None
-        Frequencies that were compared, Hz.
-    alerts : tuple of str
-        What must stand beside the numbers.
-    alpha : float
-        The p up to which a difference is called one.
-    """
-
-    name: str
-    test: Homogeneity | None = None
+    name: str  # name of the channel; of all if they differ
+    test: Homogeneity | None = None  # the likelihood ratio of one common model against one for each record
     fits: tuple[Fit, ...] = ()
-    explained: tuple[bool, ...] = ()
-    grades: tuple[str, ...] = ()
-    records: tuple[Record | Header, ...] = ()
-    band: tuple[float, float] | None = None
-    alerts: tuple[str, ...] = ()
+    explained: tuple[bool, ...] = ()  # whether each fit explains its record
+    grades: tuple[str, ...] = ()  # how well, as text
+    records: tuple[Record | Header, ...] = ()  # only the header of each where the result was stored
+    band: tuple[float, float] | None = None  # frequencies that were compared, Hz
+    alerts: tuple[str, ...] = ()  # what must stand beside the numbers
     refusal: str = ""
-    alpha: float = 0.05
+    alpha: float = 0.05  # the p up to which a difference is called one
 
     @classmethod
     def refused(cls, seen: Inspected, why: str) -> Self:

@@ -41,13 +41,7 @@ LONGEST = 365 * 86400.0
 
 
 def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
-    """What has changed between two records.
-
-    Raises
-    ------
-    DataError
-        They cannot be compared.
-    """
+    """What has changed between two records."""
     records = cast(tuple[Record, Record], seen.records)
     joined = join_records(records, recipe)
     both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *seen.alerts)
@@ -122,16 +116,6 @@ def with_needed(changes: Sequence[Change], noise: Sequence[Term], rate: float, s
 
     The coefficient is taken to be as large as its upper limit: an estimate of what is not resolved may be anything down
     to zero, and the length for it anything up to infinity.
-
-    Parameters
-    ----------
-    changes : sequence of Change
-    noise : sequence of Term
-        What may be in both records.
-    rate : float
-        Sampling rate, Hz.
-    size : int
-        Samples of the shorter record.
     """
     return tuple(
         replace(c, needed=_needed(c, noise, rate, size)) if c.outcome == "not resolvable" else c for c in changes

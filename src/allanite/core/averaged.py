@@ -16,15 +16,6 @@ from .plain import Value
 class Averaged(Value):
     """Models that are consistent with a record, each with its weight.
 
-    Attributes
-    ----------
-    terms : Model
-        Every term that occurs in at least one of the models.
-    scale : array, shape (k, t)
-        Power of each term in each model over its power in `terms`; 0 where the model lacks it.
-    weight : array, shape (k,)
-        Weight of each model; the weights sum to 1.
-
     Examples
     --------
     >>> from allanite import K, N
@@ -34,9 +25,10 @@ class Averaged(Value):
     N = 0.1 deg/sqrt(h), K = 0.5 deg/h/sqrt(h)
     """
 
-    terms: Model
+    terms: Model  # every term that occurs in at least one of the models
+    # shape (k, t); power of each term in each model over its power in `terms`; 0 where the model lacks it
     scale: FloatArray
-    weight: FloatArray
+    weight: FloatArray  # shape (k,); weight of each model; the weights sum to 1
 
     @property
     def model(self) -> Model:
@@ -60,20 +52,7 @@ def _scaled(terms: Model, scale: FloatArray) -> Model:
 
 
 def averaged(models: Sequence[ModelLike], weights: Sequence[float] | FloatArray) -> Averaged:
-    """Models with their weights.
-
-    Parameters
-    ----------
-    models : sequence of Model or Term
-        Terms of one symbol and shape are one term, of several sizes.
-    weights : sequence of float
-        Positive; they are normalized.
-
-    Raises
-    ------
-    UsageError
-        There are no models, the number of weights differs, or a weight is not positive.
-    """
+    """Models with their weights."""
     weight = np.asarray(weights, dtype=np.float64)
     if not models or weight.shape != (len(models),) or not (weight > 0).all():
         raise UsageError(f"{len(models)} models need as many positive weights, not {weights!r}")

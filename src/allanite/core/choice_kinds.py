@@ -36,13 +36,7 @@ class ChoiceKind:
     alone: str = ""
 
     def parse(self, data: Any) -> Any:
-        """The value from text or plain data.
-
-        Raises
-        ------
-        UsageError
-            The data are of another type or form.
-        """
+        """The value from text or plain data."""
         if not isinstance(data, self.takes) or (isinstance(data, bool) and bool not in self.takes):
             raise UsageError(f"expected {self.form or f'a {self.name}'}, not {given(data)}")
         return self.read(data)

@@ -10,40 +10,24 @@ from .errors import UsageError
 
 @dataclass(frozen=True)
 class ChoiceRow:
-    """A field that a user may set.
+    """A field that a user may set."""
 
-    Attributes
-    ----------
-    metavar, help : str
-        The value in the help, and the text of the help.
-    kind : ChoiceKind
-        What its value is, by default what the type of the field says.
-    group : str
-        What it is about: "reading", "selecting", "identifying", "curve" or "showing" of a recipe.
-    flags : tuple of str
-        Names of the option, if they are not that of the field.
-    told : str, optional
-        What the help says of the default; by default the default itself, if it is a number or words.
-    parts : tuple, optional
-        The values that work where only sums of a record are kept; by default all. A choice that is not given always
-        works.
-    synonyms : tuple of str
-        Other names of the option by which it is asked for; they are suggested, not taken.
-    demand : callable, optional
-        What a value must be beyond its kind: returns the value as it is kept, or raises UsageError.
-    name, default
-        Those of the field.
-    """
-
+    # metavar, help: the value in the help, and the text of the help
     metavar: str = ""
     help: str = ""
-    kind: ChoiceKind = TYPED
-    group: str = ""
-    flags: tuple[str, ...] = ()
+    kind: ChoiceKind = TYPED  # what its value is, by default what the type of the field says
+    group: str = ""  # what it is about: "reading", "selecting", "identifying", "curve" or "showing" of a recipe
+    flags: tuple[str, ...] = ()  # names of the option, if they are not that of the field
+    # what the help says of the default; by default the default itself, if it is a number or words
     told: str | None = None
+    # the values that work where only sums of a record are kept; by default all. A choice that is not given always
+    # works.
     parts: tuple[Any, ...] | None = None
+    # other names of the option by which it is asked for; they are suggested, not taken
     synonyms: tuple[str, ...] = ()
+    # what a value must be beyond its kind: returns the value as it is kept, or raises UsageError
     demand: Callable[[Any], Any] | None = None
+    # name, default: those of the field
     name: str = ""
     default: Any = None
 
@@ -67,13 +51,7 @@ class ChoiceRow:
         return self.help + (f"  [default: {usual}]" if usual else "")
 
     def read(self, data: Any) -> Any:
-        """The value from its text or plain data.
-
-        Raises
-        ------
-        UsageError
-            It is none, in the words of the command line.
-        """
+        """The value from its text or plain data."""
         try:
             return self.kind.parse(data)
         except UsageError as error:

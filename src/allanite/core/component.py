@@ -11,24 +11,14 @@ to 1 (`identification.search.components.CLAIMED`)."""
 
 @dataclass(frozen=True, repr=False)
 class Component(Value):
-    """A part of the model of a record beside its terms.
+    """A part of the model of a record beside its terms."""
 
-    Attributes
-    ----------
-    name : str
-        A fixed keyword for programs: "filter", "resonance", "step", "warm-up", "exponent", "noise" for Gauss-Markov
-        noise, "floor" for white noise behind a filter, "factor" for power that nothing describes.
-    weight : float
-        Of the models that hold it, of all that are consistent with the record.
-    words : str
-        What it is, with numbers.
-    low, high : float
-        Frequencies, Hz, between which it changes the spectrum; equal where it does so nowhere in particular.
-    """
-
+    # a fixed keyword for programs: "filter", "resonance", "step", "warm-up", "exponent", "noise" for Gauss-Markov
+    # noise, "floor" for white noise behind a filter, "factor" for power that nothing describes
     name: str
-    weight: float
-    words: str = ""
+    weight: float  # of the models that hold it, of all that are consistent with the record
+    words: str = ""  # what it is, with numbers
+    # low, high: frequencies, Hz, between which it changes the spectrum; equal where it does so nowhere in particular
     low: float = 0.0
     high: float = 0.0
 

@@ -44,24 +44,6 @@ class DataSheetRow(NamedTuple):
 def data_sheet(fit: Fit | None, readings: Readings | None, rate: float, level: float = 0.95) -> list[DataSheetRow]:
     """The quantities of a data sheet, each with its limits.
 
-    Parameters
-    ----------
-    fit : Fit, optional
-        The identified noise.
-    readings : Readings, optional
-        Values read off the Allan deviation.
-    rate : float
-        Sampling rate, Hz.
-    level : float
-        Confidence level of the limits.
-
-    Returns
-    -------
-    list of DataSheetRow
-        The angle random walk N in the units in use; the amplitude spectral density of white noise, two-sided (N) and
-        one-sided (sqrt(2) N); the minimum of the Allan deviation, which data sheets call in-run bias stability; the
-        other coefficients; N-second stability and bandwidth.
-
     Examples
     --------
     >>> from allanite import N, Model

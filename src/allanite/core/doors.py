@@ -34,23 +34,7 @@ class Sampling(TypedDict, total=False):
 
 
 def as_source(source: Any, call: str, sampling: Sampling, *, unit: str = "") -> Any:
-    """The record of an array or column, the recording of a table or of a two-dimensional array; a result as it is.
-
-    Parameters
-    ----------
-    source : Record, Recording or other result; array; column or table of pandas, polars or pyarrow
-    call : str
-        The function that was called, for messages.
-    sampling : dict
-        Arguments of `Record` for an array or a column; for a table, and a column without them, those of `read`.
-    unit : str
-        The unit of samples that are given without; empty if they need one.
-
-    Raises
-    ------
-    UsageError
-        The rate or the unit is missing, or is given for what has its own.
-    """
+    """The record of an array or column, the recording of a table or of a two-dimensional array; a result as it is."""
     if isinstance(source, Value):
         if sampling:
             raise UsageError(f"a {type(source).__name__} has its own {' and '.join(sampling)}: omit what was given")

@@ -44,13 +44,7 @@ def write_plain(value: Any, hint: Any, level: float) -> Any:
 
 
 def read_plain(data: Any, hint: Any) -> Any:
-    """The value of type `hint` that `write_plain` has written.
-
-    Raises
-    ------
-    StoredError
-        It is none.
-    """
+    """The value of type `hint` that `write_plain` has written."""
     origin, args = _derived(hint)
     form = _form(origin)
     if form.expected and not form.written(data):

@@ -22,23 +22,16 @@ WEAK = 0.25
 
 
 class Status(NamedTuple):
-    """What is known of a coefficient.
-
-    Attributes
-    ----------
-    name : str
-    meaning : str
-    claimed, valued, usable : bool
-        Whether the term was detected; its value is a result of the method; its value or its limit is one.
-    mark, color : str
-        How its row is marked in a table (see `reporting.sheet.Mark`), and its color in a terminal.
-    """
+    """What is known of a coefficient."""
 
     name: str
     meaning: str
+    # claimed, valued, usable: whether the term was detected; its value is a result of the method; its value or its
+    # limit is one
     claimed: bool = False
     valued: bool = False
     usable: bool = True
+    # mark, color: how its row is marked in a table (see `reporting.sheet.Mark`), and its color in a terminal
     mark: Literal["", "strong", "struck"] = ""
     color: str = ""
 

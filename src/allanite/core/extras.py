@@ -18,13 +18,7 @@ INSTALLERS = {
 
 
 def demand_extra(extra: str, *modules: str, what: str = "this format") -> None:
-    """Refuse what needs the libraries of an extra, and say how to install those that are missing.
-
-    Raises
-    ------
-    UsageError
-        A module cannot be found.
-    """
+    """Refuse what needs the libraries of an extra, and say how to install those that are missing."""
     if any(importlib.util.find_spec(name) is None for name in modules):
         names = requirements(extra)
         verb = "is" if len(names) == 1 else "are"

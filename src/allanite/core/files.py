@@ -31,13 +31,7 @@ def encoded(text: str) -> bytes:
 
 
 def demand_writable(path: PathLike, *, force: bool = False) -> None:
-    """Make sure that `path` can be written.
-
-    Raises
-    ------
-    UsageError
-        The path is a folder, its folder is missing or not writable, or the file exists and `force` is not set.
-    """
+    """Make sure that `path` can be written."""
     target = Path(path)
     try:
         is_folder = stat.S_ISDIR(os.stat(path).st_mode)
@@ -81,13 +75,7 @@ def write(path: PathLike, data: bytes, *, force: bool = False) -> None:
 
 @contextmanager
 def draft(path: PathLike, *, force: bool = False) -> Iterator[Path]:
-    """A temporary name beside `path`, which replaces `path` atomically once everything is written.
-
-    Raises
-    ------
-    UsageError
-        See `write`.
-    """
+    """A temporary name beside `path`, which replaces `path` atomically once everything is written."""
     demand_writable(path, force=force)
     # a link stays a link: its target is replaced
     target = Path(os.path.realpath(path))
@@ -111,13 +99,7 @@ def _unwritable(path: PathLike, error: OSError) -> UsageError:
 
 
 def locked(path: PathLike) -> IO[bytes] | None:
-    """A file that one program at a time has open, until it closes it or ends, however it ends; None if another has it.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
-    """
+    """A file that one program at a time has open, until it closes it or ends; None if another has it."""
     file = open(path, "ab")  # noqa: SIM115 - the caller keeps it open
     try:
         if sys.platform == "win32":

@@ -73,18 +73,12 @@ class Goodness(Value):
 
 @dataclass(frozen=True, repr=False)
 class Line(Value):
-    """A sinusoid that was detected in a record and removed before its noise was identified.
-
-    Attributes
-    ----------
-    frequency, amplitude, standard_error, phase : float
-        Frequency, Hz; amplitude, SI, of the rate itself, not of its mean over a sample interval; standard error of the
-        amplitude; phase at the start of the record, rad.
-    signal : Signal
-    """
+    """A sinusoid that was detected in a record and removed before its noise was identified."""
 
     _also = ("unit",)
 
+    # frequency, amplitude, standard_error, phase: frequency, Hz; amplitude, SI, of the rate itself, not of its mean
+    # over a sample interval; standard error of the amplitude; phase at the start of the record, rad
     frequency: float
     amplitude: float
     standard_error: float

@@ -166,13 +166,7 @@ def read_fields(cls: type[Value], data: dict[str, Any], *apart: str) -> dict[str
 
 
 def demand_type(data: dict[str, Any], name: str) -> None:
-    """Check that plain data are of this version and, if they state it, of this type.
-
-    Raises
-    ------
-    UsageError
-        The version or the type differs.
-    """
+    """Check that plain data are of this version and, if they state it, of this type."""
     if data.get("type", name) != name:
         kind = given(data["type"]).strip("'")
         raise StoredError(f"these data are a {kind}, not a {name}; use allanite.from_dict, which reads both")
@@ -204,13 +198,7 @@ def from_dict(data: Any) -> Any:
 
 
 def class_of(data: dict[str, Any]) -> type[Value]:
-    """The class of a stored value, by its "type".
-
-    Raises
-    ------
-    UsageError
-        No class has that name.
-    """
+    """The class of a stored value, by its "type"."""
     name = read_key(data, "type", str) if isinstance(data, dict) and "type" in data else None
     if name is not None and name not in TYPES:
         importlib.import_module(f"{RESULTS}.views").import_type(name)

@@ -13,11 +13,6 @@ AS = {"s": "100..160,300..310", "Hz": "0.4..2.1,19..20"}
 def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
     """Check ranges of averaging times by the symbol of a term: two times each, the lower one first, none in common.
 
-    Raises
-    ------
-    UsageError
-        They are not of this form, or two of them overlap.
-
     Examples
     --------
     >>> demand_ranges({"N": [0.1, 10], "K": [100, 1000]})
@@ -42,11 +37,6 @@ def demand_ranges(ranges: object) -> dict[str, tuple[float, float]]:
 
 def demand_pieces(pieces: object, unit: str = "s") -> tuple[tuple[float, float], ...]:
     """Pieces of a record, or of a spectrum, as pairs of numbers, from text or numbers, in their order.
-
-    Raises
-    ------
-    UsageError
-        They are not of this form.
 
     Examples
     --------

@@ -96,35 +96,19 @@ class Readings(Value):
     """Values conventionally read off the overlapping Allan deviation, without a noise model.
 
     The intervals assume the power law identified at each averaging time.
-
-    Attributes
-    ----------
-    signal : Signal
-    usual : Reading
-        Deviation at 1 s, or at the nearest averaging time of the record.
-    around : Slope, optional
-        Slope from a third of that time to three times it; None at the end of the curve.
-    minimum : Reading, optional
-        The minimum of the Allan deviation (in-run bias stability), among averaging times with at least eight windows.
-    inside : bool
-        Whether the curve rises again after the minimum; if not, the last point is an upper limit.
-    slopes : tuple of Slope
-        Slopes by decades of averaging time.
-    means : tuple of Means
-        N-second stability for 10 and 100 s.
-    wanted : tuple of str
-        Units in which all is shown, if not in those of data sheets; see `units.shown_unit`.
     """
 
     _also = ("unit", "random_walk", "bias_instability")
 
     signal: Signal
-    usual: Reading
-    around: Slope | None
+    usual: Reading  # deviation at 1 s, or at the nearest averaging time of the record
+    around: Slope | None  # slope from a third of that time to three times it; None at the end of the curve
+    # the minimum of the Allan deviation (in-run bias stability), among averaging times with at least eight windows
     minimum: Reading | None
-    inside: bool
-    slopes: tuple[Slope, ...]
-    means: tuple[Means, ...]
+    inside: bool  # whether the curve rises again after the minimum; if not, the last point is an upper limit
+    slopes: tuple[Slope, ...]  # slopes by decades of averaging time
+    means: tuple[Means, ...]  # n-second stability for 10 and 100 s
+    # units in which all is shown, if not in those of data sheets; see `units.shown_unit`
     wanted: tuple[str, ...] = ()
 
     @property

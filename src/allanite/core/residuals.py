@@ -121,21 +121,11 @@ class Residuals(Value):
 
 @dataclass(frozen=True)
 class Statement:
-    """How well a model explains a record, as text.
+    """How well a model explains a record, as text."""
 
-    Attributes
-    ----------
-    grade : str
-        One of `GRADES`; empty if the method does not test it.
-    head : str
-        The grade with the p-value of the test: ``explained (goodness of fit p = 0.29)``.
-    points : tuple of str
-        Reasons, assumptions beyond the terms, and other remarks, one sentence each.
-    """
-
-    grade: str
-    head: str = ""
-    points: tuple[str, ...] = ()
+    grade: str  # one of `GRADES`; empty if the method does not test it
+    head: str = ""  # the grade with the p-value of the test: ``explained (goodness of fit p = 0.29)``
+    points: tuple[str, ...] = ()  # reasons, assumptions beyond the terms, and other remarks, one sentence each
 
     def __str__(self) -> str:
         return join("; ", filter(None, (self.head, *self.points)))

@@ -16,11 +16,6 @@ def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:
 
     They are given as an array, a quantity of pint or astropy, which is converted to `unit`, or a column of pandas or
     polars.
-
-    Raises
-    ------
-    DataError
-        They are no real numbers, not one-dimensional, too few, or counts that no 64-bit integers can hold.
     """
     if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
         quantity = values.to(unit)

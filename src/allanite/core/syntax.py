@@ -30,24 +30,13 @@ def escaped(text: str, meaning: str = NOTHING) -> str:
 
 @dataclass(frozen=True)
 class Syntax:
-    """How a file writes text that is not its own.
+    """How a file writes text that is not its own."""
 
-    Attributes
-    ----------
-    comment : str
-        Template of a comment.
-    meaning : str
-        Regular expression of what is more than text in a comment.
-    width : int
-        Bytes that a line may have; zero if any number.
-    cell : function
-        The encoder of a cell of a table.
-    """
-
+    # template of a comment
     comment: str = "# {}"
-    meaning: str = NOTHING
-    width: int = 0
-    cell: Callable[[str], str] = escaped
+    meaning: str = NOTHING  # regular expression of what is more than text in a comment
+    width: int = 0  # bytes that a line may have; zero if any number
+    cell: Callable[[str], str] = escaped  # the encoder of a cell of a table
 
     def comments(self, text: str) -> list[str]:
         r"""The lines of a comment.

@@ -49,13 +49,7 @@ def graded(grade: str, scope: "Scope | None" = None) -> Phrase:
 
 
 def demand_band(band: object) -> None:
-    """Check that a band is valid.
-
-    Raises
-    ------
-    UsageError
-        The band is neither "auto" nor "all" nor two frequencies.
-    """
+    """Check that a band is valid."""
     numbers = isinstance(band, (tuple, list)) and len(band) == 2 and all(isinstance(f, (int, float)) for f in band)
     if band not in ("auto", "all") and not numbers:
         raise UsageError(f"a band must be 'auto', 'all' or two frequencies in Hz, not {band!r}")
@@ -67,25 +61,15 @@ STOPPED = 0.1
 
 @dataclass(frozen=True, repr=False)
 class LowPass(Value):
-    """A low-pass filter of the sensor output, identified from a record.
+    """A low-pass filter of the sensor output, identified from a record."""
 
-    Attributes
-    ----------
-    row : str
-        Its name in `FILTERS`.
-    title : str
-    cutoff, low, high : float
-        Frequency at which the power is halved, Hz, and its 95 % interval.
-    rate : float
-        Sampling rate, Hz.
-    """
-
-    row: str
+    row: str  # its name in `FILTERS`
     title: str
+    # cutoff, low, high: frequency at which the power is halved, Hz, and its 95 % interval
     cutoff: float
     low: float
     high: float
-    rate: float
+    rate: float  # sampling rate, Hz
 
     def words(self) -> str:
         """The filter as text: ``2nd-order low-pass, -3 dB at 25.1 Hz (24.8 .. 25.4)``."""
@@ -102,44 +86,27 @@ class LowPass(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Scope(Value):
-    """The frequencies for which a model holds.
+    """The frequencies for which a model holds."""
 
-    Attributes
-    ----------
-    choice : {"auto", "all", "asked"}
-        Whether the frequencies were chosen automatically, are all of the spectrum, or were given.
-    band : (low, high)
-        Frequencies used by the fit, Hz.
-    masks : tuple of (low, high)
-        Frequencies within the band that the fit excludes, Hz.
-    filter : LowPass or None
-        Low-pass filter that is part of the model.
-    misfit : float
-        Misfit that the intervals allow for: RMS over cells of the spectrum, relative to the power; 0 if none.
-    within : float
-        The largest significant misfit of a cell, relative to the power; 0 if the model explains the record.
-    frequency, level : arrays, shape (bins,)
-        Frequencies of the spectrum, Hz, and the expected power relative to that of
-        the terms: the gain of the filter, and the observed ratio at excluded frequencies.
-    remarks : tuple of str
-        Descriptions of what was excluded.
-    until : float
-        Longest averaging time, s, at which the deviation of the record agrees with the valid terms; None if it does
-        at all.
-    disturbed : tuple of (low, high)
-        Frequencies, Hz, at which vibration has most of the power: the model includes it, but it hides the terms.
-    """
-
+    # whether the frequencies were chosen automatically, are all of the spectrum, or were given. One of "auto", "all",
+    # "asked".
     choice: str
-    band: tuple[float, float]
-    masks: tuple[tuple[float, float], ...]
-    filter: LowPass | None
+    band: tuple[float, float]  # frequencies used by the fit, Hz
+    masks: tuple[tuple[float, float], ...]  # frequencies within the band that the fit excludes, Hz
+    filter: LowPass | None  # low-pass filter that is part of the model
+    # misfit that the intervals allow for: RMS over cells of the spectrum, relative to the power; 0 if none
     misfit: float
+    # the largest significant misfit of a cell, relative to the power; 0 if the model explains the record
     within: float
+    # frequency, level: shape (bins,); frequencies of the spectrum, Hz, and the expected power relative to that of the
+    # terms: the gain of the filter, and the observed ratio at excluded frequencies
     frequency: FloatArray
     level: FloatArray
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()  # descriptions of what was excluded
+    # longest averaging time, s, at which the deviation of the record agrees with the valid terms; None if it does at
+    # all
     until: float | None = None
+    # frequencies, Hz, at which vibration has most of the power: the model includes it, but it hides the terms
     disturbed: tuple[tuple[float, float], ...] = ()
 
     @property

@@ -22,13 +22,7 @@ Source = Study | Channel | Fit | Model | Term | Mapping[str, Fit] | Sequence["So
 
 @singledispatch
 def axes_of(source: Any) -> Iterator[Axis]:
-    """The axes of a source; refused channels are left out.
-
-    Raises
-    ------
-    UsageError
-        The source is not a result that can be exported.
-    """
+    """The axes of a source; refused channels are left out."""
     raise UsageError(
         f"a {type(source).__name__} holds no noise; give a Study, a Channel, a Fit, a Model, or a list of these"
     )

@@ -43,11 +43,6 @@ def bounded(axis: Axis, *, asked: bool) -> Axis:
     """The axis with upper bounds: if `asked`, of all terms where no model explains the record, and of missing ones.
 
     A term of long memory that was struck out as not valid has one in either case.
-
-    Raises
-    ------
-    DataError
-        Bounds are asked for, and there is no Allan deviation with intervals.
     """
     if asked and axis.doubt:  # nothing but bounds; a model of them is one of too much noise
         estimates = tuple(_estimates(axis, BOUNDED).values())

@@ -13,36 +13,17 @@ from allanite.phrases.phrase import say
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """The noise of one axis.
+    """The noise of one axis."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the channel; empty for a given model.
-    fit : Fit
-    rate : float or None
-        Sampling rate, Hz.
-    doubt : str
-        Why the coefficients are not to be used; empty if the model explains the record.
-    readings : Readings or None
-    level : float
-        Confidence level of the intervals.
-    alerts : tuple of str
-    curve : Curve or None
-        The measured Allan deviation, with intervals.
-    source : dict
-        Name and digest of its file.
-    """
-
-    name: str
+    name: str  # name of the channel; empty for a given model
     fit: Fit
-    rate: float | None = None
-    doubt: str = ""
+    rate: float | None = None  # sampling rate, Hz
+    doubt: str = ""  # why the coefficients are not to be used; empty if the model explains the record
     readings: Readings | None = None
-    level: float = 0.95
+    level: float = 0.95  # confidence level of the intervals
     alerts: tuple[str, ...] = ()
-    curve: Curve | None = None
-    source: Mapping[str, str] = field(default_factory=dict)
+    curve: Curve | None = None  # the measured Allan deviation, with intervals
+    source: Mapping[str, str] = field(default_factory=dict)  # name and digest of its file
 
     @property
     def sensor(self) -> str:
@@ -66,34 +47,19 @@ def by_sensor(axes: Sequence[Axis]) -> dict[str, list[Axis]]:
 
 @dataclass(frozen=True, repr=False)
 class Entry(Value):
-    """A field with its value.
+    """A field with its value."""
 
-    Attributes
-    ----------
-    name, sensor, section, unit, formula : str
-        As in the row of the target.
-    values : tuple of float
-        One value, or one for each axis, in `unit`.
-    channels : tuple of str
-        The channel whose coefficient each value is.
-    remark : str
-        Interval, or why the value is a limit; stands in the file.
-    measured : bool
-        Whether every value comes from an identified coefficient, not from a limit.
-    covers : bool
-        Whether the value is that of a model that covers what was identified.
-    """
-
+    # name, sensor, section, unit, formula: as in the row of the target
     name: str
     sensor: str
     section: str
     unit: str
     formula: str
-    values: tuple[float, ...]
-    channels: tuple[str, ...]
-    remark: str
-    measured: bool = True
-    covers: bool = False
+    values: tuple[float, ...]  # one value, or one for each axis, in `unit`
+    channels: tuple[str, ...]  # the channel whose coefficient each value is
+    remark: str  # interval, or why the value is a limit; stands in the file
+    measured: bool = True  # whether every value comes from an identified coefficient, not from a limit
+    covers: bool = False  # whether the value is that of a model that covers what was identified
 
     @property
     def full(self) -> str:

@@ -27,11 +27,6 @@ COEFFICIENTS = "NKBQR"
 def models_of(texts: Iterable[str]) -> list[Model]:
     """The noise that texts describe, by sensor: models, names of data sheets, or single values whose unit says all.
 
-    Raises
-    ------
-    UsageError
-        A text is none of them.
-
     Examples
     --------
     >>> [str(model) for model in models_of(["0.66 deg/sqrt(h)", "K 3 deg/h/sqrt(h)", "100 ug/sqrt(Hz)"])]

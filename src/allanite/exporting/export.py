@@ -181,13 +181,7 @@ def export(  # noqa: PLR0913 - each has a default, and is a choice of its own
 
 
 def prepared(target: str, how: How, suffix: str) -> tuple[Target, str]:
-    """The row of a target and the suffix of its form, after checking the choices.
-
-    Raises
-    ------
-    UsageError
-        The target is unknown or has no such form, or a choice is impossible.
-    """
+    """The row of a target and the suffix of its form, after checking the choices."""
     row = target_named(target)
     demand_policy(how.axis)
     demand_how(row, how)

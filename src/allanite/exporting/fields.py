@@ -52,13 +52,7 @@ class How(ExportChoices):
 
 
 def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[Axis, ...]:
-    """The axes whose models explain their records, or all if that is asked for.
-
-    Raises
-    ------
-    DataError
-        There is none, or none of a `needed` sensor although there are axes of it.
-    """
+    """The axes whose models explain their records, or all if that is asked for."""
     kept = tuple(axis for axis in axes if how.unexplained or not axis.doubt)
     lost = set(() if how.partial else needed) - {axis.sensor for axis in kept}
     doubted = [axis for axis in axes if axis.sensor in lost] if kept else axes
@@ -69,15 +63,7 @@ def usable(axes: Sequence[Axis], how: How, needed: Sequence[str] = ()) -> tuple[
 
 
 def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
-    """The fields of a target with their values, and what could not be filled in, in sentences.
-
-    Raises
-    ------
-    DataError
-        A sensor is missing, or a coefficient that the target needs has neither a value nor an upper limit.
-    UsageError
-        The sampling rate is needed and unknown.
-    """
+    """The fields of a target with their values, and what could not be filled in, in sentences."""
     groups = by_sensor(axes)
     if not how.partial:
         _demand_sensors(target, groups, axes)
@@ -162,13 +148,7 @@ def _value(field: TargetField, one: AxisCoefficient, rate: float, inflate: float
 
 
 def demand_how(target: Target, how: How) -> None:
-    """Refuse impossible choices before any work.
-
-    Raises
-    ------
-    UsageError
-        The inflation or the rate is not positive, or the target takes one value for all axes.
-    """
+    """Refuse impossible choices before any work."""
     if not 1 / INFLATED <= how.inflate <= INFLATED:
         limits = f"{1 / INFLATED:g} to {INFLATED:g}"
         raise UsageError(f"an inflation must be a positive number, {limits}, not {how.inflate:g}")

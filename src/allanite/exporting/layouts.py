@@ -31,28 +31,15 @@ def spread(values: Sequence[float]) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class LineLayout:
-    """A file of lines.
+    """A file of lines."""
 
-    Attributes
-    ----------
-    line : str
-        Template of a field, with `name`, `value` (a single number), `triple` or `diagonal`.
-    syntax : Syntax
-        Of its comments.
-    first : tuple of str
-        What must stand before any comment.
-    start, end : tuple of str
-        LineLayout around the fields, templates with `rate`.
-    alone : tuple of str
-        Fields with one number where the others have a list of three.
-    """
-
-    line: str
-    syntax: Syntax = YAML
-    first: tuple[str, ...] = ()
+    line: str  # template of a field, with `name`, `value` (a single number), `triple` or `diagonal`
+    syntax: Syntax = YAML  # of its comments
+    first: tuple[str, ...] = ()  # what must stand before any comment
+    # start, end: LineLayout around the fields, templates with `rate`
     start: tuple[str, ...] = ()
     end: tuple[str, ...] = ()
-    alone: tuple[str, ...] = ()
+    alone: tuple[str, ...] = ()  # fields with one number where the others have a list of three
 
     def __call__(self, content: Content) -> str:
         """The file."""

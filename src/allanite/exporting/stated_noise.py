@@ -37,42 +37,31 @@ CLOSE = 0.9
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StatedNoise(Value):
-    """The noise model that a file states, beside the noise that was identified.
-
-    Attributes
-    ----------
-    channels : tuple of str
-    model, noise : Model
-        What the file states, with its inflation; what was identified.
-    tau, deviation, identified, upper : arrays, shape (k,)
-        Averaging times, s; Allan deviations of the file, of the identified noise, and the upper limit of what it may
-        be, SI.
-    times, predicted, actual, best : arrays, shape (j,)
-        Times without aid, s; standard deviation of the angle (of the velocity) that a filter with the file's model
-        predicts after them, that of its error under the identified noise, and that of the best filter, SI.
-    covers : bool
-        Whether the file was made to cover the upper limit.
-    curves : tuple of Curve
-        The measured Allan deviations.
-    """
+    """The noise model that a file states, beside the noise that was identified."""
 
     _also: ClassVar = ("lowest", "span")
     _alike = ("tau deviation identified upper", "times predicted actual best")
     _checks: ClassVar = dict.fromkeys(("identified", "upper", "predicted", "best"), demand_stored_positive)
 
     channels: tuple[str, ...]
+    # model, noise: what the file states, with its inflation; what was identified
     model: Model
     noise: Model
+    # tau, deviation, identified, upper: shape (k,); averaging times, s; Allan deviations of the file, of the
+    # identified noise, and the upper limit of what it may be, SI
     tau: FloatArray
     deviation: FloatArray
     identified: FloatArray
     upper: FloatArray
+    # times, predicted, actual, best: shape (j,); times without aid, s; standard deviation of the angle (of the
+    # velocity) that a filter with the file's model predicts after them, that of its error under the identified noise,
+    # and that of the best filter, SI
     times: FloatArray
     predicted: FloatArray
     actual: FloatArray
     best: FloatArray
-    covers: bool = False
-    curves: tuple[Curve, ...] = ()
+    covers: bool = False  # whether the file was made to cover the upper limit
+    curves: tuple[Curve, ...] = ()  # the measured Allan deviations
 
     @property
     def span(self) -> tuple[float, float]:

@@ -23,39 +23,20 @@ LONG = 360_000.0
 
 @dataclass(frozen=True)
 class TargetField:
-    """A field of a target: its value is (coefficient sqrt(weight f^rate T^time))^power, in `unit`.
+    """A field of a target: its value is (coefficient sqrt(weight f^rate T^time))^power, in `unit`."""
 
-    Attributes
-    ----------
-    name : str
-        As the target spells it.
-    sensor : {"gyro", "accelerometer"}
-    term : str
-        Symbol of the coefficient; empty if the field is a power of the correlation time alone.
-    unit : str
-    weight : float
-    rate, time : int
-        Powers of the rate f, Hz, and of the correlation time T, s, under the root.
-    power : int
-    section : str
-        Key of the part of the file that holds the field; empty if names are unique.
-    span : (least, most)
-        Values that the target accepts, in `unit`.
-    needed : bool
-        Whether the file is useless without it.
-    """
-
-    name: str
-    sensor: str
-    term: str
+    name: str  # as the target spells it
+    sensor: str  # One of "gyro", "accelerometer"
+    term: str  # symbol of the coefficient; empty if the field is a power of the correlation time alone
     unit: str
     weight: float = 1.0
+    # rate, time: powers of the rate f, Hz, and of the correlation time T, s, under the root
     rate: int = 0
     time: int = 0
     power: int = 1
-    section: str = ""
-    span: tuple[float, float] = (0.0, math.inf)
-    needed: bool = True
+    section: str = ""  # key of the part of the file that holds the field; empty if names are unique
+    span: tuple[float, float] = (0.0, math.inf)  # values that the target accepts, in `unit`
+    needed: bool = True  # whether the file is useless without it
 
     def value(self, coefficient: float, rate: float, time: float) -> float:
         """The value for a coefficient in SI, at a rate in Hz, with a correlation time in s."""
@@ -109,53 +90,26 @@ Write = Callable[["Content"], str | bytes]
 
 @dataclass(frozen=True)
 class Target:
-    """A row of `EXPORTS`.
+    """A row of `EXPORTS`."""
 
-    Attributes
-    ----------
-    name, title : str
-        Name at the command line, and what it is.
-    fields : tuple of TargetField
-        Empty for a target that takes whole models.
-    forms : suffix -> Write
-        The forms of its file, the usual one first.
-    source : str
-        Where names and formulas come from, and what could not be verified.
-    notes : tuple of str
-        What users must know; written into the file.
-    step : float or None
-        Interval of the filter's steps, s, if the target has its own; otherwise that of the samples.
-    rated : bool
-        Whether the file states the sampling rate.
-    markov : bool
-        Whether an identified Gauss-Markov process may replace a random walk that was not: each sensor has its own
-        correlation time.
-    each : bool
-        Whether its fields take a value for each axis.
-    comments : str
-        Regular expression of comments in its file.
-    inflatable : bool
-        Whether its coefficients may be multiplied by a factor.
-    simulates : bool
-        Whether it simulates the noise of its file, and does not filter with it.
-    synonyms : tuple of str
-        Other names by which it is asked for; they are suggested, not taken.
-    """
-
+    # name, title: name at the command line, and what it is
     name: str
     title: str
-    fields: tuple[TargetField, ...]
-    forms: Mapping[str, Write]
-    source: str
-    notes: tuple[str, ...] = ()
+    fields: tuple[TargetField, ...]  # empty for a target that takes whole models
+    forms: Mapping[str, Write]  # the forms of its file, the usual one first
+    source: str  # where names and formulas come from, and what could not be verified
+    notes: tuple[str, ...] = ()  # what users must know; written into the file
+    # interval of the filter's steps, s, if the target has its own; otherwise that of the samples
     step: float | None = None
-    rated: bool = False
+    rated: bool = False  # whether the file states the sampling rate
+    # whether an identified Gauss-Markov process may replace a random walk that was not: each sensor has its own
+    # correlation time
     markov: bool = False
-    each: bool = False
-    comments: str = YAML.pattern
-    inflatable: bool = True
-    simulates: bool = False
-    synonyms: tuple[str, ...] = ()
+    each: bool = False  # whether its fields take a value for each axis
+    comments: str = YAML.pattern  # regular expression of comments in its file
+    inflatable: bool = True  # whether its coefficients may be multiplied by a factor
+    simulates: bool = False  # whether it simulates the noise of its file, and does not filter with it
+    synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
 
     @property
     def sensors(self) -> tuple[str, ...]:
@@ -177,13 +131,7 @@ class Target:
         return given or (1 / self.step if self.step else sampling)
 
     def form(self, suffix: str) -> str:
-        """The suffix of the form to write for a path with this suffix.
-
-        Raises
-        ------
-        UsageError
-            The target has several forms, and none has this suffix.
-        """
+        """The suffix of the form to write for a path with this suffix."""
         if suffix in self.forms or not suffix or len(self.forms) == 1:
             return suffix if suffix in self.forms else next(iter(self.forms))
         raise UsageError(f"{self.name} is written as {', '.join(self.forms)}, not as {suffix!r}")

@@ -37,13 +37,7 @@ MORE = 2
 
 
 def thermal_target(name: str, instance: int | None = None) -> ThermalTarget:
-    """The row of an autopilot.
-
-    Raises
-    ------
-    UsageError
-        There is no such autopilot, or no such instance of a sensor.
-    """
+    """The row of an autopilot."""
     row = row_of("autopilot", name, TEMPERATURE)
     row.prefix(GYRO, instance)
     return row
@@ -229,11 +223,6 @@ def polynomial(regression: Regression, order: int, reference: float) -> tuple[Fl
     """The correction of a regression as a polynomial about another temperature: an identity, by binomials.
 
     (T - c)^k is the sum over j of binomial(k, j) (T0 - c)^(k - j) (T - T0)^j.
-
-    Returns
-    -------
-    (values, errors)
-        Coefficients c_0 ... c_order of the powers of T - T0, SI per degC^k, and their standard errors.
     """
     taken = regression.taken
     shift = np.zeros((order + 1, len(taken)))

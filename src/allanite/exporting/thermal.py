@@ -19,49 +19,24 @@ class ThermalTarget(Target):
     """A row of `TEMPERATURE`.
 
     The autopilot subtracts the sum over k of c_k (T - T0)^k from a sample in SI units, with T limited to a range.
-
-    Attributes
-    ----------
-    prefixes : instance -> str
-        Template of what the names of the fields of each sensor begin with, with `sensor`; the usual instance first.
-    letters : sensor -> str
-    coefficient : str
-        Template of the rest of the name of a coefficient, with `sensor`, `power` and `axis`.
-    axes : tuple of str
-        Names of the axes x, y and z.
-    order : int
-        Highest power.
-    reference : float or None
-        T0, degC; None if it is a field, for the middle of the range.
-    constant : bool
-        Whether c_0 has a field; otherwise the correction is zero at the temperature of the autopilot's calibration.
-    scale : float
-        Factor on the coefficients.
-    together : bool
-        Whether the sensors of an instance share the range.
-    enable : str
-        Line that enables the correction, a template with `prefix` and `sensor`.
     """
 
     forms: Mapping[str, LineLayout]
+    # template of what the names of the fields of each sensor begin with, with `sensor`; the usual instance first
     prefixes: Mapping[int, str] = field(default_factory=dict)
     letters: Mapping[str, str] = field(default_factory=dict)
-    coefficient: str = ""
-    axes: tuple[str, ...] = ()
-    order: int = 3
-    reference: float | None = None
+    coefficient: str = ""  # template of the rest of the name of a coefficient, with `sensor`, `power` and `axis`
+    axes: tuple[str, ...] = ()  # names of the axes x, y and z
+    order: int = 3  # highest power
+    reference: float | None = None  # T0, degC; None if it is a field, for the middle of the range
+    # whether c_0 has a field; otherwise the correction is zero at the temperature of the autopilot's calibration
     constant: bool = True
-    scale: float = 1.0
-    together: bool = False
-    enable: str = ""
+    scale: float = 1.0  # factor on the coefficients
+    together: bool = False  # whether the sensors of an instance share the range
+    enable: str = ""  # line that enables the correction, a template with `prefix` and `sensor`
 
     def demand(self, regressors: "Iterable[Regressor]") -> None:
-        """Refuse what is no polynomial in one temperature, or one of too high a degree.
-
-        Raises
-        ------
-        UsageError
-        """
+        """Refuse what is no polynomial in one temperature, or one of too high a degree."""
         kept = [r for r in regressors if not r.is_trend]
         wrong = [r.label for r in kept if r.smooth is not None or r.lag]
         wrong = wrong or [r.label for r in kept if r.channel != kept[0].channel][:1]
@@ -83,13 +58,7 @@ class ThermalTarget(Target):
         return self.name.partition("-")[0]
 
     def prefix(self, sensor: str, instance: int | None = None) -> str:
-        """What the names of the fields of a sensor begin with.
-
-        Raises
-        ------
-        UsageError
-            There is no such instance.
-        """
+        """What the names of the fields of a sensor begin with."""
         chosen = next(iter(self.prefixes)) if instance is None else instance
         if chosen not in self.prefixes:
             raise UsageError(

@@ -15,40 +15,22 @@ from allanite.terms import TERMS
 
 @dataclass(frozen=True)
 class Method:
-    """A method of identification.
-
-    Attributes
-    ----------
-    title : str
-    takes : type
-        Whether it needs the record or a curve.
-    efficiency : str
-        RMS error over the Cramer-Rao bound of the coefficients, smallest and largest, where that bound is at most 12 %,
-        measured with known terms (benchmarks/methods.py).
-    statistic, taus : str
-        The curve computed from a record; empty if none is used.
-    reads : statistic -> bool
-        Whether it can fit a curve of this row of `STATISTICS`; None for a method that uses the record.
-    options : tuple of str
-        Options other than the terms.
-    shapes : bool
-        Whether it supports terms with a shape: Gauss-Markov noise, sinusoids.
-    signed : bool
-        Whether it determines the sign of a ramp; a curve gives only the size.
-    synonyms : tuple of str
-        Other names by which it is asked for; they are suggested, not taken.
-    """
+    """A method of identification."""
 
     title: str
-    takes: type
+    takes: type  # whether it needs the record or a curve
+    # RMS error over the Cramer-Rao bound of the coefficients, smallest and largest, where that bound is at most 12 %,
+    # measured with known terms (benchmarks/methods.py)
     efficiency: str
+    # statistic, taus: the curve computed from a record; empty if none is used
     statistic: str = ""
     taus: str = ""
+    # whether it can fit a curve of this row of `STATISTICS`; None for a method that uses the record
     reads: Callable[[Statistic], bool] = lambda row: False
-    options: tuple[str, ...] = ()
-    shapes: bool = False
-    signed: bool = False
-    synonyms: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()  # options other than the terms
+    shapes: bool = False  # whether it supports terms with a shape: Gauss-Markov noise, sinusoids
+    signed: bool = False  # whether it determines the sign of a ramp; a curve gives only the size
+    synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
 
     @property
     def allowed(self) -> tuple[str, ...]:
@@ -110,11 +92,6 @@ def symbols_of(terms: str | Sequence[str]) -> tuple[str, ...]:
     """Symbols from a list of them, or a text like ``QNGMK``: the longest match comes first; with or without commas.
 
     A second Gauss-Markov noise, ``N,GM,GM``, is the slow one, GML.
-
-    Raises
-    ------
-    UsageError
-        A symbol is unknown or occurs twice, or none is a noise.
     """
     rest = automatic() if terms == "auto" else terms if isinstance(terms, str) else ",".join(terms)
     symbols: tuple[str, ...] = ()

@@ -53,21 +53,6 @@ def meaning(
 ) -> Meaning:
     """What the coefficients of a fit say, and what may cause them.
 
-    Parameters
-    ----------
-    fit : Fit
-    readings : Readings, optional
-        What was read off the curve of the same record.
-    rate, length : float
-        Sampling rate, Hz, and length of the record, s.
-    device : str, optional
-        A name in `DEVICES`: "stabilizer", "mscsg", "rlg", "fog", "mems", "accelerometer".
-
-    Raises
-    ------
-    UsageError
-        There is no device of that name.
-
     Examples
     --------
     >>> import numpy as np

@@ -7,44 +7,24 @@ from allanite.phrases.phrase import say
 
 @dataclass(frozen=True)
 class Cause:
-    """A noise term in a device.
+    """A noise term in a device."""
 
-    Attributes
-    ----------
-    name : str
-        What the term is called there.
-    sources, remedies : tuple of str
-        Where it is likely to come from, and what to try.
-    reference : str
-        Who says so, with page or section; keys of `REFERENCES`.
-    """
-
-    name: str
+    name: str  # what the term is called there
+    # sources, remedies: where it is likely to come from, and what to try
     sources: tuple[str, ...]
     remedies: tuple[str, ...]
-    reference: str
+    reference: str  # who says so, with page or section; keys of `REFERENCES`
 
 
 @dataclass(frozen=True)
 class Device:
-    """A kind of device.
-
-    Attributes
-    ----------
-    name, title : str
-    signals : tuple of str
-        Names of the signals that its table is about.
-    terms : dict of Cause
-        By symbol.
-    note : str
-        How it has to be measured, or what else must be known to read the table.
-    """
+    """A kind of device."""
 
     name: str
     title: str
-    signals: tuple[str, ...]
-    terms: dict[str, Cause]
-    note: str = ""
+    signals: tuple[str, ...]  # names of the signals that its table is about
+    terms: dict[str, Cause]  # by symbol
+    note: str = ""  # how it has to be measured, or what else must be known to read the table
 
 
 REFERENCES: dict[str, str] = {

@@ -14,11 +14,6 @@ DEVICES: dict[str, Device] = {device.name: device for device in (STABILIZER, MSC
 def device(name: str) -> Device:
     """A device of the table.
 
-    Raises
-    ------
-    UsageError
-        There is none of that name.
-
     Examples
     --------
     >>> device("fog").terms["R"].sources[0]

@@ -26,20 +26,12 @@ class Grade:
 
 @dataclass(frozen=True)
 class Scale:
-    """The grades by one quantity of a gyroscope.
+    """The grades by one quantity of a gyroscope."""
 
-    Attributes
-    ----------
-    title, unit : str
-        The quantity, and the unit of its bounds.
-    grades : tuple of Grade
-        The best first.
-    source : str
-    """
-
+    # title, unit: the quantity, and the unit of its bounds
     title: str
     unit: str
-    grades: tuple[Grade, ...]
+    grades: tuple[Grade, ...]  # the best first
     source: str
 
     def of(self, value: float, unit: str) -> Grade:

@@ -22,14 +22,6 @@ HUMP = 0.37
 def sentences(fit: Fit, readings: Readings | None = None, *, rate: float, length: float) -> tuple[str, ...]:
     """What the coefficients of a fit say, in sentences; none where its model does not explain the record.
 
-    Parameters
-    ----------
-    fit : Fit
-    readings : Readings, optional
-        What was read off the curve of the same record.
-    rate, length : float
-        Sampling rate, Hz, and length of the record, s.
-
     Examples
     --------
     >>> import numpy as np

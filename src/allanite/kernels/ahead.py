@@ -40,15 +40,7 @@ HERE = {
 
 
 def ready(compiling: Callable[[], None], *, alone: bool) -> None:
-    """Load the kernels of the usual analysis, or compile those that are not in the cache.
-
-    Parameters
-    ----------
-    compiling : callable
-        Called before each kernel and part that is compiled; what it raises ends the work.
-    alone : bool
-        Without another process.
-    """
+    """Load the kernels of the usual analysis, or compile those that are not in the cache."""
     begun = _Begun(compiling, alone or not KEPT)
     try:
         with event.install_listener("numba:compile", begun):

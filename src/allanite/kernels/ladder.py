@@ -33,38 +33,25 @@ UPPER, BAND = 14, 2
 
 
 class State(NamedTuple):
-    """What is kept: sums, first and last cells, and what pairs are waiting for.
+    """What is kept: sums, first and last cells, and what pairs are waiting for."""
 
-    Attributes
-    ----------
-    sums, counts : arrays, shape (15 + 8 * 31,)
-        Of the squared differences, level by level.
-    powers : array, shape (14 + 2 * 31,)
-        Sums of the squared coefficients.
-    segments : array, shape (levels,)
-    head, tail : arrays, shape (levels, channels, cells)
-        First cells of the first run, last cells of the last one, of `filled`, shape (levels, 2), of them.
-    odd, even : arrays, shape (levels, channels)
-        A first cell whose partner would be before it, and a last one whose partner is to come; `has`, shape (levels,
-        2), says whether there are.
-    at : array, shape (levels,)
-        Place of the next cell.
-    runs : array, shape (1,)
-        1 while no sample is missing, then 2.
-    """
-
+    # sums, counts: shape (15 + 8 * 31,); of the squared differences, level by level
     sums: NDArray[np.float64]
     counts: NDArray[np.int64]
-    powers: NDArray[np.float64]
-    segments: NDArray[np.int64]
+    powers: NDArray[np.float64]  # shape (14 + 2 * 31,); sums of the squared coefficients
+    segments: NDArray[np.int64]  # shape (levels,)
+    # head, tail: shape (levels, channels, cells); first cells of the first run, last cells of the last one, of
+    # `filled`, shape (levels, 2), of them
     head: NDArray[np.float64]
     tail: NDArray[np.float64]
     filled: NDArray[np.int64]
+    # odd, even: shape (levels, channels); a first cell whose partner would be before it, and a last one whose partner
+    # is to come; `has`, shape (levels, 2), says whether there are
     odd: NDArray[np.float64]
     even: NDArray[np.float64]
     has: NDArray[np.bool_]
-    at: NDArray[np.int64]
-    runs: NDArray[np.int64]
+    at: NDArray[np.int64]  # shape (levels,); place of the next cell
+    runs: NDArray[np.int64]  # shape (1,); 1 while no sample is missing, then 2
 
 
 def empty(channels: int, cells: int) -> State:

@@ -203,23 +203,6 @@ def nearest_staircase(samples, known, half, work):  # type: ignore[no-untyped-de
     Depth first, each box cut in two across its longer side, the half nearer to the best point first. A box is left as
     soon as its bound is not below the best misfit. A sample that is decided in a box is decided in all of its parts,
     and is never looked at again.
-
-    Parameters
-    ----------
-    samples : (e, x, right)
-        Arrays of shape (n,): steps of the data, the line about which is searched, and where between the ends of p
-        (right = 0) and q (right = 1) the sample lies; `right` ascends.
-    known : (p, q, misfit)
-        The best point so far.
-    half : float
-        Half the side of the box.
-    work : float
-        Samples that may be looked at; then the best point so far is the answer.
-
-    Returns
-    -------
-    (p, q, misfit, bound, looked at)
-        No staircase in the box has a misfit below `bound`; it is minus infinity where the work was not enough.
     """
     n = samples[0].size
     store = np.empty(4 * n + 64, dtype=np.int32)

@@ -22,20 +22,7 @@ READ: dict[str, Callable[..., list[float]]] = {
 
 
 def number(path: Path, cell: str) -> float:
-    """The number of a cell in a CSV or JSON file.
-
-    Parameters
-    ----------
-    path : Path
-    cell : str
-        ``value @ term=N & file=run2.csv``: a column and the first row that has these entries; ``tau_s @ last``; or from
-        ``/`` a path into a JSON file.
-
-    Raises
-    ------
-    LookupError
-        There is no such cell.
-    """
+    """The number of a cell in a CSV or JSON file."""
     text = path.read_text("utf-8")
     if cell.startswith("/"):
         found: Any = json.loads(text)

@@ -21,78 +21,38 @@ VERDICTS = {
 
 @dataclass(frozen=True)
 class Item:
-    """A table, a figure or a claim of a paper.
+    """A table, a figure or a claim of a paper."""
 
-    Attributes
-    ----------
-    item : str
-        Where it stands: "Table 3", "Fig. 2", "eq. 5".
-    claim : str
-        What is compared.
-    paper : str
-        As the paper prints it.
-    numbers : tuple of float
-        The same as numbers, where they are compared.
-    here : tuple of str
-        Where ours stand: "file: cell", one a number. A cell is a column of a CSV file and the row it is read in
-        (``value @ term=N``, ``tau_s @ last``), or from ``/`` a path into a JSON file. Of a figure, its file alone.
-    tolerance : float
-        Relative; of a number that is zero, absolute.
-    ours : tuple of float
-        Numbers that replace those of the paper, within 1 %, or that are computed where it has none.
-    unit : str
-        That of ours where the file has SI units.
-    read : str
-        A key of `cells.READ`: what is made of the numbers of the cells.
-    form : str
-        How ours are written, with {} for each number; without it, four digits and the unit.
-    verdict : str
-        One of `VERDICTS` that is expected: without it, that numbers agree and that figures are drawn.
-    why : str
-        The reason of a difference, or what the agreement rests on.
-    """
-
-    item: str
-    claim: str
-    paper: str
-    numbers: tuple[float, ...] = ()
+    item: str  # where it stands: "Table 3", "Fig. 2", "eq. 5".
+    claim: str  # what is compared
+    paper: str  # as the paper prints it
+    numbers: tuple[float, ...] = ()  # the same as numbers, where they are compared
+    # where ours stand: "file: cell", one a number. A cell is a column of a CSV file and the row it is read in
+    # (``value @ term=N``, ``tau_s @ last``), or from ``/`` a path into a JSON file. Of a figure, its file alone.
     here: tuple[str, ...] = ()
-    tolerance: float = 0.0
+    tolerance: float = 0.0  # relative; of a number that is zero, absolute
+    # numbers that replace those of the paper, within 1 %, or that are computed where it has none
     ours: tuple[float, ...] = ()
-    unit: str = ""
-    read: str = ""
-    form: str = ""
-    verdict: str = ""
-    why: str = ""
+    unit: str = ""  # that of ours where the file has SI units
+    read: str = ""  # a key of `cells.READ`: what is made of the numbers of the cells
+    form: str = ""  # how ours are written, with {} for each number; without it, four digits and the unit
+    verdict: str = ""  # one of `VERDICTS` that is expected: without it, that numbers agree and that figures are drawn
+    why: str = ""  # the reason of a difference, or what the agreement rests on
 
 
 @dataclass(frozen=True)
 class Paper:
-    """What a file says of a paper.
+    """What a file says of a paper."""
 
-    Attributes
-    ----------
-    name, title, source : str
-        Name on the command line, what it is about, authors and journal.
-    data : str
-        What stands in for the paper's records.
-    commands : tuple of str
-        Without the word allanite; they write their files into the current folder.
-    captions : dict
-        Figures of the page in their order: file -> caption.
-    items : tuple of Item
-    spoken : dict
-        Language -> what its texts are there.
-    """
-
+    # name, title, source: name on the command line, what it is about, authors and journal
     name: str
     title: str
     source: str
-    data: str
-    commands: tuple[str, ...]
-    captions: dict[str, str]
+    data: str  # what stands in for the paper's records
+    commands: tuple[str, ...]  # without the word allanite; they write their files into the current folder
+    captions: dict[str, str]  # figures of the page in their order: file -> caption
     items: tuple[Item, ...]
-    spoken: dict[str, dict[str, str]]
+    spoken: dict[str, dict[str, str]]  # language -> what its texts are there
 
     def within(self, lang: str) -> "Paper":
         """With its texts in another language, as far as the file has it."""
@@ -119,11 +79,6 @@ PAPERS: tuple[str, ...] = tuple(
 
 def paper(name: str) -> Paper:
     """The paper of this name.
-
-    Raises
-    ------
-    UsageError
-        There is none.
 
     Examples
     --------

@@ -15,56 +15,31 @@ from .paper import AGREES, DIFFERS, DRAWN, Item, Paper
 
 @dataclass(frozen=True, repr=False)
 class Compared(Value):
-    """An item of a paper, what was found here, and the verdict.
+    """An item of a paper, what was found here, and the verdict."""
 
-    Attributes
-    ----------
-    item, claim, paper : str
-        Where it stands, what is compared, and what the paper prints.
-    here : str
-        What was found here.
-    found : tuple of float
-        The same as numbers.
-    verdict : str
-        One of `paper.VERDICTS`.
-    why : str
-    expected : bool
-        Whether that is the verdict that is expected.
-    """
-
+    # item, claim, paper: where it stands, what is compared, and what the paper prints
     item: str
     claim: str
     paper: str
-    here: str
-    found: tuple[float, ...]
-    verdict: str
+    here: str  # what was found here
+    found: tuple[float, ...]  # the same as numbers
+    verdict: str  # one of `paper.VERDICTS`
     why: str
-    expected: bool = True
+    expected: bool = True  # whether that is the verdict that is expected
 
 
 @dataclass(frozen=True, repr=False)
 class Reproduction(Value):
-    """A paper beside what was found here.
+    """A paper beside what was found here."""
 
-    Attributes
-    ----------
-    name, title, source, data : str
-        As of `Paper`.
-    items : tuple of Compared
-    figures : dict
-        File of a figure -> caption.
-    folder : str
-        Where the files are.
-    commands : tuple of str
-    """
-
+    # name, title, source, data: as of `Paper`
     name: str
     title: str
     source: str
     data: str
     items: tuple[Compared, ...]
-    figures: dict[str, str]
-    folder: str
+    figures: dict[str, str]  # file of a figure -> caption
+    folder: str  # where the files are
     commands: tuple[str, ...]
 
     def __str__(self) -> str:
@@ -72,13 +47,7 @@ class Reproduction(Value):
 
 
 def compare(paper: Paper, folder: Path) -> Reproduction:
-    """The items of a paper beside the files in a folder, where its commands have run.
-
-    Raises
-    ------
-    LookupError, OSError
-        A file or a cell is missing.
-    """
+    """The items of a paper beside the files in a folder, where its commands have run."""
     items = tuple(compared(item, folder) for item in paper.items)
     commands = tuple(f"allanite {command}" for command in paper.commands)
     return Reproduction(

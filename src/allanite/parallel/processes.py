@@ -37,16 +37,6 @@ class Process:
     """Another process and this end of its pipe.
 
     It ends when nobody holds this end any more, however this process ended.
-
-    Parameters
-    ----------
-    context : context of multiprocessing
-        How it is started.
-    work : callable
-        What it does, with its end of the pipe and the `arguments`: it receives requests and sends pairs of a kind and
-        data.
-    others : sequence of Process
-        Started before; a fork gives up what it has of them.
     """
 
     def __init__(
@@ -70,13 +60,7 @@ class Process:
         return self.process.exitcode or 0
 
     def request(self, message: Any, tell: Tell = lambda kind, data: None) -> Any:
-        """The answer to a request; `tell` takes kind and data of the reports on the way.
-
-        Raises
-        ------
-        EndedError
-            The process has ended.
-        """
+        """The answer to a request; `tell` takes kind and data of the reports on the way."""
         try:
             self.connection.send(message)
             while True:

@@ -44,18 +44,6 @@ def shared(
 ) -> list[Result]:
     """``[function(item) for item in items]``, by `count` processes.
 
-    Parameters
-    ----------
-    function : item -> result
-        Changes nothing; its results can be pickled, or are computed in this process.
-    items : sequence
-    count : int
-        Processes, this one included.
-    known : sequence
-        What results refer to and is not to be copied: records.
-    begun : callable
-        Called in this process with the number of an item that it begins.
-
     Examples
     --------
     >>> shared(abs, [-1, 2, -3], count=2)

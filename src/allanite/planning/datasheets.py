@@ -44,43 +44,21 @@ QUANTITIES: dict[str, Conversion] = {
 
 @dataclass(frozen=True, repr=False)
 class Claim(Value):
-    """A line of a data sheet.
+    """A line of a data sheet."""
 
-    Attributes
-    ----------
-    sensor : {"gyro", "accelerometer"}
-    quantity : str
-        A key of `QUANTITIES`.
-    printed : str
-        What the document calls it.
-    value : float
-    unit : str
-    limit : {"typical", "nominal", "maximum", ""}
-    conditions : str
-    place : str
-        Page, and table or section.
-    bandwidth : float or None
-        Noise bandwidth of an rms value, Hz.
-    """
-
-    sensor: str
-    quantity: str
-    printed: str
+    sensor: str  # One of "gyro", "accelerometer"
+    quantity: str  # a key of `QUANTITIES`
+    printed: str  # what the document calls it
     value: float
     unit: str
-    limit: str = "typical"
+    limit: str = "typical"  # One of "typical", "nominal", "maximum", ""
     conditions: str = ""
-    place: str = ""
-    bandwidth: float | None = None
+    place: str = ""  # page, and table or section
+    bandwidth: float | None = None  # noise bandwidth of an rms value, Hz
 
     @property
     def term(self) -> Term | None:
         """The coefficient that it means; None for an rms value without its bandwidth.
-
-        Raises
-        ------
-        UnitError
-            The unit is not that of the quantity.
 
         Examples
         --------
@@ -195,11 +173,6 @@ def data_sheet_named(name: str) -> DataSheet:
 
 def claimed(text: str) -> tuple[Model, ...]:
     """The noise that a data sheet claims: that of its gyro first, or that of the sensor alone that follows its name.
-
-    Raises
-    ------
-    UsageError
-        There is no such data sheet, or it says nothing of this sensor.
 
     Examples
     --------

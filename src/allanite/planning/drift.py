@@ -44,18 +44,10 @@ NODES, HALVINGS, MOST = 24, 40, 4000
 
 @dataclass(frozen=True)
 class Response:
-    """What the integral x of a rate's error does to a quantity: at(0) x(t) + the integral of psi(t - s) x(s).
+    """What the integral x of a rate's error does to a quantity: at(0) x(t) + the integral of psi(t - s) x(s)."""
 
-    Attributes
-    ----------
-    at : float
-        Weight of x(t).
-    kernel : tuple of (c, k, nu)
-        psi(a) is the sum of the real parts of c a^k exp(i nu a).
-    """
-
-    at: float = 0.0
-    kernel: tuple[tuple[complex, int, float], ...] = ()
+    at: float = 0.0  # weight of x(t)
+    kernel: tuple[tuple[complex, int, float], ...] = ()  # psi(a) is the sum of the real parts of c a^k exp(i nu a)
 
     def psi(self, a: FloatArray) -> FloatArray:
         """The kernel at ages `a`, s."""
@@ -136,20 +128,6 @@ def drift_variance(
     term: Term, response: Response, times: FloatArray, *, calibration: float = 0.0, rate: float | None = None
 ) -> FloatArray:
     """Variance of a quantity from one noise term, `times` after the start, SI.
-
-    Parameters
-    ----------
-    term : Term
-        One with a structure function; a sinusoid has a random phase.
-    response : Response
-    times : array
-        s, above 0.
-    calibration : float
-        Time over which the bias was averaged before the start, s. With 0 it is known at the start without error: that
-        of a random walk and a ramp, of flicker the mean of its last second, and of other noise, which has a finite
-        variance or is white, nothing.
-    rate : float, optional
-        Sampling rate, Hz, of noise that begins with the sampling.
 
     Examples
     --------

@@ -29,23 +29,6 @@ JOIN, DIVISOR = 0.2, 30
 class Properties(Value):
     """Expectation and scatter of a statistic for single noise terms.
 
-    Attributes
-    ----------
-    statistic : str
-    size : int
-        Samples of the record.
-    m : array of int, shape (k,)
-        Averaging factors.
-    tau : array, shape (k,)
-        Averaging times in sampling intervals.
-    symbols : tuple of str, length s
-        Terms: the power laws that the statistic does not remove.
-    ratio : array, shape (k, s)
-        Expected Allan variance over the expected variance of the statistic at the same tau; for a statistic of third
-        differences, expected Hadamard variance.
-    edf : array, shape (k, s)
-        Equivalent degrees of freedom, 2 E^2 / Var.
-
     Examples
     --------
     >>> found = properties("theo1", m=[100, 1000])
@@ -54,12 +37,14 @@ class Properties(Value):
     """
 
     statistic: str
-    size: int
-    m: IntArray
-    tau: FloatArray
-    symbols: tuple[str, ...]
+    size: int  # samples of the record
+    m: IntArray  # shape (k,); averaging factors
+    tau: FloatArray  # shape (k,); averaging times in sampling intervals
+    symbols: tuple[str, ...]  # terms: the power laws that the statistic does not remove
+    # shape (k, s); expected Allan variance over the expected variance of the statistic at the same tau; for a
+    # statistic of third differences, expected Hadamard variance
     ratio: FloatArray
-    edf: FloatArray
+    edf: FloatArray  # shape (k, s); equivalent degrees of freedom, 2 E^2 / Var
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: one of each averaging factor."""
@@ -74,28 +59,7 @@ class Properties(Value):
 def properties(
     statistic: str, size: int = SIZE, *, taus: str | Sequence[float] | None = None, m: Sequence[int] | None = None
 ) -> Properties:
-    """Bias against the Allan (or Hadamard) variance, and degrees of freedom, of a statistic.
-
-    Parameters
-    ----------
-    statistic : str
-        A name in `STATISTICS`.
-    size : int
-        Samples of the record.
-    taus : str or sequence of float, optional
-        A grid as for `deviation`, by default "octave", or averaging times in sampling intervals.
-    m : sequence of int, optional
-        Averaging factors, instead.
-
-    Returns
-    -------
-    Properties
-
-    Raises
-    ------
-    UsageError
-        The statistic is unknown or estimates no Allan or Hadamard variance, or an averaging time is none of its.
-    """
+    """Bias against the Allan (or Hadamard) variance, and degrees of freedom, of a statistic."""
     row = statistic_named(statistic)
     if row.extreme or row.power:
         raise UsageError(f"{row.name} is not an estimate of the Allan or Hadamard variance; explain another statistic")

@@ -32,35 +32,22 @@ LINE = next(symbol for symbol, row in TERMS.items() if row.periodic)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TermCheck(Value):
-    """Results for one term in all records.
-
-    Attributes
-    ----------
-    symbol, signal
-        The term; for a time constant with its name behind it.
-    truth : float
-        Its coefficient, SI; 0 where it is absent. Or the time constant, s.
-    bound : float
-        Least relative standard error (Cramer-Rao); NaN where it is absent.
-    value : array, shape (records,)
-        The coefficient in the model that describes each record best, SI; 0 where it is not in it. Or the time constant,
-        NaN where there is none.
-    low, high : arrays, shape (records,)
-        The interval as printed; NaN where there is none.
-    claimed : bool array, shape (records,)
-        Whether the term was reported as present.
-    """
+    """Results for one term in all records."""
 
     _keys: ClassVar = {"symbol": "term"}
 
+    # symbol, signal: the term; for a time constant with its name behind it
     symbol: str
     signal: Signal
-    truth: float
-    bound: float
+    truth: float  # its coefficient, SI; 0 where it is absent. Or the time constant, s.
+    bound: float  # least relative standard error (Cramer-Rao); NaN where it is absent
+    # shape (records,); the coefficient in the model that describes each record best, SI; 0 where it is not in it. Or
+    # the time constant, NaN where there is none.
     value: FloatArray
+    # low, high: shape (records,); the interval as printed; NaN where there is none
     low: FloatArray
     high: FloatArray
-    claimed: BoolArray
+    claimed: BoolArray  # shape (records,); whether the term was reported as present
 
     @property
     def bias(self) -> Measured:

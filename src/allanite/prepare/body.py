@@ -18,13 +18,6 @@ def of_one_body(records: Sequence[Record | Header], qualities: Sequence[Quality]
     Motion in one inertial channel is reported for every other one, and if it refuses one channel, it refuses all. A
     changing noise level is reported for the others, too, but refuses none. The static stretch suggested is common to
     all of them.
-
-    Parameters
-    ----------
-    records : sequence of Record or Header
-        The channels of one recording; headers of those that are read in parts.
-    qualities : sequence of Quality
-        The findings of each channel alone.
     """
     carried = [i for i, record in enumerate(records) if record.signal.inertial]
     found = list(qualities)

@@ -45,11 +45,6 @@ def follows(record: Record, other: Record) -> Following | None:
     walk of the rate are independent. The likelihood of these three with a linear trend is compared with that of the
     same three with a linear trend and the other channel. Two independent random walks often appear correlated, but not
     in this test, whose null hypothesis includes a random walk.
-
-    Returns
-    -------
-    Following or None
-        None if no comparison is possible: too few samples, or a channel that is constant or linear.
     """
     blocks = min(BLOCKS, record.size // FEWEST)
     if blocks < FEWEST or record.size != other.size:

@@ -48,13 +48,6 @@ class Inspector:
 
     A record that is one block is inspected as it is in memory. In a longer one extremes, stuck values and outliers are
     looked for in every block, everything else in some of them.
-
-    Parameters
-    ----------
-    size : int
-        Number of samples of the whole.
-    choice : {"mark", "keep"}, optional
-        What is done with outliers.
     """
 
     def __init__(self, size: int, choice: str | None) -> None:

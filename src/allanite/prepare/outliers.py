@@ -132,25 +132,13 @@ def marked(record: Record, found: Outliers) -> Record:
 
 
 def treated(record: Record, choice: str) -> Record:
-    """The record with its outliers marked as missing, or unchanged if the choice is to keep them.
-
-    Raises
-    ------
-    UsageError
-        See `demand_choice`.
-    """
+    """The record with its outliers marked as missing, or unchanged if the choice is to keep them."""
     demand_choice(choice)
     return marked(record, outliers(record)) if choice == "mark" else record
 
 
 def demand_choice(choice: str) -> None:
-    """Refuse an unknown choice for outliers.
-
-    Raises
-    ------
-    UsageError
-        The choice is not in `CHOICES`.
-    """
+    """Refuse an unknown choice for outliers."""
     if choice not in CHOICES:
         known = "; ".join(f"{name!r}: {meaning}" for name, meaning in CHOICES.items())
         raise UsageError(f"unknown choice for outliers {choice!r}; known choices: {known}")

@@ -171,11 +171,6 @@ NEAR = 0.01
 def averaged(recording: Recording, time: float) -> Recording:
     """The recording with means over `time` seconds for samples (of increments and counts: sums).
 
-    Raises
-    ------
-    UsageError
-        The time is not a multiple of the sampling interval within 1 %, or the record is shorter than two blocks.
-
     Examples
     --------
     >>> recording = Recording((Record([1.0, 3.0, 2.0, 6.0], rate=2.0, unit="deg/h"),))

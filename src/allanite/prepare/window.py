@@ -49,15 +49,7 @@ def of_each(recording: Recording, change: Callable[[Record], Record]) -> Recordi
 
 
 def span(name: str, duration: float, rate: float, start: float, end: float) -> tuple[int, int]:
-    """The first sample of a window in a record of this duration, and the one after the last.
-
-    Raises
-    ------
-    UsageError
-        The window is empty, or does not lie within the record.
-    DataError
-        It contains fewer than two samples.
-    """
+    """The first sample of a window in a record of this duration, and the one after the last."""
     if not 0 <= start < end:
         raise UsageError(
             f"the window from {start:.10g} s to {end:.10g} s is empty, or not in {name!r}, from 0 s to {duration:.6g} s"
@@ -75,11 +67,6 @@ def span(name: str, duration: float, rate: float, start: float, end: float) -> t
 
 def excluded(recording: Recording, pieces: Sequence[tuple[float, float]]) -> Recording:
     """The recording without these pieces, in seconds after its first sample: their samples are missing.
-
-    Raises
-    ------
-    UsageError
-        A piece does not lie within the recording.
 
     Examples
     --------
@@ -104,13 +91,7 @@ def excluded(recording: Recording, pieces: Sequence[tuple[float, float]]) -> Rec
 def excluded_samples(
     name: str, duration: float, rate: float, pieces: Sequence[tuple[float, float]]
 ) -> list[tuple[int, int]]:
-    """The first sample of each piece, and the one after the last, in a record of this duration.
-
-    Raises
-    ------
-    UsageError
-        A piece does not lie within the record.
-    """
+    """The first sample of each piece, and the one after the last, in a record of this duration."""
     for start, end in pieces:
         if end > duration * (1 + 1e-9):
             raise UsageError(

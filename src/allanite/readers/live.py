@@ -88,15 +88,7 @@ class Feed:
 
 
 def opened(target: str, baud: int) -> Tap:
-    """Open FILE, PORT or udp://127.0.0.1:9000.
-
-    Raises
-    ------
-    UsageError
-        The address is not one of this machine, or not complete.
-    DataError
-        The file or port cannot be opened.
-    """
+    """Open FILE, PORT or udp://127.0.0.1:9000."""
     if "://" in target:
         return _datagrams(target)
     try:

@@ -105,21 +105,7 @@ def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
 
 @contextmanager
 def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterator[PartsReader | None]:
-    """The reader in parts of a file that does not fit into memory; None for a file that does, or anything else.
-
-    Parameters
-    ----------
-    path : path
-    memory : str, optional
-        Memory that the record may take, as ``"1GB"``; by default half of what is available.
-    choices : mapping
-        The options of `read`.
-
-    Raises
-    ------
-    UsageError
-        The file does not fit, and cannot be read in parts.
-    """
+    """The reader in parts of a file that does not fit into memory; None for a file that does, or anything else."""
     from .sandbox.source import STDIN, checked, size_of
 
     if not isinstance(path, (str, os.PathLike)) or path == STDIN:
@@ -144,11 +130,6 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
 
     Parameters are those of `opened`. How many samples a file holds is known for formats that are read in parts, and
     otherwise estimated by its size.
-
-    Raises
-    ------
-    UsageError
-        It does not fit; the message says how much it may need.
     """
     from .sandbox.source import STDIN, checked, named, size_of
 

@@ -32,11 +32,6 @@ class Spool:
         What messages and results call it.
     rows, came : int
         Lines since the first row, and bytes that came.
-
-    Raises
-    ------
-    UsageError
-        The file at `path`, which keeps the lines, exists already or cannot be written.
     """
 
     def __init__(self, source_name: str, path: str | None = None, *, sent: bool = True) -> None:
@@ -62,15 +57,7 @@ class Spool:
         return self.path
 
     def add(self, data: bytes) -> None:
-        """Add what came.
-
-        Raises
-        ------
-        UsageError
-            There are no lines in it.
-        OSError
-            The disk is full; the lines that were written before are whole.
-        """
+        """Add what came."""
         self.came += len(data)
         *lines, self._rest = (self._rest + data).split(b"\n")
         if len(self._rest) > LONGEST:

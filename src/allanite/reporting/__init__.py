@@ -213,13 +213,7 @@ def html_of(value: Any) -> str:
 
 
 def numbers(value: Any, *, level: float | None = None, coefficients: bool = False) -> "Rows":
-    """Headings and rows of a result, unrounded; of a study its curves, or its coefficients and readings.
-
-    Raises
-    ------
-    UsageError
-        The result has no table of numbers.
-    """
+    """Headings and rows of a result, unrounded; of a study its curves, or its coefficients and readings."""
     from allanite.core.errors import UsageError
 
     view = view_of(value)

@@ -45,15 +45,6 @@ def digits(
 ) -> Digits:
     """Round a value and its limits alike, to two significant digits of the half width.
 
-    Parameters
-    ----------
-    value, low, high : float
-        NaN limits: there is no interval.
-    signed : bool
-        Show a plus sign too.
-    figures : int
-        Significant digits where there is no interval.
-
     Examples
     --------
     >>> digits(0.310213, 0.30217, 0.318712)

@@ -135,31 +135,18 @@ Answer = Axes | Section | Table | str
 
 @dataclass(frozen=True)
 class First:
-    """The first screen.
+    """The first screen."""
 
-    Attributes
-    ----------
-    title, verdict : str
-        What it is about, and the answer in a few words: the first line.
-    answer : sequence of Axes, Section, Table or str
-    remarks : sequence of Remark
-        One line each, the most important first; what does not fit is counted.
-    legend : sequence of (sign, meaning)
-        A regular expression that finds the sign in the lines of the answer, in any language and in ASCII; an empty
-        one for what is always told.
-    read : sequence of str
-        How the file was read, the most important first.
-    after : sequence of (command, purpose)
-        What next.
-    """
-
+    # title, verdict: what it is about, and the answer in a few words: the first line
     title: str
     verdict: str = ""
     answer: Sequence[Answer] = ()
-    remarks: Sequence[Remark] = ()
+    remarks: Sequence[Remark] = ()  # one line each, the most important first; what does not fit is counted
+    # a regular expression that finds the sign in the lines of the answer, in any language and in ASCII; an empty one
+    # for what is always told
     legend: Sequence[tuple[str, str]] = ()
-    read: Sequence[str] = ()
-    after: Sequence[tuple[str, str]] = (DETAILS,)
+    read: Sequence[str] = ()  # how the file was read, the most important first
+    after: Sequence[tuple[str, str]] = (DETAILS,)  # what next
 
     def brief(self) -> list[str]:
         """A line for each channel, or for each row of the answer."""

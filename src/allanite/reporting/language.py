@@ -27,13 +27,7 @@ _SPOKEN: ContextVar[str] = ContextVar("_SPOKEN", default=ENGLISH)
 
 @cache
 def catalogue(lang: str) -> Catalogue:
-    """The translations into a language; what is not translated yet stays English, all of it without a catalogue.
-
-    Raises
-    ------
-    UsageError
-        The language is unknown.
-    """
+    """The translations into a language; what is not translated yet stays English, all of it without a catalogue."""
     demand_name("language", lang, LANGUAGES)
     path = files("allanite.reporting") / "locale" / f"{lang}.po"
     if not path.is_file():
@@ -51,13 +45,7 @@ def catalogue(lang: str) -> Catalogue:
 
 @contextmanager
 def speaking(lang: str) -> Iterator[None]:
-    """Whatever is rendered within this context is in this language.
-
-    Raises
-    ------
-    UsageError
-        The language is unknown.
-    """
+    """Whatever is rendered within this context is in this language."""
     catalogue(lang)
     token = _SPOKEN.set(lang)
     try:

@@ -43,30 +43,15 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Cells in plain ASCII, as they can be copied into a command.
-
-    Attributes
-    ----------
-    columns : sequence of Column
-    rows : sequence of rows
-        The cells; numbers are written by the forms of the columns.
-    title : str
-    marks : sequence of Mark, one a row
-    key : str
-        What the columns mean; stands below the table on the page.
-    details : bool
-        Whether the page folds the table away.
-    most : int
-        Rows that a terminal shows at most, spread evenly over all.
-    """
+    """Cells in plain ASCII, as they can be copied into a command."""
 
     columns: Sequence[Column]
-    rows: Sequence[Sequence[Any]]
+    rows: Sequence[Sequence[Any]]  # the cells; numbers are written by the forms of the columns
     title: str = ""
     marks: Sequence[Mark] = ()
-    key: str = ""
-    details: bool = False
-    most: int = 28
+    key: str = ""  # what the columns mean; stands below the table on the page
+    details: bool = False  # whether the page folds the table away
+    most: int = 28  # rows that a terminal shows at most, spread evenly over all
     where: Where = ""
 
     def __post_init__(self) -> None:
@@ -186,23 +171,12 @@ def drawings(parts: "Iterable[Part]") -> Iterator[Drawing]:
 
 @dataclass(frozen=True)
 class Card:
-    """The main numbers of a channel at the top of the page.
+    """The main numbers of a channel at the top of the page."""
 
-    Attributes
-    ----------
-    badge : str
-        How well the model explains the record, in two or three words.
-    level : str
-        "good", "fair", "alert", or "" where that was not tested.
-    rows : sequence of (name, value)
-    note : str
-        What was not found, or why there are no numbers.
-    """
-
-    badge: str
-    level: Literal["good", "fair", "alert", ""]
+    badge: str  # how well the model explains the record, in two or three words
+    level: Literal["good", "fair", "alert", ""]  # "good", "fair", "alert", or "" where that was not tested
     rows: Sequence[tuple[str, str]] = ()
-    note: str = ""
+    note: str = ""  # what was not found, or why there are no numbers
 
 
 @dataclass(frozen=True)
@@ -224,50 +198,24 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Face:
-    """A whole result.
+    """A whole result."""
 
-    Attributes
-    ----------
-    title, brand : str
-        Of the page.
-    sheets : sequence of Sheet
-    header : sequence of (label, text)
-        Where the numbers come from: the first lines of the terminal.
-    parts : sequence of Part
-        Before the sheets.
-    close : sequence of Part
-        After the sheets.
-    how : sequence of Part
-        How the result was computed, for the page.
-    choices : str
-        The recipe that was really used, as TOML.
-    provenance : dict
-    notes : sequence of str
-        What was assumed when reading.
-    device : dict
-        What the user says of the device: serial number, operator, date, temperature.
-    facts : sequence of str
-        Sensor, sampling rate, length: one line below the title of the page.
-    command : str
-        The command line that made the page; empty if none did.
-    data : bytes
-        The whole result as JSON, compressed.
-    """
-
+    # title, brand: of the page
     title: str
     brand: str
     sheets: Sequence[Sheet] = ()
-    header: Sequence[tuple[str, str]] = ()
-    parts: Sequence[Part] = ()
-    close: Sequence[Part] = ()
-    how: Sequence[Part] = ()
-    choices: str = ""
+    header: Sequence[tuple[str, str]] = ()  # where the numbers come from: the first lines of the terminal
+    parts: Sequence[Part] = ()  # before the sheets
+    close: Sequence[Part] = ()  # after the sheets
+    how: Sequence[Part] = ()  # how the result was computed, for the page
+    choices: str = ""  # the recipe that was really used, as TOML
     provenance: dict[str, str] = field(default_factory=dict)
-    notes: Sequence[str] = ()
+    notes: Sequence[str] = ()  # what was assumed when reading
+    # what the user says of the device: serial number, operator, date, temperature
     device: dict[str, str] = field(default_factory=dict)
-    facts: Sequence[str] = ()
-    command: str = ""
-    data: bytes = b""
+    facts: Sequence[str] = ()  # sensor, sampling rate, length: one line below the title of the page
+    command: str = ""  # the command line that made the page; empty if none did
+    data: bytes = b""  # the whole result as JSON, compressed
 
 
 def one_sheet(

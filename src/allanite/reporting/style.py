@@ -209,13 +209,7 @@ def plain_ticks(*axes: Axis, most: float = 60.0) -> None:
 
 
 def demand_figure_path(path: PathLike, *, force: bool = False) -> str:
-    """The format that the suffix of `path` names, once the file can be written.
-
-    Raises
-    ------
-    UsageError
-        See `files.demand_writable`; or the suffix is unknown.
-    """
+    """The format that the suffix of `path` names, once the file can be written."""
     suffix = Path(path).suffix.lower().lstrip(".")
     if suffix not in FORMATS:
         raise UsageError(

@@ -40,20 +40,6 @@ def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | 
     non-negative least squares of the logarithm of the Allan variance, and scaled so that the sum errs as far upwards as
     downwards.
 
-    Parameters
-    ----------
-    tau : (low, high)
-        Averaging times, s.
-    ripple : float
-        Largest relative deviation of the Allan deviation; it determines the number of processes.
-    order : int, optional
-        Number of processes, instead.
-
-    Raises
-    ------
-    UsageError
-        The range is none, or no number of processes gives the ripple.
-
     Examples
     --------
     >>> found = flicker_sum((1.0, 1000.0), ripple=0.05)

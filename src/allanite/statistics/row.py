@@ -37,31 +37,19 @@ class Sharp:
 
 @dataclass(frozen=True)
 class Scheme:
-    """How a long window is replaced by a window of few points that lasts as long.
+    """How a long window is replaced by a window of few points that lasts as long."""
 
-    Attributes
-    ----------
-    levels : tuple of int
-        Averaging factors of the reduced windows for even m; odd m takes the next ones.
-    power : int
-        The extrapolation is a polynomial in ``m^-power``.
-    sharp : Sharp, optional
-        For white angle noise, where the window holds single points of the angle; None where it averages them, so
-        that this noise scales as the other terms do.
-    response : (term, m) -> E, or None
-        Expectation of one window, where it is known for any m.
-    leading : int
-        Averaging factor of the reduced window from which the largest eigenvalues are taken.
-    ramp : m -> array, shape (points,), or None
-        For a window of many filters, half the gradient of its sum of squares at ``x_j = j^2 / 2`` but for a line:
-        ``sum_r weights[r] (filters[r] . x) filters[r]``.
-    """
-
+    # averaging factors of the reduced windows for even m; odd m takes the next ones
     levels: tuple[int, ...] = (10, 20)
-    power: int = 2
+    power: int = 2  # the extrapolation is a polynomial in ``m^-power``
+    # for white angle noise, where the window holds single points of the angle; None where it averages them, so that
+    # this noise scales as the other terms do
     sharp: Sharp | None = None
+    # expectation of one window, where it is known for any m
     response: Callable[[NoiseTerm, int], float] | None = None
-    leading: int = 6
+    leading: int = 6  # averaging factor of the reduced window from which the largest eigenvalues are taken
+    # shape (points,); for a window of many filters, half the gradient of its sum of squares at ``x_j = j^2 / 2`` but
+    # for a line: ``sum_r weights[r] (filters[r] . x) filters[r]``.
     ramp: Callable[[int], FloatArray] | None = None
 
 
@@ -84,86 +72,50 @@ class Statistic:
     """A statistic as a mean of squares over windows of the angle x.
 
     ``variance(m) = sums / (count norm(m) (m tau0)^2) tau^(2 power)`` with ``tau = tau_factor m tau0``.
-
-    Attributes
-    ----------
-    name, title, formula, reference
-        Name used in the field, full name, LaTeX formula of the variance, source.
-    meaning, use, limits, cost
-        For the documentation: what it measures, when to use it, its limitations, time and memory.
-    order : int
-        Differences of x it takes: 1 removes a constant angle, 2 a constant rate, 3 a ramp of the rate too.
-    norm : m -> float
-    span : (int, int)
-        A window covers ``span[0] m + span[1]`` sample intervals; 0 m where it is folded back at the record's ends.
-    sums : (x, m) -> sums of squares over the windows of x, for ascending m, however large
-    window : m -> Window
-        The quadratic form whose mean over the windows is the sum; None where there is none (a maximum).
-    split : (points, m, threads) -> list of places in m
-        What threads can deal with apart, so that the numbers stay the same.
-    pace : float
-        Time of a window, ns, where every tau takes that of all its windows; 0 where there is a faster form for many.
-    target : str
-        The statistic whose expectation this one estimates; empty if its own.
-    overlapped : bool
-        Whether windows start at every sample or every m samples.
-    step : int
-        Averaging factors are multiples of it.
-    tau_factor : float
-    power : int
-        0 for a deviation of the rate, 1 for one of the angle.
-    differences : int
-        A window is the difference of this order at stride m: of x, or of its running sum if `summed`; 0 if it is none.
-    summed : bool
-    extreme : bool
-        Whether the windows' largest value counts, not their mean.
-    gaps : bool
-        Whether it is defined for a record with missing samples.
-    parts : tuple of Statistic
-        What a hybrid consists of, by ascending tau; the last one is multiplied by the bias ratio kf.
-    kept : (slope, share) -> float
-        For a hybrid: the part of the last one's degrees of freedom that is left, as kf scatters too, under a term whose
-        Allan deviation has this slope, where m is this share of the record.
-    scheme : Scheme
-        How long windows are reduced; for a row with a `window` that is no difference.
-    published : PublishedBias, optional
-        The bias factors as published; None where there is no bias.
-    published_edf : (alpha, m, points) -> degrees of freedom, optional
-        As published; KeyError for a power law that the publication does not treat.
-    synonyms : tuple of str
-        Other names by which it is asked for; they are suggested, not taken.
     """
 
+    # name, title, formula, reference: name used in the field, full name, LaTeX formula of the variance, source
     name: str
     title: str
     formula: str
     reference: str
+    # meaning, use, limits, cost: for the documentation: what it measures, when to use it, its limitations, time and
+    # memory
     meaning: str
     use: str
     limits: str
     cost: str
-    order: int
+    order: int  # differences of x it takes: 1 removes a constant angle, 2 a constant rate, 3 a ramp of the rate too
     norm: Callable[[IntArray | FloatArray], FloatArray]
+    # a window covers ``span[0] m + span[1]`` sample intervals; 0 m where it is folded back at the record's ends
     span: tuple[int, int]
     sums: Callable[[FloatArray, IntArray], FloatArray]
+    # the quadratic form whose mean over the windows is the sum; None where there is none (a maximum)
     window: Callable[[int], Window] | None
+    # what threads can deal with apart, so that the numbers stay the same
     split: Callable[[int, IntArray, int], list[IntArray]] = interleaved
+    # time of a window, ns, where every tau takes that of all its windows; 0 where there is a faster form for many
     pace: float = 0.0
-    target: str = ""
-    overlapped: bool = True
-    step: int = 1
+    target: str = ""  # the statistic whose expectation this one estimates; empty if its own
+    overlapped: bool = True  # whether windows start at every sample or every m samples
+    step: int = 1  # averaging factors are multiples of it
     tau_factor: float = 1.0
-    power: int = 0
+    power: int = 0  # 0 for a deviation of the rate, 1 for one of the angle
+    # a window is the difference of this order at stride m: of x, or of its running sum if `summed`; 0 if it is none
     differences: int = 0
     summed: bool = False
-    extreme: bool = False
-    gaps: bool = True
+    extreme: bool = False  # whether the windows' largest value counts, not their mean
+    gaps: bool = True  # whether it is defined for a record with missing samples
+    # what a hybrid consists of, by ascending tau; the last one is multiplied by the bias ratio kf
     parts: tuple["Statistic", ...] = ()
+    # for a hybrid: the part of the last one's degrees of freedom that is left, as kf scatters too, under a term whose
+    # Allan deviation has this slope, where m is this share of the record
     kept: Callable[[float, float], float] = lambda slope, share: 1.0
-    scheme: Scheme = Scheme()
-    published: PublishedBias | None = None
+    scheme: Scheme = Scheme()  # how long windows are reduced; for a row with a `window` that is no difference
+    published: PublishedBias | None = None  # the bias factors as published; None where there is no bias
+    # as published; KeyError for a power law that the publication does not treat
     published_edf: Callable[[int, int, int], float] | None = None
-    synonyms: tuple[str, ...] = ()
+    synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
 
     @property
     def sliding(self) -> bool:

@@ -40,13 +40,6 @@ def search_in(
     """Search for the noise of a stream; `terms`, `band` and `masks` are those of `identify`.
 
     Sinusoids are not looked for, and outliers not excluded: both need the samples.
-
-    Raises
-    ------
-    UsageError
-        A term or the band is unknown.
-    DataError
-        There are too few samples, or they never change.
     """
     symbols = symbols_of(terms)
     demand_band(band)

@@ -100,13 +100,7 @@ def _channel(seen: Inspected, recipe: Recipe) -> Channel:
 
 
 def refitted(channel: Channel, recipe: Recipe) -> Channel:
-    """A channel of a study analyzed once more with other choices of the identification or curve.
-
-    Raises
-    ------
-    DataError
-        The study has no samples of it, since it was read in parts, or read from a file of results.
-    """
+    """A channel of a study analyzed once more with other choices of the identification or curve."""
     if not isinstance(channel.record, Record):
         raise DataError(say("the samples of {channel!r} are not in memory: analyze the file once more",
                             channel=channel.record.name))  # fmt: skip

@@ -16,17 +16,7 @@ OPTIONS = {"start": "from"}
 
 
 def drift_findings(recording: Recording, recipe: Recipe, names: Sequence[str]) -> tuple[Finding, ...]:
-    """A finding for each additional column that the drift of some channels follows.
-
-    Parameters
-    ----------
-    recording : Recording
-        Its `others` are tested.
-    recipe : Recipe
-        How it was read; the suggested command reads it in the same way.
-    names : sequence of str
-        The channels to test: those that have a result.
-    """
+    """A finding for each additional column that the drift of some channels follows."""
     found = []
     for other in recording.others:
         shares = {name: seen.share for name in names if (seen := follows(recording[name], other)) and seen.clear}

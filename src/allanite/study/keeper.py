@@ -46,21 +46,7 @@ STRIDES = say(
 
 
 class Keeper:
-    """What is kept of the steps of a channel: sums of curves, of the identification, and of a spectrum.
-
-    Parameters
-    ----------
-    head : Record
-        The first samples.
-    statistics : sequence of str
-        Those whose curves are wanted; the first one also serves the identification.
-    spectrum : Periodograms, optional
-
-    Raises
-    ------
-    UsageError
-        A statistic needs all samples at once.
-    """
+    """What is kept of the steps of a channel: sums of curves, of the identification, and of a spectrum."""
 
     def __init__(self, head: Record, statistics: Sequence[str] = (), spectrum: Periodograms | None = None) -> None:
         for name in statistics:
@@ -190,13 +176,7 @@ class Some(Portable):
 
 
 def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:
-    """The points of a curve that are asked for.
-
-    Raises
-    ------
-    UsageError
-        One of them is not in the grid of a stream; the message names the nearest.
-    """
+    """The points of a curve that are asked for."""
     if m is None and isinstance(taus, str):
         some = np.ones(curve.m.size, bool) if taus == "log" else (curve.m & (curve.m - 1)) == 0
         at = np.flatnonzero(some)

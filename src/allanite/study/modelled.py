@@ -188,27 +188,6 @@ def run_model_job(
 ) -> ModelJob:
     """What follows from the noise of each channel of a recording, or from the model that the settings give.
 
-    Parameters
-    ----------
-    source : Recording, Record or path, or None
-        None if the settings give a model, whose sampling rate is that of the recipe.
-    settings : PlanSettings, SelfCheckSettings or StateSpaceSettings
-    recipe : Recipe, optional
-        How the file is read, and how its noise is identified.
-    progress : callable, optional
-        Called with a description of the current step and the fraction completed.
-
-    Returns
-    -------
-    RecordingPlans, SelfChecks or StateSpaces
-
-    Raises
-    ------
-    DataError
-        The file cannot be read, or no channel has a noise for which there is a result.
-    UsageError
-        There is neither a source nor a model, or there are both; an option is wrong, or applies only to recordings.
-
     Examples
     --------
     >>> found = run_model_job(None, PlanSettings(sensor="fog"), Recipe(rate=100.0))

@@ -42,13 +42,7 @@ class NoiseSettings(NoiseChoices, Value):
     """Whether the options of the identification also apply to a given model."""
 
     def given(self) -> Model | None:
-        """The given model, or that of the sensor or of the data sheet; None if there is none of them.
-
-        Raises
-        ------
-        UsageError
-            More than one is given, or the text cannot be parsed.
-        """
+        """The given model, or that of the sensor or of the data sheet; None if there is none of them."""
         makers = ((self.model, Model), (self.sensor, typical), (self.datasheet, lambda text: claimed(text)[0]))
         found = [(text, make) for text, make in makers if text is not None]
         if len(found) > 1:
@@ -56,13 +50,7 @@ class NoiseSettings(NoiseChoices, Value):
         return found[0][1](found[0][0]) if found else None
 
     def instead_of(self, source: object) -> Model | None:
-        """The given model; None if there is a `source` in its place.
-
-        Raises
-        ------
-        UsageError
-            There is neither a model nor a source, or there are both.
-        """
+        """The given model; None if there is a `source` in its place."""
         model = self.given()
         if (model is None) == (source is None):
             raise UsageError(f"give either a recording, or the noise with {ways()}")

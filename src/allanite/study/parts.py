@@ -36,13 +36,7 @@ Keeping = Callable[[Record, int], Keeper]
 
 @contextmanager
 def in_parts(source: Any, recipe: Recipe, *, wanted: bool = True) -> Iterator[PartsReader | None]:
-    """The reader in parts of a file that does not fit into memory; None for everything else, or if none is `wanted`.
-
-    Raises
-    ------
-    UsageError
-        It does not fit, and its format or a choice of the recipe needs the whole record.
-    """
+    """The reader in parts of a file that does not fit into memory; None for everything else, or if none is `wanted`."""
     if not wanted:
         yield None
         return

@@ -224,13 +224,7 @@ def chosen(settings: "DataclassInstance") -> dict[str, Any]:
 
 
 def load_toml(path: str | os.PathLike[str], what: str = "recipe") -> dict[str, Any]:
-    """The table of a TOML file, which messages call `what`.
-
-    Raises
-    ------
-    UsageError
-        The file cannot be read, or is not TOML.
-    """
+    """The table of a TOML file, which messages call `what`."""
     import tomllib
 
     try:

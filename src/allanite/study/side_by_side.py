@@ -11,15 +11,7 @@ from .survey import Measured, Survey
 
 
 def side_by_side(surveys: Sequence[Survey], files: Sequence[str]) -> Survey:
-    """Surveys of several files as one: each channel has the name of its file before its own.
-
-    Parameters
-    ----------
-    surveys : sequence of Survey
-        With the same settings.
-    files : sequence of path
-        Their files; names are those of `told_apart`.
-    """
+    """Surveys of several files as one: each channel has the name of its file before its own."""
     if len(surveys) == 1:
         return surveys[0]
     pairs = list(zip(told_apart(files), surveys, strict=True))

@@ -236,23 +236,6 @@ def survey(
 ) -> Survey:
     """Compute curves, spectra or surfaces of every channel of a recording.
 
-    Parameters
-    ----------
-    source : Recording, Record or path
-    settings : Deviations, Densities or Windows
-        What is computed.
-    recipe : Recipe, optional
-        How the file is read, and how the noise is identified if the settings request it.
-    progress : callable, optional
-        Called with a description of the current step and the fraction completed.
-
-    Raises
-    ------
-    DataError
-        The file cannot be read, or no channel can be processed.
-    UsageError
-        An option is wrong, or a required one is missing.
-
     Examples
     --------
     >>> from allanite import N, simulate

@@ -32,21 +32,6 @@ def expected_curves(
 ) -> Expectation:
     """The expected curves of a model that is given instead of a recording.
 
-    Parameters
-    ----------
-    source : None
-        A recording is refused.
-    settings : TheorySettings
-    wanted : Deviations
-        The statistics and their averaging times, by default about 100, logarithmically spaced.
-    recipe : Recipe, optional
-        Its rate is the sampling rate.
-
-    Raises
-    ------
-    UsageError
-        There is no model, or a recording; an option applies only to recordings; the rate or the length is needed.
-
     Examples
     --------
     >>> found = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev")))

@@ -91,13 +91,7 @@ class Watch:
         self.recipe = replace(self.recipe, motion=self.recipe.motion or "mark")
 
     def events(self) -> Iterator[str]:
-        """Read until the end, and say what happens.
-
-        Raises
-        ------
-        UsageError
-            A choice is impossible for what comes.
-        """
+        """Read until the end, and say what happens."""
         feed = Feed(tap := opened(self.target, self.settings.baud))
         self.spool = Spool(self.target, self.settings.record, sent=tap.live)
         yield say("watching {target!r}", target=self.target)
@@ -189,15 +183,7 @@ class Watch:
         return "\n".join(lines)
 
     def study(self) -> Study:
-        """What `analyze` gives of the lines that came.
-
-        Raises
-        ------
-        DataError
-            No channel has enough samples.
-        UsageError
-            A choice is impossible for what came.
-        """
+        """What `analyze` gives of the lines that came."""
         try:
             study = self._study()
         except AllaniteError as error:

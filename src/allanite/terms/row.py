@@ -59,168 +59,94 @@ class Block:
         z(h) = Phi z(0) + noise,      mean of the first state over the interval = mean z(0) + noise,
 
     with the joint covariance of both noises in closed form.
-
-    Attributes
-    ----------
-    names : tuple of (str, float)
-        Description of each state, and the power of time that its unit carries beyond the signal.
-    F, Qc : arrays, shape (s, s)
-        Continuous time.
-    Phi : array, shape (s, s)
-    mean : array, shape (s,)
-        What a state at the start adds to the mean over the interval.
-    Q : array, shape (s + 1, s + 1)
-        Covariance of the noises of the states and, last, of the mean.
-    P0 : array, shape (s, s)
-        Covariance at the start.
-    output : array, shape (s,)
-        What a state adds to the rate at an instant; 0 for a state of discrete time.
-    white : float
-        Variance of the white noise that each measurement gets besides.
-    bias : bool
-        Whether the states are the bias and its derivatives, which such blocks of a model have in common.
-    note : str
-        Remark for users of the filter.
     """
 
+    # description of each state, and the power of time that its unit carries beyond the signal
     names: tuple[tuple[str, float], ...]
+    # F, Qc: shape (s, s); continuous time
     F: FloatArray
     Qc: FloatArray
-    Phi: FloatArray
-    mean: FloatArray
-    Q: FloatArray
-    P0: FloatArray
-    output: FloatArray
-    white: float = 0.0
+    Phi: FloatArray  # shape (s, s)
+    mean: FloatArray  # shape (s,); what a state at the start adds to the mean over the interval
+    Q: FloatArray  # shape (s + 1, s + 1); covariance of the noises of the states and, last, of the mean
+    P0: FloatArray  # shape (s, s); covariance at the start
+    output: FloatArray  # shape (s,); what a state adds to the rate at an instant; 0 for a state of discrete time
+    white: float = 0.0  # variance of the white noise that each measurement gets besides
+    # whether the states are the bias and its derivatives, which such blocks of a model have in common
     bias: bool = False
-    note: str = ""
+    note: str = ""  # remark for users of the filter
 
 
 @dataclass(frozen=True)
 class NoiseTerm:
-    """A row of `TERMS`.
+    """A row of `TERMS`."""
 
-    Attributes
-    ----------
-    symbol, title, meaning, formula, reference
-        Names, description, LaTeX formula (Allan variance) and source; the title is that for a gyro.
-    titles : {name of a signal: title}
-        Where it is called otherwise.
-    quantity_title : str
-        What it is called where the signal is not the output of an inertial sensor, such as a voltage: a template with
-        its {quantity}.
-    quantity_meaning : str
-        Its description there, if it differs.
-    power : float
-        The coefficient is a signal times time to this power.
-    slope : float
-        Slope of log Allan deviation against log tau.
-    read_at : float
-        The asymptote, a straight line of that slope, has the value of the coefficient at this tau (in units of time);
-        1 where it has not at any, or where that depends on the rate.
-    level : float
-        Allan variance of the term at tau = 1 for a coefficient of 1.
-    structure : t -> D(t)
-        For t >= 0.
-    derivative : (order, t) -> d^order D/dt^order
-        For t > 0 and orders from 1 on: the far field of D, where differences of D itself would cancel.
-    summed : l -> E(l)
-        Second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, except for a square of l, which the
-        statistics remove; for l >= 0, and between the integers from l = 3 on.
-    increments : h -> covariance of the first differences of the rate, at lag h >= 0 samples.
-    spectrum : (f, tau0) -> two-sided spectral density of the sampled rate, its mean over each tau0, aliases included.
-        For 0 < f <= 1 / (2 tau0).
-    dct : (k, n) -> variance of the k-th coefficient of the orthonormal DCT-II of n rates.
-    dct_error : float
-        Relative error of `dct` for 60 rates and more, at most, where it is an approximation.
-    edge : float
-        Variance that the first and the last rate have beyond that, of white angle noise.
-    ends : float
-        The same of an angle error that is forgotten within a record.
-    waveform : n -> the rate itself, for a deterministic term of coefficient 1; None for noise.
-    periodic : bool
-        A spectral line: its structure function is the mean over its phase, and it adds nothing to the scatter of an
-        estimate.
-    period : float
-        Period of a covariance that oscillates and decays, in sample intervals; 0 if it does not.
-    transient : bool
-        A deterministic term that begins with the record: what it adds to a statistic depends on the record's length, it
-        has no structure function, and it adds nothing to the scatter of an estimate.
-    parameters : tuple of Parameter
-        What a term has beside its coefficient: a time constant, a frequency.
-    shape : tuple of float
-        The values of `parameters` that the functions of this row hold for, at a sample interval of 1.
-    shaped : (shape, rate) -> the row of another shape (in SI), at a sample interval of 1 / rate.
-    density : str
-        LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate except for Q.
-    origin, advice : str
-        For the documentation: its origin, and how to read it off and use it.
-    typical : float
-        For the documentation: an example coefficient, in the data-sheet unit of gyros.
-    color, dark : str
-        Color of its line and name on a light and on a dark ground, ``#RRGGBB``.
-    dash : tuple of float
-        Lengths of the dashes and gaps of its line, in line widths.
-    alpha : int or None
-        Exponent of the spectral density of the rate, where that is one power of the frequency.
-    per_sample : bool
-        Whether D in units of the sample interval is the same at every rate, as of noise that begins with the sampling:
-        its expectation then depends on the rate.
-    automatic : bool
-        Whether it is among the default terms.
-    block : (coefficient, shape, interval) -> Block, or None
-        What it is as states of a Kalman filter, SI; None where a finite filter has none.
-    substitute : str
-        Symbol of a term with a time constant which may take its place: itself where a record says so, in a filter as a
-        sum of several. For flicker of the rate.
-    second : str
-        Symbol of the same noise with a longer time constant, for which a second one of this symbol stands.
-    synonyms : tuple of str
-        Other names by which it is asked for; they are suggested, not taken.
-    """
-
+    # symbol, title, meaning, formula, reference: names, description, LaTeX formula (Allan variance) and source; the
+    # title is that for a gyro
     symbol: str
     title: str
     meaning: str
     formula: str
     reference: str
-    power: float
-    slope: float
+    power: float  # the coefficient is a signal times time to this power
+    slope: float  # slope of log Allan deviation against log tau
+    # the asymptote, a straight line of that slope, has the value of the coefficient at this tau (in units of time); 1
+    # where it has not at any, or where that depends on the rate
     read_at: float
-    level: float
-    structure: Callable[[FloatArray], FloatArray]
+    level: float  # Allan variance of the term at tau = 1 for a coefficient of 1
+    structure: Callable[[FloatArray], FloatArray]  # for t >= 0
+    # for t > 0 and orders from 1 on: the far field of D, where differences of D itself would cancel
     derivative: Callable[[int, FloatArray], FloatArray]
+    # second sum of D over integers, ``E(l+1) - 2 E(l) + E(l-1) = D(l)``, except for a square of l, which the
+    # statistics remove; for l >= 0, and between the integers from l = 3 on
     summed: Callable[[FloatArray], FloatArray]
     increments: Callable[[FloatArray], FloatArray]
-    spectrum: Callable[[FloatArray, float], FloatArray]
+    spectrum: Callable[[FloatArray, float], FloatArray]  # for 0 < f <= 1 / (2 tau0)
     dct: Callable[[FloatArray, int], FloatArray]
-    dct_error: float = 0.0
-    edge: float = 0.0
-    ends: float = 0.0
+    dct_error: float = 0.0  # relative error of `dct` for 60 rates and more, at most, where it is an approximation
+    edge: float = 0.0  # variance that the first and the last rate have beyond that, of white angle noise
+    ends: float = 0.0  # the same of an angle error that is forgotten within a record
     waveform: Callable[[int], FloatArray] | None = None
+    # a spectral line: its structure function is the mean over its phase, and it adds nothing to the scatter of an
+    # estimate
     periodic: bool = False
+    # a deterministic term that begins with the record: what it adds to a statistic depends on the record's length, it
+    # has no structure function, and it adds nothing to the scatter of an estimate
     transient: bool = False
-    period: float = 0.0
-    parameters: tuple[Parameter, ...] = ()
+    period: float = 0.0  # period of a covariance that oscillates and decays, in sample intervals; 0 if it does not
+    parameters: tuple[Parameter, ...] = ()  # what a term has beside its coefficient: a time constant, a frequency
+    # the values of `parameters` that the functions of this row hold for, at a sample interval of 1
     shape: tuple[float, ...] = ()
-    shaped: "Callable[[tuple[float, ...], float], NoiseTerm] | None" = None
+    shaped: "Callable[[tuple[float, ...], float], NoiseTerm] | None" = None  # shape (in SI)
+    # LaTeX of the two-sided spectral density of the rate, at frequencies far below the sampling rate except for Q
     density: str = ""
+    # origin, advice: for the documentation: its origin, and how to read it off and use it
     origin: str = ""
     advice: str = ""
-    typical: float = 1.0
+    typical: float = 1.0  # for the documentation: an example coefficient, in the data-sheet unit of gyros
+    # color, dark: color of its line and name on a light and on a dark ground, ``#RRGGBB``
     color: str = "#6B6B6B"
     dark: str = "#A0A7AE"
-    dash: tuple[float, ...] = (5.0, 3.0)
-    alpha: int | None = None
+    dash: tuple[float, ...] = (5.0, 3.0)  # lengths of the dashes and gaps of its line, in line widths
+    alpha: int | None = None  # exponent of the spectral density of the rate, where that is one power of the frequency
+    # whether D in units of the sample interval is the same at every rate, as of noise that begins with the sampling:
+    # its expectation then depends on the rate
     per_sample: bool = False
-    automatic: bool = False
+    automatic: bool = False  # whether it is among the default terms
+    # what it is as states of a Kalman filter, SI; None where a finite filter has none
     block: Callable[[float, tuple[float, ...], float], Block] | None = None
+    # symbol of a term with a time constant which may take its place: itself where a record says so, in a filter as a
+    # sum of several. For flicker of the rate.
     substitute: str = ""
+    # symbol of the same noise with a longer time constant, for which a second one of this symbol stands
     second: str = ""
+    # where it is called otherwise. One of name of a signal: title.
     titles: Mapping[str, str] = field(default_factory=dict)
-    synonyms: tuple[str, ...] = ()
+    synonyms: tuple[str, ...] = ()  # other names by which it is asked for; they are suggested, not taken
+    # what it is called where the signal is not the output of an inertial sensor, such as a voltage: a template with
+    # its {quantity}
     quantity_title: str = ""
-    quantity_meaning: str = ""
+    quantity_meaning: str = ""  # its description there, if it differs
 
     @property
     def scatters(self) -> bool:

@@ -47,14 +47,6 @@ class Door:
 
     The secret is made at each start and comes in a header, which no browser adds by itself: a cookie would be sent to
     every other port of this machine. The files of the page are those of every installation, and open to all.
-
-    Parameters
-    ----------
-    inside : application
-    port : int
-        That of this server.
-    clock : callable
-        Seconds.
     """
 
     def __init__(self, inside: Application, *, port: int, clock: Callable[[], float] = time.monotonic) -> None:

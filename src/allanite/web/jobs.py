@@ -62,13 +62,7 @@ class Jobs:
         self.ready.set()
 
     def begin(self, workspace: str, asked: JobBody) -> State:
-        """Enter a job and begin it.
-
-        Raises
-        ------
-        UsageError
-            There is no such verb, key or file.
-        """
+        """Enter a job and begin it."""
         state = self.store.state(workspace)
         files = [self.store.file(name) for name in asked.files]
         if any(file["id"].partition("-")[0] != workspace for file in files):
@@ -127,13 +121,7 @@ class Jobs:
         self.workers.close(f"{workspace} main", *map(_lane, jobs))
 
     def result(self, name: str) -> tuple[bytes, bytes]:
-        """The JSON of a result, and what is shown of it.
-
-        Raises
-        ------
-        MissingError
-            They are not there any more, or damaged.
-        """
+        """The JSON of a result, and what is shown of it."""
         value, shown = self._paths(name)
         if any(self.store.kept(path, dict[str, Any]) is None for path in (value, shown)):
             raise MissingError("the result of this job is not there any more: run it again")

@@ -19,13 +19,7 @@ from allanite.study.recipe import Recipe
 
 
 def accepted(verb: str) -> dict[str, ChoiceRow]:
-    """The choices of a verb that the page may set: those of the recipe and of the settings that its command has.
-
-    Raises
-    ------
-    UsageError
-        The page has no such job.
-    """
+    """The choices of a verb that the page may set: those of the recipe and of the settings that its command has."""
     kind = task_of(verb).kind
     with click.Context(main) as context:
         command = main.get_command(context, verb)
@@ -49,13 +43,7 @@ class Request:
 
     @classmethod
     def of(cls, verb: str, data: Mapping[str, Any]) -> "Request":
-        """The job with these choices, as plain data; what is empty is not given.
-
-        Raises
-        ------
-        UsageError
-            A key is unknown, or a value is not one of its choice, whose name the error has.
-        """
+        """The job with these choices, as plain data; what is empty is not given."""
         rows, task = accepted(verb), task_of(verb)
         for key in data:
             demand_name("key", key, rows, where=" in the recipe")

@@ -159,13 +159,7 @@ def workspace(name: str) -> Any:
 
 
 def plain(data: bytes, deepest: int = DEEPEST) -> Any:
-    """JSON that can be written and read again.
-
-    Raises
-    ------
-    UsageError
-        It is none; or a number is not finite, a text is not Unicode, or it is nested too deep.
-    """
+    """JSON that can be written and read again."""
     try:
         found = from_json(data, allow_inf_nan=False)
     except ValueError as error:
@@ -183,13 +177,7 @@ def plain(data: bytes, deepest: int = DEEPEST) -> Any:
 
 
 def fitting(schema: Any, data: bytes, deepest: int = DEEPEST) -> Any:
-    """JSON as its schema says.
-
-    Raises
-    ------
-    UsageError
-        It does not fit; the message names what does not.
-    """
+    """JSON as its schema says."""
     try:
         return TypeAdapter(schema).validate_python(plain(data, deepest))
     except ValidationError as error:

@@ -38,28 +38,7 @@ PATIENCE = 5.0
 
 
 def serve(paths: Sequence[str], *, port: int, browser: bool, lang: str, limit: int, quota: int) -> None:
-    """Serve the page until it is interrupted.
-
-    Parameters
-    ----------
-    paths : sequence of path
-        Files to open.
-    port : int
-        0 for any that is free.
-    browser : bool
-        Whether to open the page in the browser.
-    lang : str
-        Language that the page begins with.
-    limit, quota : int
-        Bytes of an upload, and of all files that the page keeps.
-
-    Raises
-    ------
-    UsageError
-        The port is taken; the language is unknown.
-    DataError
-        A file does not exist.
-    """
+    """Serve the page until it is interrupted."""
     catalogue(lang)
     folder = private_folder()
     try:
@@ -133,13 +112,7 @@ def _announce(link: str, words: str) -> None:
 
 
 def joined(store: Store, paths: Sequence[str]) -> str:
-    """A link to the server that has locked the folder, where these files are opened.
-
-    Raises
-    ------
-    UsageError
-        It does not answer, or refuses a file.
-    """
+    """A link to the server that has locked the folder, where these files are opened."""
     until = time.monotonic() + PATIENCE
     while time.monotonic() < until:
         try:

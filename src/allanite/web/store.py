@@ -45,13 +45,6 @@ class FullError(DataError):
 class Store:
     """Workspaces below a folder.
 
-    Parameters
-    ----------
-    folder : path
-        Made if it is missing, for this user only.
-    limit, quota : int
-        Bytes of an upload, and of all workspaces.
-
     Attributes
     ----------
     notes : list of str
@@ -108,13 +101,7 @@ class Store:
         return state
 
     def state(self, name: str) -> State:
-        """The state of a workspace.
-
-        Raises
-        ------
-        UsageError
-            There is none.
-        """
+        """The state of a workspace."""
         found = self.find(known(name))
         if found is None:
             raise MissingError(f"there is no workspace {name!r}; reload the page to begin a new one")
@@ -159,13 +146,7 @@ class Store:
             shutil.rmtree(place)
 
     def file(self, name: str) -> State:
-        """A file by its id.
-
-        Raises
-        ------
-        UsageError
-            There is none.
-        """
+        """A file by its id."""
         workspace = name.partition("-")[0]
         found: State | None = self.state(known(workspace))["files"].get(name)
         if found is None:

@@ -45,13 +45,7 @@ def simulation(name: str, path: str) -> list[str]:
 
 
 def tables(lang: str) -> dict[str, Any]:
-    """Everything that a menu shows, in a language.
-
-    Raises
-    ------
-    UsageError
-        The language is unknown.
-    """
+    """Everything that a menu shows, in a language."""
     gyro = SIGNALS[0]
     with speaking(lang):
         return {

@@ -94,15 +94,7 @@ def _write(folder: Path, i: int, record: Record, raw: Sequence[str]) -> dict[str
 
 
 def window(folder: Path, channel: str, start: float | None, end: float | None, points: int) -> dict[str, Any]:
-    """The part of a trace between two times, s, as at most so many stretches.
-
-    Raises
-    ------
-    UsageError
-        The file was not read yet, or has no such channel.
-    DataError
-        What was read is damaged.
-    """
+    """The part of a trace between two times, s, as at most so many stretches."""
     meta = _meta(folder / "trace")
     if not meta:
         raise UsageError("there is no trace of this file: it was not read yet, or the quota has no room for it")

@@ -45,15 +45,7 @@ class Worker:
 
     def ask(self, task: str, arguments: dict[str, Any], tell: Tell = lambda kind, data: None,
             ended: Callable[[], bool] = lambda: False) -> dict[str, Any]:  # fmt: skip
-        """The answer to a request; `tell` takes reports on the way, `ended` says whether it was cancelled meanwhile.
-
-        Raises
-        ------
-        ProblemError
-            The request was refused.
-        DataError
-            The process has ended.
-        """
+        """The answer to a request; `tell` takes reports on the way, `ended` says whether it was cancelled meanwhile."""
 
         def report(kind: str, data: dict[str, Any]) -> None:
             if kind == PROBLEM:

@@ -12,26 +12,13 @@ from .plans import AnglePlan, Scan
 
 @dataclass(frozen=True, eq=False)
 class AngleStudy:
-    """A result, and its provenance.
-
-    Attributes
-    ----------
-    result : Harmonics, Calibration, AnglePlan or Scan
-    settings : dict
-        Every choice as plain data, under the names of the command line.
-    level : float
-        Confidence level of intervals.
-    notes : tuple of str
-        Assumptions made when reading.
-    provenance : dict
-        Version and inputs.
-    """
+    """A result, and its provenance."""
 
     result: Harmonics | Calibration | AnglePlan | Scan
-    settings: dict[str, Any]
-    level: float = 0.95
-    notes: tuple[str, ...] = ()
-    provenance: dict[str, str] = field(default_factory=provenance_of)
+    settings: dict[str, Any]  # every choice as plain data, under the names of the command line
+    level: float = 0.95  # confidence level of intervals
+    notes: tuple[str, ...] = ()  # assumptions made when reading
+    provenance: dict[str, str] = field(default_factory=provenance_of)  # version and inputs
 
     def choices(self) -> dict[str, Any]:
         """The recipe that was actually used, as plain data."""

@@ -28,19 +28,7 @@ def caveats(
     known: SquareRoot,
     prior: FloatArray | None,
 ) -> tuple[Finding, ...]:
-    """Findings about an experiment, performed or planned.
-
-    Parameters
-    ----------
-    gimbals, harmonics
-        What moves, and the orders estimated of each angle.
-    names : tuple of str
-        Names of the constants, amplitudes first.
-    known : SquareRoot
-        After all samples.
-    prior : array or None
-        Standard deviations before them.
-    """
+    """Findings about an experiment, performed or planned."""
     count = 2 * sum(map(len, harmonics.values()))
     errors, correlation = known.errors, correlation_of(known.covariance)
     found = [*_short(gimbals, harmonics, names, correlation), *_alike(names[:count], correlation)]

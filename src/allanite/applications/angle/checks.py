@@ -12,13 +12,7 @@ STILL = 0.01
 
 
 def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
-    """Finite float64 of shape (n,).
-
-    Raises
-    ------
-    DataError
-        It is something else; the message names the first bad sample.
-    """
+    """Finite float64 of shape (n,)."""
     array = np.asarray(values)
     if array.ndim != 1 or array.dtype.kind not in "fiu":
         raise DataError(f"{name} must be real numbers of shape (n,), not {array.dtype} of shape {array.shape}")
@@ -35,13 +29,7 @@ def column(name: str, values: ArrayLike, size: int | None = None) -> FloatArray:
 
 
 def demand_increasing(time: FloatArray) -> None:
-    """Refuse times that are not increasing.
-
-    Raises
-    ------
-    DataError
-        The message says where.
-    """
+    """Refuse times that are not increasing."""
     steps = np.diff(time)
     if (steps <= 0).any():
         at = int((steps <= 0).argmax())
@@ -53,13 +41,7 @@ def demand_increasing(time: FloatArray) -> None:
 
 
 def demand_motion(name: str, span: float, orders: tuple[int, ...], remedy: str) -> None:
-    """Refuse an angle that stands still; `span` is how far it moves, rad.
-
-    Raises
-    ------
-    DataError
-        The message says which, and what makes it move.
-    """
+    """Refuse an angle that stands still; `span` is how far it moves, rad."""
     period = 2 * math.pi / max(orders)
     if span < STILL * period:
         raise DataError(

@@ -68,13 +68,7 @@ USUAL = ("ax", "az", "A1", "A2", "A3")
 
 
 def harmonic_set(orders: Orders) -> dict[str, tuple[int, ...]]:
-    """Angle: orders, from a mapping or from orders for both sensors of the equatorial gyro.
-
-    Raises
-    ------
-    UsageError
-        An angle is unknown, or orders are no positive whole numbers.
-    """
+    """Angle: orders, from a mapping or from orders for both sensors of the equatorial gyro."""
     if isinstance(orders, Mapping):
         chosen = {angle: orders_of(k, f"orders of {angle}") for angle, k in orders.items()}
     else:
@@ -93,15 +87,7 @@ def amplitude_names(harmonics: Mapping[str, tuple[int, ...]]) -> tuple[str, ...]
 def design(
     gimbals: Gimbals, harmonics: Mapping[str, tuple[int, ...]], nuisance: Sequence[str]
 ) -> tuple[tuple[str, ...], FloatArray]:
-    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p).
-
-    Raises
-    ------
-    UsageError
-        A nuisance is unknown, or needs a rotation that there is not.
-    DataError
-        An angle does not move, so that its harmonics are constants.
-    """
+    """Names of the constants, and the rows by which the measured cosine depends on them, shape (n, p)."""
     for name in nuisance:
         demand_name("nuisance", name, NUISANCES)
     if len(set(nuisance)) < len(nuisance):

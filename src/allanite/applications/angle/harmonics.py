@@ -21,13 +21,7 @@ def waves(angle: FloatArray, orders: tuple[int, ...]) -> FloatArray:
 
 
 def orders_of(orders: Any, what: str = "orders") -> tuple[int, ...]:
-    """Orders of harmonics: different positive whole numbers.
-
-    Raises
-    ------
-    UsageError
-        They are something else.
-    """
+    """Orders of harmonics: different positive whole numbers."""
     try:
         found = tuple(int(k) for k in orders)
         fine = all(k == given and k > 0 for k, given in zip(found, orders, strict=True))

@@ -36,24 +36,6 @@ def solve(
 ) -> Solution:
     """Constants from samples.
 
-    Parameters
-    ----------
-    system : System
-    sigma : float, optional
-        Standard deviation of a sample's white noise; estimated from what is left over if not given.
-    prior : array, shape (p,), optional
-        Standard deviations of the constants about 0 before the samples.
-    method : {"recursive", "batch"}
-        Reading by reading with a history and innovations, or all at once: the same numbers, but then the history has
-        one line and the tests are made of plain residuals.
-
-    Raises
-    ------
-    DataError
-        There are fewer samples than constants, nothing varies, or the samples do not tell the constants apart.
-    UsageError
-        Sigma or prior is impossible.
-
     Examples
     --------
     >>> rng = np.random.default_rng(1)

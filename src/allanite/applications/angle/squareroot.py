@@ -18,15 +18,6 @@ BLOCK = 4096
 class SquareRoot(Value):
     """What is known of p constants x from n samples ``z = a x + v``, all divided by the deviation of v.
 
-    Attributes
-    ----------
-    factor : array, shape (p, p + 1)
-        Upper triangular ``[R | d]``: the estimate solves ``R x = d``, its covariance is ``(R^T R)^-1``.
-    squares : float
-        Sum of the squares that are left: of the innovations over their standard deviation.
-    count : int
-        Samples absorbed.
-
     Examples
     --------
     >>> known = SquareRoot.before(np.array([10.0, 10.0]))
@@ -35,9 +26,11 @@ class SquareRoot(Value):
     ([3.0, 1.0], 2)
     """
 
+    # shape (p, p + 1); upper triangular ``[R | d]``: the estimate solves ``R x = d``, its covariance is ``(R^T
+    # R)^-1``
     factor: FloatArray
-    squares: float = 0.0
-    count: int = 0
+    squares: float = 0.0  # sum of the squares that are left: of the innovations over their standard deviation
+    count: int = 0  # samples absorbed
 
     @classmethod
     def before(cls, prior: FloatArray) -> "SquareRoot":
@@ -45,19 +38,7 @@ class SquareRoot(Value):
         return cls(np.column_stack([np.diag(1 / prior), np.zeros(prior.size)]))
 
     def absorb(self, rows: FloatArray, values: FloatArray) -> tuple["SquareRoot", FloatArray]:
-        """Take in samples one after the other, by Givens rotations.
-
-        Parameters
-        ----------
-        rows : array, shape (k, p)
-        values : array, shape (k,)
-
-        Returns
-        -------
-        SquareRoot
-        innovations : array, shape (k,)
-            Reading minus what was expected of it, over the standard deviation of that: white with unit variance.
-        """
+        """Take in samples one after the other, by Givens rotations."""
         from allanite.kernels.givens import absorb
 
         factor = self.factor.copy()
@@ -112,15 +93,7 @@ class SquareRoot(Value):
 
 
 def batch(rows: FloatArray, values: FloatArray, prior: FloatArray | None = None) -> SquareRoot:
-    """All samples at once, by Householder reflections of blocks: the twin of `SquareRoot.absorb`.
-
-    Parameters
-    ----------
-    rows : array, shape (n, p)
-    values : array, shape (n,)
-    prior : array, shape (p,), optional
-        Standard deviations about 0 before the samples; without them `factor` may be singular.
-    """
+    """All samples at once, by Householder reflections of blocks: the twin of `SquareRoot.absorb`."""
     p = rows.shape[1]
     triangle = np.zeros((p + 1, p + 1))
     if prior is not None:

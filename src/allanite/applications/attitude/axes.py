@@ -15,13 +15,6 @@ class Axes:
 
     With the vertical axis up the second is to the left, with the vertical axis down to the right.
 
-    Attributes
-    ----------
-    index : tuple of int
-        0, 1 or 2 for x, y or z of the file.
-    sign : tuple of int
-        -1 for an axis that points the other way.
-
     Examples
     --------
     >>> Axes.of("y,-x,z")
@@ -30,18 +23,12 @@ class Axes:
     'x,z,-y'
     """
 
-    index: tuple[int, ...] = (0, 1, 2)
-    sign: tuple[int, ...] = (1, 1, 1)
+    index: tuple[int, ...] = (0, 1, 2)  # 0, 1 or 2 for x, y or z of the file
+    sign: tuple[int, ...] = (1, 1, 1)  # -1 for an axis that points the other way
 
     @classmethod
     def of(cls, text: str) -> "Axes":
-        """Read three names with signs.
-
-        Raises
-        ------
-        UsageError
-            They are not x, y and z in some order, or left-handed.
-        """
+        """Read three names with signs."""
         parts = [part.strip().lower() for part in text.split(",")]
         index = [NAMES.find(part.lstrip("+-")) for part in parts]
         if sorted(index) != [0, 1, 2] or any(len(part) > 2 for part in parts):
@@ -83,12 +70,7 @@ class Axes:
 
 
 def demand_upright(force: FloatArray) -> None:
-    """Refuse specific forces whose mean, shape (3,), is not mostly along z.
-
-    Raises
-    ------
-    DataError
-    """
+    """Refuse specific forces whose mean, shape (3,), is not mostly along z."""
     found = Axes.upright(force)
     if found.index[2] == 2:
         return

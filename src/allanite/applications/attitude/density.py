@@ -46,13 +46,7 @@ class SensorNoise:
     def of(
         cls, gyro: ModelLike, accelerometer: ModelLike, duration: float | None = None, rate: float | None = None
     ) -> "SensorNoise":
-        """Both noises, checked.
-
-        Raises
-        ------
-        UsageError, UnitError
-            A model is of another sensor, or needs a horizon or a sampling rate that is not given.
-        """
+        """Both noises, checked."""
         models = usable_model(gyro), usable_model(accelerometer)
         for model, sensor in zip(models, SENSORS, strict=True):
             if model.signal.name != sensor:

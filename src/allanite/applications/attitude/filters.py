@@ -50,29 +50,17 @@ class Setting:
 
 @dataclass(frozen=True)
 class AttitudeFilter:
-    """A row of `FILTERS`.
+    """A row of `FILTERS`."""
 
-    Attributes
-    ----------
-    name, title, formula, reference
-        Name, description, LaTeX formula and source.
-    run : (inertial, setting) -> angles
-    looped : bool
-        Whether `predicted_error` holds for it: a linear filter with the gains of a `Loop`.
-    estimates : bool
-        Whether it estimates the gyro bias.
-    best : noises -> Loop
-        Its gains for the noise of roll and of pitch.
-    """
-
+    # name, title, formula, reference: name, description, LaTeX formula and source
     name: str
     title: str
     formula: str
     reference: str
     run: Callable[[Inertial, Setting], Angles]
-    looped: bool = False
-    estimates: bool = False
-    best: Callable[[Sequence[SensorNoise]], Loop] = best_first_order
+    looped: bool = False  # whether `predicted_error` holds for it: a linear filter with the gains of a `Loop`
+    estimates: bool = False  # whether it estimates the gyro bias
+    best: Callable[[Sequence[SensorNoise]], Loop] = best_first_order  # its gains for the noise of roll and of pitch
 
 
 def _complementary(data: Inertial, setting: Setting) -> Angles:
@@ -184,11 +172,5 @@ FILTERS: dict[str, AttitudeFilter] = {
 
 
 def filter_named(name: str) -> AttitudeFilter:
-    """The row of `FILTERS` of this name.
-
-    Raises
-    ------
-    UsageError
-        The name is unknown.
-    """
+    """The row of `FILTERS` of this name."""
     return row_of("filter", name, FILTERS)

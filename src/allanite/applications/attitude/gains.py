@@ -25,13 +25,7 @@ Bias = tuple[float, float]
 
 
 def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
-    """The filter of first order with the least sum of squares of the errors of several angles.
-
-    Raises
-    ------
-    UsageError
-        The least error is at an end of the range of time constants.
-    """
+    """The filter of first order with the least sum of squares of the errors of several angles."""
     from scipy.optimize import minimize_scalar
 
     def error(log: float) -> float:
@@ -93,13 +87,7 @@ def best_second_order(noises: Sequence[SensorNoise]) -> Loop:
 
 
 def best_kalman(noises: Sequence[SensorNoise]) -> Loop:
-    """The steady Kalman filter for the mean power of several angles.
-
-    Raises
-    ------
-    DataError
-        The accelerometers have no white noise.
-    """
+    """The steady Kalman filter for the mean power of several angles."""
 
     def size(models: Sequence[Model], symbol: str) -> float:
         return math.sqrt(sum(t.value**2 for m in models for t in m if t.symbol == symbol) / len(models))

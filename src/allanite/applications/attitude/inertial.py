@@ -63,13 +63,7 @@ class Inertial:
 
 
 def six_channels(recording: Recording) -> tuple[tuple[Record, ...], tuple[Record, ...]]:
-    """The three gyros and the three accelerometers of a recording, in the order of their channels.
-
-    Raises
-    ------
-    DataError
-        There are not three of each, or they differ in length or rate.
-    """
+    """The three gyros and the three accelerometers of a recording, in the order of their channels."""
     found = tuple(tuple(r for r in recording if r.signal.name == sensor) for sensor in SENSORS)
     counts = [plural(len(records), sensor) for records, sensor in zip(found, SENSORS, strict=True)]
     if any(len(records) != 3 for records in found):
@@ -90,14 +84,7 @@ def six_channels(recording: Recording) -> tuple[tuple[Record, ...], tuple[Record
 
 
 def inertial(recording: Recording, axes: Axes | None = None) -> Inertial:
-    """The six channels as arrays along `axes`, checked; by default x, y, z, of which z must be vertical.
-
-    Raises
-    ------
-    DataError
-        Samples are missing, the units are implausible, the specific force is zero throughout, or gravity is not along
-        z although no axes are given.
-    """
+    """The six channels as arrays along `axes`, checked; by default x, y, z, of which z must be vertical."""
     gyros, accelerometers = six_channels(recording)
     for record in (*gyros, *accelerometers):
         demand_whole(record)

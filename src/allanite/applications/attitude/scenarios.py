@@ -16,22 +16,13 @@ Motion = tuple[FloatArray, FloatArray]
 
 @dataclass(frozen=True)
 class Scenario:
-    """A row of `SCENARIOS`.
-
-    Attributes
-    ----------
-    name, title : str
-    angles : t -> roll and pitch, rad
-    forward : t -> acceleration along the course, m/s^2
-    lever : float
-        Height of the sensor above the center of rotation, m.
-    """
+    """A row of `SCENARIOS`."""
 
     name: str
     title: str
     angles: Callable[[FloatArray], Motion]
     forward: Callable[[FloatArray], FloatArray]
-    lever: float = 0.0
+    lever: float = 0.0  # height of the sensor above the center of rotation, m
 
 
 def _level(t: FloatArray) -> Motion:

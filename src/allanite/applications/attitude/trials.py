@@ -122,20 +122,7 @@ AXES = (1.0, -0.7, 0.5)
 def design(
     found: Optimum, *, bias: float = 0.0, scenarios: bool = False, rate: float | None = None, seed: int = 1
 ) -> VerticalDesign:
-    """The best filters, with the errors of `compared` filters and of the best one in every scenario.
-
-    Parameters
-    ----------
-    found : Optimum
-    bias : float
-        Bias of the gyro x, rad/s; those of y and z are -0.7 and 0.5 of it.
-    scenarios : bool
-        Whether to simulate them.
-    rate : float, optional
-        Sampling rate of the simulation, Hz; 100 by default.
-    seed : int
-        Of the random number generator.
-    """
+    """The best filters, with the errors of `compared` filters and of the best one in every scenario."""
     if not scenarios:
         return VerticalDesign(found)
     chosen = {say("best, first order"): ("complementary", Setting(found.first.loop)), **compared()}

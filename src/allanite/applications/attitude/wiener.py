@@ -49,17 +49,6 @@ def wiener_error(noise: SensorNoise, best: Loop) -> float:
 
     Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without a
     sampling rate the grid is that of a fine one.
-
-    Parameters
-    ----------
-    noise : SensorNoise
-    best : Loop
-        The best filter of first order.
-
-    Raises
-    ------
-    UsageError
-        One of the sensors has no noise.
     """
     interval, longest = noise.interval or best.time_constant / STEPS, MEMORY * best.time_constant
     if noise.duration:

@@ -104,13 +104,7 @@ class CompensationStudy(Job[Compensated]):
 
     @property
     def corrected(self) -> Recording:
-        """The corrected records, of the other file if there is one.
-
-        Raises
-        ------
-        DataError
-            There are none.
-        """
+        """The corrected records, of the other file if there is one."""
         kept = tuple(c.corrected for c in self.applied or self.channels if isinstance(c.corrected, Record))
         if not kept:
             raise DataError("no channel was corrected: there is nothing to write")

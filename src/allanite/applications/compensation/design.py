@@ -33,30 +33,15 @@ SAME = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """Rates and columns of a record, and where they count.
+    """Rates and columns of a record, and where they count."""
 
-    Attributes
-    ----------
-    y : array, shape (n,)
-        Rates, SI.
-    X : array, shape (n, p)
-        Columns, each divided by its `size`.
-    regressors : tuple of Regressor
-    size : array, shape (p,)
-    stretches : tuple of (first, behind last)
-    rate : float
-    optional : bool array, shape (p,)
-        Columns that enter only where cross-validation wants them.
-    notes : tuple of str
-    """
-
-    y: FloatArray
-    X: FloatArray
+    y: FloatArray  # shape (n,); rates, SI
+    X: FloatArray  # shape (n, p); columns, each divided by its `size`
     regressors: tuple[Regressor, ...]
-    size: FloatArray
+    size: FloatArray  # shape (p,)
     stretches: tuple[Stretch, ...]
     rate: float
-    optional: NDArray[np.bool_]
+    optional: NDArray[np.bool_]  # shape (p,); columns that enter only where cross-validation wants them
     notes: tuple[str, ...]
 
     def only(self, kept: Sequence[int]) -> "Design":
@@ -92,12 +77,7 @@ class Design:
         return restricted(rates, self.X, parts or self.stretches, rate=self.rate, symbols=symbols)
 
     def demand_separable(self, used: NDArray[np.bool_]) -> None:
-        """Refuse columns of which one is, where the samples are used, a sum of others.
-
-        Raises
-        ------
-        DataError
-        """
+        """Refuse columns of which one is, where the samples are used, a sum of others."""
         Z = self.X[used] - self.X[used].mean(axis=0)
         values, vectors = np.linalg.eigh(Z.T @ Z / used.sum())
         if values[0] > SAME:
@@ -115,16 +95,7 @@ class Design:
 
 
 def design(record: Record, along: Recording, settings: CompensationSettings) -> Design:
-    """The columns of a record.
-
-    Raises
-    ------
-    UsageError
-        A regressor is missing.
-    DataError
-        A regressor is constant or a linear combination of others; samples are missing and the record is not split;
-        nothing remains.
-    """
+    """The columns of a record."""
     named = dict.fromkeys((*settings.regressors, *settings.derivative_of))
     channels = {name: _measured(name, record, along) for name in named}
     listed = list(_regressors(record, channels, settings))

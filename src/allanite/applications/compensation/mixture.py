@@ -105,18 +105,6 @@ def mixture(likelihood: Likelihood, symbols: str) -> tuple[FloatArray, FloatArra
     the spectrum only. With it at its most likely value, a tenth of records show an effect that is not there. Averaged
     over all noise allowed by the restricted likelihood, each term between zero and where 2 L has risen by `REACH`, the
     coefficients have the wide tails of Student's t, and the intervals remain valid if the noise was not observed.
-
-    Parameters
-    ----------
-    likelihood : Likelihood
-        Likelihood of `restricted`; its flat directions are the coefficients.
-    symbols : str
-        Its terms.
-
-    Returns
-    -------
-    (best, mean, mixture)
-        Squared noise coefficients, shape (terms,): the most likely ones and their average; and the coefficients.
     """
     every = np.ones(len(symbols), dtype=bool)
     best, least = likelihood.minimise(every)

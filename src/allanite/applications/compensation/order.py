@@ -10,26 +10,16 @@ from .regression import Regression
 
 @dataclass(frozen=True, repr=False)
 class Order(Value):
-    """Root mean square over the range of the part of the highest power that no lower one follows, SI.
-
-    Attributes
-    ----------
-    power : int
-    rms, low, high : float
-        It is |b_n| h^n 2^n n!^2 / (2n)! / sqrt(2n + 1), with the coefficient b_n of a fit of all powers up to n and h
-        half the range: x^n less its best fit of lower powers is a Legendre polynomial.
-    p : float
-        p-value of the coefficient.
-    explained : float or None
-        Share of the variance that all powers up to n remove from blocks that were held back.
-    """
+    """Root mean square over the range of the part of the highest power that no lower one follows, SI."""
 
     power: int
+    # rms, low, high: it is |b_n| h^n 2^n n!^2 / (2n)! / sqrt(2n + 1), with the coefficient b_n of a fit of all powers
+    # up to n and h half the range: x^n less its best fit of lower powers is a Legendre polynomial
     rms: float
     low: float
     high: float
-    p: float
-    explained: float | None
+    p: float  # p-value of the coefficient
+    explained: float | None  # share of the variance that all powers up to n remove from blocks that were held back
 
 
 def order(regression: Regression, level: float = 0.95) -> Order:

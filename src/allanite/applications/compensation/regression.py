@@ -192,13 +192,7 @@ class Regression(Correction):
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> Self:
-        """The regression written by `to_dict`.
-
-        Raises
-        ------
-        DataError
-            It is none, or was changed so that it makes no sense.
-        """
+        """The regression written by `to_dict`."""
         try:
             found = super()._stored(data)
         except AllaniteError as error:

@@ -193,13 +193,7 @@ def readings(channel: str, unit: str, record: Record, along: Recording | None) -
 
 
 def demand_clock(record: Record, other: Record) -> None:
-    """Make sure that a channel is on the record's clock.
-
-    Raises
-    ------
-    DataError
-        Rate, start or length differ.
-    """
+    """Make sure that a channel is on the record's clock."""
     same_rate = math.isclose(record.rate, other.rate, rel_tol=1e-9)
     apart = 0.0 if record.start is None or other.start is None else abs(record.start - other.start)
     lengths = (record.size, record.size + 1) if record.kind == "angle" else (record.size,)

@@ -23,25 +23,7 @@ FEW = 4
 
 
 def restricted(y: FloatArray, X: FloatArray, stretches: Sequence[Stretch], *, rate: float, symbols: str) -> Likelihood:
-    """Likelihood of the noise terms in `y` less any combination of the columns of `X`.
-
-    Parameters
-    ----------
-    y : array, shape (n,)
-        Rates.
-    X : array, shape (n, p)
-    stretches : sequence of (first, behind last)
-        Samples that count.
-    rate : float
-        Hz.
-    symbols : str
-        Noise terms, keys of `TERMS`.
-
-    Returns
-    -------
-    Likelihood
-        Its last p directions are the columns of X; the bins of the stretches follow one another.
-    """
+    """Likelihood of the noise terms in `y` less any combination of the columns of `X`."""
     edged = len(stretches) <= FEW
     parts = [_part(y[a:b], X[a:b], rate, symbols) for a, b in stretches]
     edges = sum(e for _, e, _, _ in parts) if edged else 0

@@ -17,19 +17,6 @@ def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
     At the ends the window is cut off, and the line fitted to what is left. A reading that is NaN counts for nothing in
     its neighbours' windows, and has no slope of its own.
 
-    Parameters
-    ----------
-    x : array, shape (n,)
-    rate : float
-        Hz.
-    window : float
-        Length of the window, s.
-
-    Raises
-    ------
-    UsageError
-        The window is shorter than 60 s or holds fewer than 3 samples.
-
     Examples
     --------
     >>> x = 0.5 * np.arange(300.0)

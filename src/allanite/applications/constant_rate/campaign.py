@@ -90,13 +90,7 @@ class RateSettings(RateChoices, Value):
         return self.latitude is not None and not self.horizontal
 
     def experiment_on(self, record: Record) -> ExperimentSettings:
-        """The settings of the experiment on a record, whose reference may be the earth's rate.
-
-        Raises
-        ------
-        DataError
-            The given rates belong to another type of sensor.
-        """
+        """The settings of the experiment on a record, whose reference may be the earth's rate."""
         if self.signal is not None and self.signal is not record.signal:
             raise DataError(
                 say("the given true rate or bias belongs to another type of sensor: {sensor}",

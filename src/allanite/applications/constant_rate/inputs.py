@@ -32,13 +32,7 @@ def reading_size(record: Record) -> float:
 
 
 def demand_whole(record: Record) -> None:
-    """Refuse samples that are not finite.
-
-    Raises
-    ------
-    DataError
-        It says how many there are and where the first is.
-    """
+    """Refuse samples that are not finite."""
     bad = ~np.isfinite(record.values)
     if bad.any():
         raise DataError(

@@ -12,24 +12,12 @@ from .setting import Task
 
 @dataclass(frozen=True, eq=False)
 class Interval:
-    """The data of one measurement.
+    """The data of one measurement."""
 
-    Attributes
-    ----------
-    steps : array, shape (n,)
-        Samples per sample interval, `offset` subtracted, dither sinusoids removed.
-    offset : float
-        In samples.
-    size : float
-        Rate of one sample, SI.
-    pulse : float
-        Quantum of the angle in samples; NaN where there is none.
-    """
-
-    steps: FloatArray
-    offset: float
-    size: float
-    pulse: float
+    steps: FloatArray  # shape (n,); samples per sample interval, `offset` subtracted, dither sinusoids removed
+    offset: float  # in samples
+    size: float  # rate of one sample, SI
+    pulse: float  # quantum of the angle in samples; NaN where there is none
 
 
 class RateMeasurement(NamedTuple):
@@ -42,34 +30,22 @@ class RateMeasurement(NamedTuple):
 
 @dataclass(frozen=True)
 class RateEstimator:
-    """A row of `RATE_ESTIMATORS`.
+    """A row of `RATE_ESTIMATORS`."""
 
-    Attributes
-    ----------
-    name, title, formula, reference
-        What it is called, as text, LaTeX, source.
-    assumes : str
-        When it is the best there is.
-    weights : task -> array, shape (n,)
-        The weights of the rates, their sum is 1; of a method that is not linear, those to which it tends.
-    measure : (interval, weights, task) -> RateMeasurement
-    excess : task -> float
-        Variance beyond that of the weights, SI; NaN where it is not known.
-    needs_model, needs_quantum : bool
-    color : str
-        Color of its line in figures, ``#RRGGBB``.
-    """
-
+    # name, title, formula, reference: what it is called, as text, LaTeX, source
     name: str
     title: str
     formula: str
     reference: str
-    assumes: str
+    assumes: str  # when it is the best there is
+    # shape (n,); the weights of the rates, their sum is 1; of a method that is not linear, those to which it tends
     weights: Callable[[Task], FloatArray]
     measure: Callable[[Interval, FloatArray, Task], RateMeasurement]
+    # variance beyond that of the weights, SI; NaN where it is not known
     excess: Callable[[Task], float] = lambda task: 0.0
     needs_model: bool = False
     needs_quantum: bool = False
+    # color of its line in figures, ``#RRGGBB``
     color: str = "#6B6B6B"
 
     def lacks(self, task: Task) -> str:

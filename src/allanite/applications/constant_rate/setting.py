@@ -35,32 +35,15 @@ class EstimatorSettings(EstimatorChoices, Value):
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What the weights of an estimator follow from: everything but the data.
+    """What the weights of an estimator follow from: everything but the data."""
 
-    Attributes
-    ----------
-    size : int
-        Number of sample intervals.
-    rate : float
-        Sampling rate, Hz.
-    model : Model or None
-        The noise.
-    target : str
-        A name in `TARGETS`: what is estimated where the rate itself drifts.
-    dither : tuple of float
-        Frequencies of sinusoids to be removed, Hz.
-    options : EstimatorSettings
-    pulse : float
-        Quantum of the angle, SI; NaN where there is none.
-    """
-
-    size: int
-    rate: float
-    model: Model | None = None
-    target: str = "mean"
-    dither: tuple[float, ...] = ()
+    size: int  # number of sample intervals
+    rate: float  # sampling rate, Hz
+    model: Model | None = None  # the noise
+    target: str = "mean"  # a name in `TARGETS`: what is estimated where the rate itself drifts
+    dither: tuple[float, ...] = ()  # frequencies of sinusoids to be removed, Hz
     options: EstimatorSettings = field(default_factory=EstimatorSettings)
-    pulse: float = float("nan")
+    pulse: float = float("nan")  # quantum of the angle, SI; NaN where there is none
 
     def __post_init__(self) -> None:
         if self.size < 3:

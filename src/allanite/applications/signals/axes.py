@@ -48,22 +48,6 @@ def mixed(currents: Recording, axes: Sequence[float], stages: Sequence[Stage] = 
     given as a current of unit weight and its length, so that rounding errors of both converters, which are independent
     and alike, are those of one converter of that scale.
 
-    Parameters
-    ----------
-    currents : Recording
-        Two channels, of x and y, of one kind: currents, voltages or codes.
-    axes : sequence of 4 float
-        xx, xy, yx, yy.
-    stages : sequence of Stage
-        What rounded them.
-
-    Raises
-    ------
-    DataError
-        There are not two channels of one kind, or samples are clipped.
-    UsageError
-        The matrix is singular, or not four numbers.
-
     Examples
     --------
     >>> x = Record([1.0, 2.0, 3.0], rate=10.0, unit="mA", name="ix")

@@ -37,42 +37,21 @@ MATTERS = 0.01
 
 @dataclass(frozen=True, repr=False)
 class StageNoise(Value):
-    """The noise added by one stage.
-
-    Attributes
-    ----------
-    stage : Stage
-    symbol : {"N", "Q"}
-        Type of its noise: white rate noise, or quantization noise of the angle.
-    signal : Signal
-    step : float
-        Size of its last bit: rate or angle, SI.
-    coefficient : float
-        step / sqrt(12), for N times the square root of the sample interval; SI.
-    measured : float or None
-        The coefficient identified in the record, SI; None if it is absent.
-    limit : float or None
-        Upper limit of the coefficient in the record, if it is absent.
-    enough : int or None
-        Number of bits at which its share of the measured variance, or of the limit, would be below 1 %.
-    clipped : int
-        Number of samples at the ends of its range.
-    codes : Codes or None
-        Codes of the samples; None if they are not multiples of its step.
-    """
+    """The noise added by one stage."""
 
     _also = ("share", "shown")
 
     stage: Stage
-    symbol: str
+    symbol: str  # type of its noise: white rate noise, or quantization noise of the angle. One of "N", "Q".
     signal: Signal
-    step: float
-    coefficient: float
-    measured: float | None
-    limit: float | None
+    step: float  # size of its last bit: rate or angle, SI
+    coefficient: float  # step / sqrt(12), for N times the square root of the sample interval; SI
+    measured: float | None  # the coefficient identified in the record, SI; None if it is absent
+    limit: float | None  # upper limit of the coefficient in the record, if it is absent
+    # number of bits at which its share of the measured variance, or of the limit, would be below 1 %
     enough: int | None
-    clipped: int
-    codes: Codes | None
+    clipped: int  # number of samples at the ends of its range
+    codes: Codes | None  # codes of the samples; None if they are not multiples of its step
 
     @classmethod
     def of(cls, rate: Record, fit: Fit, stage: Stage, per: float, clipped: int) -> Self:

@@ -163,13 +163,7 @@ def limits_of(record: Record, stage: Stage) -> tuple[float, float] | None:
 
 
 def demand_unclipped(record: Record, stage: Stage) -> int:
-    """How many samples lie at the ends of the stage's range.
-
-    Raises
-    ------
-    DataError
-        More than 0.1 % do.
-    """
+    """How many samples lie at the ends of the stage's range."""
     limits = limits_of(record, stage)
     if limits is None:
         return 0

@@ -27,12 +27,6 @@ def joint(record: Record, symbols: Sequence[str]) -> Fit:
 
     Each point is weighted by its degrees of freedom under the fit. The points are not independent, so there are no
     standard errors.
-
-    Parameters
-    ----------
-    record : Record
-    symbols : sequence of str
-        Keys of `TERMS`.
     """
     curves = [deviation(record, name, gaps="complete") for name in PAIR]
     signal = signal_of(curves[0], 1)

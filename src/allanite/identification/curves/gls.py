@@ -102,19 +102,6 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     theobr and theoh); C is iterated, beginning with relative weights (after Vaccaro and Zaki, IEEE Trans. Instrum.
     Meas. 61, 2012, 673). Standard errors are the roots of the diagonal of ``(X' C^-1 X)^-1``; limits
     are the values that the likelihood ratio of `inversion` does not reject.
-
-    Parameters
-    ----------
-    curve : Curve
-        Curve of a statistic with overlapping windows, SI. Of theobr and theoh the bias ratio is divided out first: what
-        remains is oadev and Theo1, whose expectation is exact for any mixture.
-    symbols : sequence of str
-        Keys of `TERMS`.
-
-    Raises
-    ------
-    DataError
-        There are fewer points than terms.
     """
     signal = signal_of(curve, 1)
     which = octaves(curve)

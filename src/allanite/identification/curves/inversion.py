@@ -46,25 +46,17 @@ FINE = 1001
 
 @dataclass(frozen=True, eq=False)
 class RatioLimits(Portable):
-    """Likelihood ratios of the squares of the coefficients of a curve.
+    """Likelihood ratios of the squares of the coefficients of a curve."""
 
-    Attributes
-    ----------
-    columns, products : arrays, shapes (k, t) and (k, k, t, t)
-        Expectation and covariance of the points under terms with coefficients of 1.
-    variance : array, shape (k,)
-    start, error : arrays, shape (t,)
-        Squares of the coefficients near the minimum, and their standard errors, infinite if not observed.
-    slow : tuple of int
-        Terms that are integrated over, not profiled.
-    """
-
+    # columns, products: expectation and covariance of the points under terms with coefficients of 1
     columns: FloatArray
     products: FloatArray
-    variance: FloatArray
+    variance: FloatArray  # shape (k,)
+    # start, error: shape (t,); squares of the coefficients near the minimum, and their standard errors, infinite if
+    # not observed
     start: FloatArray
     error: FloatArray
-    slow: tuple[int, ...] = ()
+    slow: tuple[int, ...] = ()  # terms that are integrated over, not profiled
 
     def cost(self, theta: FloatArray) -> tuple[float, FloatArray]:
         """-2 log likelihood and its derivatives, shape (t,)."""

@@ -21,13 +21,6 @@ def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
 
     All points have the same absolute weight, so that the shortest tau dominates: the errors are 2 to 90 times the
     Cramer-Rao bound. A square may come out negative; this is reported.
-
-    Parameters
-    ----------
-    curve : Curve
-        adev or oadev, SI.
-    symbols : sequence of str
-        Keys of `TERMS`.
     """
     signal = signal_of(curve, len(symbols))
     columns = lines(curve, symbols)
@@ -61,18 +54,6 @@ def whole(curve: Curve, symbols: Sequence[str]) -> Fit:
     The same lines as `least_squares`, at about a hundred averaging times up to the longest of the statistic, where one
     or two degrees of freedom are left. Of a hybrid the variance contains its bias ratio, as in the papers that
     recommend it (Tang, Cheng and Gao, Acta Armamentarii 36, 2015, 1688); the lines are those of the Allan variance.
-
-    Parameters
-    ----------
-    curve : Curve
-        adev, oadev, theobr or theoh, SI.
-    symbols : sequence of str
-        Keys of `TERMS`.
-
-    Raises
-    ------
-    DataError
-        There are fewer points than terms, or one of them is zero.
     """
     signal = signal_of(curve, len(symbols))
     columns = lines(curve, symbols)

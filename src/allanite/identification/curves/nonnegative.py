@@ -24,13 +24,6 @@ def nnls(curve: Curve, symbols: Sequence[str]) -> Fit:
 
     The much larger scatter of points at long tau is not taken into account. Farther out the well determined terms only
     become worse, whichever the statistic (docs/methods.md).
-
-    Parameters
-    ----------
-    curve : Curve
-        Curve of a statistic that is `readable`, SI.
-    symbols : sequence of str
-        Keys of `TERMS`.
     """
     signal = signal_of(curve, 1)
     which = early(curve, 0.1)

@@ -23,16 +23,6 @@ def piecewise(curve: Curve, symbols: Sequence[str], ranges: Mapping[str, tuple[f
     """Coefficients from the mean of ``log sigma - slope log tau`` over a range of averaging times for each term.
 
     Assumes that no other term contributes there, which is rarely true: the others make every value too large.
-
-    Parameters
-    ----------
-    curve : Curve
-        oadev or adev, SI.
-    symbols : sequence of str
-        Keys of `TERMS`.
-    ranges : mapping of symbol to (low, high), optional
-        Averaging times, s; they must not overlap. By default the longest stretch, up to a tenth of the record, where
-        the local slope is within 0.25 of the term's; a term without such a stretch is not identified.
     """
     signal = signal_of(curve, 2)
     given = demand_ranges(ranges) if ranges is not None else {}

@@ -17,15 +17,7 @@ from allanite.statistics.table import STATISTICS
 
 
 def signal_of(curve: Curve, points: int) -> Signal:
-    """The signal of a curve.
-
-    Raises
-    ------
-    DataError
-        The curve has fewer than `points` points, or one of them is zero.
-    UsageError
-        The curve is not in SI.
-    """
+    """The signal of a curve."""
     if curve.tau.size < points or not np.all(curve.variance > 0):
         raise DataError(
             say(
@@ -72,13 +64,7 @@ def reported(
 def result(
     curve: Curve, estimates: Sequence[Estimate], method: str, *, notes: Sequence[str], model: Model | None = None
 ) -> Fit:
-    """The fit; its model, unless given, contains the terms estimated above zero.
-
-    Raises
-    ------
-    DataError
-        There are none.
-    """
+    """The fit; its model, unless given, contains the terms estimated above zero."""
     signal = estimates[0].signal
     terms = tuple(Term(e.symbol, e.value, signal) for e in estimates if e.value is not None and e.value > 0)
     if model is None and not terms:

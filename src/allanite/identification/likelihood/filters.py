@@ -31,23 +31,14 @@ AVERAGED, TWICE, THRICE = 0.443, 0.3189, 0.2617
 
 @dataclass(frozen=True)
 class Filter:
-    """A low-pass filter.
-
-    Attributes
-    ----------
-    title : str
-    gain : (frequency, cut-off) -> power
-        Both in cycles per sample; the frequency is an array. 1 at zero frequency.
-    starts : array
-        Cut-offs at which the search begins, the highest first: between their ends the cut-off is looked for.
-    whole : bool
-        Whether `starts` are whole numbers of samples, each of which has zeros of its own.
-    """
+    """A low-pass filter."""
 
     title: str
+    # both in cycles per sample; the frequency is an array. 1 at zero frequency.
     gain: Callable[[FloatArray, float], FloatArray]
+    # cut-offs at which the search begins, the highest first: between their ends the cut-off is looked for
     starts: FloatArray = field(default_factory=lambda: _octaves(HIGHEST))
-    whole: bool = False
+    whole: bool = False  # whether `starts` are whole numbers of samples, each of which has zeros of its own
 
     def edges(self, cutoff: float) -> float:
         """Variance of white noise behind the filter at either edge of a record, over that before the filter.

@@ -45,19 +45,12 @@ FAR = 9.0
 
 @dataclass(frozen=True, eq=False)
 class Law(Portable):
-    """The law of the root of a theta.
+    """The law of the root of a theta."""
 
-    Attributes
-    ----------
-    root, below : arrays, shape (points,)
-        Values, and the probability of less.
-    zero : float
-        Confidence, one-sided, with which the likelihood leaves zero: that of zero or less.
-    """
-
+    # root, below: shape (points,); values, and the probability of less
     root: FloatArray
     below: FloatArray
-    zero: float
+    zero: float  # confidence, one-sided, with which the likelihood leaves zero: that of zero or less
 
     def quantile(self, p: float) -> float:
         """The value below which the root lies with probability p."""

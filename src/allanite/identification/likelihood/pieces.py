@@ -54,28 +54,15 @@ GRID = 24
 
 @dataclass(frozen=True, eq=False)
 class PieceReading(Portable):
-    """How a record in pieces is read.
+    """How a record in pieces is read."""
 
-    Attributes
-    ----------
-    length, times : arrays, shape (l,)
-        The lengths that pieces have, and how many have each.
-    ratio : float
-        Q^2 / N^2, angles in units of the sample interval, that the weights suppose.
-    least : int
-        PieceReading that are shorter take no part below `split`: they would add noise only.
-    split : float
-        Frequency between the parts, radians a sample.
-    edges : int array
-        Bounds of the bins, in coefficients of the joined record.
-    """
-
+    # length, times: shape (l,); the lengths that pieces have, and how many have each
     length: IntArray
     times: IntArray | FloatArray
-    ratio: float
-    least: int
-    split: float
-    edges: IntArray
+    ratio: float  # Q^2 / N^2, angles in units of the sample interval, that the weights suppose
+    least: int  # PieceReading that are shorter take no part below `split`: they would add noise only
+    split: float  # frequency between the parts, radians a sample
+    edges: IntArray  # bounds of the bins, in coefficients of the joined record
 
     @property
     def size(self) -> int:

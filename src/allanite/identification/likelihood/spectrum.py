@@ -64,56 +64,33 @@ class PieceBins(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class BinnedSpectrum(Portable):
-    """Binned powers of the orthonormal DCT-II of a rate, in the record's own unit.
+    """Binned powers of the orthonormal DCT-II of a rate, in the record's own unit."""
 
-    Attributes
-    ----------
-    size, rate : int, float
-        Number of samples and sampling rate: coefficient k belongs to the frequency k rate / (2 size).
-    first, count : int arrays, shape (bins,)
-        First index and number of coefficients of each bin.
-    power, peak, peak_at : arrays, shape (bins,)
-        Mean and largest squared coefficient, and the index of the largest.
-    even, odd : arrays, shape (bins,)
-        Sums of the coefficients of even and of odd index.
-    ramp : array, shape (at most 64,)
-        Coefficients 1, 2, ... of a ramp of one unit per sample.
-    slope : float
-        A ramp that was subtracted before, in the unit per sample.
-    gaps : Gaps
-        The gaps; `size` samples remain.
-    unit_factor : float
-        The record's unit of rate in SI.
-    times : array, shape (at most 4096,)
-        With gaps, times of remaining samples, in the middles of equal blocks of them, in samples; otherwise empty.
-    detrended : bool
-        Whether a ramp is looked for, and with it the steps of a slow noise during long gaps.
-    cut : float
-        Time of the first sample in the recording, s.
-    rounding : float
-        Power of the rounding of a rate to a known step, 0 if there is none.
-    pieces : PieceBins, optional
-        How pieces are read, between gaps or of a stream, where the whole record holds the low frequencies only.
-    """
-
+    # size, rate: number of samples and sampling rate: coefficient k belongs to the frequency k rate / (2 size)
     size: int
     rate: float
+    # first, count: shape (bins,); first index and number of coefficients of each bin
     first: IntArray
     count: IntArray
+    # power, peak, peak_at: shape (bins,); mean and largest squared coefficient, and the index of the largest
     power: FloatArray
     peak: FloatArray
     peak_at: IntArray
+    # even, odd: shape (bins,); sums of the coefficients of even and of odd index
     even: FloatArray
     odd: FloatArray
-    ramp: FloatArray
-    slope: float
-    gaps: Gaps
-    unit_factor: float
+    ramp: FloatArray  # shape (at most 64,); coefficients 1, 2, ... of a ramp of one unit per sample.
+    slope: float  # a ramp that was subtracted before, in the unit per sample
+    gaps: Gaps  # the gaps; `size` samples remain
+    unit_factor: float  # the record's unit of rate in SI
+    # shape (at most 4096,); with gaps, times of remaining samples, in the middles of equal blocks of them, in
+    # samples; otherwise empty
     times: FloatArray
+    # how pieces are read, between gaps or of a stream, where the whole record holds the low frequencies only
     pieces: PieceBins | None = None
-    rounding: float = 0.0
-    detrended: bool = False
-    cut: float = 0.0
+    rounding: float = 0.0  # power of the rounding of a rate to a known step, 0 if there is none
+    detrended: bool = False  # whether a ramp is looked for, and with it the steps of a slow noise during long gaps
+    cut: float = 0.0  # time of the first sample in the recording, s
 
     def frequency(self, k: FloatArray | IntArray) -> FloatArray:
         """Frequency of coefficient k, Hz."""

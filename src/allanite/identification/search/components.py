@@ -77,56 +77,28 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True)
 class Component:
-    """A row of the table.
-
-    Attributes
-    ----------
-    name : str
-    alpha : float
-        Rate of false claims a record.
-    places : n -> float
-        Effective number of places in which it is looked for, in a record of n samples.
-    freedom : float
-        Degrees of freedom of the gain at a known place.
-    signed : bool
-        Whether its size may be negative.
-    most : int
-        How many of them a record may have.
-    refined : int
-        How many of its shape's values are refined with the sizes.
-    grain : tuple of float
-        Steps in the logarithms of the shape within which two states are the same.
-    bounds : (frame, part) -> (low, high) for each value that is refined
-    ending : bool
-        Whether beyond its bounds it is something else, so that no state has it at one of them.
-    power : (frame, part) -> array, shape (bins,)
-        Expected power for a size of 1, of noise in the sensor or behind its filter; None for other components.
-    slope : (frame, part) -> array, shape (values, bins)
-        Derivatives of that by the logarithms of the shape.
-    inside : bool
-        Whether the filter acts on it.
-    behind : bool
-        Whether it is what the filter does not take of white noise: its column is multiplied by 1 - gain, so that the
-        white noise before and behind the filter together is N, as at long averaging times.
-    gain : (frame, part) -> array, shape (bins,)
-        What a filter lets pass.
-    """
+    """A row of the table."""
 
     name: str
-    alpha: float
-    places: Callable[[int], float]
-    freedom: float = 1.0
-    signed: bool = False
-    most: int = 1
-    refined: int = 0
-    grain: tuple[float, ...] = ()
+    alpha: float  # rate of false claims a record
+    places: Callable[[int], float]  # effective number of places in which it is looked for, in a record of n samples
+    freedom: float = 1.0  # degrees of freedom of the gain at a known place
+    signed: bool = False  # whether its size may be negative
+    most: int = 1  # how many of them a record may have
+    refined: int = 0  # how many of its shape's values are refined with the sizes
+    grain: tuple[float, ...] = ()  # steps in the logarithms of the shape within which two states are the same
     bounds: Callable[[Frame, Part], list[tuple[float, float]]] = lambda frame, part: []
-    ending: bool = False
+    ending: bool = False  # whether beyond its bounds it is something else, so that no state has it at one of them
+    # shape (bins,); expected power for a size of 1, of noise in the sensor or behind its filter; None for other
+    # components
     power: Callable[[Frame, Part], FloatArray] | None = None
+    # shape (values, bins); derivatives of that by the logarithms of the shape
     slope: Callable[[Frame, Part], FloatArray] | None = None
-    inside: bool = False
+    inside: bool = False  # whether the filter acts on it
+    # whether it is what the filter does not take of white noise: its column is multiplied by 1 - gain, so that the
+    # white noise before and behind the filter together is N, as at long averaging times
     behind: bool = False
-    gain: Callable[[Frame, Part], FloatArray] | None = None
+    gain: Callable[[Frame, Part], FloatArray] | None = None  # shape (bins,); what a filter lets pass
 
     def price(self, n: int) -> float:
         """What it must gain in 2 L to be claimed."""

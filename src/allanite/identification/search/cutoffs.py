@@ -45,26 +45,16 @@ GRID = 2048
 
 @dataclass(frozen=True, eq=False)
 class CutoffLaw(Portable):
-    """Limits of a cut-off, Hz; the upper one is infinite where models without a filter weigh enough.
+    """Limits of a cut-off, Hz; the upper one is infinite where models without a filter weigh enough."""
 
-    Attributes
-    ----------
-    weight : array, shape (models,)
-        Of the models with a filter, of all.
-    low, high, spread : arrays, shape (models,)
-        Logarithms of their cut-offs, cycles a sample, before and behind the sampling in their order, and their error.
-    bare : Fitted or None
-        The heaviest model without a filter.
-    rate : float
-        Sampling rate, Hz.
-    """
-
-    weight: FloatArray
+    weight: FloatArray  # shape (models,); of the models with a filter, of all
+    # low, high, spread: shape (models,); logarithms of their cut-offs, cycles a sample, before and behind the
+    # sampling in their order, and their error
     low: FloatArray
     high: FloatArray
     spread: FloatArray
-    bare: Fitted | None
-    rate: float
+    bare: Fitted | None  # the heaviest model without a filter
+    rate: float  # sampling rate, Hz
 
     def __call__(self, level: float) -> tuple[float, float]:
         """Two-sided limits."""

@@ -47,34 +47,17 @@ STEEPEST = 25.0
 
 @dataclass(frozen=True, eq=False)
 class Fitted(Portable):
-    """A state with its sizes.
-
-    Attributes
-    ----------
-    frame : Frame
-    state : State
-    free : bool array, shape (sizes,)
-        Sizes that may be above zero: of the powers, of noise in the sensor, of floor and resonances.
-    theta : array, shape (sizes,)
-    v : array, shape (k,)
-        Coefficients of the factors.
-    likelihood : Likelihood
-        Of the bins that are read.
-    trusted : Likelihood
-        The same with the weights of bins in which a shape is not known exactly.
-    error : float
-        Of the shapes of resonances; 0 without one.
-    value : float
-    """
+    """A state with its sizes."""
 
     frame: Frame
     state: State
+    # shape (sizes,); sizes that may be above zero: of the powers, of noise in the sensor, of floor and resonances
     free: BoolArray
-    theta: FloatArray
-    v: FloatArray
-    likelihood: Likelihood
-    trusted: Likelihood
-    error: float
+    theta: FloatArray  # shape (sizes,)
+    v: FloatArray  # shape (k,); coefficients of the factors
+    likelihood: Likelihood  # of the bins that are read
+    trusted: Likelihood  # the same with the weights of bins in which a shape is not known exactly
+    error: float  # of the shapes of resonances; 0 without one
     value: float
 
     @cached_property

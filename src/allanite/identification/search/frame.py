@@ -42,22 +42,15 @@ EDGES_GRID = 0.01
 
 
 class Common(NamedTuple):
-    """A filter in common with other channels: what these tell of it.
-
-    Attributes
-    ----------
-    row : str
-    cutoff, low, high : float
-        Cycles a sample, of all channels together, with the 95 % limits over all rows.
-    at, scores : tuple of float
-        Logarithms of cut-offs, and the summed score of the other channels behind each, over that behind the best one of
-        the best row; empty where only this cut-off is admitted.
-    """
+    """A filter in common with other channels: what these tell of it."""
 
     row: str
+    # cutoff, low, high: cycles a sample, of all channels together, with the 95 % limits over all rows
     cutoff: float
     low: float
     high: float
+    # at, scores: logarithms of cut-offs, and the summed score of the other channels behind each, over that behind the
+    # best one of the best row; empty where only this cut-off is admitted
     at: tuple[float, ...] = ()
     scores: tuple[float, ...] = ()
 
@@ -84,28 +77,14 @@ def _curve(at: tuple[float, ...], scores: tuple[float, ...]) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class Frame(Portable):
-    """Bins of one spectrum that are read, and the columns of the terms in them.
-
-    Attributes
-    ----------
-    spectrum : BinnedSpectrum
-    powers : tuple of str
-        Noise terms without a shape: the first columns of every state.
-    ramps : tuple of str
-        Deterministic terms, which are integrated out.
-    used : bool array, shape (all bins,)
-        Bins that are read: a user's band and masks.
-    asked : tuple of str
-        Noise terms with a shape that a user asked for.
-    common : tuple of Common
-        The only filters, one of which every state has; empty where that is left to the search.
-    """
+    """Bins of one spectrum that are read, and the columns of the terms in them."""
 
     spectrum: BinnedSpectrum
-    powers: tuple[str, ...]
-    ramps: tuple[str, ...]
-    used: BoolArray
-    asked: tuple[str, ...] = ()
+    powers: tuple[str, ...]  # noise terms without a shape: the first columns of every state
+    ramps: tuple[str, ...]  # deterministic terms, which are integrated out
+    used: BoolArray  # shape (all bins,); bins that are read: a user's band and masks
+    asked: tuple[str, ...] = ()  # noise terms with a shape that a user asked for
+    # the only filters, one of which every state has; empty where that is left to the search
     common: tuple[Common, ...] = ()
     known: dict[Any, Any] = field(default_factory=dict, repr=False)
 

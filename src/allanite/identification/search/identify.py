@@ -61,32 +61,17 @@ SHOWN = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Pending(Portable):
-    """A search that is not concluded: other channels may have a filter in common with it.
-
-    Attributes
-    ----------
-    result : Searched
-    scale : Scale
-    symbols : tuple of str
-        Terms that were asked for.
-    name : str
-        Of the channel.
-    band, masks
-        As they were asked for.
-    automatic : bool
-        Whether all was left to the search, so that its filter may be one in common.
-    taken : tuple of Line
-        Sinusoids removed before.
-    """
+    """A search that is not concluded: other channels may have a filter in common with it."""
 
     result: Searched
     scale: Scale
-    symbols: tuple[str, ...]
-    name: str
+    symbols: tuple[str, ...]  # terms that were asked for
+    name: str  # of the channel
+    # band, masks: as they were asked for
     band: Band
     masks: Sequence[tuple[float, float]]
-    automatic: bool
-    taken: tuple[Line, ...] = ()
+    automatic: bool  # whether all was left to the search, so that its filter may be one in common
+    taken: tuple[Line, ...] = ()  # sinusoids removed before
 
     def fit(self, shared: Together | None = None) -> Fit:
         """The fit, behind a filter in common if there is one."""
@@ -119,23 +104,7 @@ def pending(
     lines: bool = True,
     rival: bool = False,
 ) -> Pending:
-    """The search in a record without its sinusoids.
-
-    Parameters
-    ----------
-    record : Record
-    symbols : sequence of str
-        Keys of `TERMS`.
-    band : {"auto", "all"} or (low, high)
-        Frequencies to use, Hz; with "all", or a band, no component beside the terms is looked for but steps, a warm-up
-        and, in a band, vibration.
-    masks : sequence of (low, high)
-        Frequencies that are not used, Hz.
-    lines : bool
-        Whether sinusoids are detected and removed.
-    rival : bool
-        Whether Gauss-Markov noise is looked for although it was not requested.
-    """
+    """The search in a record without its sinusoids."""
     why = refusal(record)
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))

@@ -93,19 +93,11 @@ def together(searches: "Sequence[Pending]") -> "list[Together | None]":
 
 @dataclass(frozen=True, eq=False)
 class Behind:
-    """Channels behind a filter of one row and cut-off.
-
-    Attributes
-    ----------
-    row, cutoff : str, float
-    fits : list of Fitted
-        The best state of each channel.
-    total : float
-    """
+    """Channels behind a filter of one row and cut-off."""
 
     row: str
     cutoff: float
-    fits: list[Fitted]
+    fits: list[Fitted]  # the best state of each channel
     total: float
 
     def over(self, best: "Behind", channels: Sequence[int]) -> float:

@@ -49,19 +49,6 @@ def with_angles(recording: Recording, pairs: int, kind: str) -> Recording:
 def angle_of(sine: Record, cosine: Record, kind: str = "value") -> tuple[Record, list[Finding], str]:
     """The unwrapped angle in rad, findings about sine and cosine, and what could be checked.
 
-    Parameters
-    ----------
-    sine, cosine : Record
-        Of any common unit and amplitude, without offsets. Samples that are missing in one are missing in the angle.
-    kind : {"value", "angle"}
-        Whether the angle itself is analyzed, or its rate.
-
-    Raises
-    ------
-    DataError
-        The amplitude is not constant enough for a sine and cosine, or the angle turns too far between samples, or
-        within a gap, to be unwrapped.
-
     Examples
     --------
     >>> true = np.linspace(0.0, 20.0, 201)
@@ -116,13 +103,7 @@ def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Fin
 
 
 def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> FloatArray:
-    """The angle without jumps of a turn.
-
-    Raises
-    ------
-    DataError
-        It moves too fast for that, or too far within a gap.
-    """
+    """The angle without jumps of a turn."""
     steps, apart = np.remainder(np.diff(wrapped) + np.pi, 2 * np.pi) - np.pi, np.diff(there)
     fast = np.flatnonzero((apart == 1) & (np.abs(steps) > LARGEST_STEP))
     if fast.size:

@@ -19,13 +19,7 @@ from .drawing import TIME, draw_legend, stacked
 
 @style.plotted
 def plot_claims(new_figure: style.NewFigure, values: Sequence[ClaimCheck], level: float) -> Figure:
-    """A panel for each channel of which something is claimed, those of a sensor below each other.
-
-    Raises
-    ------
-    UsageError
-        There are no curves.
-    """
+    """A panel for each channel of which something is claimed, those of a sensor below each other."""
     columns: dict[str, list[tuple[ClaimCheck, Channel]]] = {}
     for value in values:
         for channel in value.checked:

@@ -32,13 +32,7 @@ FEW = 2.0
 
 @style.plotted
 def plot_comparison(new_figure: style.NewFigure, values: Sequence[Comparison | Pool], level: float) -> Figure:
-    """Two panels a channel: the curves with their bands, and the ratio of their variances.
-
-    Raises
-    ------
-    UsageError
-        There are no curves.
-    """
+    """Two panels a channel: the curves with their bands, and the ratio of their variances."""
     drawn: list[Callable[[tuple[Axes, Axes]], None]] = []  # what draws each channel that has curves
     for value in values:
         if isinstance(value, Comparison):

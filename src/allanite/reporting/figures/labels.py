@@ -37,19 +37,7 @@ class LabelBox(NamedTuple):
 
 
 def place(anchors: FloatArray, size: tuple[float, float], obstacles: FloatArray, taken: Sequence[LabelBox]) -> LabelBox:
-    """The freest place above or below one of the anchors.
-
-    Parameters
-    ----------
-    anchors : array, shape (k, 2)
-        Points of the line that is labelled; earlier ones are preferred.
-    size : (width, height)
-        Of the label.
-    obstacles : array, shape (n, 2)
-        Points that should stay visible.
-    taken : sequence of LabelBox
-        Labels that are placed already.
-    """
+    """The freest place above or below one of the anchors."""
     shape = np.array(size)
     wanted = (anchors[:, None] + NEAR * shape).reshape(-1, 2)
     low, high = MARGIN + shape / 2, 1 - MARGIN - shape / 2

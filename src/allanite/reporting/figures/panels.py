@@ -112,13 +112,7 @@ def thinned(count: int) -> IntArray:
 
 
 def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Range of both axes: room below the curve for the lines of the terms, above for the band.
-
-    Raises
-    ------
-    UsageError
-        Nothing of the curve can be drawn on logarithmic axes.
-    """
+    """Range of both axes: room below the curve for the lines of the terms, above for the band."""
     curve = panel.curve
     deviation = panel.shown(curve.deviation)
     visible = deviation[np.isfinite(deviation) & (deviation > 0)]
@@ -133,13 +127,7 @@ def span(panel: CurvePanel) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def panels_of(value: Any, fit: Fit | None = None, *, demand: bool = True) -> list[CurvePanel]:
-    """What is drawn of a Curve, Fit, Channel or Study, or of a sequence of them.
-
-    Raises
-    ------
-    UsageError
-        There is no curve in it, and `demand`.
-    """
+    """What is drawn of a Curve, Fit, Channel or Study, or of a sequence of them."""
     found = _panels(value, fit)
     if demand and not found:
         raise UndrawnError("there is no curve to draw; give a Curve, a Study, or a Fit that carries its curve")

@@ -27,15 +27,7 @@ LEAST = 0.05
 
 @style.plotted
 def plot_goodness(new_figure: style.NewFigure, goodness: Goodness, name: str = "") -> Figure:
-    """Two strips over frequency: the ratio of powers, and how surprising it is.
-
-    Parameters
-    ----------
-    goodness : Goodness
-        Of a fit.
-    name : str
-        Of the channel, for the title.
-    """
+    """Two strips over frequency: the ratio of powers, and how surprising it is."""
     figure = new_figure(7.2, 3.6)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
     title = join("   ", filter(None, (printable(name), say("goodness of fit p = {p:.2g}", p=goodness.p))))
@@ -89,13 +81,7 @@ MOST = 70
 
 @style.plotted
 def plot_series(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
-    """The whitened series with its RMS, the autocorrelation, and the quantiles, side by side.
-
-    Parameters
-    ----------
-    residuals : Residuals
-        With checks.
-    """
+    """The whitened series with its RMS, the autocorrelation, and the quantiles, side by side."""
     if new_figure.room < 7:
         figure = new_figure(7.2, 6.6)
         axes = figure.subplots(3, 1)
@@ -108,13 +94,7 @@ def plot_series(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
 
 @style.plotted
 def plot_residuals(new_figure: style.NewFigure, residuals: Residuals) -> Figure:
-    """All of it: the ratio of powers by cells of frequency and how surprising it is, and below it the series.
-
-    Raises
-    ------
-    UsageError
-        Too little was left to look at.
-    """
+    """All of it: the ratio of powers by cells of frequency and how surprising it is, and below it the series."""
     if not residuals.checks:
         raise UsageError(f"{residuals.name!r} has too few samples, without ends and gaps, to draw residuals")
     figure = new_figure(7.2, 6.0)

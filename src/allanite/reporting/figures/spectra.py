@@ -45,16 +45,7 @@ SIDED = {"one": say("one-sided"), "two": say("two-sided")}
 def plot_spectra(
     new_figure: style.NewFigure, spectra: Sequence[Spectrum], fits: Mapping[str, Fit], *, level: float = 0.95
 ) -> Figure:
-    """One panel for each channel; sensors of different units side by side.
-
-    Parameters
-    ----------
-    spectra : sequence of Spectrum
-    fits : dict
-        By name of the channel: the terms that are drawn over its spectrum.
-    level : float
-        Of the confidence band.
-    """
+    """One panel for each channel; sensors of different units side by side."""
     columns: dict[str, list[Spectrum]] = {}
     for spectrum in spectra:
         columns.setdefault(readable_unit(spectrum.unit), []).append(spectrum)

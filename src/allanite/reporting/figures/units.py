@@ -41,14 +41,7 @@ class LimitLine(NamedTuple):
 def plot_units(
     new_figure: style.NewFigure, curves: Sequence[UnitCurve], limits: dict[str, Sequence[LimitLine]] | None = None
 ) -> Figure:
-    """One panel for each channel; sensors of different units of measurement stand side by side.
-
-    Parameters
-    ----------
-    curves : sequence of UnitCurve
-    limits : dict of sequence of LimitLine, optional
-        By the name of the channel.
-    """
+    """One panel for each channel; sensors of different units of measurement stand side by side."""
     columns: dict[str, dict[str, list[UnitCurve]]] = {}
     for curve in curves:
         columns.setdefault(curve.panel.unit, {}).setdefault(curve.panel.name, []).append(curve)

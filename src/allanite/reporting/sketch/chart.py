@@ -24,14 +24,7 @@ Grid = Sequence[Sequence[Panel]]
 def arranged(
     grid: Grid, ratios: tuple[Sequence[float], Sequence[float]], page: tuple[float, float, float]
 ) -> list[tuple[Panel, Box]]:
-    """The boxes of all panels of a grid.
-
-    Parameters
-    ----------
-    grid : rows of panels
-    ratios : widths of columns and heights of rows, relative to each other
-    page : width and height of the figure, and what stands above all panels, points
-    """
+    """The boxes of all panels of a grid."""
     width, height, above = page
     rows, columns = len(grid), len(grid[0])
     room = np.full((rows, columns, 4), 20.0)

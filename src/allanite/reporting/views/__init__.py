@@ -18,26 +18,15 @@ Rows = tuple[Sequence[str], list[list[Any]]]
 
 @dataclass(frozen=True)
 class View:
-    """The forms of a result.
+    """The forms of a result."""
 
-    Attributes
-    ----------
-    face : (value, level) -> Face
-        What the terminal, the page and a notebook show.
-    plot : (values, fit, level) -> Plot, optional
-        The figure for print, of one value or of several that are drawn together.
-    rows : (value, level) -> (headings, rows), optional
-        The numbers for a CSV file, unrounded.
-    coefficients : (value, level) -> (headings, rows), optional
-        The same of what was found in each channel, where `rows` are the curves.
-    first : (value, level) -> First, optional
-        The first screen of a terminal; without it the beginning of the face.
-    """
-
-    face: Callable[[Any, float], Face]
+    face: Callable[[Any, float], Face]  # what the terminal, the page and a notebook show
+    # the figure for print, of one value or of several that are drawn together
     plot: "Callable[[Sequence[Any], Fit | None, float], Plot] | None" = None
-    rows: Callable[[Any, float], Rows] | None = None
+    rows: Callable[[Any, float], Rows] | None = None  # the numbers for a CSV file, unrounded
+    # the same of what was found in each channel, where `rows` are the curves
     coefficients: Callable[[Any, float], Rows] | None = None
+    # the first screen of a terminal; without it the beginning of the face
     first: "Callable[[Any, float], First] | None" = None
 
     def through(self, part: Callable[[Any], Any]) -> "View":
@@ -128,13 +117,7 @@ VIEWS = Registry[str | View](_OWN, "allanite.views", kind=View)
 
 
 def view_of(value: Any) -> View:
-    """The view of a result.
-
-    Raises
-    ------
-    UsageError
-        It is no result.
-    """
+    """The view of a result."""
     name = type(value).__name__
     if not has_view(value):
         raise UsageError(f"a {name} cannot be shown: compute a result first, e.g. al.plot(al.deviation(record))")

@@ -39,18 +39,11 @@ TOGETHER = 0.5
 
 @dataclass(frozen=True, eq=False)
 class AveragedLaw(Portable):
-    """The average law of several models.
-
-    Attributes
-    ----------
-    points : CurvePoints
-    noise : Averaged
-    bias : array, shape (models, points)
-        Factor of each model over the one that the variance was multiplied with.
-    """
+    """The average law of several models."""
 
     points: CurvePoints
     noise: Averaged
+    # shape (models, points); factor of each model over the one that the variance was multiplied with
     bias: FloatArray
 
     @cached_property

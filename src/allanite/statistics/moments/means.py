@@ -203,12 +203,7 @@ def norm_of(row: Statistic, m: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class MeanMoments:
-    """Moments of V under terms: windows that start every quarter of m, or less, represent all.
-
-    Attributes
-    ----------
-    windows : JoinedWindows
-    """
+    """Moments of V under terms: windows that start every quarter of m, or less, represent all."""
 
     windows: JoinedWindows
 

@@ -139,13 +139,7 @@ class Periodograms:
         self._now, self._rest = 0, []
 
     def raw(self, rate: float, factor: float = 1.0) -> Raw:
-        """Densities of the samples times `factor`, at this sampling rate.
-
-        Raises
-        ------
-        DataError
-            No segment is complete.
-        """
+        """Densities of the samples times `factor`, at this sampling rate."""
         self.end()
         if not self.counts:
             raise DataError(
