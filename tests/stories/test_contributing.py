@@ -67,8 +67,8 @@ allanite("info a.tones")
 Path("b.bin").write_bytes(bytes(100))
 allanite("info b.bin", 3)""", ("rate 50.0 Hz from its first line", "; tones of a recorder;")),
     "target of export": ({"exporting/targets/pilot.py": own("pilot")}, (
-        ("exporting/exports.py", "from .targets.pegasus import PEGASUS\n", "from .targets.pilot import PILOT\n"),
-        ("exporting/exports.py", "    PEGASUS,\n", "    PILOT,\n")), """
+        ("exporting/exports.py", "from .target import Target\n", "from .targets.pilot import PILOT\n"),
+        ("exporting/exports.py", "    STATESPACE,\n", "    PILOT,\n")), """
 allanite("export --model 'N 0.1 deg/sqrt(h)' --model 'N 60 ug/sqrt(Hz)' --to pilot --output pilot.cfg")
 print(Path("pilot.cfg").read_text("utf-8"))
 allanite("convert --from pilot pilot.cfg")

@@ -4,24 +4,20 @@ from allanite.core.names import row_alike
 from allanite.plugins import Registry
 
 from .target import Target
-from .targets.ardupilot import ARDUPILOT, ARDUPILOT_TCAL
-from .targets.datasheet import DATASHEET
-from .targets.gazebo import GAZEBO, GAZEBO_CLASSIC
-from .targets.gnss_ins_sim import GNSS_INS_SIM
-from .targets.gtsam import GTSAM
-from .targets.kalibr import KALIBR
-from .targets.kf_gins import KF_GINS
-from .targets.lio_sam import LIO_SAM
-from .targets.matlab import MATLAB
-from .targets.navego import NAVEGO
-from .targets.openvins import OPENVINS
-from .targets.orb_slam3 import ORB_SLAM3
-from .targets.pegasus import PEGASUS
-from .targets.psins import PSINS
-from .targets.px4 import PX4, PX4_TC
-from .targets.ros import ROBOT_LOCALIZATION, ROS_IMU
-from .targets.statespace import STATESPACE
-from .targets.vins import VINS_FUSION, VINS_MONO
+from .targets.navigation import GNSS_INS_SIM, KF_GINS, MATLAB, NAVEGO, PSINS
+from .targets.robots import (
+    ARDUPILOT,
+    ARDUPILOT_TCAL,
+    GAZEBO,
+    GAZEBO_CLASSIC,
+    PEGASUS,
+    PX4,
+    PX4_TC,
+    ROBOT_LOCALIZATION,
+    ROS_IMU,
+)
+from .targets.sheets import DATASHEET, STATESPACE
+from .targets.visual import GTSAM, KALIBR, LIO_SAM, OPENVINS, ORB_SLAM3, VINS_FUSION, VINS_MONO
 
 _OWN = (
     KALIBR,

@@ -1,1 +1,1 @@
-"""Targets, one file each."""
+"""Targets, by what they are for."""
