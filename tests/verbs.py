@@ -50,7 +50,7 @@ ROWS = {
          "a.csv --channels gx --method slopes", "a.csv b.csv --channels gx --limits limits.toml",
          "a.csv b.csv --channels gx --device fog"),
         "",
-        {f"analyze {SAMPLE}": r"N +angle random walk +°/√h +0\.1192 ± 1\.5 % +0\.1495"},
+        {f"analyze {SAMPLE}": r"N +angle random walk +°/√h +0\.1193 ± 1\.4 % +0\.1495"},
         {"analyze unit0.csv unit1.csv": r"2 of 2 units analyzed\n\nfile +channel +N °/√h .*\nunit0\.csv +gx +\d"},
     ),
     "batch": Row(),  # shows nothing
@@ -81,7 +81,7 @@ ROWS = {
          "a.csv --channels gx --datasheet adis16470"),
         "--part 300",
         {f"compare {TWO}": r"changed: gx / gy\n\n.*\n +noise as a whole +changed, p < 1e-12",
-         f"compare {TWO} --datasheet adis16470": r"Angular Random Walk +°/√h +0\.34 +0\.1192 ± 1\.5 %"},
+         f"compare {TWO} --datasheet adis16470": r"Angular Random Walk +°/√h +0\.34 +0\.1193 ± 1\.4 %"},
     ),
     "check": Row(
         ("a.csv --channels gx --claims 'N 1 deg/sqrt(h), K 9000 deg/h/sqrt(h)' --at-most",
@@ -117,7 +117,7 @@ ROWS = {
         ("--sensor fog --rate 10", "a.csv --channels gx"),
         "--unexplained",
         {f"plan --model {NOISE} --rate 10": r"N +0\.1 +°/√h .* 20 s\n",
-         f"plan {TWO}": r"N +0\.1192 +°/√h .* 20 s\n",
+         f"plan {TWO}": r"N +0\.1193 +°/√h .* 20 s\n",
          "plan --sensor mems --rate 100": r"\nN .* \d+ s\n",
          "plan --datasheet adis16470 --rate 100": r"\nN +0\.34 +°/√h"},
     ),
@@ -146,7 +146,7 @@ ROWS = {
          "six.csv --to statespace"),
         "--to datasheet --unexplained",
         {f"export {TWO} --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)' --to kalibr": r"gyroscope_noise_density +4\.3",
-         f"export {TWO}": r"angle random walk N +°/√h +0\.1192"},
+         f"export {TWO}": r"angle random walk N +°/√h +0\.1193"},
     ),
     "convert": Row(
         ("'1 deg/sqrt(h)' --to gtsam", "imu.yaml --from kalibr", "imu.yaml --from kalibr --to vins-mono",

@@ -55,6 +55,8 @@ def results(job, values):
         found["terms"] = [term for term in found["terms"] if term["symbol"] != SIGNED]
         for of_signed in ("profile", "alternatives", "rivals", "correlation"):
             found.pop(of_signed, None)
+        # a component that hardly stands may be another of the same weight
+        found["components"] = [part for part in found.get("components", ()) if part["weight"] >= 0.5]
     return dict(leaves(found))
 
 

@@ -11,10 +11,10 @@ from allanite.cli import main
 
 SCREENS = {
     "analyze adis_16405_imu1.rda --unit gyro=deg/s,accel=g": (
-        r"Gyro\. X +2\.4\d+ ± ", r"\+20[89]0 µg at 22\d\d s\. Try --from", r"not valid", r"in part"
+        r"Gyro\. X +2\.4\d+ ± ", r"\+20\d0 µg at 22\d\d s\. Try --from", r"not valid", r"in part"
     ),
     "analyze phone_gyro4.txt --unit rad/s": (
-        r"N +angle random walk +°/√h +1\.6\d+ ±", r"column 4: the bias steps: \+144 °/h at 485\.6 s",
+        r"N +angle random walk +°/√h +1\.6\d+ ±", r"column 4: the noise level changes by a factor of 1\.23",
     ),
     "analyze aegiverse_fog_0917.txt --unit deg/h": (
         r"in-run bias stability", r"fog DOES NOT FIT: quantization errors", r"fog: the output is stuck .* Try --until"

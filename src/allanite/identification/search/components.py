@@ -38,6 +38,9 @@ and costs `QUICK` more; below the second it is that of a filter with white noise
 QUICK = 6.0
 """What a quick time constant costs more, in 2 L: odds of e^3 against noise that only a few samples correlate."""
 
+SECOND = 6.0
+"""What a second Gauss-Markov noise costs more, in 2 L: two of them are nearly flicker, which is likelier by e^3."""
+
 LONGEST_MARKOV = 0.1
 """Share of the record up to which a time constant differs from a random walk (`terms.row.LONGEST`)."""
 

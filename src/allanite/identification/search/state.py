@@ -8,7 +8,7 @@ from functools import cached_property
 
 from allanite.identification.likelihood.filters import FILTERS
 
-from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, Part, at_bound, cost_of
+from .components import BROAD, COMPONENTS, HIDING, LEAST_MARKOV, SECOND, Part, at_bound, cost_of
 from .frame import Frame
 
 ORDER = tuple(COMPONENTS)
@@ -95,7 +95,8 @@ class State:
 
     def cost(self, frame: Frame) -> float:
         """What its parts cost in the score."""
-        return sum(cost_of(part, frame) for part in self.parts)
+        more = [part for part in self.of("noise")[1:] if part.label not in frame.asked]
+        return sum(cost_of(part, frame) for part in self.parts) + SECOND * len(more)
 
     @property
     def rises(self) -> bool:
