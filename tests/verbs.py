@@ -146,7 +146,7 @@ ROWS = {
          "six.csv --to statespace"),
         "--to datasheet --unexplained",
         {f"export {TWO} --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)' --to kalibr": r"gyroscope_noise_density +4\.3",
-         f"export {TWO}": r"angle random walk N +°/√h +0\.1193"},
+         f"export {TWO}": r"angle random walk N +°/√h +0\.119[23]"},
     ),
     "convert": Row(
         ("'1 deg/sqrt(h)' --to gtsam", "imu.yaml --from kalibr", "imu.yaml --from kalibr --to vins-mono",
