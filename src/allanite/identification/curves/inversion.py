@@ -48,7 +48,7 @@ FINE = 1001
 class RatioLimits(Portable):
     """Likelihood ratios of the squares of the coefficients of a curve."""
 
-    # columns, products: expectation and covariance of the points under terms with coefficients of 1
+    # columns, products: shapes (k, t) and (k, k, t, t); expectation and covariance of the points for coefficients of 1
     columns: FloatArray
     products: FloatArray
     variance: FloatArray  # shape (k,)
