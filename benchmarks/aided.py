@@ -15,8 +15,7 @@ from functools import cache
 import numpy as np
 
 import allanite as al
-from allanite.statespace.build import Matrices, averaged, blocks_of, equivalent, states_of
-from allanite.statespace.markov import MarkovSum, flicker_sum
+from allanite.statespace.build import MarkovSum, Matrices, averaged, blocks_of, equivalent, flicker_sum, states_of
 from allanite.terms.row import Block
 
 OUTAGES = (1, 10, 60, 300, 600, 1000)

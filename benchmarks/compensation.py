@@ -79,7 +79,7 @@ def recording(cell: Cell, rng: np.random.Generator, effect: bool) -> tuple[al.Re
 
 
 def _regressors(temp: al.Record) -> np.ndarray:
-    from allanite.applications.compensation.slope import local_slope
+    from allanite.applications.compensation.regressor import local_slope
 
     return np.column_stack([temp.values - 25, local_slope(temp.values, 1.0, 60.0)])
 

@@ -41,7 +41,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import allanite as al
-from allanite.kernels.clock import followed
+from allanite.kernels.passing import followed
 from allanite.reporting import to_csv
 from damaged import SEEDS, generator, lengthen, mutated, options_of, read
 

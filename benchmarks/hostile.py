@@ -23,8 +23,8 @@ from allanite.exporting.exports import EXPORTS
 from allanite.exporting.fields import How
 from allanite.study.recipe import Recipe
 from allanite.web import schema
-from allanite.web.api import application
 from allanite.web.jobs import UNFINISHED, Jobs
+from allanite.web.server import application
 from allanite.web.store import Store
 from damaged import generator, mutated
 

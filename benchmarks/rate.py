@@ -30,8 +30,8 @@ from allanite.applications.constant_rate import (
     experiment,
     predicted_standard_error,
 )
-from allanite.applications.constant_rate.measure import task_of
-from allanite.applications.constant_rate.setting import TARGETS
+from allanite.applications.constant_rate.row import TARGETS
+from allanite.applications.constant_rate.run import task_of
 from allanite.simulation.ring_laser import GL1
 from allanite.statistics.moments.gls import autocovariance
 

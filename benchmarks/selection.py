@@ -14,7 +14,7 @@ from multiprocessing import Pool
 import numpy as np
 
 import allanite as al
-from allanite.identification.likelihood.selection import Subset, ThetaProfile
+from allanite.identification.likelihood.law import Subset, ThetaProfile
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import likelihood
 from identification import RATE, SENSORS, bounds

@@ -19,7 +19,7 @@ from multiprocessing import Pool
 import numpy as np
 
 import allanite as al
-from allanite.core.finding import Finding
+from allanite.core.validity import Finding
 from identification import RATE, SENSORS
 
 NAMES = ("warm-up", "flicker exponent", "popcorn")

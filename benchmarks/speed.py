@@ -32,7 +32,7 @@ from numba import njit
 import allanite as al
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.search.identify import searched
-from allanite.kernels.overlapped import overlapped
+from allanite.kernels.squared import overlapped
 from allanite.kernels.theo import theo1
 from allanite.statistics.grids import GRIDS
 

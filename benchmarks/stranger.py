@@ -68,12 +68,12 @@ print(json.dumps(Times.found))
 TIMED = """
 import json, time
 import numpy as np
-from allanite.kernels import overlapped, summed, theo
+from allanite.kernels import squared, summed, theo
 x = np.random.default_rng(1).standard_normal(400_001).cumsum()
 m = np.unique(np.geomspace(1, 100_000, 60).astype(np.int64))
 few = np.arange(2, 200, 2)
 jobs = {
-    "overlapping Allan deviation": lambda: overlapped.overlapped(x, m, 2),
+    "overlapping Allan deviation": lambda: squared.overlapped(x, m, 2),
     "modified Allan deviation": lambda: summed.modified(x, m),
     "Theo1": lambda: theo.theo1(x[:20_001], few),
 }

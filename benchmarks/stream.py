@@ -16,7 +16,7 @@ import allantools.realtime
 import numpy as np
 
 import allanite as al
-from allanite.planning.sensors import sensor
+from allanite.planning.datasheets import sensor
 from allanite.stream.accumulator import streamable
 
 SAMPLES = 4_000_000

@@ -16,7 +16,7 @@ import numpy as np
 
 import allanite as al
 from allanite.core.units import convert
-from allanite.planning.properties import properties
+from allanite.planning.plan import properties
 
 SIZE = 7200
 FOG = al.Model("Q 0.5 arcsec, N 0.02 deg/sqrt(h), B 0.3 deg/h, K 1 deg/h/sqrt(h), R 5 deg/h^2")

@@ -29,7 +29,7 @@ from allanite.applications.attitude import (
     rotation_vectors,
     rotation_vectors_with_previous,
 )
-from allanite.applications.attitude.density import GRAVITY
+from allanite.applications.attitude.loop import GRAVITY
 
 ARCSEC = math.pi / 648_000
 HOUR = math.pi / 180 / 3600

@@ -9,8 +9,7 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from allanite.cli import main
-from allanite.papers.paper import PAPERS, VERDICTS, paper
-from allanite.papers.reproduction import Reproduction, compare
+from allanite.papers.paper import PAPERS, VERDICTS, Reproduction, compare, paper
 from allanite.reporting.digits import printable
 from allanite.reporting.language import speaking, tr
 from allanite.reporting.views.papers import HEADS

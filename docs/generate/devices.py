@@ -2,9 +2,8 @@
 
 from collections.abc import Iterator
 
-from allanite.interpretation.device import REFERENCES
+from allanite.interpretation.device import REFERENCES, SCALES
 from allanite.interpretation.devices import DEVICES
-from allanite.interpretation.grades import SCALES
 from generate.markdown import table
 
 

@@ -3,8 +3,7 @@
 import click
 
 from allanite.cli import VERBS, main
-from allanite.core.spellings import SPELLINGS, WORDS
-from allanite.core.units import ATOMS, SIGNALS, convert
+from allanite.core.units import ATOMS, SIGNALS, SPELLINGS, WORDS, convert
 from allanite.terms import TERMS
 from generate.markdown import shown, table
 

@@ -15,7 +15,7 @@ def __getattr__(name: str) -> Any:
     try:
         return _named(name)
     except AttributeError:
-        from .core.constructors import TERMS, constructor
+        from .core.model import TERMS, constructor
         from .statistics import STATISTICS
 
         if name in STATISTICS:

@@ -14,10 +14,10 @@ from tests.rows import paired, rows
 import allanite as al
 from allanite.core.model import term
 from allanite.statistics import covariance
-from allanite.statistics.moments import ramped
+from allanite.statistics.moments import profile
 from allanite.statistics.moments.moments import by_term, covariance_by_term
 from allanite.statistics.moments.pairs import Pairs, WindowPair
-from allanite.statistics.moments.ramped import crossed
+from allanite.statistics.moments.profile import crossed
 
 UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}
 MIXTURES = [
@@ -124,7 +124,7 @@ def test_a_ramp_beside_very_long_windows(name, monkeypatch):
     row, size, terms = al.STATISTICS[name], 2**16, [al.TERMS[s] for s in "NBK"]
     m = row.step * 2 ** np.arange(0, 14, 3)
     wanted = crossed([row] * m.size, m, size, terms)
-    monkeypatch.setattr(ramped, "MOST", 2**12)
+    monkeypatch.setattr(profile, "MOST", 2**12)
     found = crossed([row] * m.size, m, size, terms)
     for k in range(len(terms)):
         assert 0 < correlated(found[..., k], wanted[..., k]) < 2e-3

@@ -14,7 +14,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.core.extras import cure, requirements
+from allanite.core.errors import cure, requirements
 from damaged import SEEDS
 
 PROJECT = (ROOT / "pyproject.toml").read_text("utf-8")

@@ -66,7 +66,7 @@ def test_what_python_calls_has_a_wrapper():
 
 PROGRAM = """
 import numpy as np
-from allanite.kernels.binned import binned
+from allanite.kernels.cosine import binned
 c = np.random.default_rng(1).standard_normal(5000)
 print(binned(c, np.array([0, 3, 10, 107, 1200, 5000])).tobytes().hex())
 """

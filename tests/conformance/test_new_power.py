@@ -9,7 +9,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.core.notation import written
+from allanite.core.syntax import written
 from allanite.core.units import SIGNALS, unit_of
 from allanite.reporting import page
 from allanite.terms import TERMS

@@ -7,8 +7,7 @@ from tests import ALL
 from tests.rows import rows
 
 from allanite.terms import TERMS, NoiseTerm
-from allanite.testing.term_forms import simulated
-from allanite.testing.terms import CHECKS, MODERATE, demand, sampled
+from allanite.testing.terms import CHECKS, MODERATE, demand, sampled, simulated
 
 
 def moderate(row):

@@ -5,8 +5,7 @@ import re
 import pytest
 from tests.rows import rows
 
-from allanite.papers.paper import AGREES, DIFFERS, PAPERS, VERDICTS, Item, paper
-from allanite.papers.reproduction import compared
+from allanite.papers.paper import AGREES, DIFFERS, PAPERS, VERDICTS, Item, compared, paper
 
 WIDTHS = (32, 16, 24)
 """Letters of an item with its claim, of what the paper prints, and of the first clause of the reason; ours have 22."""

@@ -5,7 +5,7 @@ import pytest
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.core.titles import meaning_of, title_of
+from allanite.core.kinds import meaning_of, title_of
 from allanite.core.units import SIGNALS, unit_of
 
 VALUES = np.random.default_rng(1).standard_normal(600).cumsum()

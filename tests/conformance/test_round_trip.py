@@ -18,7 +18,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.applications.angle import Solution
-from allanite.applications.attitude.trials import VerticalDesign
+from allanite.applications.attitude.scenarios import VerticalDesign
 from allanite.applications.compensation import FitSettings, compensate
 from allanite.applications.compensation.compensating import compensate_file
 from allanite.applications.compensation.settings import CompensationSettings
@@ -27,27 +27,23 @@ from allanite.applications.constant_rate.campaign import RateSettings, measure_r
 from allanite.applications.signals import TorqueScale
 from allanite.applications.signals.budgeting import PathSettings
 from allanite.applications.signals.stage import codes
-from allanite.batch.scatter import Outlying, Trend
+from allanite.batch.lot import Outlying, Trend
 from allanite.claims.claim import claim_of
 from allanite.comparison.comparison import ComparisonSettings
-from allanite.core.averaged import averaged
 from allanite.core.correction import Correction
-from allanite.core.finding import Finding
+from allanite.core.estimate import averaged
 from allanite.core.fit import Alternative
 from allanite.core.plain import TYPES, Portable, Value
-from allanite.exporting.conversion import Explanation
-from allanite.exporting.imported import noise_in
-from allanite.interpretation.causes import meaning
-from allanite.papers.paper import read_paper
-from allanite.papers.reproduction import compare
-from allanite.planning.properties import properties
+from allanite.core.validity import Finding
+from allanite.exporting.imported import Explanation, noise_in
+from allanite.interpretation.sentences import meaning
+from allanite.papers.paper import compare, read_paper
+from allanite.planning.plan import properties
 from allanite.prepare import inspect
-from allanite.simulation.recording import Simulation
+from allanite.simulation.record import Simulation
 from allanite.statistics import Expectations, expectation
-from allanite.study.modelled import run_model_job
-from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
-from allanite.study.survey import Densities, Deviations, Windows, survey
-from allanite.study.theory import TheorySettings
+from allanite.study.modelled import PlanSettings, SelfCheckSettings, StateSpaceSettings, run_model_job
+from allanite.study.survey import Densities, Deviations, TheorySettings, Windows, survey
 from allanite.terms import TERMS
 
 LEVEL = 0.9

@@ -50,7 +50,7 @@ print(al.deviation(al.read("z.csv")["gz"], "fdev"))""", ("fourth-difference devi
     "noise term": ({"terms/relaxation.py": own("relaxation")}, (
         ("terms/__init__.py", "RATE_RANDOM_WALK, ramp_coefficients\n", "from .relaxation import RELAXED\n"),
         ("terms/__init__.py", "    OSCILLATION,\n", "    RELAXED,\n"),
-        ("core/constructors.py", '("F", "GMA", "GM2", "GML", "W"))\n', 'RR = constructor("RR")\n'),
+        ("core/model.py", '("F", "GMA", "GM2", "GML", "W"))\n', 'RR = constructor("RR")\n'),
         ("__init__.pyi", "from .core.constructors import R as R\n", "from .core.constructors import RR as RR\n")), """
 assert al.RR(1, "rad/s^2.5").shape == (20.0,) and "RR" in dir(al)
 record = simulated(al.Model(str(al.N(0.1, "deg/sqrt(h)") + al.RR(2e-6, "rad/s^2.5"))), 8192)
@@ -86,7 +86,7 @@ assert Path("out.csv").read_text("utf-8").startswith("channel,least,greatest")
 found = al.from_dict(json.loads(Path("out.json").read_text("utf-8")))
 al.report(found, "again.html")
 from allanite.web.requests import Request
-from allanite.web.tables import tables
+from allanite.web.faces import tables
 assert "extent" in tables("en")["verbs"]
 print(Request.of("extent", {"start": 10}).line(["z.csv"]))
 print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.csv")["gz"].values[10:].min())""",
@@ -98,7 +98,7 @@ print(type(found).__name__, found.recipe.start, found["gz"].low == al.read("z.cs
         ("study/channels.py", "(recipe.exclude) if recipe.exclude else ())\n",
          "    whole = trim(whole, recipe.settle, None)\n")), """
 from allanite.web.requests import Request
-from allanite.web.tables import tables
+from allanite.web.faces import tables
 row = {"name": "settle", "group": "selecting", "control": "number", "options": ("--settle",)}
 assert row in tables("en")["choices"]
 print(Request.of("analyze", {"settle": "96"}).line(["z.csv"]))

@@ -24,7 +24,7 @@ from allanite.parallel.sharing import Work, made
 from allanite.phrases.phrase import Phrase
 from allanite.reporting import html, language, text
 from allanite.reporting.sheet import Code, Fold
-from allanite.reporting.sketch.limits import Unsketched
+from allanite.reporting.sketch.axis import Unsketched
 from allanite.reporting.views import level_of, view_of
 from allanite.statistics import STATISTICS
 from allanite.study.watching import Watch

@@ -85,7 +85,7 @@ USED = (
     + """
 from allanite.cli.tasks import Reports
 from allanite.web.requests import Request
-from allanite.web.tables import tables
+from allanite.web.faces import tables
 os.environ["ALLANITE_DETAILS"] = "1"
 shown = {"help": allanite("--help"), "info": allanite("info a.tones"), "list": allanite("explain")}
 shown["statistic"], shown["target"] = allanite("explain fdev"), allanite("explain pilot")

@@ -15,8 +15,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.cli import VERBS
-from allanite.core.spellings import SPELLINGS
-from allanite.core.units import ATOMS
+from allanite.core.units import ATOMS, SPELLINGS
 
 DOCS = ROOT / "docs"
 SAMPLE = Path("examples", "tactical_gyro.csv")

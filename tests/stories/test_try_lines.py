@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from tests.rows import rows
 
 from allanite.cli import main
-from allanite.core.placeholders import MEANINGS
+from allanite.core.errors import MEANINGS
 
 SIZE = 600
 RNG = np.random.default_rng(17)

@@ -16,10 +16,10 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
-from allanite.web.held import Held
 from allanite.web.jobs import EVENTS, Jobs, Live
 from allanite.web.server import serve
 from allanite.web.store import FullError, MissingError, Store
+from allanite.web.worker import Held
 
 from .served import WAIT, Client, served, waiting_job
 

@@ -9,8 +9,8 @@ import uvicorn
 from tests.rows import rows
 from uvicorn.server import ServerState
 
-from allanite.web import protocol
-from allanite.web.protocol import MOST, PromptProtocol
+from allanite.web import messages
+from allanite.web.messages import MOST, PromptProtocol
 
 WHOLE = b"GET / HTTP/1.1\r\nHost: a\r\n\r\n"
 
@@ -45,7 +45,7 @@ async def slow(scope, receive, send):
 @pytest.fixture
 def loop(monkeypatch):
     """A loop whose patience is over at its next turn."""
-    monkeypatch.setattr(protocol, "PATIENCE", 0.0)
+    monkeypatch.setattr(messages, "PATIENCE", 0.0)
     loop = asyncio.new_event_loop()
     yield loop
     for task in asyncio.all_tasks(loop):

@@ -17,7 +17,7 @@ from allanite.cli import main
 from allanite.cli.front import EXCEEDED
 from allanite.reporting.digits import printable
 from allanite.web.access import AGE, LINKS, Door
-from allanite.web.api import ROUTES
+from allanite.web.server import ROUTES
 
 from .served import Client, served
 

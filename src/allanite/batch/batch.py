@@ -14,9 +14,8 @@ from allanite.core.record import Record
 from allanite.readers.sandbox.source import STDIN, STDIN_NAME
 from allanite.study.results import Channel, Noise, Study
 
-from .judgement import FAIL, NOT_SHOWN, Judgement, judge_study, worst_of
-from .specification import Specification
-from .summary import Across, across
+from .specification import FAIL, NOT_SHOWN, Judgement, Specification, judge_study, worst_of
+from .tables import Across, across
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,8 +8,7 @@ from allanite.core.aliases import public
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.threads import one_thread
 from allanite.core.version import __version__
-from allanite.phrases.phrase import Phrase, say
-from allanite.phrases.wording import command_line
+from allanite.phrases.phrase import Phrase, command_line, say
 from allanite.study.analysis import analyzed, demand_shown
 from allanite.study.channels import Progress, Source
 from allanite.study.recipe import Recipe
@@ -18,8 +17,8 @@ from .batch import Batch, BatchUnit, lightened, unit_of
 from .executor import Done, Executor, Plain, Serial
 from .sources import PathLike, expand, manifest_of
 from .specification import Specification, limits_of
-from .status import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tables
 from .store import Store, identity
+from .tables import DONE, FAILED, OPEN, FileStatus, Resumed, put_files, put_tables
 
 
 @public

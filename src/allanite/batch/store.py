@@ -12,8 +12,7 @@ from typing import Any
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import DRAFTS, draft, locked, reason
 from allanite.core.version import __version__
-from allanite.phrases.phrase import Phrase
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import Phrase, spelled
 from allanite.readers.sandbox.source import STDIN, checked, digest_of
 from allanite.study.recipe import Recipe
 

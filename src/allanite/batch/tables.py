@@ -1,11 +1,206 @@
-"""The tables of a batch: a row for each coefficient, point of a curve, and finding, from stored results."""
+"""The tables of a batch: what became of its files, coefficients, points of curves, findings, and their summary."""
 
-from collections.abc import Callable, Iterator
-from typing import Any
+import math
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
+import numpy as np
+
+from allanite.core.plain import Value
 from allanite.core.readings import MINIMUM
+from allanite.core.units import Signal, convert
+from allanite.study.results import Channel
+from allanite.terms import TERMS
 
 from .executor import Plain
+from .sources import OWN
+from .store import Store
+
+DONE, FAILED, OPEN = "done", "failed", "open"
+"""Status of a file: it has a result, it has none and why is known, it was not reached yet."""
+
+AT_ONCE = 64
+"""Files whose rows are held in memory together."""
+
+
+@dataclass(frozen=True)
+class FileStatus:
+    """A file of a batch, and what became of it."""
+
+    file: str
+    facts: dict[str, Any]  # the columns of the manifest
+    # key, sha256: the key of its result, and of what content it is; empty if the file cannot be read
+    key: str = ""
+    sha256: str = ""
+    status: str = OPEN  # One of "done", "failed", "open"
+    error: str = ""  # why it has failed
+    rejected: str = ""  # channels without a result, or whose noise no model explains
+
+
+@dataclass(frozen=True)
+class Resumed:
+    """What a run of a batch has done."""
+
+    files: tuple[FileStatus, ...]  # all files, in the order of their names
+    analyzed: int  # records that were analyzed now; files with the same content are one
+    before: int  # files that were done by an earlier run
+    notes: tuple[str, ...] = ()  # what was left out
+
+    @property
+    def failed(self) -> tuple[FileStatus, ...]:
+        """The files without a result."""
+        return tuple(file for file in self.files if file.status != DONE)
+
+    @property
+    def rejected(self) -> tuple[str, ...]:
+        """File and channel of what has no result, or is not explained by its model."""
+        return tuple(f"{file.file}: {file.rejected}" for file in self.files if file.rejected)
+
+
+def put_files(store: Store, files: Iterable[FileStatus], choices: Plain) -> None:
+    """The table of files, with the recipe in its metadata."""
+    ordered = sorted(files, key=lambda f: f.file)
+    rows = [{"file": f.file, **{name: getattr(f, name) for name in OWN}, **f.facts} for f in ordered]
+    store.put_files(rows, choices)
+
+
+def put_tables(store: Store, files: Iterable[FileStatus]) -> Iterator[FileStatus]:
+    """Write the other tables in the order of the files, and yield the files with what their results say of them.
+
+    Each result is read once, and a few are held at a time.
+    """
+    with ExitStack() as stack:
+        writers = {
+            name: stack.enter_context(store.writer(name, schema_of(columns))) for name, (columns, _) in TABLES.items()
+        }
+        ordered = sorted(files, key=lambda file: file.file)
+        for i in range(0, len(ordered), AT_ONCE):
+            group = ordered[i : i + AT_ONCE]
+            parts = [store.get(file.key) if file.status == DONE else {} for file in group]
+            for name, (_, rows_of) in TABLES.items():
+                found = zip(group, parts, strict=True)
+                rows = [row for file, part in found if "study" in part for row in rows_of(file.file, part["study"])]
+                if rows:
+                    writers[name].write_table(as_table(rows, writers[name].schema))
+            for file, part in zip(group, parts, strict=True):  # a stored result may be an error
+                error, rejected = part.get("error", ""), part.get("rejected", "")
+                settled = replace(file, status=FAILED if error else DONE, error=error, rejected=rejected)
+                yield settled if file.status == DONE else file
+
+
+@dataclass(frozen=True, repr=False)
+class Coefficient(Value):
+    """The coefficient of a channel: what everything that is found of it over several units has in common."""
+
+    channel: str
+    symbol: str
+    signal: Signal
+
+    @property
+    def sheet_unit(self) -> str:
+        """Unit of data sheets."""
+        return self.signal.sheet[power_of(self.symbol)]
+
+    @property
+    def factor(self) -> float:
+        """SI units in one unit of data sheets."""
+        return convert(1.0, self.sheet_unit, self.signal.si[power_of(self.symbol)])
+
+
+@dataclass(frozen=True, repr=False)
+class Across(Coefficient):
+    """One coefficient of one channel over all units, SI.
+
+    Attributes
+    ----------
+    channel, symbol, signal
+        Whose it is; "minimum" is the minimum of the Allan deviation.
+    units : int
+        Units with a valid result for it, identified or not.
+    identified : int
+        Units with a value; the numbers that follow are theirs.
+    mean, deviation : float
+        Mean of the values, and their standard deviation from unit to unit; NaN of a single one. It contains the
+        statistical error of each value.
+    worst : float
+        The value of the largest size.
+    file : str
+        The unit it belongs to.
+    below : float or None
+        The largest upper limit of the units in which the term was not identified.
+    """
+
+    units: int
+    identified: int
+    mean: float
+    deviation: float
+    worst: float
+    file: str
+    below: float | None = None
+
+    def row(self) -> list[Any]:
+        """Channel, term, numbers of units, mean, spread, worst and its file, upper limit, unit: of data sheets."""
+        shown = [v / self.factor for v in (self.mean, self.deviation, self.worst)]
+        below = math.nan if self.below is None else self.below / self.factor
+        return [self.channel, self.symbol, self.units, self.identified, *shown, self.file, below, self.sheet_unit]
+
+    def _summary(self) -> str:
+        return f"{self.channel!r}: {self.symbol}, {self.identified} of {self.units} units"
+
+
+def power_of(symbol: str) -> float:
+    """The power of time in the unit of a coefficient, or of the minimum of the deviation."""
+    return 0 if symbol == MINIMUM else TERMS[symbol].power
+
+
+class Known(NamedTuple):
+    """What is known of a coefficient of one unit: its value, or its upper limit."""
+
+    file: str
+    value: float | None
+    upper: float | None
+
+
+def gathered(
+    channels: Iterable[tuple[str, Channel]], level: float, *, valued: bool = False
+) -> list[tuple[tuple[str, str, Signal], list[Known]]]:
+    """Channel, symbol and signal of every coefficient, with what is known of it over units."""
+    results: dict[tuple[str, str, str], tuple[tuple[str, str, Signal], list[Known]]] = {}
+    for file, channel in channels:
+        name, signal = channel.record.name, channel.record.signal
+        known: list[tuple[str, float | None, float | None]] = [
+            (e.symbol, e.value, None) if e.valued else (e.symbol, None, e.upper)
+            for e in channel.fit or ()
+            if e.valued or e.status == "absent"
+        ]
+        minimum = None if channel.readings is None else channel.readings.minimum
+        if channel.readings is not None and minimum is not None:
+            inside, most = channel.readings.inside, minimum.interval(level)[1]
+            known.append((MINIMUM, minimum.deviation, None) if inside else (MINIMUM, None, most))
+        for symbol, value, upper in known:
+            if value is not None or not valued:
+                _, units = results.setdefault((name, signal.name, symbol), ((name, symbol, signal), []))
+                units.append(Known(file, value, upper))
+    return list(results.values())
+
+
+def across(channels: Iterable[tuple[str, Channel]], level: float) -> tuple[Across, ...]:
+    """Every coefficient of every channel over units; see `gathered`."""
+    results = []
+    for of, units in gathered(channels, level):
+        values = np.array([unit.value for unit in units if unit.value is not None], dtype=np.float64)
+        mean, spread, worst, file = math.nan, math.nan, math.nan, ""
+        if values.size:
+            at = int(np.argmax(np.abs(values)))
+            mean, worst = float(values.mean()), float(values[at])
+            spread = float(values.std(ddof=1)) if values.size > 1 else math.nan
+            file = [unit.file for unit in units if unit.value is not None][at]
+        below = max((unit.upper for unit in units if unit.value is None and unit.upper is not None), default=None)
+        results.append(Across(*of, len(units), values.size, mean, spread, worst, file, below))
+    return tuple(results)
+
 
 Rows = Iterator[dict[str, Any]]
 REFUSED = "refused"

@@ -5,8 +5,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import fields, replace
 
-from allanite.batch.judgement import seen_of
-from allanite.batch.specification import Limit
+from allanite.batch.specification import Limit, seen_of
 from allanite.core.aliases import public
 from allanite.core.errors import DataError, UsageError
 from allanite.core.model import Model
@@ -18,9 +17,9 @@ from allanite.study.channels import Progress, Source
 from allanite.study.recipe import Recipe
 from allanite.study.results import Channel, Study
 
-from .causes import causes_of
 from .claim import KINDS, ClaimedNoise, claim_of
 from .configured import setting_rows
+from .convention import causes_of
 from .exact import Counts, by_sensor, curve_row, exact_rows
 from .result import AGREES, EXCEEDS, NOT_SHOWN, CheckedTerm, ClaimCheck, fit_of
 

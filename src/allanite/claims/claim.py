@@ -14,12 +14,10 @@ from allanite.core.files import reason
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal
-from allanite.exporting.conversion import models_of
 from allanite.exporting.exports import EXPORTS, target_named
-from allanite.exporting.imported import Imported, noise_in, numbers, section_of
+from allanite.exporting.imported import Imported, models_of, noise_in, numbers, section_of
 from allanite.exporting.target import Target
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import join, say, spelled
 from allanite.planning.datasheets import claimed
 from allanite.terms import TERMS
 

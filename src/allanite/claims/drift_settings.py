@@ -7,16 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.choice_kinds import DURATIONS, seconds_of
-from allanite.core.choices import demand_choices
+from allanite.core.choices import DURATIONS, demand_choices, seconds_of
 from allanite.core.errors import UnitError, UsageError, given
 from allanite.core.names import demand_name
-from allanite.core.notation import split_quantities
 from allanite.core.plain import Value
+from allanite.core.syntax import split_quantities
 from allanite.core.units import Signal, convert, signal_named, unit_of
 from allanite.exporting.target import ACCELEROMETER, GYRO
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.planning.drift import GRAVITY, Response, flat, schuler
 from allanite.study.settings import DriftChoices
 

@@ -13,22 +13,20 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.model import Term
 from allanite.core.record import Record, Recording
-from allanite.exporting.axes import Source, axes_of
 from allanite.exporting.bounds import bounded
+from allanite.exporting.choice import Source, axes_of
 from allanite.exporting.content import Axis
-from allanite.exporting.conversion import load
 from allanite.exporting.export import alerts_of
 from allanite.exporting.fields import How, usable
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.exporting.imported import load
+from allanite.phrases.phrase import say, spelled
 from allanite.study.analysis import analyze
-from allanite.study.provenance import provenance_of
+from allanite.study.job import provenance_of
 from allanite.study.recipe import Recipe
 from allanite.study.results import Study
 from allanite.terms import TERMS, WHITE
 
-from .drift import Drift
-from .drift_axes import SCALE, TURN_ON, DriftAxis, DriftCause
+from .drift import SCALE, TURN_ON, Drift, DriftAxis, DriftCause
 from .drift_settings import DriftSettings
 
 

@@ -1,23 +1,213 @@
 """``allanite angle``: harmonic errors of a gimbal's angle sensors in service, or of an encoder with a reference."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from allanite.applications.choices import RateChoices
+from allanite.core.choices import separated
 from allanite.core.errors import UsageError
+from allanite.study.settings import LengthChoices
 
-from .angle_design import plan, simulate
-from .angle_shared import ANGLES, ARCSEC, DEGREE, HEADING, deliver_study, prior_option, true_of, turn_option
-from .deliver import outputs
-from .options import RESULTS, options
-from .types import NAMES
+from .deliver import STDOUT, Extra, Outputs, deliver, outputs, put
+from .options import NAMES, NUMBERS, RESULTS, Converted, Decorator, options
+from .streams import show
 
 if TYPE_CHECKING:
-    from allanite.applications.angle import Gimbals
+    from allanite.applications.angle import AngleSettings, Gimbals, Harmonics
     from allanite.readers.columns.sheet import FileSheet
+
+DEGREE, ARCSEC = math.pi / 180, math.pi / 648_000
+
+PRIOR = Converted(separated(float, "two standard deviations", 2, "3,10"))
+
+
+def prior_option(words: str, default: str | None = None) -> Decorator:
+    """The option of the prior standard deviations, the second of which are in the units that `words` say."""
+    return click.option("--prior", type=PRIOR, default=default, show_default=True, metavar="A,B",
+        help=f"Prior standard deviations: of amplitudes, and of the other parameters, {words}.")  # fmt: skip
+
+
+def turn_option(words: str, default: float | None = None) -> Decorator:
+    """The option of the period of the auto-compensating rotation."""
+    return click.option("--turn-period", type=float, default=default, show_default=True, metavar="S", help=words)
+
+
+ANGLES = click.option(
+    "--angles", type=NAMES, default="h,q", show_default=True, help="Angle sensors: h, q, h_polar, q_polar, mu."
+)
+HEADING = click.option("--ring-heading", type=float, default=0.0, show_default=True, metavar="DEG",
+    help="Direction of the outer ring's axis, from north to east.")  # fmt: skip
+
+TRUE = "# simulated errors, arcsec: "
+"""What begins a simulated file."""
+
+
+def harmonics_of(texts: Sequence[str]) -> dict[str, "Harmonics"]:
+    """Known errors of sensors, written as ``ANGLE:ORDER=S,C`` in arcsec."""
+    from allanite.applications.angle import Harmonics
+
+    found: dict[str, dict[int, tuple[float, float]]] = {}
+    for text in texts:
+        try:
+            name, _, rest = text.partition(":")
+            order, _, pair = rest.partition("=")
+            s, c = (float(part) * ARCSEC for part in pair.split(","))
+            found.setdefault(name.strip(), {})[int(order)] = (s, c)
+        except ValueError:
+            raise UsageError(
+                f"an error has the form ANGLE:ORDER=S,C in arcsec, e.g. h:128=3,-1.5, not {text!r}"
+            ) from None
+    return {name: Harmonics.of(amplitudes, name) for name, amplitudes in found.items()}
+
+
+def true_of(path: str) -> tuple["Harmonics", ...]:
+    """The errors that a file was simulated with; none if its first line does not say so."""
+    with Path(path).open("rb") as file:
+        first = file.readline(1 << 16).decode("utf-8", "replace")
+    return tuple(harmonics_of(first.removeprefix(TRUE).split()).values()) if first.startswith(TRUE) else ()
+
+
+def deliver_study(
+    result: Any,
+    out: Outputs,
+    choices: dict[str, Any],
+    data: "FileSheet | None" = None,
+    /,
+    *corrected: Mapping[str, Any],
+) -> None:
+    """Deliver a result together with the options that produced it, and the corrected angles."""
+    from allanite.applications.angle.calibrating import AngleStudy
+    from allanite.study.job import provenance_of
+
+    chosen = {key: v for key, v in choices.items() if v is not None and key not in ("level", "recipe")}
+    made = provenance_of() | ({} if data is None else {"source": data.source, "sha256": data.digest})
+    notes = () if data is None else data.notes
+    study = AngleStudy(result, chosen, choices["level"] or 0.95, notes, made)
+    deliver(study, out, Extra({"corrected": lambda _: columns_of(corrected[0])}))
+
+
+def columns_of(data: Mapping[str, Any]) -> str:
+    """Arrays of equal length as columns; floats keep every digit."""
+    rows = zip(*(values.tolist() for values in data.values()), strict=True)
+    return "".join(f"{','.join(map(str, row))}\n" for row in (data, *rows))
+
+
+SWAY = Converted(separated(float, "amplitude in deg and period in s", 2, "1,60"))
+RANGE = Converted(separated(float, "two angles in deg", 2, "-10,10"))
+
+EXPERIMENT = (
+    "latitude", "duration", "reading interval",
+    click.option("--q-law", default="exact", show_default=True,
+        help="Motion of the outer angle: exact, or linear as printed in the paper."),
+    turn_option("Auto-compensation.", 300.0),
+    click.option("--sway", type=SWAY, metavar="DEG,S",
+        help="Sway of the base in roll and pitch: amplitude and period."),
+    click.option("--ring-rate", type=float, metavar="DEG/MIN",
+        help="Turn the outer ring of the equatorial gyro to and fro, at this mean rate."),
+    click.option("--ring-range", type=RANGE, default="-10,10", show_default=True, metavar="DEG,DEG",
+        help="Angles between which it turns, from the first."),
+    click.option("--ring-step", type=float, default=0.0, metavar="DEG",
+        help="Turn it in steps of this size.  [default: continuously]"),
+    HEADING,
+)  # fmt: skip
+
+
+@click.command()
+@options(
+    *EXPERIMENT,
+    click.option("--start", "starts", type=NUMBERS, metavar="S,...",
+        help="Start, in seconds after h = 0; several are compared.  [default: every five minutes]"),
+    "given sigma", prior_option("in the unit of --sigma", "3,10"), "orders", ANGLES, "level", "recipe", *RESULTS,
+    settings=(LengthChoices, RateChoices),
+)  # fmt: skip
+def plan(**choices: Any) -> None:
+    """Predict how accurately errors can be known."""
+    out = outputs(choices, [choices["recipe"]])
+    from allanite.applications.angle import plan as run
+    from allanite.applications.angle import scan
+
+    starts = choices["starts"] or ()
+    if len(starts) == 1 and "plot" in out.paths:
+        raise UsageError("the figure compares several starts: give more than one, or write a --report instead")
+    orders = dict.fromkeys(choices["angles"], choices["orders"])
+    settings = _experiment(choices, sigma=choices["sigma"], prior=choices["prior"], orders=orders)
+    deliver_study(run(settings, *starts) if len(starts) == 1 else scan(settings, starts or None), out, choices)
+
+
+@click.command()
+@options(
+    click.argument("out", type=click.Path()),
+    *EXPERIMENT,
+    click.option("--start", type=float, default=0.0, show_default=True, metavar="S",
+        help="Start, in seconds after h = 0."),
+    click.option("--error", "errors", multiple=True, metavar="ANGLE:ORDER=S,C",
+        help="A harmonic in arcsec, e.g. h:128=3,-1.5; repeatable."),
+    "given sigma",
+    click.option("--walk", type=float, default=0.0, show_default=True, metavar="ARCSEC",
+        help="Standard deviation of a step of a random walk."),
+    "seed", "plot", "lang", "force", "quiet", settings=(LengthChoices, RateChoices),
+)  # fmt: skip
+def simulate(out: str, **choices: Any) -> None:
+    """Simulate a system with known errors.
+
+    Writes a CSV file OUT; --plot draws the errors against time.
+    """
+    where = outputs(choices | {"csv": out}, [])
+    import numpy as np
+
+    from allanite.applications.angle import readings
+    from allanite.applications.angle import simulate as run
+    from allanite.applications.angle.geometry import ANGLES as NAMES
+
+    known = harmonics_of(choices["errors"])
+    if not known:
+        raise UsageError("give at least one --error, e.g. h:128=3,-1.5 (arcsec)")
+    settings = _experiment(choices)
+    true = settings.gimbals(choices["start"])
+    rng = np.random.default_rng(choices["seed"])
+    z = run(true, known, sigma=choices["sigma"] * ARCSEC, walk=choices["walk"] * ARCSEC, rng=rng)
+    seen = readings(true, known)
+    table = {"time [s]": true.time, "difference": z}
+    table |= {f"{name} [rad]": getattr(seen, name) for name in NAMES[: 4 if settings.ring is None else 5]}
+    table |= {} if true.rho is None else {"rho [rad]": true.rho}
+    put(out, f"{TRUE}{' '.join(choices['errors'])}\n{columns_of(table)}", force=where.force)
+    if "plot" in where.paths:
+        from allanite.reporting import figures
+        from allanite.reporting.fonts import drawn_in
+        from allanite.reporting.language import speaking
+        from allanite.reporting.style import demand_figure_path, encode
+
+        path = where.paths["plot"]
+        with speaking(where.lang), speaking(drawn_in(where.lang)):
+            figure = figures.plot_error_in_time(true, list(known.values())).printed()
+            put(path, encode(figure, demand_figure_path(path, force=where.force)), force=where.force)
+    if out != STDOUT and not where.quiet:
+        show("\n".join(f"{name}: {path}" for name, path in where.paths.items()))
+
+
+def _experiment(choices: dict[str, Any], **more: Any) -> "AngleSettings":
+    from allanite.applications.angle import AngleSettings, Ring
+
+    for name in ("latitude", "duration"):
+        if choices[name] is None:
+            raise UsageError(
+                f"--{name} is required: "
+                f"{'the latitude of the site' if name == 'latitude' else 'the length of the experiment'}"
+            )
+    sway = choices["sway"]
+    same = {key: choices[key] for key in ("duration", "interval", "q_law", "turn_period")}
+    turned = None if sway is None else (sway[0] * DEGREE, sway[1])
+    rate, (low, high) = choices["ring_rate"], choices["ring_range"]
+    if rate is None and choices["ring_step"]:
+        raise UsageError("a ring in steps needs its mean rate: give --ring-rate, e.g. 2")
+    angles = (value * DEGREE for value in (low, high, choices["ring_step"], choices["ring_heading"]))
+    ring = None if rate is None else Ring(rate * DEGREE / 60, *angles)
+    return AngleSettings(choices["latitude"] * DEGREE, **same, sway=turned, ring=ring, **more)
 
 
 @click.group()
@@ -82,7 +272,7 @@ def estimate(file: str, **choices: Any) -> None:
     """Estimate the errors of a gimbal's sensors."""
     out = outputs(choices, [file, choices["recipe"]], also=("corrected",))
     from allanite.applications.angle import estimate as run
-    from allanite.applications.angle.design import USUAL
+    from allanite.applications.angle.harmonics import USUAL
     from allanite.readers.columns.sheet import sheet
 
     data = sheet(file)

@@ -1,4 +1,4 @@
-"""From identified noise to the file of a filter, from a data sheet's value to its field, and what the fields are."""
+"""From identified noise to the file of a filter, from a value to its field, and what fields and statistics mean."""
 
 import os
 from collections.abc import Mapping
@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from allanite.study.settings import ExportChoices, NoiseChoices
+from allanite.core.errors import UsageError
+from allanite.study.settings import ExportChoices, LengthChoices, NoiseChoices
 
 from .deliver import Extra, carry_out, outputs, recipe_of, settings_of
 from .options import IDENTIFYING, RECORDING, SHOWN, options
@@ -34,9 +35,9 @@ def export(
     upper limit, and the file says so. 'allanite explain' lists the targets.
     """
     from allanite.core.errors import UsageError
-    from allanite.exporting.conversion import load
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How
+    from allanite.exporting.imported import load
 
     models = (*models, datasheet) if datasheet else models
     if not files and not models:
@@ -60,10 +61,9 @@ def convert(values: tuple[str, ...], target: str | None, origin: str | None, **c
     deg/h/sqrt(h)') or the name of a data sheet (adis16470). --to names the target, by default the units of data sheets.
     With --from, VALUE is a file of that target, whose coefficients are printed, or converted to --to.
     """
-    from allanite.exporting.conversion import models_of
     from allanite.exporting.export import exported, prepared
     from allanite.exporting.fields import How
-    from allanite.exporting.imported import read_noise
+    from allanite.exporting.imported import models_of, read_noise
     from allanite.reporting.views.export import first_of_models
 
     out = outputs(choices, values if origin else [], also=("output",))
@@ -88,3 +88,35 @@ _EXTRA = Extra(data={"output": lambda made: made.data})
 
 def _suffix(paths: Mapping[str, str]) -> str:
     return os.path.splitext(paths.get("output", ""))[1]
+
+
+@click.command()
+@options(
+    click.argument("name", required=False, default=""),
+    "samples", "taus", "csv", "json", *SHOWN, settings=(LengthChoices,),
+)  # fmt: skip
+def explain(name: str, samples: int | None, taus: Any, **choices: Any) -> None:
+    """Explain a target, statistic or data sheet.
+
+    Of a target of export, prints the fields with their units, formulas and sources; of a statistic, its ratio to the
+    Allan variance and its degrees of freedom for each noise, in a record of 7200 samples or of --samples, at averaging
+    times in sampling intervals; of the data sheet of a gyro, an accelerometer or an IMU, what it says of noise, and
+    where. Without NAME, lists them, and the noise terms.
+    """
+    from allanite.core.names import row_alike
+    from allanite.exporting.exports import EXPORTS, TEMPERATURE
+    from allanite.exporting.imported import Explanation
+    from allanite.planning.datasheets import DATASHEETS, DataSheet
+    from allanite.planning.plan import SIZE, properties
+    from allanite.statistics import STATISTICS
+    from allanite.statistics.row import Statistic
+
+    out = outputs(choices, [])
+    thermal = {row.name: row for row in TEMPERATURE.values()}
+    row: Any = row_alike("name", name, {**STATISTICS, **EXPORTS, **thermal, **DATASHEETS}) if name else None
+    if isinstance(row, Statistic):
+        carry_out(lambda _: properties(row.name, samples or SIZE, taus=taus), out)
+        return
+    if samples is not None or taus is not None:
+        raise UsageError("--samples and --taus apply to a statistic; omit them, or name one: " + ", ".join(STATISTICS))
+    carry_out(lambda _: row if isinstance(row, DataSheet) else Explanation(row.name if row else ""), out)

@@ -17,10 +17,10 @@ import click
 
 from allanite.core.errors import AllaniteError, Cure
 from allanite.core.names import row_of, unknown
-from allanite.phrases.wording import command_line
+from allanite.phrases.phrase import command_line
 from allanite.plugins import PluginWarning
 
-from .placeholders import demand_filled
+from .options import demand_filled
 from .signals import ended, ended_by
 from .streams import begin, complain, lost, while_read
 

@@ -1,19 +1,84 @@
-"""The options of the command line, each declared once."""
+"""The options of the command line, each declared once, and the types of their values."""
 
-from collections.abc import Callable
-from typing import Any
+import re
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from allanite.core.choice_kinds import DURATION, FLAG, LINES, ChoiceKind
-from allanite.core.choices import ChoiceRow, choices_of
-from allanite.core.errors import UsageError
+from allanite.core import choices
+from allanite.core.choices import DURATION, FLAG, LINES, ChoiceKind, ChoiceRow, choices_of
+from allanite.core.errors import COLUMN, MEANINGS, RATE, SCALE, UNIT, UsageError
 from allanite.core.names import demand_name
 from allanite.reporting.language import ENGLISH, LANGUAGES
 from allanite.study.recipe import IDENTIFYING as IDENTIFIES
 from allanite.study.recipe import READING, SELECTING, Recipe
 
-from .types import INTEGERS, Converted, Threads
+if TYPE_CHECKING:
+    ParamType = click.ParamType[Any]
+else:
+    ParamType = click.ParamType  # generic only in newer versions
+
+
+class Converted(ParamType):
+    """The kind of a choice as a type of click."""
+
+    def __init__(self, kind: ChoiceKind) -> None:
+        self.kind, self.name = kind, kind.name
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The value, from its text or what a recipe holds."""
+        try:
+            return self.kind.parse(value)
+        except UsageError as error:
+            raise error.within(f"Invalid value for {param.get_error_hint(ctx)}" if param else self.name) from None
+
+
+class Threads(ParamType):
+    """A number of processors; "auto", all of them, is None."""
+
+    name = "threads"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> int | None:
+        """A number as it is, a word by its meaning."""
+        if value == "auto":
+            return None
+        try:
+            count = int(value)
+        except (TypeError, ValueError):
+            count = 0
+        if count < 1:
+            self.fail(f"expected a number of processors, at least 1, or auto, not {value!r}", param, ctx)
+        return count
+
+
+NAMES, NUMBERS, INTEGERS = map(Converted, (choices.NAMES, choices.NUMBERS, choices.INTEGERS))
+
+
+PLACES = {
+    "--unit": rf"\b({COLUMN}|{UNIT})\b", "--rate": rf"\b({RATE})\b", "--scale": rf"\b({SCALE})\b",
+    "--time": rf".*\[({UNIT})\]",
+}  # fmt: skip
+"""The options that have them, and where."""
+
+
+def demand_filled(words: Sequence[str]) -> None:
+    """Refuse a command in which a placeholder was left.
+
+    Examples
+    --------
+    >>> demand_filled(["info", "a.csv", "--rate", "HZ"])
+    Traceback (most recent call last):
+        ...
+    allanite.core.errors.UsageError: --rate HZ: put the sampling rate in Hz in the place of HZ
+    """
+    joined = (word.split("=", 1) for word in words if word.startswith("--") and "=" in word)
+    for option, value in (*pairwise(words), *joined):
+        match = re.search(PLACES[option], value) if option in PLACES else None
+        if match:
+            raise UsageError(f"{option} {value}: put {MEANINGS[match[1]]} in the place of {match[1]}")
+
 
 Decorator = Callable[[Any], Any]
 

@@ -25,8 +25,8 @@ def serve(files: tuple[str, ...], **choices: Any) -> None:
     the other commands, whose command line the page shows. Uploads and results are kept in the cache folder of this
     user, and are there again after a reload or a restart.
     """
-    from allanite.core.extras import demand_extra
-    from allanite.readers.memory import bytes_of
+    from allanite.core.errors import demand_extra
+    from allanite.readers.parts import bytes_of
 
     demand_extra("web", "fastapi", "uvicorn", what="the page")
     from allanite.web.server import serve as run

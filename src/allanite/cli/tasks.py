@@ -91,8 +91,7 @@ def _analyze(files: Sequence[str], recipe: "Recipe", _: Any, reports: Reports) -
 
 
 def _survey(files: Sequence[str], recipe: "Recipe", settings: Any, reports: Reports) -> Any:
-    from allanite.study.side_by_side import side_by_side
-    from allanite.study.survey import survey
+    from allanite.study.survey import side_by_side, survey
 
     found = [survey(reports.source(file, recipe), settings, recipe, progress=reports.tell) for file in files]
     return side_by_side(found, files)

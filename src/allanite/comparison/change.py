@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from allanite.core.encoding import finite, plain
 from allanite.core.estimate import TERM, Estimate
 from allanite.core.fit import Fit, chance
+from allanite.core.kinds import title_of
 from allanite.core.limits import Remembered, demand_level
 from allanite.core.plain import Value
-from allanite.core.titles import title_of
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 
 if TYPE_CHECKING:
-    from .sinusoids import LineContrast
+    from .ramps import LineContrast
 
 Limits = Callable[[float], tuple[float, float]]
 

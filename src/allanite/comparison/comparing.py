@@ -10,8 +10,7 @@ import numpy as np
 from allanite.core.aliases import public
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.prepare import trim
 from allanite.study import channels
 from allanite.study.channels import Progress
@@ -20,9 +19,8 @@ from allanite.study.recipe import Recipe
 from allanite.study.results import Study
 
 from .comparison import Comparison, ComparisonSettings, Pair
-from .intervals import compare_fits
-from .pooled import Pool, PooledChannel
-from .pooling import pool_records
+from .contrast import compare_fits
+from .pooled import Pool, PooledChannel, pool_records
 from .sources import SourceSet, name_both, open_source, open_sources, run_together
 from .two_records import compare_records
 

@@ -11,12 +11,10 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
 from allanite.core.fit import Fit, chance
-from allanite.core.header import Header
 from allanite.core.limits import demand_level
-from allanite.core.plain import Value
+from allanite.core.plain import Header, Value
 from allanite.core.record import Record
-from allanite.phrases.phrase import join, say, say_count
-from allanite.phrases.wording import duration
+from allanite.phrases.phrase import duration, join, say, say_count
 from allanite.study.settings import ComparisonChoices
 
 from .change import Change, holm, told

@@ -1,14 +1,18 @@
-"""The ramps of two records: signed, each with the law that what hides it leaves."""
+"""The ramps and the sinusoids of two records, and their ratios."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.limits import quantile
-from allanite.identification.likelihood.selection import Subset, ThetaProfile
+from allanite.core.estimate import Estimate
+from allanite.core.fit import Fit
+from allanite.core.limits import Below, quantile
+from allanite.core.record import Record
+from allanite.core.units import Signal
+from allanite.identification.likelihood.law import Subset, ThetaProfile
 from allanite.terms import TERMS
 
 from .common_likelihood import Joint
@@ -148,3 +152,106 @@ class CommonRamp:
         wider = max(1.0, self.chi_square / self.dof)
         half = quantile((1 + level) / 2) * math.sqrt(wider / float((self.errors**-2).sum()))
         return self.value - half, self.value + half
+
+
+WIDTH = 1.5
+"""Bins of the shorter record within which two frequencies are one."""
+
+AROUND = (4, 40)
+"""Bins on either side of a frequency from which the noise there is known."""
+
+SEEN = 4.0
+"""Standard errors from which on an amplitude that was looked for at a known frequency is one."""
+
+
+@dataclass(frozen=True)
+class Amplitude:
+    """Amplitude of a sinusoid in one record and its standard error, SI; `found` says whether it is significant."""
+
+    value: float
+    error: float
+    found: bool
+
+    def estimate(self, frequency: float, signal: Signal) -> Estimate:
+        """As that of a term."""
+        upper = self.upper(0.95)
+        if not self.found:
+            return Estimate("Sine", signal, None, None, "absent", upper, "whittle", Below(self.upper))
+        return Estimate(
+            "Sine", signal, self.value, self.error, "identified", upper, "whittle", self.limits, shape=(frequency, 0.0)
+        )
+
+    def upper(self, level: float) -> float:
+        """One-sided upper limit."""
+        return self.value + quantile(level) * self.error
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        half = quantile((1 + level) / 2) * self.error
+        return max(self.value - half, 0.0), self.value + half
+
+
+@dataclass(frozen=True)
+class LineContrast:
+    """A sinusoid of `frequency`, Hz, in both records: an amplitude against the other."""
+
+    frequency: float
+    first: Amplitude
+    second: Amplitude
+
+    @property
+    def ratio(self) -> float:
+        """The second amplitude over the first; infinite where the first is none, NaN where neither is one."""
+        if not self.first.found:
+            return math.inf if self.second.found else math.nan
+        return self.second.value / self.first.value if self.second.found else 0.0
+
+    @property
+    def p(self) -> float:
+        """Probability of such a difference by chance, where there is none."""
+        z = (self.second.value - self.first.value) / math.hypot(self.first.error, self.second.error)
+        return math.erfc(abs(z) / math.sqrt(2))
+
+    def limits(self, level: float) -> tuple[float, float]:
+        """Limits of the ratio: what the second less ratio times the first leaves near zero (E. C. Fieller, 1954)."""
+        z = quantile((1 + level) / 2)
+        a = self.first.value**2 - (z * self.first.error) ** 2
+        b, c = self.first.value * self.second.value, self.second.value**2 - (z * self.second.error) ** 2
+        root = math.sqrt(max(b * b - a * c, 0.0))
+        # of an amplitude that is none, zero is the best guess, and belongs to the interval
+        if a > 0 and self.first.found:
+            return max((b - root) / a, 0.0) if self.second.found else 0.0, (b + root) / a
+        return (max(c / (b + root), 0.0) if c > 0 and self.second.found else 0.0), math.inf
+
+
+def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[LineContrast]:
+    """The sinusoids of two records, each looked for in the other.
+
+    One that lies beyond the frequencies of the other record is omitted.
+    """
+    width = WIDTH / min(record.duration for record in records)
+    found = sorted(line.frequency for fit in fits for line in fit.lines)
+    apart = [f for i, f in enumerate(found) if not i or f - found[i - 1] > width]
+    for frequency in apart:
+        if all(AROUND[0] / r.duration < frequency < r.rate / 2 - AROUND[0] / r.duration for r in records):
+            first, second = (_amplitude(r, fit, frequency, width) for r, fit in zip(records, fits, strict=True))
+            yield LineContrast(frequency, first, second)
+
+
+def _amplitude(record: Record, fit: Fit, frequency: float, width: float) -> Amplitude:
+    near = [line for line in fit.lines if abs(line.frequency - frequency) <= width]
+    if near:
+        line = max(near, key=lambda line: line.amplitude)
+        return Amplitude(line.amplitude, line.standard_error, True)
+    rates = record.rate_values
+    there = np.isfinite(rates)
+    window = np.where(there, np.sin(np.pi * (np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.0)
+    weighted = np.where(there, rates - rates[there].mean(), 0.0) * window
+    power = np.abs(np.fft.rfft(weighted)) ** 2
+    at = round(frequency * record.duration)
+    beside = np.abs(np.arange(power.size) - at)
+    noise = float(np.median(power[(beside >= AROUND[0]) & (beside <= AROUND[1])])) / math.log(2)
+    # the highest of the bins that the frequency may lie in; the mean of the rate over a sample interval is smaller
+    size = 2 / float(window.sum()) / float(np.sinc(frequency / record.rate))
+    value, error = (size * math.sqrt(v) for v in (float(power[max(at - 1, 1) : at + 2].max()), noise / 2))
+    return Amplitude(value, error, value > SEEN * error)

@@ -6,8 +6,7 @@ from typing import Any, Self, TypeVar
 
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.header import Header
-from allanite.core.plain import Value
+from allanite.core.plain import Header, Value
 from allanite.core.record import Record
 from allanite.phrases.phrase import join
 from allanite.study.channels import Inspected

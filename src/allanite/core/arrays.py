@@ -1,9 +1,14 @@
-"""Types of arrays used in annotations, and what is asked of values of any size."""
+"""Types of arrays used in annotations, and the samples of a record, made exactly from what is given."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from allanite.phrases.phrase import say
+
+from .errors import DataError
+from .kinds import KINDS
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -44,3 +49,53 @@ def mean_and_deviation(values: FloatArray) -> tuple[float, float]:
     scale = float(np.abs(there).max()) or 1.0
     there = there / scale  # whose squares can be represented
     return scale * float(there.mean()), scale * float(there.std())
+
+
+def samples(values: Any, unit: str, kind: str, name: str) -> NDArray[Any]:
+    """Contiguous float64, or int64 if the samples are integers or the kind is "count".
+
+    They are given as an array, a quantity of pint or astropy, which is converted to `unit`, or a column of pandas or
+    polars.
+    """
+    if hasattr(values, "to") and (hasattr(values, "magnitude") or hasattr(values, "to_value")):
+        quantity = values.to(unit)
+        values = quantity.magnitude if hasattr(quantity, "magnitude") else quantity.to_value()
+    array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
+    if array.dtype.kind == "O" and hasattr(values, "isna"):  # numbers of pandas, some of which are missing
+        array = np.where(values.isna(), np.nan, array)
+        array = array.astype(np.float64) if all(isinstance(v, (int, float, np.number)) for v in array) else array
+    if array.ndim != 1:
+        raise DataError(
+            say(
+                "a record is one channel of shape (n,), not {shape}; make a Record of each column ({name})",
+                shape=array.shape, name=name,
+            )
+        )  # fmt: skip
+    if array.dtype.kind not in "fiub":
+        raise DataError(
+            say("the samples of {name!r} are of type {dtype}, not real numbers", name=name, dtype=array.dtype)
+        )
+    if len(array) - KINDS[kind][1] < 2:
+        raise DataError(say("{name!r} has {count} samples: too few for any statistic", name=name, count=len(array)))
+    if kind == "count" or array.dtype.kind in "iu":
+        _demand_integers(array, name)
+        return np.ascontiguousarray(array, dtype=np.int64)
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def _demand_integers(values: NDArray[Any], name: str) -> None:
+    """Refuse counts that are not exactly 64-bit integers."""
+    if values.dtype.kind == "f":
+        if not np.all(np.abs(values) < 2.0**63):
+            raise DataError(say("counts of {name!r} are not all finite 64-bit integers", name=name))
+        broken = values != np.floor(values)
+        if broken.any():
+            first = int(np.argmax(broken))
+            raise DataError(
+                say(
+                    "counts must be integers, but sample {first} of {name!r} is {value:g}; use kind='increment'",
+                    first=first, name=name, value=values[first],
+                )
+            )  # fmt: skip
+    elif values.dtype == np.uint64 and values.max() > np.iinfo(np.int64).max:
+        raise DataError(say("counts of {name!r} exceed the range of 64-bit integers", name=name))

@@ -1,11 +1,271 @@
-"""Choices: what a user may set, each stated once as a field of a dataclass, from which option, key and help follow."""
+"""Choices: what a user may set, each stated once as a field, from which option, key, help and control follow."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
-from typing import Any
+from types import UnionType
+from typing import Any, Literal, Union, get_args, get_origin
 
-from .choice_kinds import FLAG, TYPED, ChoiceKind, kind_of, written
-from .errors import UsageError
+from .errors import UsageError, given
+from .ranges import demand_pieces, demand_ranges
+
+ONE = (str, int, float)
+LISTS = (*ONE, list, tuple)
+"""Types of plain data that are one value, and that may be several."""
+
+
+@dataclass(frozen=True)
+class ChoiceKind:
+    """What the value of a choice is.
+
+    The help calls it `name` where there is no metavar. `read` makes it from text, or from the plain data of a file or a
+    request, which are of the types that it `takes`; `demand` checks a value of Python by the name of the choice. Each
+    refuses what is no such value; `form` is what is expected. It is entered as a `control` of the page: "text",
+    "number", "list", "band" or "flag". The option is repeated for each of `many` parts; `write` makes the text that is
+    read, if `written` does not. `alone` is the value of an option that is given without one.
+    """
+
+    name: str
+    read: Callable[[Any], Any]
+    demand: Callable[[str, Any], Any] = lambda name, value: value
+    control: str = "text"
+    many: bool = False
+    write: "Callable[[Any], str] | None" = None
+    takes: tuple[type, ...] = ONE
+    form: str = ""
+    alone: str = ""
+
+    def parse(self, data: Any) -> Any:
+        """The value from text or plain data."""
+        if not isinstance(data, self.takes) or (isinstance(data, bool) and bool not in self.takes):
+            raise UsageError(f"expected {self.form or f'a {self.name}'}, not {given(data)}")
+        return self.read(data)
+
+
+TYPED = ChoiceKind("value", lambda value: value)
+"""The kind that the type of the field says."""
+
+
+A_NUMBER, AN_INTEGER, A_DURATION = "a number", "an integer", "a time in s such as 600, or '10 min' or 1h"
+
+
+def written(value: Any) -> str:
+    """A value as it is typed.
+
+    Examples
+    --------
+    >>> written((100.0, 1e-3)), written(((1, 2.5),)), written({"N": (0.1, 10)}), written({"gyro": "deg/s"})
+    ('100,0.001', '1..2.5', 'N=0.1:10', 'gyro=deg/s')
+    """
+    if isinstance(value, Mapping):
+        pairs = ((key, ":".join(map(written, v)) if isinstance(v, (list, tuple)) else v) for key, v in value.items())
+        return ",".join(f"{key}={v}" for key, v in pairs)
+    if isinstance(value, (list, tuple)):
+        return ",".join("..".join(map(written, v)) if isinstance(v, (list, tuple)) else written(v) for v in value)
+    return str(value).removesuffix(".0") if isinstance(value, float) else str(value)
+
+
+def _parsed(number: type[float] | type[int]) -> Callable[[Any], Any]:
+    def read(value: Any) -> float | int:
+        try:
+            return number(value)
+        except (TypeError, ValueError):
+            raise UsageError(f"expected {A_NUMBER if number is float else AN_INTEGER}, not {given(value)}") from None
+
+    return read
+
+
+def _demand_number(name: str, value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise UsageError(f"{name} must be a number, not {given(value)}")
+    return value
+
+
+def _demand_word(name: str, value: Any) -> Any:
+    if not isinstance(value, str):
+        raise UsageError(f"{name} must be a word, not {given(value)}")
+    return value
+
+
+def _parts(value: Any) -> Any:
+    return value.split(",") if isinstance(value, str) else value
+
+
+def separated(kind: type, name: str, count: int | None = None, example: str = "") -> ChoiceKind:
+    """Words or numbers separated by commas; plain data may hold a list."""
+
+    def read(value: Any) -> tuple[Any, ...]:
+        try:
+            values = tuple(kind(part.strip() if isinstance(part, str) else part) for part in _parts(value))
+        except (TypeError, ValueError):
+            values = ()
+        if not values or (count is not None and len(values) != count):
+            raise UsageError(f"expected {name}, e.g. {example}, not {given(value)}")
+        return values
+
+    return ChoiceKind(name, read, control="list", takes=LISTS, form=f"{name}, e.g. {example}")
+
+
+def pieces(unit: str) -> ChoiceKind:
+    """Pairs of numbers in a unit, as ``100..160,300..310``; plain data may hold a list of them."""
+    return ChoiceKind(
+        "pieces", lambda value: demand_pieces(value, unit), lambda name, value: demand_pieces(value, unit),
+        takes=LISTS, form=f"pairs of numbers in {unit}, e.g. 100..160,300..310",
+    )  # fmt: skip
+
+
+def _share(value: Any) -> float:
+    if not isinstance(value, str):
+        return float(value)
+    number, size = next(
+        ((value.removesuffix(unit), size) for unit, size in (("%", 1e-2), ("ppm", 1e-6)) if value.endswith(unit)),
+        (value, 1.0),
+    )
+    return float(NUMBER.read(number)) * size
+
+
+def _table(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    found = {}
+    for part in value.split(","):
+        symbol, _, numbers = part.partition("=")
+        try:
+            low, high = (float(number) for number in numbers.split(":"))
+        except ValueError:
+            raise UsageError(f"expected terms with their ranges, e.g. N=0.1:10,K=100:1000, not {given(part)}") from None
+        found[symbol.strip()] = (low, high)
+    return found
+
+
+def _worth(value: Any) -> float | str:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return str(value)
+
+
+def _grid(value: Any) -> Any:
+    try:
+        return NUMBERS.read(value)
+    except UsageError:
+        return value
+
+
+def _lines(value: Any) -> tuple[str, ...]:
+    if isinstance(value, Mapping):
+        return tuple(f"{key}={part}" for key, part in value.items())
+    return tuple([value] if isinstance(value, str) else value)
+
+
+def _model(text: Any) -> Any:
+    from .model import Model
+
+    return Model(str(text))
+
+
+def seconds_of(text: Any) -> float:
+    """Seconds of ``600``, ``10 min`` or ``1h``; days are ``d``."""
+    from .syntax import split_quantities
+    from .units import convert
+
+    if isinstance(text, (int, float)):
+        return float(text)
+    try:
+        ((value, unit),) = split_quantities(str(text).split())
+        seconds = 86400 * value if unit == "d" else convert(value, unit or "s", "s")
+    except ValueError:
+        seconds = 0.0
+    if not seconds > 0:
+        raise UsageError(f"expected {A_DURATION}, not {given(text)}")
+    return seconds
+
+
+def _instant(text: Any) -> float:
+    """Seconds after the first sample, which may be zero or, to be refused later in other words, negative."""
+    try:
+        return float(text)
+    except ValueError:
+        return seconds_of(text)
+
+
+NUMBER = ChoiceKind("float", _parsed(float), _demand_number, control="number", form=A_NUMBER)
+INTEGER = ChoiceKind("integer", _parsed(int), _demand_number, control="number", form=AN_INTEGER)
+PERCENT = ChoiceKind(
+    "float", lambda v: NUMBER.read(v) / (100 if isinstance(v, str) else 1), write=lambda v: f"{100 * v:.12g}",
+    form=A_NUMBER,
+)  # fmt: skip
+"""A share: of text, as it is typed, in percent; of plain data, as in Python, from 0 to 1."""
+SHARE = ChoiceKind("share", _share, _demand_number, form="a share such as 0.1%, 1000ppm or 0.001")
+WORD = ChoiceKind("text", str, _demand_word, form="a word")
+SYMBOLS = ChoiceKind(
+    "text", str, lambda name, v: _demand_word(name, ",".join(v) if isinstance(v, (list, tuple)) else v), form="a word"
+)
+FLAG = ChoiceKind(
+    "boolean", lambda value: value not in (False, 0, "false", "no", "off", ""), control="flag",
+    takes=(str, int, bool), form="true or false",
+)  # fmt: skip
+NAMES = separated(str, "names", example="gx,gy")
+NUMBERS = separated(float, "numbers", example="1,10,100")
+INTEGERS = separated(int, "integers", example="1,10,100")
+_FREQUENCIES = separated(float, "auto, all, or two frequencies in Hz", 2, "0.01,10")
+BAND = ChoiceKind(
+    "band", lambda v: v if v in ("auto", "all") else _FREQUENCIES.read(v), control="band", takes=LISTS,
+    form=_FREQUENCIES.form,
+)  # fmt: skip
+GRID = ChoiceKind("grid", _grid, takes=LISTS, form="octave, decade, log, all, or times in s, e.g. 1,10,100")
+RANGES = ChoiceKind(
+    "ranges", _table, lambda name, value: demand_ranges(value), takes=(str, dict),
+    form="terms with their ranges, e.g. N=0.1:10,K=100:1000",
+)  # fmt: skip
+WORTH = ChoiceKind(
+    "scale", _worth, lambda name, v: v if isinstance(v, str) else _demand_number(name, v),
+    form="a number, or a number with a unit as 0.01deg/s",
+)  # fmt: skip
+DURATION = ChoiceKind("duration", seconds_of, form=A_DURATION)
+INSTANT = ChoiceKind("duration", _instant, _demand_number, control="number", form=A_DURATION)
+MODEL = ChoiceKind("model", _model, form="a model, e.g. 'N 0.003 deg/sqrt(h), B 0.5 deg/h'")
+DURATIONS = ChoiceKind(
+    "duration", lambda v: tuple(map(seconds_of, _parts(v) if isinstance(v, (str, list, tuple)) else [v])),
+    control="list", takes=LISTS, form="times in s, e.g. 600,3600, or with units, e.g. '10 min,1 h'",
+)  # fmt: skip
+_SPAN = "two averaging times in s, e.g. 1,1000 or '1 s,10 min', or yes, or no"
+_ANSWERS = {"yes": True, "no": False}
+
+
+def _span(value: Any) -> Any:
+    if value is None or isinstance(value, bool):
+        return value
+    if isinstance(value, str) and value in _ANSWERS:
+        return _ANSWERS[value]
+    try:
+        low, high = DURATIONS.read(value)
+    except (UsageError, TypeError, ValueError):
+        low, high = 0.0, 0.0
+    if not 0 < low < high < math.inf:
+        raise UsageError(f"expected {_SPAN}, not {given(value)}")
+    return low, high
+
+
+SPAN = ChoiceKind(
+    "span", _span, lambda _, value: _span(value), takes=(*LISTS, bool), form=_SPAN, alone="yes",
+    write=lambda value: ("no", "yes")[value] if isinstance(value, bool) else written(value),
+)  # fmt: skip
+LINES = ChoiceKind(
+    "text", _lines, control="list", many=True, takes=(str, list, tuple, dict), form="text, a list of texts, or a table"
+)
+
+KINDS: dict[Any, ChoiceKind] = {
+    float: NUMBER, int: INTEGER, str: WORD, bool: FLAG,
+    tuple[str, ...]: NAMES, tuple[float, ...]: NUMBERS, tuple[int, ...]: INTEGERS,
+}  # fmt: skip
+"""The kind that a type of a field says."""
+
+
+def kind_of(hint: Any) -> ChoiceKind:
+    """The kind of values of a type, which may be None as well."""
+    kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    return WORD if get_origin(kinds[0]) is Literal else KINDS[kinds[0]]
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from allanite.terms import TERMS
 
-from .time_powers import times
+from .ranges import times
 from .units import SIGNALS, Signal, signal_with, unit_of
 
 

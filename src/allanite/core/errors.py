@@ -1,6 +1,10 @@
-"""The errors of allanite. Each message says what was given, what was expected, and what to do."""
+"""The errors of allanite, and libraries that only some formats need: what was given, expected, and to be done."""
 
+import importlib.util
 import re
+import sys
+from importlib.metadata import requires
+from pathlib import Path
 from reprlib import Repr
 from typing import Any, Self
 
@@ -100,3 +104,52 @@ def unfit(data: Any, expected: str) -> StoredError:
     """The error of data that are not what is expected."""
     words = {dict: "a table", list: "a list", tuple: "a list", type(None): "null"}
     return StoredError(f"{expected} is expected, not {words.get(type(data)) or given(data)}")
+
+
+INSTALLERS = {
+    "pipx": "pipx inject allanite {names}",
+    "uv tool": "uv tool install allanite -w {with_names}",
+    "uv": "uv pip install {names}",
+    "pip": "pip install {names}",
+}
+"""What adds libraries to an environment, by the program that made it."""
+
+
+def demand_extra(extra: str, *modules: str, what: str = "this format") -> None:
+    """Refuse what needs the libraries of an extra, and say how to install those that are missing."""
+    if any(importlib.util.find_spec(name) is None for name in modules):
+        names = requirements(extra)
+        verb = "is" if len(names) == 1 else "are"
+        raise UsageError(f"{what} needs {' and '.join(names)}, which {verb} not installed: {cure(names)}")
+
+
+def requirements(extra: str) -> list[str]:
+    """Names of the libraries of an extra."""
+    mark = re.compile(rf"""extra == ["']{extra}["']""")
+    return [re.split(r"[\s<>=!~;\[(]", line)[0].lower() for line in requires("allanite") or () if mark.search(line)]
+
+
+def cure(names: list[str], prefix: Path | None = None) -> str:
+    """The command that installs libraries into this environment, or the one at `prefix`."""
+    where = Path(sys.prefix) if prefix is None else prefix
+    return INSTALLERS[_installer(where)].format(names=" ".join(names), with_names=",".join(names))
+
+
+def _installer(prefix: Path) -> str:
+    if "pipx" in prefix.parts:
+        return "pipx"
+    if ("uv", "tools") in zip(prefix.parts, prefix.parts[1:], strict=False):
+        return "uv tool"
+    made = prefix / "pyvenv.cfg"
+    return "uv" if made.is_file() and re.search(r"^uv\s*=", made.read_text("utf-8"), re.MULTILINE) else "pip"
+
+
+UNIT, RATE, SCALE, COLUMN = "UNIT", "HZ", "SCALE", "COLUMN"
+
+MEANINGS = {
+    UNIT: "the unit (deg/s, rad/s, m/s^2 or g, of time s, ms, us or ns)",
+    RATE: "the sampling rate in Hz",
+    SCALE: "the size of one count with its unit (0.01deg/s)",
+    COLUMN: "the name or number of a column",
+}
+"""What belongs in the place of each."""

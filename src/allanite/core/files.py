@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 
 from .errors import UsageError, given
 

@@ -1,23 +1,24 @@
-"""Term and Model: the noise terms that describe a sensor's random errors."""
+"""Term and Model: the noise terms that describe a sensor's random errors, and functions that make them."""
 
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from inspect import Parameter, Signature
 from typing import Any, Protocol
 
 import numpy as np
 
-from allanite.phrases.phrase import Phrase, join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import Phrase, join, say, spelled
 from allanite.terms import TERMS, NoiseTerm
 
+from .aliases import public
 from .arrays import LARGEST, FloatArray
 from .encoding import read_key
 from .errors import DataError, StoredError, UnitError, UsageError, WrongTypeError, given
+from .kinds import title_of
 from .limits import demand_stored_size
 from .names import demand_name, row_of
 from .plain import Value
-from .titles import title_of
 from .units import SIGNALS, Signal, signal_with, unit_of
 
 
@@ -204,7 +205,7 @@ class Model(Value):
     doubt: str = field(default="", compare=False)
 
     def __init__(self, terms: str | Term | Iterable[Term], *, doubt: str = "") -> None:
-        from .notation import terms_of
+        from .syntax import terms_of
 
         found = terms_of(terms) if isinstance(terms, str) else (terms,) if isinstance(terms, Term) else tuple(terms)
         object.__setattr__(self, "terms", found)
@@ -336,3 +337,48 @@ def model_of(value: ModelLike) -> Model:
         f"a noise model must be a Model, a Term such as N(0.01, 'deg/sqrt(h)'), or a Fit, not {shown}; Model(text) "
         "makes one of a text"
     )
+
+
+class Constructor(Protocol):
+    """A function that makes the term of one symbol from a coefficient, its unit, and the parameters by name."""
+
+    def __call__(self, value: float, unit: str, **shape: float) -> Term: ...  # noqa: D102
+
+
+def constructor(symbol: str) -> Constructor:
+    """The function that makes a term of this symbol, from the term's row of `TERMS`.
+
+    Examples
+    --------
+    >>> print(constructor("GM")(0.1, "deg/h", time_constant=20.0))
+    GM = 0.1 deg/h with time constant 20 s
+    """
+    row, usual = TERMS[symbol], (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)
+    named = [Parameter(name, usual[0], annotation=kind) for name, kind in (("value", float), ("unit", str))]
+    named += [
+        Parameter(p.name, usual[1], annotation=float, default=Parameter.empty if p.default is None else p.default)
+        for p in row.parameters
+    ]
+    signature = Signature(named, return_annotation=Term)
+
+    def build(value: float, unit: str, **shape: float) -> Term:
+        given = signature.bind(value, unit, **shape)
+        given.apply_defaults()
+        return term(symbol, value, unit, tuple(given.arguments[p.name] for p in row.parameters))
+
+    sheet = SIGNALS[0].sheet[row.power]
+    example = "".join(f", {p.name}={p.typical:g}" for p in row.parameters if p.default is None)
+    units = "".join(f"; {p.name} in {p.unit}" for p in row.parameters if p.unit)
+    build.__name__ = build.__qualname__ = symbol
+    build.__doc__ = (
+        f"{row.title.capitalize()}: {row.meaning}.\n\n"
+        f"For example ``{symbol}({row.typical:g}, {sheet!r}{example})``{units}."
+    )
+    build.__signature__ = signature  # type: ignore[attr-defined]
+    build.__annotations__ = {name: one.annotation for name, one in signature.parameters.items()}
+    return public(build)
+
+
+Q, N, B, K = (constructor(symbol) for symbol in ("Q", "N", "B", "K"))
+R, GM, Sine = (constructor(symbol) for symbol in ("R", "GM", "Sine"))
+F, GMA, GM2, GML, W = (constructor(symbol) for symbol in ("F", "GMA", "GM2", "GML", "W"))

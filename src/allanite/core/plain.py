@@ -1,8 +1,8 @@
-"""Storable values: every result can be pickled, written as plain data and read again, and has a one-line `repr`."""
+"""Storable values: every result can be pickled, written as plain data and read again, and has a one-line form."""
 
 import importlib
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from operator import attrgetter
 from typing import Any, ClassVar, Self, cast, get_type_hints
@@ -10,7 +10,9 @@ from typing import Any, ClassVar, Self, cast, get_type_hints
 from .aliases import public
 from .encoding import plain, read_key, write_plain
 from .errors import StoredError, UsageError, given, unfit
+from .limits import demand_stored_rate
 from .names import unknown
+from .units import Signal
 
 VERSION = 1
 """Version of the plain data, stored under "allanite"."""
@@ -207,3 +209,36 @@ def class_of(data: dict[str, Any]) -> type[Value]:
         nothing = UsageError("stored data without a type cannot be read: they are no result of allanite")
         raise nothing if name is None else unknown("type", name, known, where=" of stored data", listed=False)
     return TYPES[name]
+
+
+@dataclass(frozen=True, repr=False)
+class Header(Value):
+    """The properties of a record without its samples; the attributes are those of `Record`.
+
+    Results that were stored and read again hold it instead of the record.
+    """
+
+    _checks: ClassVar = {"rate": demand_stored_rate}
+
+    name: str
+    rate: float
+    size: int
+    unit: str
+    kind: str
+    scale: float | None
+    start: float | None
+    history: tuple[str, ...]
+    signal: Signal
+
+    @property
+    def duration(self) -> float:
+        """Length, s."""
+        return self.size / self.rate
+
+    def _summary(self) -> str:
+        return f"{self.name!r}: {self.kind} in {self.unit}, {self.size} intervals at {self.rate:g} Hz"
+
+
+def header_from(data: dict[str, Any]) -> Header:
+    """The header that `header_dict` has written, among other keys."""
+    return Header.from_dict({**data, "type": "Header"})

@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.phrases.phrase import Phrase, join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import Phrase, join, say, spelled
 
 from .arrays import FloatArray
-from .finding import Finding
 from .fit import REJECTED, Fit, Goodness, chance, tested
 from .plain import Value
-from .validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Scope, worst
+from .validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Finding, Scope, worst
 
 SURE = 1e-3
 """p-value of a check below which the model does not explain the record."""

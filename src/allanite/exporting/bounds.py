@@ -14,8 +14,7 @@ from allanite.core.errors import DataError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.terms import TERMS
 
 from .content import Axis

@@ -19,13 +19,13 @@ from operator import add
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
 from allanite.phrases.phrase import say
 from allanite.statistics import expected
-from allanite.statistics.row import FloatArray
 
 from .choice import COVER
 from .content import Axis

@@ -7,17 +7,15 @@ from itertools import chain
 from typing import Any
 
 from allanite.core.aliases import public
-from allanite.core.choice_kinds import SPAN
+from allanite.core.choices import SPAN
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, encoded, write
 from allanite.core.plain import Value
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.study.results import Study
 
-from .axes import Source, axes_of
 from .bounds import bounded
-from .choice import demand_policy, selected
+from .choice import Source, axes_of, demand_policy, selected
 from .content import Axis, Content, Entry, by_sensor
 from .cover import covered
 from .exports import target_named

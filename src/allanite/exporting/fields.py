@@ -5,8 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from allanite.core.errors import DataError, UsageError
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import join, say, spelled
 from allanite.study.results import rejected
 from allanite.study.settings import ExportChoices
 

@@ -17,8 +17,8 @@ from operator import add
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.model import Model
-from allanite.statistics.row import FloatArray
 from allanite.terms import TERMS
 
 PAST = 40

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from allanite.core.fit import Fit
-from allanite.core.titles import title_of
+from allanite.core.kinds import title_of
 from allanite.core.validity import graded
 from allanite.core.version import __version__
 from allanite.phrases.phrase import say

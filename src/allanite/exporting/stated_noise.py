@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.estimate import Estimate
 from allanite.core.limits import demand_stored_positive
@@ -14,7 +15,6 @@ from allanite.core.plain import Value
 from allanite.core.units import Signal, unit_of
 from allanite.phrases.phrase import join, say
 from allanite.statistics import expected
-from allanite.statistics.row import FloatArray
 from allanite.terms import TERMS
 
 from .content import Axis, Entry, by_sensor

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from allanite.core.errors import UsageError
 from allanite.core.syntax import YAML
 from allanite.core.units import unit_of
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.terms import TERMS
 
 if TYPE_CHECKING:

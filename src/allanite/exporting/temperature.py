@@ -7,7 +7,7 @@ from math import comb
 
 import numpy as np
 
-from allanite.applications.compensation.compensated import Compensated, CompensationStudy
+from allanite.applications.compensation.compensating import Compensated, CompensationStudy
 from allanite.applications.compensation.regression import Regression
 from allanite.applications.compensation.regressor import Regressor
 from allanite.applications.compensation.settings import CompensationSettings
@@ -17,8 +17,7 @@ from allanite.core.errors import DataError, UsageError
 from allanite.core.names import row_of
 from allanite.core.units import signal_named, unit_of
 from allanite.core.version import __version__
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 
 from .choice import placed
 from .content import Content, Entry

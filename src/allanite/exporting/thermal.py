@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from allanite.core.errors import UsageError
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 
 from .layouts import LineLayout
 from .target import Target

@@ -7,16 +7,14 @@ from typing import Any, Unpack, overload
 
 from allanite.core.aliases import public
 from allanite.core.curve import Curve
-from allanite.core.doors import Samples, Sampling, as_source
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
 from allanite.core.names import demand_name
 from allanite.core.plain import Portable
-from allanite.core.record import Record, Recording
+from allanite.core.record import Record, Recording, Samples, Sampling, as_source
 from allanite.core.threads import one_thread
 from allanite.core.validity import Band, demand_band
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import join, say, spelled
 from allanite.prepare import outliers as robust
 from allanite.readers.options import FrameLike
 from allanite.statistics import deviation

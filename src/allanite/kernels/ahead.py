@@ -28,13 +28,13 @@ THERE = {
 
 HERE = {
     "leastsquares.weighted_nnls": f"({_COLUMNS}, {_X}, {_X}, {_X})",
-    "overlapped.add_overlapped": f"({_X}, {_X}, {_M}, int64, int64)",
-    "robust.off": f"({_X}, {_X}, int64)",
-    "binned._binned": f"({_X}, {_M}, {_M})",
-    "binned.less_constant": f"({_X}, float64)",
-    "binned.less_ramp": f"({_X}, float64)",
-    "parabola.parabola_sums": f"({_X}, float64, float64)",
-    "parabola.less_parabola": f"({_X}, int64, float64, float64, UniTuple(float64, 3))",
+    "squared.add_overlapped": f"({_X}, {_X}, {_M}, int64, int64)",
+    "passing.off": f"({_X}, {_X}, int64)",
+    "cosine._binned": f"({_X}, {_M}, {_M})",
+    "cosine.less_constant": f"({_X}, float64)",
+    "cosine.less_ramp": f"({_X}, float64)",
+    "theo.parabola_sums": f"({_X}, float64, float64)",
+    "theo.less_parabola": f"({_X}, int64, float64, float64, UniTuple(float64, 3))",
     "allan.integrate": f"({_X}, float64)",
 }
 

@@ -6,7 +6,7 @@ A running sum of the whole record would lose (record / window)^1.5 to ^2.5 digit
 import numpy as np
 
 from .compiling import inner, kernel, swift_part
-from .overlapped import add_overlapped
+from .squared import add_overlapped
 
 REACH = 8
 """Averaging factors that share a segment differ by less than this factor."""

@@ -14,7 +14,7 @@ from importlib import import_module
 from threading import Event
 from typing import Any, NamedTuple
 
-from .futures import later
+from .processes import later
 
 MOST = 8192
 """Items whose numbers a pipe holds; more of them are not shared."""

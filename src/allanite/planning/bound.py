@@ -162,7 +162,7 @@ def _names(noise: list[Term], model: Model) -> list[str]:
     return [
         name
         for t in noise
-        for name in (name_of(t, model), *(join(" ", (name_of(t, model), title_of(p))) for p in t.row.parameters))
+        for name in (name_of(t, model), *(join(" ", (name_of(t, model), parameter_title(p))) for p in t.row.parameters))
     ]
 
 
@@ -181,7 +181,7 @@ def name_of(t: Term, model: Model) -> str:
     return f"{t.symbol}({t.shape[0]:.4g} {t.row.parameters[0].unit})"
 
 
-def title_of(parameter: Parameter) -> str:
+def parameter_title(parameter: Parameter) -> str:
     """The name of a parameter of a term's shape, as it is shown."""
     return parameter.title
 

@@ -1,4 +1,4 @@
-"""What data sheets print of the noise of gyros and accelerometers, where, and the models that it makes."""
+"""What data sheets print of the noise of gyros and accelerometers, the models that it makes, and typical sensors."""
 
 import csv
 import math
@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import ClassVar, NamedTuple
 
 from allanite.core.aliases import public
-from allanite.core.datasheet import ONE_SIDED
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term, term
-from allanite.core.names import row_alike
+from allanite.core.names import demand_name, row_alike
 from allanite.core.plain import Value
-from allanite.core.readings import FLICKER
+from allanite.core.readings import FLICKER, ONE_SIDED
 from allanite.phrases.phrase import say
 from allanite.plugins import Registry
+from allanite.simulation.ring_laser import RING_LASERS
 
-SENSORS = ("gyro", "accelerometer")
+SENSOR_TYPES = ("gyro", "accelerometer")
 
 
 class Conversion(NamedTuple):
@@ -114,7 +114,7 @@ class DataSheet(Value):
     @property
     def models(self) -> tuple[Model, ...]:
         """The models that there are, that of the gyro first."""
-        return tuple(model for model in map(self.model, SENSORS) if model is not None)
+        return tuple(model for model in map(self.model, SENSOR_TYPES) if model is not None)
 
     def used(self, sensor: str) -> tuple[Claim, ...]:
         """The lines from which the model of a sensor is made, one for each coefficient.
@@ -181,9 +181,43 @@ def claimed(text: str) -> tuple[Model, ...]:
     >>> [str(model) for model in claimed("adis16470 accelerometer")]
     ['N = 0.037 m/s/sqrt(h), B = 19.57 ug']
     """
-    name, _, sensor = text.strip().rpartition(" ") if text.strip().endswith(SENSORS) else (text, "", "")
+    name, _, sensor = text.strip().rpartition(" ") if text.strip().endswith(SENSOR_TYPES) else (text, "", "")
     sheet = data_sheet_named(name)
     found = tuple(filter(None, (sheet.model(sensor),))) if sensor else sheet.models
     if not found:
         raise UsageError(f"the data sheet of the {sheet.name} says nothing of the noise of its {sensor or 'sensors'}")
     return found
+
+
+SENSORS: dict[str, str] = {
+    "mems": "N 0.005 deg/sqrt(s), B 0.002 deg/s, K 3e-4 deg/s/sqrt(s)",
+    "fog": "Q 0.4 arcsec, N 3 deg/h*sqrt(s), B 1 deg/h, K 0.09 deg/h/sqrt(s), R 0.002 deg/h/s",
+    "rlg": "Q 0.5 arcsec, N 0.18 arcsec/sqrt(s), B 0.05 deg/h",
+}
+"""Models of typical gyros: MEMS, fiber-optic, ring laser. Orders of magnitude; not of any specific product."""
+
+
+@public
+def sensor(name: str) -> Model:
+    """The model of a typical sensor, or of a known ring laser gyro.
+
+    Parameters
+    ----------
+    name : str
+        A key of `SENSORS` or of `RING_LASERS`, in small or capital letters.
+
+    Raises
+    ------
+    UsageError
+        The name is unknown.
+
+    Examples
+    --------
+    >>> print(sensor("rlg"))
+    Q = 0.5 arcsec, N = 0.003 deg/sqrt(h), B = 0.05 deg/h
+    """
+    known = name.lower()
+    if known in RING_LASERS:
+        return RING_LASERS[known].model
+    demand_name("sensor", known, (*SENSORS, *RING_LASERS))
+    return Model(SENSORS[known])

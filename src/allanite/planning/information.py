@@ -23,7 +23,7 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.model import Term
-from allanite.statistics.moments.lags import sum_nodes
+from allanite.statistics.moments.lagsums import sum_nodes
 from allanite.terms import NoiseTerm
 
 SINGLE = 64

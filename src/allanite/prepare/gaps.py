@@ -12,8 +12,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray, complete
 from allanite.core.record import SHORTEST, Record
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled, windowing
+from allanite.phrases.phrase import join, say, spelled, windowing
 from allanite.terms import NoiseTerm
 
 EXACT = 64
@@ -86,7 +85,7 @@ def whole(size: int) -> Gaps:
 
 def joined(record: Record) -> tuple[FloatArray, Gaps, IntArray | None]:
     """Rates in the record's unit, joined over the gaps; the gaps; indices of the remaining samples (None: all)."""
-    from allanite.kernels.binned import less_constant
+    from allanite.kernels.cosine import less_constant
 
     values = record.values
     if record.kind != "angle":

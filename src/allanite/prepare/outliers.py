@@ -148,7 +148,7 @@ def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, 
     """Indices beyond the limit, their deviations in standard deviations, and whether the noise has heavy tails."""
     from scipy.special import ndtr
 
-    from allanite.kernels.robust import off
+    from allanite.kernels.passing import off
 
     # standard deviation of the residuals in each part, from some of them
     scales = []
@@ -179,7 +179,7 @@ def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, 
 
 def _residuals(y: FloatArray, at: IntArray) -> FloatArray:
     """Deviation of y from the median of the 31 samples around each index, or of the first or last 31 near an end."""
-    from allanite.kernels.robust import HALF
+    from allanite.kernels.passing import HALF
 
     width = min(2 * HALF + 1, y.size)
     windows = np.lib.stride_tricks.sliding_window_view(y, width)

@@ -5,10 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from allanite.core.aliases import public
-from allanite.core.finding import Finding, Quality
 from allanite.core.record import SHORTEST, Record
-from allanite.phrases.phrase import say, say_count
-from allanite.phrases.wording import between, percent
+from allanite.core.validity import Finding, Quality
+from allanite.phrases.phrase import between, percent, say, say_count
 
 from .gaps import refusal
 from .readings import clipped, outliers, quantized, stuck

@@ -5,10 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.finding import Finding
 from allanite.core.record import Record
-from allanite.phrases.phrase import join, say, say_count
-from allanite.phrases.wording import longest_without, percent, spelled, windowing
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import join, longest_without, percent, say, say_count, spelled, windowing
 
 from .outliers import MOST, TAIL, Outliers
 from .rounding import FEW_CODES, grid, rounding

@@ -5,9 +5,8 @@ import math
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.finding import Finding
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import percent
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import join, percent, say
 
 from .view import View
 

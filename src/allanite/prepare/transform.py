@@ -8,14 +8,14 @@ import numpy as np
 from allanite.core.aliases import public
 from allanite.core.arrays import BoolArray
 from allanite.core.errors import UsageError, given
-from allanite.core.finding import Finding
 from allanite.core.kinds import KINDS
 from allanite.core.record import SHORTEST, Record, Recording
+from allanite.core.validity import Finding
 from allanite.phrases.phrase import say, say_count
 from allanite.statistics.table import statistic_named
 
+from .inspector import means
 from .outliers import MOST, marked, outliers
-from .pieces import means
 from .stillness import AT_REST, busy
 from .view import View, stretches
 from .window import of_each

@@ -9,9 +9,8 @@ from typing import Any, Protocol, runtime_checkable
 from allanite.core.errors import UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.names import demand_name
-from allanite.core.spellings import latin
-from allanite.core.units import signal_with, unit_of
-from allanite.phrases.wording import spelled
+from allanite.core.units import latin, signal_with, unit_of
+from allanite.phrases.phrase import spelled
 
 _WORTH = re.compile(r"\s*([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*?)?\s*")
 """A number, optionally followed by a unit."""

@@ -4,8 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from allanite.core.spellings import RAISED, plain_letters
-from allanite.core.units import ATOMS
+from allanite.core.units import ATOMS, RAISED, plain_letters
 
 LARGE, SMALL = 1e6, 1e-3
 """Sizes from and below which a power of ten is written."""

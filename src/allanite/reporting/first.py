@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import count
 from typing import TypeGuard
 
-from allanite.core.finding import Finding
+from allanite.core.validity import Finding
 from allanite.phrases.phrase import Phrase, join, say
 
 from .digits import digits, printed_unit

@@ -53,7 +53,7 @@ def svg(figure: "Figure", prefix: str, label: str) -> Markup:
 
 def drawn(drawing: Drawing, lang: str = "") -> Picture:
     """The figure of a page in a language, or the one that is spoken; by `sketch` or else by matplotlib."""
-    from .sketch.limits import Unsketched
+    from .sketch.axis import Unsketched
 
     with speaking(lang or spoken()):
         plot = drawing.draw()

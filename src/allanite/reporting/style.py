@@ -28,7 +28,7 @@ from . import fonts
 from .digits import printable
 from .language import spoken, tr
 from .sketch.chart import Chart, Look
-from .sketch.lines import line_of
+from .sketch.marks import line_of
 
 PathLike = str | os.PathLike[str]
 

@@ -7,16 +7,15 @@ from typing import Any, Self
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
-from allanite.core.header import Header
-from allanite.core.kinds import KIND_WORDS
+from allanite.core.kinds import KIND_WORDS, title_of
 from allanite.core.model import coefficient_factor
+from allanite.core.plain import Header
 from allanite.core.record import Record
-from allanite.core.titles import title_of
 from allanite.core.validity import UNEXPLAINED, graded
 from allanite.identification.methods import METHODS
 from allanite.phrases.phrase import Catalogue, Phrase, join, say, say_count
-from allanite.phrases.wording import averaging as averaging  # noqa: PLC0414 - of this module too
-from allanite.phrases.wording import duration as duration  # noqa: PLC0414
+from allanite.phrases.phrase import averaging as averaging  # noqa: PLC0414 - of this module too
+from allanite.phrases.phrase import duration as duration  # noqa: PLC0414
 from allanite.terms import TERMS
 
 from .digits import Digits, digits, printed_unit

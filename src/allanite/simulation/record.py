@@ -1,16 +1,18 @@
-"""From a model to a record, and from standard deviations to the noise of a readout."""
+"""From a model to a record or a recording, and from standard deviations to the noise of a readout."""
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from allanite.core.aliases import generator, public, size_and_rate
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import UnitError, UsageError
-from allanite.core.model import ModelLike, Term, usable_model
-from allanite.core.record import Record
-from allanite.phrases.phrase import say
-from allanite.statistics.row import FloatArray
+from allanite.core.model import Model, ModelLike, Term, usable_model
+from allanite.core.plain import Header, Value
+from allanite.core.record import Record, Recording
+from allanite.phrases.phrase import say, spelled
 
 MOST = 10_000_000_000
 """Most samples of a simulated record, which would take 80 GB."""
@@ -174,3 +176,38 @@ def readout_noise(size: int, *, sigma: float, walk: float = 0.0, rng: "np.random
     if walk:
         noise[1:] += walk * np.cumsum(rng.standard_normal(size - 1))
     return noise
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Value):
+    """The truth of a simulated recording: the noise of every channel, the seed, rate (Hz) and number of samples.
+
+    `channels` are what the channels hold; their histories say which faults were put in.
+    """
+
+    model: Model
+    seed: int
+    rate: float
+    size: int
+    channels: tuple[Header, ...]
+
+    @classmethod
+    def of(cls, model: Model, seed: int, recording: Recording) -> "Simulation":
+        """The truth of this recording."""
+        first = recording[0]
+        return cls(model, seed, first.rate, first.size, tuple(record.header for record in recording))
+
+
+def readings(rate: float, duration: float | None, samples: int | None) -> int:
+    """Number of samples for a length given either in s or as a number.
+
+    Examples
+    --------
+    >>> readings(100.0, 60.0, None)
+    6000
+    """
+    if (duration is None) == (samples is None):
+        raise UsageError("give the length either by " + spelled("--duration or by --samples", "duration or by samples"))
+    if not 0 < rate < float("inf"):
+        raise UsageError(f"the sampling rate must be a positive number of Hz, not {rate!r}")
+    return samples if samples is not None else round((duration or 0.0) * rate)

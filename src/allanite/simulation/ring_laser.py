@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.aliases import generator, public, size_and_rate
-from allanite.core.constructors import N, Q
 from allanite.core.errors import UsageError
-from allanite.core.model import Model
+from allanite.core.model import Model, N, Q
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 

@@ -8,16 +8,15 @@ from typing import Any
 import numpy as np
 
 from allanite.core.aliases import public
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import StoredError, UsageError, given
 from allanite.core.model import Model, ModelLike, usable_model
 from allanite.core.plain import Value
 from allanite.phrases.phrase import say, say_count
 from allanite.statistics.moments.expect import expected
-from allanite.statistics.row import FloatArray, IntArray
 from allanite.terms.row import Block
 
-from .build import MEASUREMENTS, Matrices, blocks_of, continuous, equivalent, states_of
-from .markov import MarkovSum, flicker_sum
+from .build import MEASUREMENTS, MarkovSum, Matrices, blocks_of, continuous, equivalent, flicker_sum, states_of
 
 NEGLIGIBLE = 0.01
 """Relative deviation of the Allan variance below which the mean over an interval is replaced by the rate at its end."""

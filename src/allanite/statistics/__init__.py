@@ -7,26 +7,25 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from allanite.core.averaged import Averaged
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import DataError, LongJobWarning, UsageError
+from allanite.core.estimate import Averaged
 from allanite.core.limits import Remembered
 from allanite.core.model import Model
 from allanite.core.record import Record
 from allanite.core.threads import one_thread
 from allanite.core.units import Signal
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
-from allanite.statistics.confidence.averaged import AveragedLaw
+from allanite.phrases.phrase import join, say, spelled
 from allanite.statistics.confidence.bias import chosen_bias, correction, corrections
 from allanite.statistics.confidence.limits import ModelLaw, PublishedLaw, automatic_law, power_laws, unit_term
 from allanite.statistics.confidence.sparse import sparse, sparse_law
-from allanite.statistics.confidence.supposed import Assumption, LaterLaw, SupposedNoise, Supposing
+from allanite.statistics.confidence.supposed import Assumption, AveragedLaw, LaterLaw, SupposedNoise, Supposing
 from allanite.statistics.model_curves import Expectation as Expectation
 from allanite.statistics.model_curves import Expectations as Expectations
 from allanite.statistics.model_curves import expectation as expectation
 from allanite.statistics.moments.expect import expected as expected
-from allanite.statistics.moments.hybrid import covariance as covariance
+from allanite.statistics.moments.moments import covariance as covariance
 from allanite.statistics.moments.moments import edf as edf
 from allanite.terms import WHITE
 
@@ -34,7 +33,7 @@ from .estimator import AngleRecord, estimate, with_means
 from .estimator import integrated as integrated
 from .grids import GRIDS as GRIDS
 from .grids import checked, factors_of, times
-from .row import BoolArray, FloatArray, IntArray, Statistic, seconds
+from .row import Statistic, seconds
 from .table import STATISTICS as STATISTICS
 from .table import CurvePoints
 from .table import statistic_named as statistic_named

@@ -5,11 +5,12 @@ from functools import partial
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.phrases.phrase import say
 from allanite.statistics.fast.everytau import dense, split
 
 from .published import greenhall_riley
-from .row import FloatArray, IntArray, Statistic, Window, binomial_window, constant, interleaved
+from .row import Statistic, Window, binomial_window, constant, interleaved
 
 
 def _strided(x: FloatArray, m: IntArray, order: int) -> FloatArray:

@@ -7,14 +7,12 @@ import numpy as np
 
 from allanite.core.aliases import public
 from allanite.core.arrays import complete
-from allanite.core.curve import Curve
-from allanite.core.doors import Samples, Sampling, as_record
+from allanite.core.curve import Curve, Surface
 from allanite.core.errors import DataError, UsageError
 from allanite.core.kinds import KINDS
 from allanite.core.model import ModelLike
-from allanite.core.record import Record
-from allanite.core.surface import Surface
-from allanite.parallel.futures import spread
+from allanite.core.record import Record, Samples, Sampling, as_record
+from allanite.parallel.processes import spread
 from allanite.phrases.phrase import say
 from allanite.statistics import deviation
 
@@ -95,7 +93,7 @@ def dynamic(
     first = deviation(window_of_all, row.name, taus=taus, m=m, noise=noise)
     starts = np.arange(0, record.size - samples + 1, stride)
     if row.sliding and complete(record.values):
-        from allanite.kernels.dynamic import windowed
+        from allanite.kernels.allan import windowed
 
         angle = integrated(record, row.order)
         sums = windowed(angle.pieces[0].x, first.m, first.count, row.order, stride)

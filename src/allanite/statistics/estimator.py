@@ -5,16 +5,15 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.core.aliases import public
-from allanite.core.arrays import complete
+from allanite.core.arrays import FloatArray, IntArray, complete
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
-from allanite.parallel.futures import spread
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import windowing
+from allanite.parallel.processes import spread
+from allanite.phrases.phrase import say, windowing
 
 from .grids import part_of
 from .moments.means import There, takes_means, variance_of
-from .row import FloatArray, IntArray, Statistic, seconds
+from .row import Statistic, seconds
 
 LONG = 0.2
 """Seconds of a compiled loop from which on it runs in a thread of its own, so that it can be interrupted."""

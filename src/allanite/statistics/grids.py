@@ -4,11 +4,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.names import unknown
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 
-from .row import FloatArray, IntArray, Statistic
+from .row import Statistic
 
 
 def times(row: Statistic, m: IntArray, size: int, join: float) -> FloatArray:

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from allanite.core.aliases import public
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, model_of
 from allanite.core.plain import Value
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 from allanite.statistics.grids import factors_of, times
 from allanite.statistics.moments.expect import expected
-from allanite.statistics.row import FloatArray, Statistic
+from allanite.statistics.row import Statistic
 from allanite.statistics.table import statistic_named
 
 JOIN = 0.2

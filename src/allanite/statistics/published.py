@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from .row import FloatArray
+from allanite.core.arrays import FloatArray
 
 LONGEST = 100
 """Lags that are summed."""

@@ -5,13 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.terms.row import NoiseTerm
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 Window = tuple[FloatArray, FloatArray]
 """Weights, shape (r,), and filters, shape (r, points): ``sum_r weights[r] (filters[r] . x)^2`` of a window's points."""

@@ -3,15 +3,14 @@
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
+from allanite.core.arrays import IntArray
 from allanite.core.names import row_of
 from allanite.plugins import Registry
 
 from .differences import ADEV, HAAR, HDEV, MDEV, OADEV, OHDEV, TDEV
-from .extremes import MTIE, TIERMS
 from .moments.means import Places
-from .parabolic import PDEV
-from .row import IntArray, Statistic
-from .theo import THEO1, THEOBR, THEOH
+from .row import Statistic
+from .theo import MTIE, PDEV, THEO1, THEOBR, THEOH, TIERMS
 from .total import HTOTDEV, MTOTDEV, TOTDEV, TTOTDEV
 
 _OWN = (

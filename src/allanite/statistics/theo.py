@@ -1,19 +1,20 @@
-"""Theo1 and its hybrids TheoBR and TheoH: tau up to three quarters of the record."""
+"""Theo1 and its hybrids, the parabolic deviation, and errors of the angle over an interval."""
 
 from dataclasses import replace
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.phrases.phrase import say
 from allanite.statistics.fast.theofft import split, theo1_sums
-from allanite.statistics.moments.theomoments import harmonic, theo_response, white_ratio
+from allanite.statistics.moments.windowed import harmonic, theo_response, white_ratio
 
 from .differences import OADEV
 from .published import theo1
-from .row import FloatArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant
+from .row import PublishedBias, Scheme, Sharp, Statistic, Window, binomial_window, constant
 
 
-def _window(m: int) -> Window:
+def _theo_window(m: int) -> Window:
     k = m // 2
     v = np.arange(1, k + 1)
     filters = np.zeros((k, m + 1))
@@ -68,7 +69,7 @@ THEO1 = Statistic(
     sums=theo1_sums,
     split=split,
     pace=0.8,
-    window=_window,
+    window=_theo_window,
     target="oadev",
     step=2,
     tau_factor=0.75,
@@ -126,4 +127,93 @@ THEOH = replace(
     limits="Those of theobr beyond the joint.",
     parts=(OADEV, THEO1),
     step=1,
+)
+
+
+def _parabolic(x: FloatArray, m: IntArray) -> FloatArray:
+    from allanite.kernels.squared import overlapped
+    from allanite.kernels.summed import parabolic
+
+    return np.asarray(np.where(m == 1, overlapped(x, m, 2), parabolic(x, m)))
+
+
+def _parabolic_window(m: int) -> Window:
+    if m == 1:
+        return binomial_window(2)(1)
+    slope = (m - 1) / 2 - np.arange(m)
+    return np.ones(1), np.concatenate((slope, -slope))[None, :]
+
+
+PDEV = Statistic(
+    name="pdev",
+    synonyms=("pvar", "parabolic"),
+    title=say("parabolic deviation"),
+    formula=r"\frac{72}{m^4 \tau^2 (n+1-2m)} \sum_{i=0}^{n-2m} \Bigl[ \sum_{k=0}^{m-1} \bigl(\tfrac{m-1}{2} - k\bigr) "
+    r"(x_{i+k} - x_{i+m+k}) \Bigr]^2 \quad (m = 1: \mathrm{OAVAR})",
+    reference="F. Vernotte, M. Lenczner, P.-Y. Bourgeois & E. Rubiola, IEEE UFFC 63, 2016; F. Vernotte et al., 2020",
+    meaning="The Allan deviation with rates from least-squares slopes of the angle instead of its differences.",
+    use="Fast angle noise (quantization): it is suppressed as in mdev, over windows of 2 tau instead of 3.",
+    limits="White rate noise gives 6/5 of its Allan variance, other noise other ratios.",
+    cost="About 4 ns per sample and tau; a copy of the record and segments of 16 tau.",
+    order=2,
+    norm=lambda m: np.where(m == 1, 2.0, np.asarray(m, dtype=np.float64) ** 4 / 72),
+    span=(2, 0),
+    sums=_parabolic,
+    pace=4.0,
+    window=_parabolic_window,
+    scheme=Scheme(leading=12),
+)
+
+
+def _first(x: FloatArray, m: IntArray) -> FloatArray:
+    from allanite.kernels.squared import overlapped
+
+    return overlapped(x, m, 1)
+
+
+def _largest(x: FloatArray, m: IntArray) -> FloatArray:
+    from allanite.kernels.allan import largest_range
+
+    return largest_range(x, m)  # type: ignore[no-any-return]
+
+
+TIERMS = Statistic(
+    name="tierms",
+    synonyms=("rmstie",),
+    title=say("TIE rms of the angle"),
+    formula=r"\frac{1}{n+1-m} \sum_{i=0}^{n-m} (x_{i+m} - x_i)^2",
+    reference="NIST SP 1065 section 5.2.19 (rms time interval error)",
+    meaning="How far the angle moves within tau, RMS, in the unit of the angle, bias included.",
+    use="The heading error that an uncorrected gyro accumulates within tau.",
+    limits="A constant rate contributes fully: remove a known bias from the record first.",
+    cost="About 0.2 ns per sample and tau; one copy of the record.",
+    order=1,
+    norm=lambda m: np.ones(np.shape(m)),
+    span=(1, 0),
+    sums=_first,
+    pace=0.2,
+    window=binomial_window(1),
+    differences=1,
+    power=1,
+)
+
+MTIE = Statistic(
+    name="mtie",
+    synonyms=("tie",),
+    title=say("maximum time interval error (MTIE) of the angle"),
+    formula=r"\max_i \bigl( \max_{i \le j \le i+m} x_j - \min_{i \le j \le i+m} x_j \bigr)^2",
+    reference="ITU-T G.810; NIST SP 1065 section 5.2.18 (maximum time interval error)",
+    meaning="The largest range of the angle within any window of tau, in the unit of the angle, bias included.",
+    use="A bound for this record: the angle error over tau never exceeded it.",
+    limits="A maximum: it grows with the length of the record and has no degrees of freedom; a single outlier "
+    "determines it.",
+    cost="15 ns per sample and tau; three copies of the record.",
+    order=1,
+    norm=lambda m: np.ones(np.shape(m)),
+    span=(1, 0),
+    sums=_largest,
+    pace=15.0,
+    window=None,
+    power=1,
+    extreme=True,
 )

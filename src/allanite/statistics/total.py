@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.phrases.phrase import say
 
 from . import published
-from .row import FloatArray, IntArray, PublishedBias, Scheme, Sharp, Statistic, Window, constant
+from .row import PublishedBias, Scheme, Sharp, Statistic, Window, constant
 
 
 def _folded(x: FloatArray, m: IntArray) -> FloatArray:
@@ -23,7 +24,7 @@ def _modified_total(x: FloatArray, m: IntArray) -> FloatArray:
 
 
 def _hadamard_total(x: FloatArray, m: IntArray) -> FloatArray:
-    from allanite.kernels.overlapped import overlapped
+    from allanite.kernels.squared import overlapped
 
     sums = _modified_total(np.diff(x), m)
     # SP 1065: at m = 1 the overlapping Hadamard form, which has as many windows

@@ -200,7 +200,7 @@ class Accumulator:
         DataError
             There are too few samples for any averaging time.
         """
-        from .curve import curve_of
+        from .coefficients import curve_of
 
         return curve_of(self, noise)
 

@@ -1,19 +1,127 @@
-"""The sums of a stream, to which stretches of samples and later parts of the stream are added."""
+"""The sums of a stream, to which stretches of samples and later parts of the stream are added.
+
+Its basis is orthogonal and has no edges, so that neither quantization, whose edges of a segment are louder than its
+inside, nor slow noise leaks into other frequencies.
+
+References
+----------
+H. S. Malvar, Signal Processing with Lapped Transforms, 1992.
+"""
 
 import math
+from dataclasses import dataclass, field
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
 from allanite.statistics.estimator import stretches
 from allanite.statistics.row import Statistic
 
-from .cells import Cells
-from .lapped import folded
-
 if TYPE_CHECKING:
     from allanite.kernels.ladder import State
+
+MOST = 512
+"""Number of cells, an even one."""
+
+
+@dataclass
+class Cells:
+    """Sums over `size` samples each, and how many of these there were; the first one begins at sample `first` * size.
+
+    Gaps leave cells with few samples or none, and the rest is not affected. A cell counts to 2^31, the whole to 10^12.
+    """
+
+    size: int = 1
+    first: int = 0
+    total: FloatArray = field(default_factory=lambda: np.zeros(MOST))
+    count: NDArray[np.int32] = field(default_factory=lambda: np.zeros(MOST, np.int32))
+
+    @property
+    def used(self) -> int:
+        """Number of cells up to the last one with samples."""
+        return int(np.flatnonzero(self.count)[-1]) + 1 if self.count.any() else 0
+
+    def add(self, values: FloatArray, constant: float, place: int) -> None:
+        """Add finite samples, less a constant, the first of which is sample `place` of the stream."""
+        from allanite.kernels.streamed import gathered
+
+        if not self.count.any():
+            self.first = place // self.size
+        while (place + values.size - 1) // self.size - self.first >= MOST:
+            self.halve()
+        gathered(self.total, self.count, values, constant, (self.size, place - self.first * self.size))
+
+    def halve(self) -> None:
+        """Make the cells twice as long."""
+        odd = self.first % 2
+        for values in (self.total, self.count):
+            both = np.zeros(2 * MOST, values.dtype)
+            both[odd : odd + MOST] = values
+            values[:] = 0
+            values[:MOST] = both.reshape(MOST, 2).sum(axis=1)
+        self.first, self.size = self.first // 2, 2 * self.size
+
+    def merge(self, other: "Cells") -> None:
+        """Add the cells of a later part of the stream, which are changed."""
+        while self.size < other.size:
+            self.halve()
+        while other.size < self.size:
+            other.halve()
+        while other.first + other.used - self.first > MOST:
+            self.halve()
+            other.halve()
+        here = slice(other.first - self.first, other.first - self.first + other.used)
+        self.total[here] += other.total[: other.used]
+        self.count[here] += other.count[: other.used]
+
+
+@cache
+def basis(hop: int) -> FloatArray:
+    """Rows k = hop / 8 .. hop - 1 at the frequencies (k + 1/2) / (2 hop) per sample, shape (rows, 2 hop).
+
+    Each is freed from its mean and has the length 1: a constant, or a slow noise of any size, is not seen.
+
+    Examples
+    --------
+    >>> found = basis(16)
+    >>> found.shape, bool(np.allclose(found.sum(axis=1), 0)), bool(np.allclose((found**2).sum(axis=1), 1))
+    ((14, 32), True, True)
+    """
+    rows = _window(hop) * _cosines(hop)
+    rows = rows - rows.mean(axis=1, keepdims=True)
+    return np.asarray(rows / np.sqrt((rows**2).sum(axis=1, keepdims=True)))
+
+
+@cache
+def folded(hop: int) -> FloatArray:
+    """The window, and the basis as weights of the folded samples and of their sum.
+
+    A segment (a, b, c, d) in quarters, times the window, is folded to (-c' - d, a - b'), a prime for reversed order: of
+    that the rows are those of a DCT-IV, and what frees them from their mean is a weight of the sum of the segment.
+    Shape (1 + rows, 2 hop), where a row has hop + 1 weights.
+    """
+    k, j = np.arange(hop // 8, hop)[:, None] + 0.5, np.arange(hop) + 0.5
+    raw = _window(hop) * _cosines(hop)
+    mean = raw.mean(axis=1)
+    length = np.sqrt(((raw - mean[:, None]) ** 2).sum(axis=1))
+    found = np.zeros((1 + len(raw), 2 * hop))
+    found[0] = _window(hop)
+    found[1:, :hop] = np.cos(np.pi / hop * k * j) / length[:, None]
+    found[1:, hop] = -mean / length
+    return found
+
+
+def _window(hop: int) -> FloatArray:
+    return np.asarray(np.sin(np.pi / (2 * hop) * (np.arange(2 * hop) + 0.5)))
+
+
+def _cosines(hop: int) -> FloatArray:
+    k, i = np.arange(hop // 8, hop)[:, None] + 0.5, np.arange(2 * hop) + 0.5
+    return np.asarray(np.cos(np.pi / hop * k * (i + hop / 2)))
+
 
 TAIL = {2: 32, 3: 48}
 """Cells that are kept of each end of a level, by the order of the differences: 15 of them, and a segment."""

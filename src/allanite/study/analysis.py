@@ -10,8 +10,7 @@ from allanite.core.display_units import showing
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
 from allanite.parallel.processors import IDENTIFICATION, importing
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.statistics import deviation
 from allanite.statistics.readings import readings
 

@@ -8,18 +8,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar, cast
 
-from allanite.core.doors import Samples, Sampling, as_source
 from allanite.core.errors import DataError
-from allanite.core.finding import Finding, Quality
 from allanite.core.ranges import demand_pieces
-from allanite.core.record import Record, Recording
+from allanite.core.record import Record, Recording, Samples, Sampling, as_source
 from allanite.core.threads import one_thread
+from allanite.core.validity import Finding, Quality
 from allanite.identification.front import Started, finished
 from allanite.parallel.processors import how_many, imported
 from allanite.parallel.sharing import shared
 from allanite.phrases.phrase import join, say
-from allanite.prepare.body import of_one_body
 from allanite.prepare.quality import inspect
+from allanite.prepare.stillness import of_one_body
 from allanite.prepare.transform import averaged, mark_motion, mark_outliers
 from allanite.prepare.window import excluded, quiet_window, trim
 from allanite.readers import read
@@ -27,9 +26,9 @@ from allanite.readers.options import FrameLike
 from allanite.readers.parts import demand_memory
 
 from .drift import drift_findings
+from .job import provenance_of
 from .keeper import Inspected as Inspected  # noqa: PLC0414 - of this module too, for the jobs
 from .parts import Keeping, in_parts, passed
-from .provenance import provenance_of
 from .recipe import READING, Recipe
 
 Source = Recording | Samples | FrameLike | str | os.PathLike[str]

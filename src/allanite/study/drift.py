@@ -3,10 +3,9 @@
 import shlex
 from collections.abc import Sequence
 
-from allanite.core.finding import Finding
 from allanite.core.record import Recording
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import percent
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import percent, say
 from allanite.prepare.drift import follows
 
 from .recipe import READING, SELECTING, Recipe

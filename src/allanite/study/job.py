@@ -1,17 +1,35 @@
-"""The result of a job over the channels of a recording."""
+"""The result of a job over the channels of a recording, and where its numbers come from."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, get_args
 
 from allanite.core.encoding import read_key, write_plain
-from allanite.core.finding import Finding
 from allanite.core.names import demand_name
 from allanite.core.plain import VERSION, Value, read_fields, stored_fields
+from allanite.core.record import Recording
+from allanite.core.validity import Finding
+from allanite.core.version import __version__
 from allanite.parallel.sharing import Work, made
 
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe
+
+
+def provenance_of(*recordings: Recording) -> dict[str, str]:
+    """Version and input files, for reproducing the result."""
+    import platform
+
+    made = {"allanite": __version__, "python": platform.python_version()}
+    return made | joined([{"source": recording.source, "sha256": recording.digest} for recording in recordings])
+
+
+def joined(provenances: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    """Those of several files as one: ``source``, ``source 2`` and so on."""
+    first = dict(provenances[0]) if provenances else {}
+    more = enumerate(provenances[1:], 2)
+    return first | {f"{key} {i}": one[key] for i, one in more for key in ("source", "sha256") if key in one}
+
 
 Result = TypeVar("Result")
 

@@ -11,21 +11,18 @@ from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.choices import needing_all
 from allanite.core.curve import Curve, Law
 from allanite.core.errors import UsageError
-from allanite.core.finding import Quality
 from allanite.core.fit import Fit
-from allanite.core.header import Header
-from allanite.core.plain import Portable
+from allanite.core.plain import Header, Portable
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
+from allanite.core.validity import Quality
 from allanite.identification.checks.contradiction import MeasuredCurve
 from allanite.identification.search.identify import Pending
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import join, say, spelled
 from allanite.statistics.spectra.raw_spectrum import Raw
 from allanite.statistics.spectra.welch import Periodograms
 from allanite.stream.accumulator import Accumulator, streamable
-from allanite.stream.coefficients import search_in
-from allanite.stream.curve import grid
+from allanite.stream.coefficients import grid, search_in
 
 from .recipe import Recipe
 

@@ -5,20 +5,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
-from allanite.core.finding import Finding
 from allanite.core.fit import REJECTED, Fit
 from allanite.core.limits import Stored, Widened
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
 from allanite.core.threads import one_thread
-from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Band
+from allanite.core.validity import APPROXIMATE, EXPLAINED, UNEXPLAINED, Band, Finding
 from allanite.identification.checks.contradiction import MeasuredCurve, contradictions, held, measured, not_rounding
 from allanite.identification.checks.residuals import residuals
 from allanite.identification.front import Started, started
 from allanite.identification.methods import METHODS, symbols_of
 from allanite.identification.search.identify import explaining
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import join, say, spelled
 from allanite.prepare.outliers import marked, outliers
 from allanite.terms import TERMS, WHITE
 

@@ -10,24 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import IntArray
-from allanite.core.finding import Finding
-from allanite.core.header import Header
 from allanite.core.kinds import KINDS
+from allanite.core.plain import Header
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
-from allanite.parallel.futures import ahead, later
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
-from allanite.prepare import inspector, pieces, window
-from allanite.prepare.body import of_one_body
+from allanite.core.validity import Finding
+from allanite.parallel.processes import ahead, later
+from allanite.phrases.phrase import say, spelled
+from allanite.prepare import inspector, window
 from allanite.prepare.inspector import FEWEST, Inspector
+from allanite.prepare.stillness import of_one_body
 from allanite.prepare.transform import blocks_words, mark_motion, samples_in
-from allanite.readers.memory import size_in_words
-from allanite.readers.parts import PartsReader, opened, whole_findings
+from allanite.readers.parts import PartsReader, opened, size_in_words, whole_findings
 from allanite.readers.sandbox.source import digest_of
 
+from .job import provenance_of
 from .keeper import Inspected, Keeper, demand_sums
-from .provenance import provenance_of
 from .recipe import READING, Recipe
 
 Keeping = Callable[[Record, int], Keeper]
@@ -94,18 +92,18 @@ class Preparation:
         size = self.rows // self.m
         return max(1, (size if end is None else min(end, size)) - first)
 
-    def blocks(self, parts: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[pieces.Piece]:
+    def blocks(self, parts: Iterable[tuple[int, list[NDArray[Any]]]]) -> Iterator[inspector.Piece]:
         """Blocks of the window, by their place in it."""
         first, end = self.span
-        found = pieces.placed(parts)
+        found = inspector.placed(parts)
         if self.m > 1:
-            found = pieces.averaged(found, self.kinds, self.m, inspector.BLOCK)
+            found = inspector.averaged(found, self.kinds, self.m, inspector.BLOCK)
         if self.spans:
             cuts = window.excluded_samples("", np.inf, self.rate, self.spans)
-            found = pieces.excluded(found, self.kinds, cuts)
+            found = inspector.excluded(found, self.kinds, cuts)
         if first or end is not None:
-            found = pieces.window(found, first, None if end is None else end + self.points)
-        return pieces.blocks(found, inspector.BLOCK, self.points)
+            found = inspector.window(found, first, None if end is None else end + self.points)
+        return inspector.blocks(found, inspector.BLOCK, self.points)
 
     def records(self, place: int, columns: Sequence[NDArray[Any]], size: int) -> tuple[Record, ...]:
         """A block of so many samples as records."""

@@ -7,8 +7,21 @@ from dataclasses import asdict, dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from allanite.core.choice_kinds import BAND, INSTANT, LINES, RANGES, SYMBOLS, WORD, WORTH, ChoiceKind, pieces
-from allanite.core.choices import choice, choices_of, demand_choices, named
+from allanite.core.choices import (
+    BAND,
+    INSTANT,
+    LINES,
+    RANGES,
+    SYMBOLS,
+    WORD,
+    WORTH,
+    ChoiceKind,
+    choice,
+    choices_of,
+    demand_choices,
+    named,
+    pieces,
+)
 from allanite.core.errors import UsageError, unfit
 from allanite.core.files import reason
 from allanite.core.names import demand_name
@@ -141,7 +154,7 @@ class Recipe:
         told="refuse; of a live stream mark", group="selecting", demand=_checked("prepare.transform.demand_motion"))
     memory: str | None = choice(
         "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
-        told="half of what is available", group="selecting", demand=_checked("readers.memory.bytes_of"))
+        told="half of what is available", group="selecting", demand=_checked("readers.parts.bytes_of"))
     statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve",
         synonyms=("stat", "type"))
     taus: str | tuple[float, ...] = grid("log")

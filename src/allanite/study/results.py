@@ -6,23 +6,19 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 from allanite.core.curve import Curve
-from allanite.core.datasheet import DataSheetRow, data_sheet
 from allanite.core.encoding import plain, read_key, write_plain
 from allanite.core.errors import DataError
-from allanite.core.finding import Finding, Quality
 from allanite.core.fit import Fit
-from allanite.core.header import Header, header_from
 from allanite.core.limits import Stored
 from allanite.core.model import Model, nevertheless
-from allanite.core.plain import Portable, Value, read_fields, stored_fields
-from allanite.core.readings import Readings
+from allanite.core.plain import Header, Portable, Value, header_from, read_fields, stored_fields
+from allanite.core.readings import DataSheetRow, Readings, data_sheet
 from allanite.core.record import Record, Recording, header_dict
 from allanite.core.residuals import Residuals, Shared, Statement, statement
-from allanite.core.validity import UNEXPLAINED, worst
+from allanite.core.validity import UNEXPLAINED, Finding, Quality, worst
 from allanite.identification.checks.shared import shared
 from allanite.parallel.processors import how_many
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import join, say, spelled
 from allanite.terms import TERMS
 
 from .job import Job

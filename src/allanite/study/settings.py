@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from allanite.core.choice_kinds import DURATION, DURATIONS, GRID, INSTANT, LINES, PERCENT, SHARE, SPAN
-from allanite.core.choices import choice
+from allanite.core.choices import DURATION, DURATIONS, GRID, INSTANT, LINES, PERCENT, SHARE, SPAN, choice
 
 # fmt: off
 

@@ -1,22 +1,23 @@
-"""Curves, spectra or surfaces of every channel of a recording."""
+"""Curves, spectra or surfaces of every channel, of several files as one, and as expected of a given model."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, ClassVar
 
-from allanite.core.curve import Curve
+from allanite.core.curve import Curve, Surface
 from allanite.core.display_units import readable_unit
 from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
+from allanite.core.names import told_apart
 from allanite.core.plain import Value
 from allanite.core.record import Record
 from allanite.core.spectrum import Spectrum, side_factor
-from allanite.core.surface import Surface
 from allanite.parallel.processors import how_many
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
-from allanite.statistics import deviation, statistic_named
+from allanite.phrases.phrase import join, say, spelled
+from allanite.simulation.record import readings
+from allanite.statistics import Expectation, Expectations, deviation, expectation, statistic_named
 from allanite.statistics.confidence.bias import demand_bias
 from allanite.statistics.confidence.supposed import Supposing
 from allanite.statistics.dynamic import dynamic
@@ -25,13 +26,14 @@ from allanite.statistics.spectra.spectrum import method_named, of_raw, spectrum
 from allanite.statistics.spectra.welch import LONGEST
 
 from .channels import Inspected, Progress, Source, run
-from .hybrid_bias import joints
-from .job import Job
+from .curves import joints
+from .job import Job, joined
 from .keeper import STRIDES, WHOLE, Keeper, demand_grid, demand_sums
+from .modelled import NoiseSettings, demand_no_recording
 from .noise import begun_in, noise_in
 from .recipe import IDENTIFYING, READING, SELECTING, Recipe, chosen
 from .results import ChannelResult
-from .settings import DensityChoices, DeviationChoices, WindowChoices
+from .settings import DensityChoices, DeviationChoices, LengthChoices, WindowChoices
 
 Result = Curve | Spectrum | Surface
 
@@ -263,3 +265,77 @@ def survey(
     begin = partial(begun_in, recipe=recipe) if settings.fitted else None
     return run(partial(Survey, settings=settings), source, recipe, work, Measured.refused, keeping=settings.keeping,
                begin=begin, in_parts_too=settings.notes, doing="measuring", progress=progress)  # fmt: skip
+
+
+def side_by_side(surveys: Sequence[Survey], files: Sequence[str]) -> Survey:
+    """Surveys of several files as one: each channel has the name of its file before its own."""
+    if len(surveys) == 1:
+        return surveys[0]
+    pairs = list(zip(told_apart(files), surveys, strict=True))
+    return replace(
+        surveys[0],
+        channels=tuple(_of_file(name, channel, len(one.channels)) for name, one in pairs for channel in one),
+        findings=tuple(replace(f, what=join(": ", (name, f.what))) for name, one in pairs for f in one.findings),
+        notes=tuple(dict.fromkeys(note for one in surveys for note in one.notes)),
+        provenance=joined([one.provenance for one in surveys]),
+    )
+
+
+def _of_file(file: str, channel: Measured, count: int) -> Measured:
+    """A channel with the name of its file before its own, which the only one of a file does not need."""
+    name = f"{file} {channel.record.name}" if count > 1 else file
+    values = tuple(replace(value, name=name) for value in channel.values)
+    return replace(channel, record=replace(channel.record, name=name), values=values)
+
+
+@dataclass(frozen=True, repr=False)
+class TheorySettings(LengthChoices, NoiseSettings):
+    """A model, and the length of a record for which its curves are expected: `duration` in s, or `samples`."""
+
+    @property
+    def asked(self) -> bool:
+        """Whether any of it is given."""
+        return self != TheorySettings()
+
+
+def expected_curves(
+    source: Source | None, settings: TheorySettings, wanted: Deviations, recipe: Recipe | None = None
+) -> Expectation:
+    """The expected curves of a model that is given instead of a recording.
+
+    Examples
+    --------
+    >>> found = expected_curves(None, TheorySettings(sensor="fog"), Deviations(("oadev", "ohdev")))
+    >>> [curve.statistic for curve in found.curves]
+    ['oadev', 'ohdev']
+    """
+    recipe, model = recipe or Recipe(), settings.instead_of(source)
+    if model is None:
+        end = settings.duration or (settings.samples or 0) / (recipe.rate or math.inf)
+        first = f"{end:g}" if end else "TIME"
+        raise UsageError(
+            f"{spelled('--duration and --samples are', 'duration and samples are')} the length of a record of a model; "
+            f"for the beginning of a recording: {spelled(f'--until {first}', f'until={first}')}"
+        )
+    demand_no_recording(settings, recipe)
+    if wanted.m is not None or wanted.to is not None:
+        raise UsageError(
+            f"{spelled('--m and --to apply', 'm and to apply')} to a recording: give averaging times in seconds, "
+            + spelled("--taus 1,10,100", "taus=(1, 10, 100)")
+        )
+    size = None
+    if settings.duration is not None or settings.samples is not None:
+        if recipe.rate is None:
+            raise UsageError(f"the length of a record needs its sampling rate: {spelled('--rate HZ', 'rate=...')}")
+        size = readings(recipe.rate, settings.duration, settings.samples)
+    tau = "log" if wanted.taus == Deviations.taus else wanted.taus
+    return expectation(model, wanted.statistic, tau=tau, rate=recipe.rate, size=size, name=settings.name)
+
+
+def expected_of_models(
+    source: Source | None, models: Sequence[str], settings: TheorySettings, wanted: Deviations, recipe: Recipe
+) -> Expectation | Expectations:
+    """The expected curves of each model, or of what the settings give; the rest is that of `expected_curves`."""
+    each = [replace(settings, model=model) for model in models] or [settings]
+    found = tuple(expected_curves(source, one, wanted, recipe) for one in each)
+    return found[0] if len(found) == 1 else Expectations(found)

@@ -7,16 +7,14 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 from allanite.core.errors import AllaniteError, DataError, UsageError
-from allanite.core.finding import Finding
 from allanite.core.record import Record, Recording
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import percent, spelled
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import join, percent, say, spelled
 from allanite.planning.plan import plan
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import mark_motion, motion, motion_found
 from allanite.readers import read
-from allanite.readers.live import WAIT, Feed, opened
-from allanite.readers.spool import TAIL, Spool
+from allanite.readers.live import TAIL, WAIT, Feed, Spool, opened
 
 from .analysis import analyze
 from .recipe import READING, Recipe

@@ -8,15 +8,12 @@ the coefficient.
 
 from allanite.plugins import Registry
 
-from .angle_flicker import ANGLE_FLICKER
-from .angle_markov import ANGLE_MARKOV
-from .flicker import FLICKER
-from .markov import GAUSS_MARKOV, SLOW_GAUSS_MARKOV
+from .flicker import ANGLE_FLICKER, FLICKER
+from .markov import ANGLE_MARKOV, GAUSS_MARKOV, SLOW_GAUSS_MARKOV
 from .oscillation import OSCILLATION
 from .powers import ANGLE_RANDOM_WALK, QUANTIZATION, RAMP, RATE_RANDOM_WALK, ramp_coefficients
 from .row import WHITE, NoiseTerm, Parameter
-from .sine import SINE
-from .warm_up import WARM_UP
+from .waveforms import SINE, WARM_UP
 
 __all__ = ["TERMS", "WHITE", "NoiseTerm", "Parameter", "ramp_coefficients"]
 

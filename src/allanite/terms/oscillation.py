@@ -9,7 +9,7 @@ import numpy as np
 
 from allanite.phrases.phrase import say
 
-from .exponential import Exponential
+from .markov import Exponential
 from .row import Block, FloatArray, NoiseTerm, Parameter
 
 CRITICAL = 1e-7

@@ -13,11 +13,7 @@ Traceback (most recent call last):
 AssertionError: statistic 'oadev': order is 3, but t^2 is not left out
 """
 
-from .readers import check_reader
-from .sheets import check_data_sheet
-from .statistics import check_statistic
-from .targets import check_target
+from .rows import check_data_sheet, check_reader, check_statistic, check_target, check_verb
 from .terms import check_term
-from .verbs import check_verb
 
 __all__ = ["check_data_sheet", "check_reader", "check_statistic", "check_target", "check_term", "check_verb"]

@@ -1,4 +1,4 @@
-"""The server: on this machine alone, until Ctrl-C."""
+"""The server: on this machine alone, until Ctrl-C; its routes, and what is answered to errors."""
 
 import errno
 import http.client
@@ -10,22 +10,74 @@ import threading
 import time
 import webbrowser
 from collections.abc import Sequence
+from importlib.resources import files
 from pathlib import Path
 from typing import IO, Any
 
 import uvicorn
+from fastapi import FastAPI
+from starlette.staticfiles import StaticFiles
 
 from allanite.core.errors import UsageError
 from allanite.core.files import draft, locked, reason
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 from allanite.reporting.language import catalogue
 
+from . import routes
 from .access import Door
-from .api import application
-from .filing import open_file
 from .jobs import Jobs
-from .protocol import AT_ONCE, PromptProtocol
-from .store import Store, private_folder
+from .messages import ANSWERED, AT_ONCE, Answer, PromptProtocol, answered
+from .routes import open_file
+from .store import MissingError, Store, private_folder
+
+
+def application(store: Store, jobs: Jobs, first: dict[str, Any]) -> FastAPI:
+    """The application behind the door; `first` is what the page opens with: workspace and language."""
+    # nothing is reported anywhere, whatever the environment asks for
+    app = FastAPI(
+        docs_url=None, redoc_url=None, openapi_url=None, redirect_slashes=False, telemetry={"auto_configure": False},
+        default_response_class=Answer,
+    )  # fmt: skip
+    app.state.store, app.state.jobs, app.state.first = store, jobs, first
+    for kind in ANSWERED:
+        app.add_exception_handler(kind, answered)
+    for path, (method, endpoint) in ROUTES.items():
+        app.add_api_route(path.partition(" ")[2], endpoint, methods=[method], response_model=None)
+    app.mount("/", StaticFiles(directory=str(files("allanite.web") / "static"), html=True))
+    return app
+
+
+def nowhere(rest: str) -> None:
+    """Whatever else begins like a route is none: it never names a file."""
+    raise MissingError(f"there is no route {rest!r}")
+
+
+ROUTES: dict[str, tuple[str, Any]] = {
+    "get /api/tables": ("GET", routes.menus),
+    "get /report.css": ("GET", routes.style),
+    "post /api/link": ("POST", routes.link),
+    "get /api/workspaces": ("GET", routes.workspaces),
+    "post /api/workspaces": ("POST", routes.new_workspace),
+    "get /api/workspaces/{name}": ("GET", routes.workspace),
+    "delete /api/workspaces/{name}": ("DELETE", routes.drop_workspace),
+    "put /api/workspaces/{name}/choices": ("PUT", routes.choices),
+    "post /api/workspaces/{name}/files": ("POST", routes.upload),
+    "delete /api/workspaces/{name}/files/{file}": ("DELETE", routes.drop_file),
+    "post /api/workspaces/{name}/open": ("POST", routes.opened),
+    "post /api/workspaces/{name}/example": ("POST", routes.example),
+    "post /api/workspaces/{name}/jobs": ("POST", routes.begin),
+    "get /api/jobs/{name}": ("GET", routes.job),
+    "get /api/jobs/{name}/events": ("GET", routes.events),
+    "post /api/jobs/{name}/cancel": ("POST", routes.cancel),
+    "get /api/files/{file}/trace": ("GET", routes.traced),
+    "get /api/jobs/{name}/deviation": ("GET", routes.deviation),
+    "post /api/jobs/{name}/refit": ("POST", routes.refit),
+    "post /api/jobs/{name}/export": ("POST", routes.export),
+    "get /api/jobs/{name}/save": ("GET", routes.save),
+    "get /api/{rest:path}": ("GET", nowhere),
+}
+"""Method and path of each route: its function."""
+
 
 HOST = "127.0.0.1"
 """The address: nobody on another machine can reach it."""

@@ -14,8 +14,8 @@ from typing import Any
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import DRAFTS, reason, write
-from allanite.phrases.wording import spelled
-from allanite.readers.memory import size_in_words
+from allanite.phrases.phrase import spelled
+from allanite.readers.parts import size_in_words
 
 from . import schema
 

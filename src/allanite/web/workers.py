@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from allanite.core.errors import DataError
 from allanite.parallel.processes import EndedError, Process, Tell, ready_context
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 
 MOST = 4
 """Processes at once, unless more are busy."""

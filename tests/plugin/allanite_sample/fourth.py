@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.phrases.phrase import say
-from allanite.statistics.row import FloatArray, IntArray, Statistic, binomial_window, constant
+from allanite.statistics.row import Statistic, binomial_window, constant
 
 
 def _sums(x: FloatArray, m: IntArray) -> FloatArray:

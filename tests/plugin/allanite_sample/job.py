@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from allanite.core.header import Header
-from allanite.core.plain import Value
+from allanite.core.plain import Header, Value
 from allanite.study.channels import Inspected, Source, run
 from allanite.study.job import Job
 from allanite.study.recipe import Recipe

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 from tests.rows import rows
 
 import allanite as al
-from allanite.batch.judgement import Seen, judge
 from allanite.batch.sources import expand, several
+from allanite.batch.specification import Seen, judge
 from allanite.cli import main
 
 N_ONLY = '[limits]\nN = { max = "0.15 deg/sqrt(h)" }\n'

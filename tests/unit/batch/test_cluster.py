@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from tests.unit.batch.tasks import deadly, doubled, waiting
 
 import allanite as al
-from allanite.batch.cluster import Dask
+from allanite.batch.executor import Dask
 from allanite.batch.job import run_batch
 from allanite.cli import main
 
@@ -61,7 +61,7 @@ def test_an_error_and_a_lost_worker_belong_to_their_item(address, tmp_path):
 
 @pytest.mark.slow("a Dask scheduler")
 def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
-    monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 1)
+    monkeypatch.setattr("allanite.batch.executor.PATIENCE", 1)
     with pytest.raises(al.UsageError, match=r"'tcp://127.0.0.1:9' does not answer .*; start one with 'dask scheduler'"):
         list(Dask("tcp://127.0.0.1:9").run(doubled, [{"x": 1}]))
 
@@ -69,7 +69,7 @@ def test_a_scheduler_that_does_not_answer_is_named(monkeypatch):
 @pytest.fixture
 def start(monkeypatch):
     """Starts ``dask scheduler`` or ``dask worker``, in an environment of its own."""
-    monkeypatch.setattr("allanite.batch.cluster.PATIENCE", 120)
+    monkeypatch.setattr("allanite.batch.executor.PATIENCE", 120)
     started = []
 
     def starting(*arguments, path=()):
@@ -133,7 +133,7 @@ def test_a_scheduler_whose_last_worker_died_is_named(scheduler, tmp_path, monkey
         return wait(client, count, timeout if timeout == STARTING else 1)
 
     monkeypatch.setattr(distributed.Client, "wait_for_workers", soon)
-    monkeypatch.setattr("allanite.batch.cluster.SimpleQueue", Soon)
+    monkeypatch.setattr("allanite.batch.executor.SimpleQueue", Soon)
     with pytest.raises(al.UsageError, match="has no worker; start some with 'dask worker tcp://"):
         list(Dask(at).run(doubled, [{"x": 1}]))
     worker("--no-nanny")

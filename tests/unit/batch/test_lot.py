@@ -13,14 +13,13 @@ from tests.rows import rows
 import allanite as al
 from allanite.batch.batch import Batch, BatchUnit
 from allanite.batch.job import run_batch
-from allanite.batch.lot import read_lot
-from allanite.batch.scatter import Trend, outliers, slope_of
+from allanite.batch.lot import Trend, outliers, read_lot, slope_of
 from allanite.batch.store import dumps, loads
-from allanite.batch.summary import Across
+from allanite.batch.tables import Across
 from allanite.cli import main
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import table, to_csv
-from allanite.reporting.views.units import across_table
+from allanite.reporting.views.batch import across_table
 from allanite.study.results import Study
 
 LIMITS = al.Specification.from_toml({"limits": {"N": {"max": "0.15 deg/sqrt(h)"}}})

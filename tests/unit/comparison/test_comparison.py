@@ -12,10 +12,8 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.comparison.change import holm
-from allanite.comparison.common_likelihood import joint
-from allanite.comparison.contrast import Contrast, gain, homogeneity
-from allanite.comparison.intervals import IntervalContrast
-from allanite.comparison.likelihoods import drawn, reduced, tied
+from allanite.comparison.common_likelihood import drawn, joint, reduced, tied
+from allanite.comparison.contrast import Contrast, IntervalContrast, gain, homogeneity
 from allanite.comparison.ramps import RampContrast, RampLaw
 from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
 from allanite.core.estimate import Estimate

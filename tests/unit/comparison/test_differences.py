@@ -10,8 +10,8 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.comparison.change import told
-from allanite.comparison.paired import paired_homogeneity, paired_law, resemblance
-from allanite.comparison.sinusoids import Amplitude, LineContrast
+from allanite.comparison.ramps import Amplitude, LineContrast
+from allanite.comparison.two_records import paired_homogeneity, paired_law, resemblance
 from allanite.reporting.views.comparison import change_of
 
 RATE = 100.0

@@ -9,7 +9,7 @@ from scipy import stats
 from tests.rows import rows
 
 import allanite as al
-from allanite.comparison.pooling import bartlett
+from allanite.comparison.pooled import bartlett
 from allanite.reporting import table
 
 MODEL = al.N(0.3, "deg/sqrt(h)") + al.K(300, "deg/h/sqrt(h)")

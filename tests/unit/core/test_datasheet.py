@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from tests.rows import rows
 
-from allanite.core.datasheet import data_sheet
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.model import Model, term
-from allanite.core.readings import Means, Reading, Readings
+from allanite.core.readings import Means, Reading, Readings, data_sheet
 from allanite.core.units import signal_named
 from allanite.core.validity import LowPass, Scope
 

@@ -7,8 +7,7 @@ import pytest
 from tests import ROOT
 from tests.rows import rows
 
-from allanite.core.errors import UsageError
-from allanite.core.extras import cure, demand_extra, requirements
+from allanite.core.errors import UsageError, cure, demand_extra, requirements
 
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
 

@@ -2,7 +2,7 @@
 
 from tests.rows import rows
 
-from allanite.core.titles import title_of
+from allanite.core.kinds import title_of
 from allanite.core.units import SIGNALS, signal_named
 from allanite.phrases.phrase import Phrase
 from allanite.terms import TERMS

@@ -21,8 +21,7 @@ from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
 from allanite.core.plain import from_dict
 from allanite.core.units import SIGNALS
-from allanite.exporting.axes import axes_of
-from allanite.exporting.choice import coefficients
+from allanite.exporting.choice import axes_of, coefficients
 from allanite.reporting import page, table
 
 GYRO, ACCELEROMETER = SIGNALS[:2]

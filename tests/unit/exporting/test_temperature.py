@@ -9,9 +9,8 @@ from tests.rows import paired, rows
 from tests.unit.exporting import parsers
 
 import allanite as al
-from allanite.applications.compensation.compensated import Compensated, CompensationStudy
-from allanite.applications.compensation.gain import Gain
-from allanite.applications.compensation.mixture import Mixture
+from allanite.applications.compensation.compensating import Compensated, CompensationStudy
+from allanite.applications.compensation.mixture import Gain, Mixture
 from allanite.applications.compensation.order import order
 from allanite.applications.compensation.regression import Regression
 from allanite.applications.compensation.regressor import Regressor

@@ -12,7 +12,7 @@ from tests.rows import paired, rows
 
 import allanite as al
 from allanite.identification.checks.contradiction import held, measured, not_rounding
-from allanite.identification.likelihood.bins import SINGLE, edges_of
+from allanite.identification.likelihood.spectrum import SINGLE, edges_of
 from allanite.identification.likelihood.whittle import step_power
 from allanite.study.noise import noise_of
 

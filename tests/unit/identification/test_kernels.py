@@ -17,7 +17,7 @@ from allanite.identification.likelihood.whittle import gain_of, likelihood
 from allanite.identification.search.frame import frame_of
 from allanite.identification.search.moves import exchanged, filters, less
 from allanite.identification.search.search import search
-from allanite.kernels.binned import binned, less_ramp
+from allanite.kernels.cosine import binned, less_ramp
 from allanite.kernels.leastsquares import weighted_nnls
 from allanite.kernels.whittle import _logarithms
 

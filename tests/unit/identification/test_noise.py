@@ -7,10 +7,10 @@ from tests.rows import paired, rows
 
 import allanite as al
 from allanite.core.model import term
-from allanite.identification.likelihood.selection import ThetaProfile, select, subsets
+from allanite.identification.likelihood.law import ThetaProfile, select, subsets
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import likelihood
-from allanite.statistics.moments.lags import lag_nodes, sum_nodes
+from allanite.statistics.moments.lagsums import lag_nodes, sum_nodes
 from allanite.terms import TERMS, ramp_coefficients
 
 UNIT = {"Q": "s", "N": "sqrt(s)", "B": "1", "K": "1/sqrt(s)", "R": "1/s"}

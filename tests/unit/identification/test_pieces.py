@@ -6,12 +6,11 @@ from scipy.linalg import toeplitz
 from tests.rows import rows
 
 import allanite as al
-from allanite.identification.likelihood.pieces import PieceReading, apart
-from allanite.identification.likelihood.sines import rate_weights
+from allanite.identification.likelihood.pieces import PieceReading, apart, rate_weights
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import column
 from allanite.prepare.gaps import Gaps
-from allanite.statistics.moments.lags import second_difference
+from allanite.statistics.moments.lagsums import second_difference
 from allanite.terms import TERMS
 
 SIZE, RATIO, SPLIT = 400, 40.0, 0.08

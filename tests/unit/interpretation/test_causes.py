@@ -16,11 +16,8 @@ from allanite.core.fit import Fit, Goodness
 from allanite.core.readings import Reading, Readings
 from allanite.core.units import convert, signal_named
 from allanite.core.validity import LowPass, Scope
-from allanite.interpretation.asymptotes import least, spans
-from allanite.interpretation.causes import meaning
-from allanite.interpretation.device import REFERENCES
-from allanite.interpretation.grades import SCALES
-from allanite.interpretation.sentences import sentences
+from allanite.interpretation.device import REFERENCES, SCALES
+from allanite.interpretation.sentences import least, meaning, sentences, spans
 
 GYRO = signal_named("gyro")
 FIVE = {"Q", "N", "B", "K", "R"}

@@ -10,8 +10,8 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
-from allanite.exporting.conversion import models_of
-from allanite.planning.datasheets import QUANTITIES, SENSORS, Claim, DataSheet, claimed
+from allanite.exporting.imported import models_of
+from allanite.planning.datasheets import QUANTITIES, SENSOR_TYPES, Claim, DataSheet, claimed
 from allanite.testing import check_data_sheet
 
 DEG, G, H = math.pi / 180, 9.80665, 3600.0
@@ -98,7 +98,7 @@ def test_lines_of_a_sheet_agree_on_N_except_where_the_sheet_contradicts_itself()
     """That densities are one-sided, and rms noise their root mean square, is what the sheets themselves show."""
     ratios = {}
     for sheet in al.DATASHEETS.values():
-        for sensor in SENSORS:
+        for sensor in SENSOR_TYPES:
             if (sheet.model(sensor) is None) or len(found := largest(sheet, sensor)) < 2:
                 continue
             first = next(value for quantity in QUANTITIES if (value := found.get(quantity)))
@@ -166,7 +166,7 @@ def test_texts_of_a_conversion_may_be_names_of_data_sheets():
     ]
 
 
-@rows("sensor", SENSORS)
+@rows("sensor", SENSOR_TYPES)
 def test_what_was_measured_is_given_as_the_sheet_would_say_it(sensor):
     """A record of exactly the random walk of a sheet: its density is what the sheet should have printed."""
     sheet = al.data_sheet_named("adis16470")

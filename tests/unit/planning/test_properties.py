@@ -7,7 +7,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import UsageError
-from allanite.planning.properties import properties
+from allanite.planning.plan import properties
 
 TABLE_1 = {"Q": (0.09, 0.74, 0.40), "N": (1.00, 0.0, 0.0), "B": (1.87, -1.05, 0.79), "K": (2.70, -1.53, 0.85),
            "F": (0.14, 0.82, 0.30)}  # fmt: skip

@@ -8,10 +8,9 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.record import Recording
-from allanite.phrases.wording import command_line
+from allanite.phrases.phrase import command_line
 from allanite.prepare import inspect
-from allanite.prepare.body import of_one_body
-from allanite.prepare.stillness import moving, still_stretch
+from allanite.prepare.stillness import moving, of_one_body, still_stretch
 from allanite.prepare.view import View
 from allanite.prepare.window import trim
 from allanite.study.analysis import examine

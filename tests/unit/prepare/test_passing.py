@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from tests import examples
 from tests.rows import paired, rows
 
-from allanite.kernels.passing import BLOCK, looked
-from allanite.kernels.robust import HALF, off
+from allanite.kernels.passing import BLOCK, HALF, looked, off
 
 
 def literal(y):

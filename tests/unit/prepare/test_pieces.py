@@ -11,7 +11,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.record import Recording
-from allanite.prepare import inspector, pieces
+from allanite.prepare import inspector
 from allanite.prepare.inspector import Inspector
 from allanite.prepare.quality import inspect
 from allanite.prepare.transform import averaged, mark_motion
@@ -57,8 +57,8 @@ def whole_of(found, size, points=0):
 @given(cuts, st.integers(1, 1500), st.sampled_from([0, 1]))
 def test_blocks_are_the_same_for_any_cut(places, size, points):
     y, counts = values_of("rate"), values_of("count")
-    known = list(pieces.blocks(cut_at([], y, counts), size, points))
-    found = list(pieces.blocks(cut_at(places, y, counts), size, points))
+    known = list(inspector.blocks(cut_at([], y, counts), size, points))
+    found = list(inspector.blocks(cut_at(places, y, counts), size, points))
     assert [place for place, _ in found] == [place for place, _ in known]
     for (_, mine), (_, whole) in zip(found, known, strict=True):
         for one, other in zip(mine, whole, strict=True):
@@ -73,7 +73,7 @@ def test_blocks_are_the_same_for_any_cut(places, size, points):
 def test_means_are_those_of_the_whole(places, kind, m):
     record = record_of(kind)
     (whole,) = averaged(Recording((record,)), m / record.rate)
-    found = pieces.averaged(cut_at(places, record.values), [kind], m, BLOCK)
+    found = inspector.averaged(cut_at(places, record.values), [kind], m, BLOCK)
     (joined,) = whole_of(found, len(whole.values))
     np.testing.assert_array_equal(joined, whole.values)
 
@@ -86,8 +86,8 @@ def test_pieces_are_left_out_and_cut_as_of_the_whole(places, kind, start, end):
     (whole,) = trim(excluded(Recording((record,)), spans), float(start), float(end))
     samples = [(round(a * record.rate), round(b * record.rate)) for a, b in spans]
     points = int(kind == "angle")
-    left = pieces.excluded(cut_at(places, record.values), [kind], samples)
-    found = pieces.window(left, 10 * start, 10 * end + points)
+    left = inspector.excluded(cut_at(places, record.values), [kind], samples)
+    found = inspector.window(left, 10 * start, 10 * end + points)
     (joined,) = whole_of(found, len(whole.values))
     np.testing.assert_array_equal(joined, whole.values)
 
@@ -119,15 +119,15 @@ def test_findings_are_the_same_for_any_cut(places, kind, size, choice):
     record = defective(kind)
     points = int(kind == "angle")
     with patch.object(inspector, "BLOCK", size):
-        known = looked(pieces.blocks(cut_at([], record.values), size, points), record, choice)
-        assert looked(pieces.blocks(cut_at(places, record.values), size, points), record, choice) == known
+        known = looked(inspector.blocks(cut_at([], record.values), size, points), record, choice)
+        assert looked(inspector.blocks(cut_at(places, record.values), size, points), record, choice) == known
     assert "moving" in {finding.name for finding in known}
 
 
 @rows("kind", ["rate", "angle", "count", "increment"])
 def test_one_block_is_inspected_as_a_record(kind):
     record = record_of(kind)
-    found = looked(pieces.blocks(cut_at([7, 2000], record.values), 1 << 20, int(kind == "angle")), record)
+    found = looked(inspector.blocks(cut_at([7, 2000], record.values), 1 << 20, int(kind == "angle")), record)
     assert found == inspect(record).findings
     assert "outliers" in {finding.name for finding in found}
 
@@ -137,10 +137,10 @@ def test_blocks_are_compared_with_each_other():
     y[2048:3072] *= 3.0
     record = record_of("rate", y)
     with patch.object(inspector, "BLOCK", BLOCK):
-        found = looked(pieces.blocks(cut_at([], y), BLOCK), record)
+        found = looked(inspector.blocks(cut_at([], y), BLOCK), record)
     (level,) = [finding for finding in found if finding.name == "level"]
     assert "highest from 204.8 s on" in level.what
-    assert "level" not in {f.name for f in looked(pieces.blocks(cut_at([], values_of("rate")), BLOCK), record)}
+    assert "level" not in {f.name for f in looked(inspector.blocks(cut_at([], values_of("rate")), BLOCK), record)}
 
 
 @rows("value", [np.inf, 1e200])
@@ -148,14 +148,14 @@ def test_impossible_values_are_refused_wherever_they_are(value):
     y = values_of("rate")
     y[3000] = value
     with patch.object(inspector, "BLOCK", BLOCK):
-        (finding,) = looked(pieces.blocks(cut_at([], y), BLOCK), record_of("rate"))
+        (finding,) = looked(inspector.blocks(cut_at([], y), BLOCK), record_of("rate"))
     assert finding.fatal
     assert finding.name == "range"
 
 
 def test_samples_that_are_missing_make_no_blocks():
     y = values_of("rate")
-    found = list(pieces.blocks([(0, [y[:100]]), (5000, [y[100:150]])], BLOCK))
+    found = list(inspector.blocks([(0, [y[:100]]), (5000, [y[100:150]])], BLOCK))
     assert [place for place, _ in found] == [0, 4096]
     assert [len(columns[0]) for _, columns in found] == [BLOCK, 5050 - 4096]
     assert np.isnan(found[1][1][0][: 5000 - 4096]).all()

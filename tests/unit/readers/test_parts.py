@@ -15,11 +15,10 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.errors import DataError, UsageError
-from allanite.parallel.futures import ahead, later
-from allanite.readers.columns import parts as head
+from allanite.parallel.processes import ahead, later
+from allanite.readers.columns import lines as head
 from allanite.readers.formats.registry import READERS, reader_named
-from allanite.readers.memory import bytes_of
-from allanite.readers.parts import demand_memory, opened, whole_findings
+from allanite.readers.parts import bytes_of, demand_memory, opened, whole_findings
 from allanite.readers.sandbox.source import digest_of
 
 h5py = pytest.importorskip("h5py")

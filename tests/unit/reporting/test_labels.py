@@ -6,7 +6,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.reporting import first_screen, page, plot
-from allanite.reporting.figures.labels import ENOUGH, LabelBox, freedom, place
+from allanite.reporting.figures.drawing import ENOUGH, LabelBox, freedom, place
 from allanite.reporting.style import encode
 
 NOTHING = np.empty((0, 2))

@@ -16,16 +16,15 @@ import allanite as al
 from allanite.batch.batch import Batch, unit_of
 from allanite.batch.specification import Specification
 from allanite.cli.deliver import Outputs, deliver
-from allanite.core.constructors import B, N, R
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.estimate import Estimate
-from allanite.core.finding import Finding, Quality
 from allanite.core.fit import Fit, Goodness
-from allanite.core.model import term
+from allanite.core.model import B, N, R, term
 from allanite.core.record import Record
 from allanite.core.syntax import toml
 from allanite.core.units import signal_named
+from allanite.core.validity import Finding, Quality
 from allanite.phrases.phrase import say
 from allanite.reporting import page, plot, table, to_csv
 from allanite.reporting.digits import printed_unit

@@ -9,14 +9,13 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.finding import Finding
+from allanite.core.validity import Finding
 from allanite.reporting import first_screen
 from allanite.reporting.first import Axes, First, Quantity, Remark, Section, condensed, told_of
 from allanite.reporting.screen import COLUMNS, LINES, render
 from allanite.reporting.sheet import Column, Face, Note, Sheet, Table
-from allanite.reporting.views.remarks import doubts
-from allanite.study.modelled import run_model_job
-from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
+from allanite.reporting.views.jobs import doubts
+from allanite.study.modelled import PlanSettings, SelfCheckSettings, StateSpaceSettings, run_model_job
 from allanite.study.recipe import Recipe
 
 REMARKS = [Remark.of("", f"remark {i}") for i in range(9)]

@@ -18,9 +18,8 @@ from allanite.reporting import style
 from allanite.reporting.figures.drawing import draw_titles
 from allanite.reporting.html import drawn
 from allanite.reporting.sheet import Drawing, Fold
-from allanite.reporting.sketch.axis import Side, plain
+from allanite.reporting.sketch.axis import Side, Unsketched, plain
 from allanite.reporting.sketch.chart import Chart, Look
-from allanite.reporting.sketch.limits import Unsketched
 from allanite.reporting.sketch.panel import place_in
 from allanite.reporting.sketch.svg import wide
 from allanite.reporting.views import view_of

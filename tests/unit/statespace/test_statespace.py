@@ -10,11 +10,10 @@ from tests.rows import paired, rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.statespace.build import joined
-from allanite.statespace.markov import flicker_sum
+from allanite.statespace.build import flicker_sum, joined
 from allanite.terms.markov import markov_block
 from allanite.terms.powers import angle_noise, integrators
-from allanite.terms.sine import oscillator
+from allanite.terms.waveforms import oscillator
 
 BLOCKS = {
     "slow": markov_block(2.0, 1e4, 0.01),

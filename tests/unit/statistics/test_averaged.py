@@ -8,12 +8,11 @@ from tests import thinned
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.averaged import averaged
-from allanite.statistics.confidence.averaged import FLATTENED, TOGETHER, AveragedLaw
-from allanite.statistics.confidence.chisquares import ChiSquareSum, quantiles, table
-from allanite.statistics.confidence.eigenvalues import matrices, spectra
+from allanite.core.estimate import averaged
+from allanite.statistics.confidence.chisquares import ChiSquareSum, matrices, quantiles, spectra, table
 from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.confidence.sparse import sparse_law
+from allanite.statistics.confidence.supposed import FLATTENED, TOGETHER, AveragedLaw
 from allanite.statistics.table import CurvePoints
 
 QUIET = al.N(1, "deg/sqrt(h)") + al.B(3, "deg/h")

@@ -6,7 +6,7 @@ import numpy as np
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.statistics.confidence.eigenvalues import Eigenvalues
+from allanite.statistics.confidence.chisquares import Eigenvalues
 from allanite.statistics.confidence.limits import Kinds, _mixture
 from allanite.statistics.moments import lagsums
 from allanite.statistics.table import STATISTICS

@@ -10,7 +10,7 @@ from tests import examples
 from tests.rows import rows
 
 import allanite as al
-from allanite.kernels.dynamic import sliding
+from allanite.kernels.allan import sliding
 
 
 def record_of(y, rate=10.0, **options):

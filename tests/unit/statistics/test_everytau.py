@@ -8,7 +8,7 @@ import pytest
 from tests.rows import paired, rows
 
 import allanite as al
-from allanite.kernels.overlapped import overlapped
+from allanite.kernels.squared import overlapped
 from allanite.kernels.summed import modified
 from allanite.reporting import table, to_csv
 from allanite.statistics import _warn_of_long

@@ -9,7 +9,7 @@ from tests.rows import paired, rows
 
 import allanite as al
 from allanite.statistics.moments.gls import Covariance, autocovariance
-from allanite.statistics.moments.lags import FAR
+from allanite.statistics.moments.lagsums import FAR_LAG
 
 TERMS = {
     "Q": al.Q(0.3, "arcsec"),
@@ -47,7 +47,7 @@ def test_the_covariance_is_that_of_the_increments(symbols):
     found = 2 * c[h] - c[h - 1] - c[h + 1]
     wanted = sum(TERMS[s].value ** 2 * TABLE[s].increments(h.astype(float)) for s in symbols)
     np.testing.assert_allclose(found, wanted, atol=2e-11 * np.abs(c).max())
-    assert n > FAR
+    assert n > FAR_LAG
 
 
 @rows("symbols, n", paired(list(MIXTURES), [3, 17, 400]))

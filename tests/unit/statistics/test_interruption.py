@@ -10,7 +10,7 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.parallel.futures import spread
+from allanite.parallel.processes import spread
 from allanite.statistics import estimator
 
 

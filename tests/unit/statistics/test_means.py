@@ -6,9 +6,9 @@ from scipy.linalg import toeplitz
 from tests.rows import rows
 
 import allanite as al
-from allanite.core.averaged import averaged
+from allanite.core.estimate import averaged
 from allanite.statistics.estimator import integrated
-from allanite.statistics.moments.lags import second_difference
+from allanite.statistics.moments.lagsums import second_difference
 from allanite.statistics.moments.means import mean_moments, takes_means
 from allanite.terms import TERMS
 from gaps import pattern_of

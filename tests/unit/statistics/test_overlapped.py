@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tests.rows import paired, rows
 
-from allanite.kernels.overlapped import BLOCK, ROWS, TILE, add_overlapped, overlapped
+from allanite.kernels.squared import BLOCK, ROWS, TILE, add_overlapped, overlapped
 
 
 def literal(x: np.ndarray, m: int, order: int) -> float:

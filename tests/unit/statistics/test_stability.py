@@ -5,7 +5,7 @@ import pytest
 from tests.rows import rows
 
 import allanite as al
-from allanite.statistics.stability import FLOOR
+from allanite.statistics.readings import FLOOR
 
 NOISE = {"N": al.N(1.0, "rad/sqrt(s)"), "B": al.B(1.0, "rad/s"), "K": al.K(0.1, "rad/s^1.5")}
 

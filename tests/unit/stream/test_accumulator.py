@@ -14,7 +14,7 @@ from tests.rows import paired, rows
 
 import allanite as al
 from allanite.stream.accumulator import streamable
-from allanite.stream.curve import grid
+from allanite.stream.coefficients import grid
 
 RATE = 10.0
 N = 3000

@@ -9,10 +9,10 @@ from tests import thinned
 from tests.rows import rows
 
 import allanite as al
-from allanite.planning.sensors import sensor
+from allanite.planning.datasheets import sensor
 from allanite.prepare.gaps import gaps_between
 from allanite.stream.coefficients import Ladder
-from allanite.stream.lapped import basis, folded
+from allanite.stream.sums import basis, folded
 
 
 def stream_of(record, parts=1):

@@ -7,8 +7,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.core.errors import UsageError
 from allanite.study import curves
-from allanite.study.survey import Deviations
-from allanite.study.theory import TheorySettings, expected_curves
+from allanite.study.survey import Deviations, TheorySettings, expected_curves
 
 GYRO = al.Model("N = 0.1 deg/sqrt(h), K = 0.5 deg/h/sqrt(h)")
 

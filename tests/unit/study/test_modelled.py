@@ -13,8 +13,7 @@ from tests.rows import paired, rows
 import allanite as al
 from allanite.cli import main
 from allanite.reporting import page, table, to_csv
-from allanite.study.modelled import run_model_job
-from allanite.study.modelling import PlanSettings, SelfCheckSettings, StateSpaceSettings
+from allanite.study.modelled import PlanSettings, SelfCheckSettings, StateSpaceSettings, run_model_job
 from allanite.study.noise import noise_in
 from allanite.study.recipe import Recipe
 

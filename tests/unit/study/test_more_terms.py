@@ -9,7 +9,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.interpretation.causes import meaning
+from allanite.interpretation.sentences import meaning
 from allanite.study.noise import noise_of
 
 RATE, SIZE = 40.0, 72_000

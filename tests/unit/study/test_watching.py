@@ -25,8 +25,7 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.cli import main
-from allanite.readers.live import Feed, opened
-from allanite.readers.spool import Spool
+from allanite.readers.live import Feed, Spool, opened
 from allanite.study.watching import Watch, WatchSettings, lasting
 from allanite.web.requests import Request, accepted
 
@@ -468,7 +467,7 @@ def test_time_stamps_that_jump_are_named_at_once_and_the_lines_are_kept(monkeypa
 @pytest.mark.slow("long streams")
 def test_a_long_watch_takes_no_more_memory_than_a_short_one(monkeypatch):
     """Rows beyond the last ones are on the disk, and what was said is kept once."""
-    monkeypatch.setattr("allanite.readers.spool.TAIL", 500)
+    monkeypatch.setattr("allanite.readers.live.TAIL", 500)
     monkeypatch.setattr("allanite.study.watching.RECENT", 2.0)
     sizes = []
     for seconds in (10, 10, 120):  # the first one is for what is made once

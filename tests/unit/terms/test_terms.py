@@ -150,7 +150,7 @@ def test_a_damping_has_no_unit_and_models_are_read_as_they_are_written():
 
 
 def test_names_of_the_angle_follow_the_sensor():
-    from allanite.core.titles import title_of
+    from allanite.core.kinds import title_of
     from allanite.core.units import signal_named
 
     assert title_of("F", signal_named("accelerometer")) == "flicker of the velocity"

@@ -2,10 +2,10 @@
 
 from .calibration import Calibration as Calibration
 from .calibration import estimate as estimate
-from .design import NUISANCES as NUISANCES
 from .encoder import calibrate as calibrate
 from .geometry import Gimbals as Gimbals
 from .geometry import gimbals as gimbals
+from .harmonics import NUISANCES as NUISANCES
 from .harmonics import Harmonics as Harmonics
 from .motion import Ring as Ring
 from .motion import Sway as Sway
@@ -16,4 +16,4 @@ from .plans import plan as plan
 from .plans import scan as scan
 from .simulation import readings as readings
 from .simulation import simulate as simulate
-from .solution import Solution as Solution
+from .solve import Solution as Solution

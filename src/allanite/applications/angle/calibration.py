@@ -12,11 +12,9 @@ from allanite.extending import DataError, Finding, FloatArray, UsageError, Value
 
 from .caveats import caveats
 from .checks import column
-from .design import USUAL, Orders, amplitude_names, design, harmonic_set
 from .geometry import Gimbals
-from .harmonics import Harmonics
-from .solution import Solution
-from .solve import System, solve
+from .harmonics import USUAL, Harmonics, Orders, amplitude_names, design, harmonic_set
+from .solve import Solution, System, solve
 
 Prior = tuple[float, float]
 

@@ -8,7 +8,7 @@ import numpy as np
 from allanite.extending import Finding, FloatArray, join, say, say_count
 
 from .geometry import Gimbals
-from .solution import correlation_of
+from .solve import correlation_of
 from .squareroot import SquareRoot
 
 ALIKE = 0.9

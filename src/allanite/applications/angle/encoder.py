@@ -24,8 +24,7 @@ from allanite.extending import (
 from .calibration import part, too_large
 from .checks import column, demand_motion
 from .harmonics import Harmonics, orders_of, waves
-from .solution import Solution, correlation_of
-from .solve import System, solve
+from .solve import Solution, System, correlation_of, solve
 
 SECTORS = 4096
 """Most parts of a turn in which what is left over is averaged, to look for harmonics up to a quarter as many."""

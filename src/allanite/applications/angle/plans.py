@@ -11,10 +11,10 @@ from allanite.extending import Finding, FloatArray, UsageError, Value, public
 
 from .calibration import Prior, prior_of
 from .caveats import caveats
-from .design import USUAL, amplitude_names, design, harmonic_set
 from .geometry import QUARTER, Gimbals, gimbals
+from .harmonics import USUAL, amplitude_names, design, harmonic_set
 from .motion import Ring, Sway, sway_of
-from .solution import correlation_of
+from .solve import correlation_of
 from .squareroot import batch
 
 READINGS = 4096

@@ -6,9 +6,8 @@ import numpy as np
 
 from allanite.extending import FloatArray, demand_name, public, readout_noise
 
-from .design import NUISANCES
 from .geometry import Gimbals, demand_angles
-from .harmonics import Harmonics
+from .harmonics import NUISANCES, Harmonics
 
 
 @public

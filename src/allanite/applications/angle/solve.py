@@ -1,16 +1,253 @@
-"""Constants from samples: sample by sample, or all at once."""
+"""Constants from samples: sample by sample, or all at once; the solution, and tests of its residuals."""
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from allanite.extending import DataError, FloatArray, UsageError, demand_name
+from allanite.extending import (
+    DataError,
+    Finding,
+    FloatArray,
+    IntArray,
+    UsageError,
+    Value,
+    chance,
+    demand_level,
+    demand_name,
+    join,
+    say,
+)
 
-from .residuals import checks, level_check
-from .solution import History, Solution
 from .squareroot import SquareRoot, batch
+
+PASSED = 0.01
+"""p-value below which a test has failed."""
+
+
+@dataclass(frozen=True, repr=False)
+class InnovationTest(Value):
+    """Result of a test of the innovations: `p` is the p-value."""
+
+    _also: ClassVar[tuple[str, ...]] = ("passed",)
+
+    name: str
+    title: str
+    statistic: float
+    p: float
+    failed: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether the test is passed."""
+        return self.p >= PASSED
+
+    def __str__(self) -> str:
+        return join("", (self.title if self.passed else self.failed, f" ({chance(self.p)})"))
+
+
+def white(left: FloatArray) -> tuple[float, float, str]:
+    """Ljung and Box: sum of squared autocorrelations at up to 20 lags."""
+    from scipy.special import gammaincc
+
+    n, lags = left.size, max(1, min(20, left.size // 5))
+    centred = left - left.mean()
+    r = np.array([centred[k:] @ centred[: n - k] for k in range(1, lags + 1)]) / (centred @ centred)
+    q = float(n * (n + 2) * (r**2 / (n - np.arange(1, lags + 1))).sum())
+    words = say(
+        "successive innovations are correlated ({correlation:+.2f}), so that the standard deviations are too small; "
+        "model what is missing (another harmonic, a drift), or sample at longer intervals",
+        correlation=float(r[0]),
+    )
+    return q, float(gammaincc(lags / 2, q / 2)), words
+
+
+def steady(left: FloatArray) -> tuple[float, float, str]:
+    """Brown, Durbin and Evans: the running sum of innovations against its two slanted limits."""
+    from scipy.special import ndtr
+
+    r = np.arange(1, left.size + 1) / left.size
+    way = np.abs(np.cumsum(left)) / math.sqrt(left.size) / (1 + 2 * r)
+    a = float(way.max())
+    p = 2 * (ndtr(-3 * a) + math.exp(-4 * a * a) * ndtr(a))
+    words = say(
+        "the running sum of the innovations exceeds its limits after {sample} of {samples} samples: the constants "
+        "changed, or the samples drift",
+        sample=int(way.argmax()) + 1,
+        samples=left.size,
+    )
+    return a, float(min(p, 1.0)), words
+
+
+def outlying(left: FloatArray) -> tuple[float, float, str]:
+    """The largest residual, against as many normal ones: an early innovation is small, for nothing is expected yet."""
+    from scipy.special import log_ndtr
+
+    at = int(np.abs(left).argmax())
+    worst = float(abs(left[at]))
+    tail = math.exp(math.log(2.0) + float(log_ndtr(-worst)))
+    p = -math.expm1(left.size * math.log1p(-min(tail, 1 - 1e-16)))
+    words = say(
+        "sample {sample} deviates by {deviation:.3g} standard deviations; inspect it, or omit it",
+        sample=at,
+        deviation=worst,
+    )
+    return worst, p, words
+
+
+TESTS: dict[str, tuple[str, bool, Callable[[FloatArray], tuple[float, float, str]]]] = {
+    "white": (say("the innovations are uncorrelated"), True, white),
+    "steady": (say("the constants do not change"), True, steady),
+    "outlying": (say("no sample is an outlier"), False, outlying),
+}
+"""Name: title, whether of innovations or of residuals, and these -> (statistic, p, words if it fails)."""
+
+
+def checks(innovations: FloatArray, residuals: FloatArray) -> tuple[InnovationTest, ...]:
+    """Every test of `TESTS`; innovations and residuals of shape (n,), with unit variance."""
+    return tuple(
+        InnovationTest(name, title, *test(innovations if innovating else residuals))
+        for name, (title, innovating, test) in TESTS.items()
+    )
+
+
+def level_check(squares: float, freedom: int) -> InnovationTest:
+    """Whether the noise is as large as was said: chi-square of what is left, both ways."""
+    from scipy.special import gammainc, gammaincc
+
+    low, high = float(gammainc(freedom / 2, squares / 2)), float(gammaincc(freedom / 2, squares / 2))
+    ratio = math.sqrt(squares / freedom)
+    words = say(
+        "the residuals are {ratio:.3g} times the sigma given; correct sigma, or omit it to have it estimated",
+        ratio=ratio,
+    )
+    title = say("the noise is as large as sigma states")
+    return InnovationTest("level", title, ratio, min(1.0, 2 * min(low, high)), words)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class History(Value):
+    """The estimates after `count` samples, at `time`, shape (c,); values and errors, shape (c, p)."""
+
+    count: IntArray
+    time: FloatArray
+    values: FloatArray
+    errors: FloatArray
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(Value):
+    """Estimated constants.
+
+    Attributes
+    ----------
+    names, values : tuple and array, shape (p,)
+    covariance : array, shape (p, p)
+    sigma : float
+        Standard deviation of a sample's noise; `given` says whether the user gave it, or it was estimated.
+    freedom : float
+        Degrees of freedom that intervals have: infinite where sigma was given.
+    condition : float
+        Condition number of the samples alone, columns scaled.
+    prior : array, shape (p,), or None
+        Standard deviations before the samples, where they were said.
+    history, innovations, checks, findings
+        How the estimate was reached; what each reading added, in standard deviations, shape (n,); whether that is
+        noise; what must be known beside the numbers.
+    known : SquareRoot
+        What further samples (divided by sigma) can be added to.
+    """
+
+    _keys: ClassVar[dict[str, str]] = {"given": "sigma_given"}
+
+    names: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+    sigma: float
+    given: bool
+    freedom: float
+    condition: float
+    prior: FloatArray | None
+    history: History
+    innovations: FloatArray
+    checks: tuple[InnovationTest, ...]
+    known: SquareRoot
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def errors(self) -> FloatArray:
+        """Standard errors, shape (p,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Shape (p, p)."""
+        return correlation_of(self.covariance)
+
+    def index(self, name: str) -> int:
+        """Place of a constant."""
+        if name not in self.names:
+            raise UsageError(f"no constant {name!r}; constants: {', '.join(self.names)}")
+        return self.names.index(name)
+
+    def __getitem__(self, name: str) -> float:
+        return float(self.values[self.index(name)])
+
+    def error(self, name: str) -> float:
+        """Standard error of a constant."""
+        return float(self.errors[self.index(name)])
+
+    def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """Two-sided confidence limits; Student's where sigma was estimated."""
+        half = quantile(level, self.freedom) * self.error(name)
+        return self[name] - half, self[name] + half
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings to report with the results: findings, and checks that failed."""
+        return (*map(str, self.findings), *(str(check) for check in self.checks if not check.passed))
+
+    def shown(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data of the result alone, SI: the constants with limits at `level`, without the way to them."""
+        keys = ("name", "value", "standard_error", "low", "high")
+        rows = ((name, self[name], self.error(name), *self.interval(name, level)) for name in self.names)
+        return {
+            "sigma": self.sigma,
+            "sigma_given": self.given,
+            "readings": self.innovations.size,
+            "condition": self.condition,
+            "level": level,
+            "constants": [dict(zip(keys, row, strict=True)) for row in rows],
+            "correlation": self.correlation.tolist(),
+            "checks": [check.to_dict() for check in self.checks],
+            "findings": [finding.to_dict() for finding in self.findings],
+        }
+
+    def to_dict(self, level: float = 0.95) -> dict[str, Any]:
+        """Plain data, SI."""
+        return super().to_dict(level) | self.shown(level)
+
+    def _summary(self) -> str:
+        return f"{', '.join(self.names)} of {self.innovations.size} readings"
+
+
+def correlation_of(covariance: FloatArray) -> FloatArray:
+    """Correlation from covariance, both of shape (p, p)."""
+    errors = np.sqrt(np.diag(covariance))
+    return np.asarray(covariance / np.outer(errors, errors))
+
+
+def quantile(level: float, freedom: float) -> float:
+    """Half width of an interval of this level, in standard errors."""
+    from scipy.special import ndtri, stdtrit
+
+    demand_level(level)
+    above = 0.5 + level / 2
+    return float(ndtri(above) if math.isinf(freedom) else stdtrit(freedom, above))
+
 
 VAGUE = 1e7
 """A prior deviation, in units of what one reading tells of a constant, that no result notices."""

@@ -39,7 +39,7 @@ class SquareRoot(Value):
 
     def absorb(self, rows: FloatArray, values: FloatArray) -> tuple["SquareRoot", FloatArray]:
         """Take in samples one after the other, by Givens rotations."""
-        from allanite.kernels.givens import absorb
+        from allanite.kernels.leastsquares import absorb
 
         factor = self.factor.copy()
         left = absorb(factor, np.ascontiguousarray(rows), np.ascontiguousarray(values))

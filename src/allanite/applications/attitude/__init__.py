@@ -19,8 +19,8 @@ from .result import Angle as Angle
 from .result import VerticalSettings as VerticalSettings
 from .result import VerticalStudy as VerticalStudy
 from .scenarios import SCENARIOS as SCENARIOS
+from .scenarios import ScenarioErrors as ScenarioErrors
 from .scenarios import Trial as Trial
+from .scenarios import compare_filters as compare_filters
 from .scenarios import simulate_motion as simulate_motion
-from .trials import ScenarioErrors as ScenarioErrors
-from .trials import compare_filters as compare_filters
 from .tuning import vertical as vertical

@@ -9,10 +9,9 @@ import numpy as np
 from allanite.extending import DataError, FloatArray, row_of, say, spelled
 
 from .coning import attitudes, rotation_vectors
-from .density import SensorNoise
-from .gains import best_first_order, best_kalman, best_second_order
 from .inertial import Inertial
-from .loop import Loop
+from .loop import Loop, SensorNoise
+from .optimum import best_first_order, best_kalman, best_second_order
 
 Angles = tuple[FloatArray, int]
 """Roll and pitch, rad, shape (n, 2), and the number of samples for which the gyros alone were used."""

@@ -1,15 +1,193 @@
-"""The best filter of a gyro-vertical for identified noise, what detuning costs, and how far it is from the bound."""
+r"""The best filter of a gyro-vertical for identified noise, what detuning costs, and how far it is from the bound.
+
+The difference of gyro angle and tilt holds no motion, only the errors x = sum n_g dt and v = n_a. Its differences have
+the density
+
+    S = S_g dt^2 + |1 - z^-1|^2 S_a = |L|^2,
+
+and with L without zeros outside the unit circle, by the cepstrum of S, the innovations are (1 - z^-1) (x - v) / L. The
+causal part C of the response from innovations to the error v of the tilt is the filter of Wiener, whose error is
+
+    (C / L) dt n_g + (1 - C (1 - z^-1) / L) n_a.
+
+Below 1 / (2 T) the densities are taken to fall steeply: a run of the length T hardly contains what is there.
+"""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from allanite.extending import ModelLike, Value, public
+import numpy as np
 
-from .density import SensorNoise
-from .gains import Bias, best_loop, best_second
+from allanite.extending import DataError, FloatArray, Model, ModelLike, UsageError, Value, public, spelled
+
+from .loop import GRAVITY, ComplexArray, Loop, SensorNoise, kalman
 from .prediction import Prediction, biases, predict
-from .wiener import random_error, wiener_error
+
+SHORTEST, LONGEST = 1e-5, 1e6
+"""Time constants between which the best one is sought, s."""
+
+GRID = 89
+"""Time constants that are tried first: eight in a decade."""
+
+SETTLED = 10.0
+"""Time constants of the bias of a filter of second order in the horizon, at least."""
+
+Bias = tuple[float, float]
+"""Constant biases of the gyro, rad/s, and of the accelerometer, m/s^2."""
+
+
+def best_loop(noises: Sequence[SensorNoise], bias: Sequence[Bias]) -> Loop:
+    """The filter of first order with the least sum of squares of the errors of several angles."""
+    from scipy.optimize import minimize_scalar
+
+    def error(log: float) -> float:
+        loop = Loop.of(math.exp(log))
+        return math.log(sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True)))
+
+    shortest = max((n.interval or SHORTEST) for n in noises)
+    grid = np.linspace(math.log(shortest), math.log(LONGEST), GRID)
+    at = int(np.argmin([error(float(log)) for log in grid]))
+    if at in (0, GRID - 1):
+        short = at == 0
+        raise UsageError(
+            f"no time constant is best: the {'shortest' if short else 'longest'} one, {math.exp(grid[at]):.3g} s, has "
+            f"the least error, because the {'accelerometer' if short else 'gyro'} has too little noise; give "
+            + spelled("--time-constant", "time_constant=...")
+        )
+    found = minimize_scalar(error, bounds=(grid[at - 1], grid[at + 1]), method="bounded", options={"xatol": 1e-9})
+    return Loop.of(math.exp(found.x))
+
+
+def best_second(noises: Sequence[SensorNoise], bias: Sequence[Bias], first: Loop) -> Loop | None:
+    """The filter of second order with the least sum of squares of several angles; None if `first` is as good.
+
+    A bias is estimated in time: without a duration there is none, and with one its estimate settles ten times in it.
+    """
+    from scipy.optimize import minimize
+
+    durations = [n.duration for n in noises if n.duration is not None]
+    if len(durations) < len(noises):
+        return None
+    settling = SETTLED / min(durations)
+
+    def loop_of(logs: np.ndarray) -> Loop:
+        k1, k2 = np.exp(np.clip(logs, -60.0, 20.0)).tolist()
+        return Loop(k1, max(k2, k1 * settling))
+
+    def squares(loop: Loop) -> float:
+        return sum(predict(n, loop, b).rms ** 2 for n, b in zip(noises, bias, strict=True))
+
+    least = squares(first)
+    starts = [np.log([first.k1, first.k1**2 * share]) for share in (1e-4, 1e-2, 0.3)]
+    tries = (
+        minimize(lambda x: squares(loop_of(x)) / least, start, method="Nelder-Mead",
+                 options={"xatol": 1e-5, "fatol": 1e-10}) for start in starts
+    )  # fmt: skip
+    found = min(tries, key=lambda result: float(result.fun))
+    return None if found.fun > 1 - 2e-4 else loop_of(found.x)
+
+
+def best_first_order(noises: Sequence[SensorNoise]) -> Loop:
+    """`best_loop` without constant biases: the mean rates are subtracted."""
+    return best_loop(noises, [(0.0, 0.0)] * len(noises))
+
+
+def best_second_order(noises: Sequence[SensorNoise]) -> Loop:
+    """`best_second` without constant biases, or the filter of first order where that is as good."""
+    first = best_first_order(noises)
+    return best_second(noises, [(0.0, 0.0)] * len(noises), first) or first
+
+
+def best_kalman(noises: Sequence[SensorNoise]) -> Loop:
+    """The steady Kalman filter for the mean power of several angles."""
+
+    def size(models: Sequence[Model], symbol: str) -> float:
+        return math.sqrt(sum(t.value**2 for m in models for t in m if t.symbol == symbol) / len(models))
+
+    gyros = [n.gyro for n in noises]
+    tilt = size([n.accelerometer for n in noises], "N") / GRAVITY
+    if not tilt:
+        raise DataError("the Kalman filter needs white noise (N) of the accelerometers, and none was identified; use "
+                        + spelled("--filter second-order", "method='second-order'"))  # fmt: skip
+    return kalman(size(gyros, "N"), tilt, size(gyros, "K"))
+
+
+STEPS = 64.0
+"""Samples to the time constant, where there is no sampling rate."""
+
+COARSE = 4.0
+"""How much longer a sample interval may be where the transform would need too many."""
+
+MEMORY = 400.0
+"""Length of the filter in time constants, where there is no horizon."""
+
+FINER = 4
+"""Frequencies below the lowest of the horizon."""
+
+MOST = 1 << 21
+"""Points of the transform at most."""
+
+STEEP = 4
+"""Power of the frequency with which the densities fall below the lowest one."""
+
+PER_OCTAVE = 128
+"""Points of a density between which its logarithm is taken to be straight."""
+
+
+def wiener_error(noise: SensorNoise, best: Loop) -> float:
+    """Standard deviation of the angle of the optimal causal filter, rad; sinusoids and biases are taken to be known.
+
+    Computed as the ratio of its error to that of the filter of first order, both on one grid of frequencies. Without a
+    sampling rate the grid is that of a fine one.
+    """
+    interval, longest = noise.interval or best.time_constant / STEPS, MEMORY * best.time_constant
+    if noise.duration:
+        longest = FINER * 2 * noise.duration
+    n = 1 << math.ceil(math.log2(min(MOST, max(1024, longest / interval))))
+    interval = interval if noise.interval else min(max(interval, longest / n), COARSE * interval)
+    sampled = SensorNoise(noise.gyro, noise.accelerometer, noise.duration, interval)
+    f = np.asarray(np.fft.rfftfreq(n, interval), dtype=np.float64)
+    low = sampled.lowest if noise.duration else float(f[1])
+    x = np.geomspace(low, f[-1], max(16, math.ceil(PER_OCTAVE * math.log2(f[-1] / low))))
+    below = np.maximum(f, f[1] / 4) / low if noise.duration else np.ones(f.size)
+
+    def held(sensor: str) -> FloatArray:
+        """Density of a sensor, which falls steeply below the lowest frequency."""
+        density = sampled.total(sensor, x)
+        if not density.all():
+            raise UsageError(f"the bound needs noise of both sensors, but that of the {sensor} is 0")
+        smooth = np.exp(np.interp(np.log(np.maximum(f, low)), np.log(x), np.log(density)))
+        return np.asarray(smooth * np.minimum(below, 1.0) ** STEEP)
+
+    rate, tilt = held("gyro"), held("accelerometer")
+    # responses of the optimal filter to dt n_g and to n_a, from their densities
+    rise = 1 - np.exp(-2j * math.pi / n * np.arange(n // 2 + 1))
+    cepstrum = np.fft.irfft(np.log(rate * interval**2 + np.abs(rise) ** 2 * tilt), n) / 2
+    cepstrum[1 : n // 2] *= 2
+    cepstrum[n // 2 + 1 :] = 0.0
+    L = np.exp(np.fft.rfft(cepstrum))
+    cross = np.fft.irfft(tilt * np.conj(rise / L), n)
+    cross[n // 2 :] = 0.0  # what precedes the innovation
+    causal = np.fft.rfft(cross)
+    optimal = _error((causal / L * interval, 1 - causal * rise / L), (rate, tilt))
+    first = _error(best.responses(np.maximum(f, f[1] / 4), interval), (rate, tilt))
+    return random_error(noise, best) * optimal / first
+
+
+def random_error(noise: SensorNoise, loop: Loop) -> float:
+    """Standard deviation of the angle from noise alone, rad."""
+    f, weight = noise.nodes
+    gain = [np.abs(response) ** 2 * weight for response in loop.responses(f, noise.interval)]
+    return math.sqrt(sum(float(gain[sensor != "gyro"] @ density) for sensor, _, density in noise.noise))
+
+
+def _error(responses: tuple[ComplexArray, ComplexArray], densities: tuple[FloatArray, FloatArray]) -> float:
+    """Standard deviation of the error, in steps of the grid."""
+    density = np.abs(responses[0]) ** 2 * densities[0] + np.abs(responses[1]) ** 2 * densities[1]
+    return math.sqrt(float(np.sum(density[1:-1])) + float(density[0] + density[-1]) / 2)
+
 
 DETUNING = (0.25, 0.5, 1.0, 2.0, 4.0)
 """Factors of the time constant at which the error is given."""

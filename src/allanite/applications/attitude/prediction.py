@@ -19,8 +19,7 @@ from allanite.extending import (
     unit_of,
 )
 
-from .density import SENSORS, SensorNoise, density, scale
-from .loop import Loop
+from .loop import SENSORS, Loop, SensorNoise, density, scale
 
 
 @dataclass(frozen=True, repr=False)

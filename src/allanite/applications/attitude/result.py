@@ -25,10 +25,9 @@ from allanite.extending import (
     spelled,
 )
 
-from .axes import Axes
-from .density import SensorNoise
 from .filters import FILTERS, AttitudeFilter, Setting, filter_named
-from .loop import Loop
+from .inertial import Axes
+from .loop import Loop, SensorNoise
 from .optimum import Optimum
 from .prediction import Prediction
 

@@ -25,10 +25,8 @@ from allanite.extending import (
     spelled,
 )
 
-from .axes import Axes
-from .density import SensorNoise
-from .inertial import Inertial, inertial, six_channels
-from .loop import Loop
+from .inertial import Axes, Inertial, inertial, six_channels
+from .loop import Loop, SensorNoise
 from .optimum import optimum
 from .prediction import Prediction, predict
 from .result import PAIRS, Angle, VerticalChannel, VerticalSettings, VerticalStudy

@@ -1,8 +1,7 @@
 """Compensation: estimates and removes the part of a rate that follows a temperature or another channel."""
 
-from .clocks import aligned as aligned
 from .fit import compensate as compensate
-from .gain import Gain as Gain
+from .mixture import Gain as Gain
 from .mixture import Mixture as Mixture
 from .regression import Regression as Regression
 from .regression import gain_on as gain_on
@@ -10,4 +9,5 @@ from .regression import load as load
 from .regression import save as save
 from .regressor import Effect as Effect
 from .regressor import Regressor as Regressor
+from .regressor import aligned as aligned
 from .settings import FitSettings as FitSettings

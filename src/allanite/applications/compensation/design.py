@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from allanite.extending import (
     DataError,
+    FloatArray,
     Likelihood,
     Record,
     Recording,
@@ -20,8 +21,8 @@ from allanite.extending import (
     stretches,
 )
 
+from .mixture import Stretch, restricted
 from .regressor import TREND, Regressor, readings
-from .restricted import FloatArray, Stretch, restricted
 from .settings import CompensationSettings
 
 SHORTEST = 64

@@ -9,6 +9,7 @@ from allanite.extending import (
     SHORTEST,
     TERMS,
     DataError,
+    FloatArray,
     Likelihood,
     Model,
     Record,
@@ -22,13 +23,10 @@ from allanite.extending import (
     spelled,
 )
 
-from .collinearity import collinearity
 from .design import Design, design
-from .gain import Gain, about_line
-from .mixture import mixture
+from .mixture import Gain, about_line, mixture
 from .regression import Regression
-from .restricted import FloatArray
-from .selection import choose, folds
+from .selection import choose, collinearity, folds
 from .settings import CompensationSettings, FitSettings
 
 WHOLLY = 1e-11

@@ -14,6 +14,7 @@ from allanite.extending import (
     Correction,
     Covariance,
     DataError,
+    FloatArray,
     Model,
     Record,
     Recording,
@@ -25,11 +26,9 @@ from allanite.extending import (
     write,
 )
 
-from .collinearity import LARGE, TRENDING
-from .gain import Gain, about_line
-from .mixture import Mixture
+from .mixture import Gain, Mixture, about_line
 from .regressor import Effect, Regressor
-from .restricted import FloatArray
+from .selection import LARGE, TRENDING
 
 WITHIN = 1.959964
 """Standard errors of 95 % limits."""

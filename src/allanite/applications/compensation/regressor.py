@@ -1,27 +1,126 @@
-"""Regressor: a column on which an error may depend, derived from a channel. Effect: its coefficient."""
+"""Regressor: a column on which an error may depend, derived from a channel and resampled to its times."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from allanite.extending import (
     DataError,
+    FloatArray,
     Record,
     Recording,
     UnitError,
     UsageError,
     Value,
     convert,
+    public,
     say,
     say_count,
     spelled,
 )
 
-from .slope import local_slope
+SHORTEST = 60.0
+"""Seconds of a window; in a shorter one the steps of a digital thermometer are what changes."""
 
-FloatArray = NDArray[np.float64]
+
+def local_slope(x: FloatArray, rate: float, window: float) -> FloatArray:
+    """Slope of the least-squares line in a Hann window around each sample, per second; shape of `x`.
+
+    At the ends the window is cut off, and the line fitted to what is left. A reading that is NaN counts for nothing in
+    its neighbours' windows, and has no slope of its own.
+
+    Examples
+    --------
+    >>> x = 0.5 * np.arange(300.0)
+    >>> x[100] = np.nan
+    >>> slope = local_slope(x, 2.0, 60.0)
+    >>> slope[[0, 50, 99, 299]].round(12).tolist(), bool(np.isnan(slope[100]))
+    ([1.0, 1.0, 1.0, 1.0], True)
+    """
+    half = int(window * rate / 2)
+    if not (np.isfinite(window) and window >= SHORTEST and half >= 1):
+        raise UsageError(
+            f"the window of a derivative must have at least {SHORTEST:g} s and 3 samples, not {window!r} s"
+        )
+    from scipy.signal import oaconvolve
+
+    j = np.arange(-half, half + 1, dtype=np.float64)
+    weight = 0.5 + 0.5 * np.cos(np.pi * j / (half + 1))
+    there = np.isfinite(x)
+    centre = float(np.mean(x[there])) if there.any() else 0.0
+    values = np.where(there, x - centre, 0.0)
+
+    def around(y: FloatArray, power: int) -> FloatArray:
+        """Sum of weight * j^power * y[i + j]."""
+        return np.asarray(oaconvolve(y, (weight * (j / half) ** power)[::-1], mode="full")[half : half + y.size])
+
+    ones = there.astype(np.float64)
+    w, t, tt = (around(ones, power) for power in (0, 1, 2))
+    y, ty = around(values, 0), around(values, 1)
+    spread = w * tt - t * t
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = (w * ty - t * y) / spread
+    # fewer than two samples in the window: the spread is rounding
+    return np.where(there & (spread > 1e-9 * np.sum(weight) ** 2), slope * rate / half, np.nan)
+
+
+@public
+def aligned(along: Recording, record: Record) -> Recording:
+    """The channels at the intervals of `record`: means if they are faster, otherwise linear interpolation.
+
+    Values before the first sample or after the last one are NaN, and so are values next to a missing sample. Times are
+    those of `start`, or zero.
+
+    Raises
+    ------
+    DataError
+        A channel does not overlap the record, or is an angle.
+
+    Examples
+    --------
+    >>> temp = Record([20.0, 22.0, 24.0], rate=0.5, unit="degC", name="temp")
+    >>> gyro = Record(np.zeros(6), rate=1.0, unit="deg/h", name="z")
+    >>> aligned(Recording((temp,)), gyro)["temp"].values.tolist()
+    [20.0, 21.0, 22.0, 23.0, 24.0, nan]
+    """
+    at = np.arange(record.size) / record.rate
+    found = []
+    for other in along:
+        if other.integrated:
+            raise DataError(
+                say("{name!r} is of kind {kind}; only plain samples can be resampled", name=other.name, kind=other.kind)
+            )
+        x, faster = np.asarray(other.values, dtype=np.float64), other.rate > record.rate
+        when = at + ((record.start or 0.0) - (other.start or 0.0))
+        if faster:
+            values = _means(x, other.rate, when, record.rate)
+        else:
+            values = np.interp(when, np.arange(x.size) / other.rate, x, left=np.nan, right=np.nan)
+        if np.isnan(values).all():
+            raise DataError(
+                say("{first!r} and {second!r} do not overlap in time", first=other.name, second=record.name)
+            )
+        way = say("means") if faster else say("linear interpolation")
+        what = say("resampled from {rate:.9g} Hz to the times of {name!r} by {way}",
+                   rate=other.rate, name=record.name, way=way)  # fmt: skip
+        found.append(Record(
+            values, record.rate, other.unit, scale=other.scale, name=other.name, start=record.start,
+            history=(*other.history, what),
+        ))  # fmt: skip
+    return replace(along, records=tuple(found))
+
+
+def _means(x: FloatArray, rate: float, when: FloatArray, wanted: float) -> FloatArray:
+    """Means over the intervals that begin at `when`: differences of the integral; NaN where a reading is missing."""
+    edges = np.arange(x.size + 1) / rate
+    lost = np.concatenate(([0.0], np.cumsum(np.isnan(x))))
+    integral = np.concatenate(([0.0], np.cumsum(np.nan_to_num(x)))) / rate
+    spans = (when, when + 1 / wanted)
+    begin, end = (np.interp(t, edges, integral, left=np.nan, right=np.nan) for t in spans)
+    missing = np.interp(spans[1], edges, lost) - np.interp(spans[0], edges, lost)
+    return np.where(missing > 0, np.nan, (end - begin) * wanted)
+
 
 SIGNIFICANT = 0.05
 """p-value below which an effect is significant."""

@@ -10,12 +10,12 @@ from .estimators import RATE_ESTIMATORS as RATE_ESTIMATORS
 from .experiments import Experiment as Experiment
 from .first_interval import Closeup as Closeup
 from .first_interval import closeup as closeup
-from .measure import estimate as estimate
 from .predict import Ranking as Ranking
 from .predict import predicted_standard_error as predicted_standard_error
 from .predict import rank as rank
+from .row import TARGETS as TARGETS
+from .row import EstimatorSettings as EstimatorSettings
 from .run import ExperimentSettings as ExperimentSettings
 from .run import by_duration as by_duration
+from .run import estimate as estimate
 from .run import experiment as experiment
-from .setting import TARGETS as TARGETS
-from .setting import EstimatorSettings as EstimatorSettings

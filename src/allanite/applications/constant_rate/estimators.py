@@ -2,8 +2,7 @@
 
 from allanite.extending import row_of
 
-from .linear import CONDITIONAL, HAMMING, MEAN, REGRESSION
-from .optimal import OPTIMAL
+from .linear import CONDITIONAL, HAMMING, MEAN, OPTIMAL, REGRESSION
 from .row import RateEstimator
 from .staircase import STAIRCASE
 

@@ -9,8 +9,7 @@ from allanite.extending import BoolArray, FloatArray, Record, Signal, UsageError
 
 from .inputs import demand_whole, interval_of
 from .linear import regression_lines
-from .measure import task_of
-from .run import ExperimentSettings, piece
+from .run import ExperimentSettings, piece, task_of
 from .staircase import recognized
 
 

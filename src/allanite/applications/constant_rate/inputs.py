@@ -6,8 +6,7 @@ import numpy as np
 
 from allanite.extending import DataError, Finding, FloatArray, Record, UsageError, say, say_count, spelled, windowing
 
-from .row import Interval
-from .setting import EstimatorSettings, Task
+from .row import EstimatorSettings, Interval, Task
 
 JUMP = 20.0
 """Median absolute deviations from the median beyond which a sample is called a pulse slip."""

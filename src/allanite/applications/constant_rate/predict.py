@@ -21,8 +21,7 @@ from allanite.extending import (
 )
 
 from .estimators import RATE_ESTIMATORS, estimator_named
-from .row import RateEstimator
-from .setting import EstimatorSettings, Task
+from .row import EstimatorSettings, RateEstimator, Task
 
 NEAR = 0.02
 """Loss of accuracy that is not worth another method."""

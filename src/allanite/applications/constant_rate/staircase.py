@@ -7,8 +7,7 @@ import numpy as np
 from allanite.extending import FloatArray, UsageError, say, spelled
 
 from .linear import parabola
-from .row import Interval, RateEstimator, RateMeasurement
-from .setting import Task
+from .row import Interval, RateEstimator, RateMeasurement, Task
 
 WORK = 7e6
 """Samples that the search may look at before it gives its best so far: some 40 ms."""

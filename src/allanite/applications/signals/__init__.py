@@ -1,6 +1,6 @@
 """From raw signals to a rate, and the noise that quantization adds to it."""
 
-from .axes import mixed as mixed
+from .budgeting import mixed as mixed
 from .rounding_noise import Budget as Budget
 from .rounding_noise import StageNoise as StageNoise
 from .rounding_noise import budget as budget

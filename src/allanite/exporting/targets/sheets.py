@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from allanite.core.datasheet import data_sheet
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.model import Model
+from allanite.core.readings import data_sheet
 from allanite.core.syntax import CSV, KEYWORDS, LATEX, MARKDOWN, MATLAB, C, Syntax, escaped, identifiers
 from allanite.exporting.content import Content, number
 from allanite.exporting.target import Target
 from allanite.phrases.phrase import say
 from allanite.statespace import state_space
-from allanite.statistics.row import FloatArray
 
 HEADINGS = ("channel", "quantity", "value", "low", "high", "unit", "tau, s", "remark")
 

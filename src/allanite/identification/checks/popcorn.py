@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.finding import Finding
 from allanite.core.model import Model
 from allanite.core.units import Signal, convert
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import between
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import between, join, say
 from allanite.prepare.gaps import whole
 
 from .whitening import deviations

@@ -15,7 +15,7 @@ from allanite.core.residuals import Check, Residuals
 from allanite.phrases.phrase import say
 from allanite.prepare.outliers import treated
 
-from .misfit import reasons
+from .goodness import reasons
 from .popcorn import jumps, popcorn
 from .whitening import memory, whitened
 

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from allanite.core.aliases import public
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
-from allanite.core.finding import Finding
 from allanite.core.fit import Fit
 from allanite.core.record import Recording
 from allanite.core.residuals import Shared
-from allanite.parallel.futures import spread
+from allanite.core.validity import Finding
+from allanite.parallel.processes import spread
 from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.prepare.outliers import demand_choice, treated
 

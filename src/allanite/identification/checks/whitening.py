@@ -12,7 +12,7 @@ from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.core.validity import Scope
-from allanite.identification.likelihood.cosine import SHORT
+from allanite.identification.likelihood.spectrum import SHORT
 from allanite.prepare.gaps import Gaps, joined, whole
 
 BLOCK = 64

@@ -8,8 +8,8 @@ from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
+from allanite.core.kinds import title_of
 from allanite.core.model import Model, Term
-from allanite.core.titles import title_of
 from allanite.core.units import SIGNALS, Signal
 from allanite.phrases.phrase import say
 from allanite.statistics.moments.moments import by_term

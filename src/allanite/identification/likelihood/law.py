@@ -1,4 +1,4 @@
-"""The distribution of one coefficient, averaged over the models consistent with the record.
+"""Subsets of the terms and profiles of their likelihood; the distribution of a coefficient averaged over models.
 
 A term that was not selected need not be zero, and a selected one is not certain. Each subset of the terms that contains
 the coefficient c has a profile likelihood, 2 L_s(c) with the other terms optimized; the distribution of c is
@@ -13,13 +13,206 @@ hidden.
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from allanite.core.arrays import FloatArray
+from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.limits import quantile
 from allanite.core.plain import Portable
 
-from .selection import Subset
+from .likelihood import Likelihood
+
+PENALTY = 4.0
+"""What a term must gain in 2 L to be selected: about the 95 % point of chi-square with one degree of freedom."""
+
+
+@dataclass(frozen=True, eq=False)
+class Subset:
+    """The likelihood's minimum with some of the terms free.
+
+    `constants` are the time constants, in samples, of the Gauss-Markov terms among them, `prior` the share of all that
+    were possible for which those tried beside this stand.
+    """
+
+    likelihood: Likelihood
+    free: BoolArray
+    theta: FloatArray
+    value: float
+    constants: tuple[float, ...] = ()
+    prior: float = 1.0
+
+    @property
+    def aic(self) -> float:
+        """Akaike's criterion: 2 L and two for each number that was fitted."""
+        return 2 * self.value + 2 * (int((self.theta > 0).sum()) + len(self.constants))
+
+    @cached_property
+    def variances(self) -> FloatArray:
+        """Variances of the free thetas, shape (free terms,)."""
+        return _variances(self.likelihood, self.theta, self.free)
+
+    @cached_property
+    def profiled(self) -> float:
+        """2 L at the best size of each loose direction, rather than its integral, whose unit would count.
+
+        Infinite for a direction of which the band shows nothing.
+        """
+        flat = self.likelihood.flat
+        if not flat.any():
+            return 2 * self.value
+        V = self.likelihood.directions(self.theta)[1][np.ix_(flat, flat)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            value = 2 * self.value + float(np.linalg.slogdet(V)[1])
+        return value if math.isfinite(value) else math.inf
+
+    def score(self, penalty: float | FloatArray) -> float:
+        """2 L + the penalties of the terms."""
+        return 2 * self.value + float((penalty * self.free).sum())
+
+
+def subsets(
+    likelihood: Likelihood,
+    *,
+    must: BoolArray | None = None,
+    may: BoolArray | None = None,
+    constants: tuple[float, ...] = (),
+) -> list[Subset]:
+    """Every non-empty subset of the terms, fitted, that holds all that it `must` and no other than it `may`.
+
+    The last one holds all that it may.
+    """
+    p = likelihood.S.shape[1]
+    must = np.zeros(p, dtype=bool) if must is None else must
+    may = np.ones(p, dtype=bool) if may is None else may
+    masks = (np.array([bool(code >> i & 1) for i in range(p)]) for code in range(1, 2**p))
+    wanted = [mask for mask in masks if not (must & ~mask).any() and not (mask & ~may).any()]
+    return [Subset(likelihood, free, *likelihood.minimise(free), constants) for free in wanted]
+
+
+def select(fitted: list[Subset], penalty: float | FloatArray = PENALTY) -> Subset:
+    """The subset with the least 2 L + penalty x (number of terms)."""
+    return min(fitted, key=lambda subset: subset.score(penalty))
+
+
+@dataclass(frozen=True, eq=False)
+class ThetaProfile(Portable):
+    """The likelihood of one theta, the other terms of a subset following it.
+
+    `excess` is 2 (L - L at the subset's minimum).
+    """
+
+    subset: Subset
+    which: int
+
+    @property
+    def likelihood(self) -> Likelihood:
+        """That of the subset."""
+        return self.subset.likelihood
+
+    @property
+    def best(self) -> float:
+        """Theta at the minimum."""
+        return float(self.subset.theta[self.which])
+
+    def lower(self, drop: float) -> float:
+        """Where the excess is `drop` below the minimum; 0 if it is less at 0."""
+        if drop < 1e-3:
+            return self.best
+        if self.best <= 0 or self.at(0.0, self.subset.theta)[0] <= drop:
+            return 0.0
+        return self._solve(drop, 0.0, max(self.best - self._width * math.sqrt(drop), 0.1 * self.best))
+
+    def upper(self, drop: float) -> float:
+        """Where the excess is `drop` above the minimum."""
+        if drop < 1e-3:
+            return self.best
+        guess = self.best + self._width * math.sqrt(drop)
+        high = guess
+        while self.at(high, self.subset.theta)[0] < drop:
+            high = self.best + 2 * (high - self.best)
+        return self._solve(drop, high, min(guess, high))
+
+    @cached_property
+    def _width(self) -> float:
+        """Standard error from the curvature: where to start looking."""
+        return standard_error(self.subset, self.which)
+
+    def at(self, value: float, start: FloatArray) -> tuple[float, float, FloatArray]:
+        """The excess at theta[which] = value, its derivative, and where the other terms went."""
+        theta, least = self.likelihood.minimise(self.subset.free, start, (self.which, value))
+        if least == math.inf:  # nothing else could make noise
+            return math.inf, 0.0, theta
+        return 2 * (least - self.subset.value), 2 * float(self.likelihood.gradient(theta)[self.which]), theta
+
+    def excludes_zero(self, level: float = 0.95) -> bool:
+        """Whether theta = 0 lies below the two-sided limits."""
+        return self.lower(quantile((1 + level) / 2) ** 2) > 0
+
+    def weighted(self, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
+        """All thetas along the profile, with weights of its likelihood times a prior.
+
+        The nodes are evenly spaced in the coefficient from 0 to where nothing is left. The prior's density goes as the
+        coefficient to the power `prior`: 1 is flat in theta, 0 in the coefficient.
+        """
+        roots = np.linspace(0.0, math.sqrt(self.upper(16.0)), nodes)
+        start, thetas, excess = self.subset.theta, [], []
+        for root in roots[::-1]:
+            value, _, start = self.at(root**2, start)
+            if value == math.inf:  # no other term makes noise
+                break
+            thetas.append(start)
+            excess.append(value)
+        density = roots**prior
+        if prior < 1:  # what lies within half a step of 0
+            density[0] = (roots[1] / 2) ** (prior + 1) / (prior + 1) / roots[1]
+        weight = density[::-1][: len(excess)] * np.exp(-0.5 * (np.array(excess) - min(excess)))
+        return thetas, weight / weight.sum()
+
+    def _solve(self, drop: float, outside: float, guess: float) -> float:
+        """Newton on the root of the excess, which is nearly straight in theta, kept within a bracket."""
+        start, wanted, inside = self.subset.theta, math.sqrt(drop), self.best
+        for _ in range(40):
+            excess, slope, start = self.at(guess, start)
+            root = math.sqrt(max(excess, 0.0))
+            if abs(root - wanted) < 1e-3 * wanted:
+                break
+            inside, outside = (guess, outside) if root < wanted else (inside, guess)
+            step = guess + (wanted - root) * 2 * root / slope if slope else math.inf
+            guess = step if min(inside, outside) < step < max(inside, outside) else (inside + outside) / 2
+        return guess
+
+
+def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) -> float:
+    """Standard error of theta[which], from the expected information of the subset's terms.
+
+    `slope` is how the expected power of the bins changes with something else that is unknown too, shape (bins,).
+    """
+    at = int(subset.free[:which].sum())
+    if slope is None:
+        return float(np.sqrt(abs(subset.variances[at])))
+    more = subset.likelihood.with_more(slope)
+    return float(np.sqrt(_variances(more, np.append(subset.theta, 0.0), np.append(subset.free, True))[at]))
+
+
+def correlation(subset: Subset) -> FloatArray:
+    """Correlation of the estimates of the free terms, shape (f, f): that of theta, and of its root."""
+    C = _covariance(subset.likelihood, subset.theta, subset.free)
+    size = np.sqrt(np.abs(np.diag(C)))  # see `_covariance`
+    return np.asarray(np.clip(C / np.outer(size, size), -1, 1))
+
+
+def _variances(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
+    return np.diag(_covariance(likelihood, theta, free))
+
+
+def _covariance(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
+    """From the expected information of the free terms; what it does not distinguish shares it."""
+    information = likelihood.information(theta)[np.ix_(free, free)]
+    # where loose directions take all that a few bins tell, rounding leaves less than nothing
+    size = np.outer(*[np.sqrt(np.abs(np.diag(information)))] * 2)
+    return np.asarray(np.linalg.pinv(information / size, hermitian=True) / size)
+
 
 AKAIKE = 2.0
 """Penalty of a term in 2 L."""

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 
-from .cells import surroundings
-from .spectrum import BinnedSpectrum
+from .spectrum import BinnedSpectrum, surroundings
 
 FALSE_LINE = 0.01
 """Probability that a record of noise alone shows a line."""

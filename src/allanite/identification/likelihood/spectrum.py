@@ -1,14 +1,19 @@
-"""From a record to binned powers of its cosine transform.
+"""From a record to binned powers of its cosine transform, and cells of neighbouring bins.
+
+One long transform goes through memory once for each of its some twenty stages, and mostly waits for it. Cut into rows
+and columns of a matrix, which the cache holds, it goes through memory five times.
 
 The DCT-II diagonalizes white noise and a random walk with unknown start exactly: no taper, no differencing, no leakage.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import DataError, UsageError
@@ -17,12 +22,92 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import say, say_count
 from allanite.prepare.gaps import Gaps, gaps_between, joined
 from allanite.prepare.rounding import grid
-from allanite.statistics.moments.lags import sum_nodes
+from allanite.statistics.moments.lagsums import sum_nodes
 from allanite.terms import NoiseTerm, ramp_coefficients
 
-from .bins import SINGLE, edges_of
-from .cosine import cosine_transform, easy_size
 from .pieces import apart, pieces
+
+SINGLE = 64
+"""Coefficients below and at this index stand in bins of their own."""
+
+PER_OCTAVE = 16
+"""Bins per octave above."""
+
+
+def edges_of(n: int) -> IntArray:
+    """Bounds of the bins, from 1 to n."""
+    single = np.arange(1, min(SINGLE, n - 1) + 2)
+    if n - 1 <= SINGLE:
+        return single
+    octaves = np.log2((n - 1) / SINGLE)
+    above = SINGLE * 2.0 ** (np.arange(1, int(octaves * PER_OCTAVE) + 1) / PER_OCTAVE)
+    inner = np.unique(np.rint(above).astype(np.int64)) + 1
+    return np.concatenate((single, inner[(inner > SINGLE + 1) & (inner < n)], [n]))
+
+
+LONG_RECORD = 1 << 20
+"""Points from which the cache does not hold a transform."""
+
+SHORT = 1 << 16
+"""Points up to which a transform of any size is fast enough."""
+
+PRIME = 256
+"""Largest prime factor of the size of a transform that is not cut, unless it is short."""
+
+UNEVEN = 16
+"""Longest row over the shortest column, or the other way round, for which cutting pays."""
+
+
+def cosine_transform(y: FloatArray, slope: float = 0.0) -> FloatArray:
+    """The orthonormal DCT-II of y less a ramp that is zero in its middle, shape of y, which is overwritten.
+
+    Examples
+    --------
+    >>> cosine_transform(np.array([1.0, 1.0, 1.0, 1.0])).round(3).tolist()
+    [2.0, 0.0, 0.0, 0.0]
+    """
+    from scipy.fft import dct, fft
+
+    from allanite.kernels.cosine import coefficients, even_then_odd, less_ramp, twiddle
+
+    rows = _rows(y.size)
+    if not rows:
+        less_ramp(y, slope)
+        return np.asarray(dct(y, norm="ortho", overwrite_x=True))
+    v = np.empty(y.size)
+    even_then_odd(y, slope, v)
+    z = fft(v.view(np.complex128).reshape(rows, -1), axis=0, overwrite_x=True)
+    twiddle(z.view(np.float64))
+    z = fft(z, axis=1, overwrite_x=True)
+    coefficients(z.view(np.float64), y)
+    return y
+
+
+def easy_size(n: int) -> int:
+    """The largest size up to n whose transform is fast: a few points less than n, at most some dozens.
+
+    A prime size takes more than ten times as long, and as much more memory.
+
+    Examples
+    --------
+    >>> easy_size(65_521), easy_size(1_000_000), easy_size(999_983), easy_size(3_599_999)
+    (65521, 1000000, 999975, 3599996)
+    """
+
+    def easy(size: int) -> bool:
+        return bool(_rows(size)) if size >= LONG_RECORD else pow(math.factorial(PRIME), size.bit_length(), size) == 0
+
+    return n if n < SHORT else next(size for size in range(n, 0, -1) if easy(size))
+
+
+def _rows(n: int) -> int:
+    """Rows of the matrix of n / 2 complex numbers, about as many as columns; 0 where there is no such matrix."""
+    half = n // 2
+    if n % 2 or n < LONG_RECORD:
+        return 0
+    least = math.isqrt(half // UNEVEN)
+    return next((P for P in range(math.isqrt(half), least, -1) if half % P == 0), 0)
+
 
 BLOCKS = 4096
 """Blocks of samples in which a warm-up with gaps is taken."""
@@ -33,7 +118,7 @@ LOWEST = 8
 FEWEST = 24
 """Bins that a fit needs."""
 
-LONG, MOST = 0.05, 8
+LONG_GAP, MAX_LONG_GAPS = 0.05, 8
 """Share of the samples that a long gap lost at least; number of long gaps, at most."""
 
 ROUNDING = (4 * float(np.finfo(np.float64).eps)) ** 2
@@ -102,17 +187,17 @@ class BinnedSpectrum(Portable):
 
         Where pieces are read, too few low coefficients are left to tell steps apart.
         """
-        return np.asarray((self.detrended and self.pieces is None) & (self.gaps.lost >= LONG * self.size))
+        return np.asarray((self.detrended and self.pieces is None) & (self.gaps.lost >= LONG_GAP * self.size))
 
     @property
     def steps(self) -> IntArray:
         """First samples after long gaps."""
-        return self.gaps.at[self._long][:MOST]
+        return self.gaps.at[self._long][:MAX_LONG_GAPS]
 
     @cached_property
     def joints(self) -> Gaps:
         """The gaps as the terms see them: during a long one a slow noise does nothing, as its step is loose."""
-        loose = self._long & (np.cumsum(self._long) <= MOST)
+        loose = self._long & (np.cumsum(self._long) <= MAX_LONG_GAPS)
         return replace(self.gaps, lost=np.where(loose, 0, self.gaps.lost))
 
     @cached_property
@@ -188,7 +273,7 @@ def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
     With `detrend` most of a ramp is subtracted first, so that a strong one does not leak into the higher bins; `slope`
     stores it. Missing samples (NaN) are cut out.
     """
-    from allanite.kernels.binned import binned
+    from allanite.kernels.cosine import binned
 
     y, gaps, left = joined(record)
     y, gaps = y[: (fast := easy_size(y.size))], gaps.first(fast)
@@ -253,3 +338,23 @@ def less_slope(y: FloatArray, left: IntArray) -> float:
     slope = slope_of(y, left)
     y -= slope * (left - left.mean())
     return slope
+
+
+CELLS = 24
+"""Cells of equal width in the logarithm of frequency, in which observed and expected power are compared."""
+
+WELL_KNOWN = 50
+"""Coefficients of a bin, or of a cell, whose power needs no smoothing."""
+
+
+def surroundings(values: NDArray[Any]) -> NDArray[Any]:
+    """Nine neighbouring bins around each, at the ends the nine nearest, shape (bins, 9)."""
+    windows = np.lib.stride_tricks.sliding_window_view(values, 9)
+    return windows[np.clip(np.arange(values.size) - 4, 0, len(windows) - 1)]
+
+
+def cell_of(spectrum: BinnedSpectrum, used: BoolArray) -> IntArray:
+    """Cell of each bin, those that are not used included, shape (bins,)."""
+    bounds = spectrum.first[used][[0, -1]]
+    edges = np.geomspace(bounds[0], bounds[1] + 1, CELLS + 1)
+    return np.asarray(np.clip(np.searchsorted(edges, spectrum.first, side="right") - 1, 0, CELLS - 1))

@@ -13,10 +13,9 @@ import numpy.typing as npt
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.terms import TERMS, NoiseTerm
 
-from .bins import SINGLE
 from .filters import FILTERS
 from .likelihood import Likelihood
-from .spectrum import BinnedSpectrum
+from .spectrum import SINGLE, BinnedSpectrum
 
 LEAST_GAIN = 1e-10
 """Gain of a filter, at least, power over power: so low that it never takes part (1e-6 did behind a digital filter)."""

@@ -5,13 +5,13 @@ import math
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
-from allanite.core.component import Component
 from allanite.core.estimate import Estimate
+from allanite.core.fit import Component
+from allanite.core.kinds import title_of
 from allanite.core.model import Term
-from allanite.core.titles import title_of
 from allanite.core.validity import LowPass, Scope
-from allanite.identification.likelihood.cells import WELL_KNOWN, surroundings
 from allanite.identification.likelihood.filters import FILTERS
+from allanite.identification.likelihood.spectrum import WELL_KNOWN, surroundings
 from allanite.phrases.phrase import join, say
 from allanite.terms import TERMS
 

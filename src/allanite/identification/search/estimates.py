@@ -8,14 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.averaged import Averaged, averaged
-from allanite.core.estimate import WEAK, Estimate
+from allanite.core.estimate import WEAK, Averaged, Estimate, averaged
 from allanite.core.limits import Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
-from allanite.identification.likelihood.law import RampLimits
-from allanite.identification.likelihood.selection import Subset, ThetaProfile
+from allanite.identification.likelihood.law import RampLimits, Subset, ThetaProfile
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 

@@ -10,17 +10,16 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
-from allanite.core.finding import Finding
 from allanite.core.fit import Alternative, Fit, Goodness, Line
 from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.record import Record
 from allanite.core.units import Signal
-from allanite.core.validity import Band, Scope
+from allanite.core.validity import Band, Finding, Scope
 from allanite.identification.checks.goodness import cells_of, goodness
+from allanite.identification.likelihood.law import correlation
 from allanite.identification.likelihood.lines import levels, suspected, waves_of
-from allanite.identification.likelihood.selection import correlation
 from allanite.identification.likelihood.spectrum import BinnedSpectrum, spectrum
 from allanite.phrases.phrase import join, say, say_count
 from allanite.prepare.gaps import known_rates, refusal

@@ -18,8 +18,7 @@ import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
-from allanite.identification.likelihood.law import traced
-from allanite.identification.likelihood.selection import Subset
+from allanite.identification.likelihood.law import Subset, traced
 
 from .components import CLAIMED, COMPONENTS
 from .fitting import Fitted, admissible, resized, sizes_inside

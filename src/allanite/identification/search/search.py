@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from allanite.core.plain import Portable
-from allanite.identification.likelihood.cells import WELL_KNOWN
+from allanite.identification.likelihood.spectrum import WELL_KNOWN
 
 from .components import Part
 from .fitting import Fitted, factor_basis, fitted, pruned, refined

@@ -8,14 +8,13 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
-from allanite.core.finding import Finding
 from allanite.core.limits import Remembered, quantile
 from allanite.core.model import Term, coefficient_factor
 from allanite.core.plain import Portable
 from allanite.core.units import convert
+from allanite.core.validity import Finding
 from allanite.identification.likelihood.law import RampLimits
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import longest_without, spelled
+from allanite.phrases.phrase import join, longest_without, say, spelled
 from allanite.terms import TERMS, WHITE
 
 from .components import COMPONENTS, Part

@@ -11,11 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import UsageError
-from allanite.core.placeholders import UNIT
+from allanite.core.errors import UNIT, UsageError
 from allanite.core.units import unit_of
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import percent
+from allanite.phrases.phrase import join, percent, say
 from allanite.readers.columns import headers
 from allanite.readers.columns.column import FileColumn, lookup
 

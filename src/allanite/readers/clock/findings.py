@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.finding import Finding
-from allanite.phrases.phrase import join, say, say_count
-from allanite.phrases.wording import percent, spelled
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import join, percent, say, say_count, spelled
 
 from .grid import Places, resolution
 

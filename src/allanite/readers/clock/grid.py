@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.arrays import FloatArray
-from allanite.core.finding import Finding
+from allanite.core.validity import Finding
 from allanite.phrases.phrase import say
 
 Places = NDArray[np.int64]
@@ -139,7 +139,7 @@ def _length(found: Pace, rows: Places, floor: float) -> float:
 
 def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -> Pace:
     """Refine an estimate of the interval with the number of intervals."""
-    from allanite.kernels.clock import followed
+    from allanite.kernels.passing import followed
 
     span, count = float(elapsed[-1] - elapsed[0]), int(rows[-1] - rows[0])
     for ahead in AHEAD:

@@ -8,16 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
-from allanite.core.finding import Finding
+from allanite.core.validity import Finding
 from allanite.phrases.phrase import say
 from allanite.readers.columns.table import Sense, repeated
 
 from .clocks import unwrapped
-from .damaged import Damage, mended
 from .findings import DRIFT, PARTS, Holes, finding
 from .grid import Places, SampleGrid
 from .sampling_rate import Beat, Stamped, settled, stamped
-from .stamps import fit, seconds_since
+from .stamps import Damage, fit, mended, seconds_since
 
 ENOUGH = 1024
 """Rows of a part whose interval is found anew; in fewer rows, that of the head is used."""

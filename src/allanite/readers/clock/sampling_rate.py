@@ -7,18 +7,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import DataError, UsageError
-from allanite.core.finding import Finding
-from allanite.core.placeholders import RATE
+from allanite.core.errors import RATE, DataError, UsageError
 from allanite.core.units import unit_of
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import percent, spelled
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import join, percent, say, spelled
 from allanite.readers.columns.column import FileColumn
 
 from .clocks import PLAUSIBLE, ClockSources, addressed, counted_grid, places, readings, unwrapped
-from .damaged import Damage, mended
 from .grid import ONE_AFTER_THE_OTHER, SampleGrid
-from .stamps import fit, seconds_since
+from .stamps import Damage, fit, mended, seconds_since
 
 SAME = 1e-3
 """Relative difference up to which a given rate and that of time stamps are the same."""

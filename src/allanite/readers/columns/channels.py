@@ -8,14 +8,12 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from allanite.core.errors import UsageError
-from allanite.core.finding import Finding
+from allanite.core.errors import SCALE, UNIT, UsageError
 from allanite.core.kinds import KIND_WORDS, kinds_of, offered, signal_of_kind
 from allanite.core.names import nearest
-from allanite.core.placeholders import SCALE, UNIT
 from allanite.core.units import BASES, USUAL, unit_of
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import join, say, spelled
 from allanite.readers.options import Options
 
 from . import conventions, headers, stated

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Recording
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import join, say, spelled
 from allanite.readers.options import Options
 
 from . import headers

@@ -4,8 +4,7 @@ import re
 from functools import lru_cache
 
 from allanite.core.errors import UnitError
-from allanite.core.spellings import latin
-from allanite.core.units import Signal, Unit, signal_with, unit_of
+from allanite.core.units import Signal, Unit, latin, signal_with, unit_of
 
 _INSIDE = re.compile(r"[^\[\](){}]*(?:\([^()]*\)[^\[\](){}]*)*")
 """Content of the brackets of a unit: no brackets except pairs of round ones."""

@@ -1,12 +1,19 @@
-"""A text that is read a block of whole lines at a time, as `text.read` reads it at once."""
+"""A file whose rows are read a part at a time, of text or of binary numbers."""
 
-from collections.abc import Callable, Iterator
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
+from allanite.readers.options import Options
 
 from . import encoding, layout, shapes
+from .table import FileTable
 
 BLOCK = 1 << 23
 """Bytes that are read at a time."""
@@ -81,3 +88,77 @@ class TextLines:
                 returns = b"\n" not in data[: layout.HEAD]
             size += len(data)
             yield data.replace(b"\r", b"\n") if returns else data
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of numbers of one type after `offset` bytes; `shape` is (rows,) or (rows, columns).
+
+    With `bycolumn` the columns are stored one after the other. A structured type has a column for each number.
+    """
+
+    path: str
+    dtype: np.dtype[Any]
+    offset: int
+    shape: tuple[int, ...]
+    bycolumn: bool = False
+
+    def blocks(self, wanted: Sequence[int], rows: int) -> Iterator[list[NDArray[Any]]]:
+        """Columns of so many rows at a time."""
+        if not self.bycolumn or len(self.shape) == 1:
+            for part in self.whole(rows):
+                every = columns_of(part)
+                yield [every[i] for i in wanted]
+            return
+        with open(self.path, "rb", buffering=0) as file:
+            for begin in range(0, self.shape[0], rows):
+                count = min(rows, self.shape[0] - begin)
+                yield [self._numbers(file, (i * self.shape[0] + begin, count), (count,)) for i in wanted]
+
+    def whole(self, rows: int) -> Iterator[NDArray[Any]]:
+        """So many rows at a time, with all columns."""
+        width = math.prod(self.shape[1:])
+        with open(self.path, "rb", buffering=0) as file:
+            for begin in range(0, self.shape[0], rows):
+                count = min(rows, self.shape[0] - begin)
+                yield self._numbers(file, (begin * width, count * width), (count, *self.shape[1:]))
+
+    def _numbers(self, file: Any, place: tuple[int, int], shape: tuple[int, ...]) -> NDArray[Any]:
+        """So many numbers from a place on."""
+        begin, count = place
+        found = np.empty(count, self.dtype)
+        data, filled = found.view(np.uint8).reshape(-1).data, 0
+        file.seek(self.offset + begin * self.dtype.itemsize)
+        while filled < len(data) and (more := file.readinto(data[filled:])):
+            filled += more
+        if filled < len(data):
+            raise DataError(f"the file ends in the middle of its numbers, at byte {file.tell()}")
+        return found.reshape(shape)
+
+
+def columns_of(rows: NDArray[Any]) -> list[NDArray[Any]]:
+    """The columns of rows, one for each number."""
+    if rows.dtype.names:
+        return [column for name in rows.dtype.names for column in columns_of(rows[name])]
+    return list(rows.reshape(len(rows), -1).T)
+
+
+HEAD = 1 << 18
+"""Rows by which columns, units and the clock are recognized."""
+
+Blocks = Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]
+"""Indices of columns, and rows at a time -> arrays of these columns, of at most about that many rows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """A file that can be read in parts.
+
+    `head` is the table of its first rows, `rows` their number in the whole file, `blocks` reads columns of `head` from
+    the beginning, and `options` are those of the head, which a container may have narrowed.
+    """
+
+    head: FileTable
+    rows: int
+    blocks: Blocks
+    options: Options

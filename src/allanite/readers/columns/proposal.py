@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.placeholders import COLUMN, RATE, SCALE, UNIT
+from allanite.core.errors import COLUMN, RATE, SCALE, UNIT
 from allanite.core.units import unit_of
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.readers.clock.clocks import ClockSources, addressed, likely_unit, readings
 
 from . import headers

@@ -8,8 +8,8 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import DataError
-from allanite.core.finding import Finding
 from allanite.core.record import Record, Recording
+from allanite.core.validity import Finding
 from allanite.phrases.phrase import say, say_count
 
 FAINT = 0.5

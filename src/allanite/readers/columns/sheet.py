@@ -7,7 +7,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UnitError, UsageError
 from allanite.core.units import unit_of
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 from allanite.readers.formats.text import sheet_of
 from allanite.readers.sandbox.source import checked, digest_of
 

@@ -6,10 +6,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from allanite.core.errors import UsageError
-from allanite.core.finding import Finding
 from allanite.core.units import unit_of
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import join, say, spelled
 from allanite.readers.options import KINDS_OF_SENSORS, Options
 
 from . import headers

@@ -6,8 +6,7 @@ from itertools import repeat
 
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import SHORTEST, Recording
-from allanite.phrases.phrase import Phrase, join, say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import Phrase, join, say, spelled
 from allanite.readers.options import Options
 
 from . import headers

@@ -12,19 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from allanite.core.errors import AllaniteError, Cure, DataError, UsageError
-from allanite.core.finding import Finding
+from allanite.core.errors import UNIT, AllaniteError, Cure, DataError, UsageError
 from allanite.core.kinds import signal_of_kind
-from allanite.core.placeholders import UNIT
 from allanite.core.record import Record, Recording
 from allanite.core.syntax import identifiers
-from allanite.phrases.phrase import join, say
-from allanite.phrases.wording import spelled
+from allanite.core.validity import Finding
+from allanite.phrases.phrase import join, say, spelled
 from allanite.readers.clock import clocks
 from allanite.readers.clock import sampling_rate as clock
 from allanite.readers.options import Options
 
-from . import channels, conventions, lattice, pairs, proposal, resolver, stated
+from . import channels, conventions, proposal, resolver, sensors, shapes, stated
 from .arrays import RATE_NAMES
 from .column import FileColumn, unique
 
@@ -76,15 +74,15 @@ class FileTable:
         around = [c for c in seen.columns if c is not time and len(c.values) == len(signals[0].values)]
         drivers = channels.beside(channels.drivers(tuple(c for c in around if c not in signals)))[0]
         others = tuple(_record(signal, beat, self.start) for signal in drivers)
-        notes, (first, step) = seen.notes(beat), lattice.stride(records)
+        notes, (first, step) = seen.notes(beat), shapes.stride(records)
         if step > 1:
-            notes = (*notes, lattice.note(records, step))
-            records, others = (lattice.thinned(some, first, step) for some in (records, others))
+            notes = (*notes, shapes.note(records, step))
+            records, others = (shapes.thinned(some, first, step) for some in (records, others))
         return Recording(records, notes=notes, findings=seen.findings(beat), others=others)
 
     def sense(self, options: Options) -> "Sense":
         """What the columns are: which of them are signals, and which are the clock."""
-        columns, joined = pairs.joined(conventions.applied(unique(self.columns)), options)
+        columns, joined = sensors.joined(conventions.applied(unique(self.columns)), options)
         chosen = channels.named(columns, options.channels)
         # a column whose meaning the file states is a clock only if the user says so
         open_ = tuple(c for c in columns if not c.kind) if options.time is None else columns

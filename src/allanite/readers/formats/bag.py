@@ -15,16 +15,14 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.readers.columns import headers, streams
 from allanite.readers.columns.arrays import numbers
 from allanite.readers.columns.column import FileColumn, some
-from allanite.readers.columns.parts import HEAD, Parts
+from allanite.readers.columns.lines import HEAD, Parts
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, demand_start, worded
-from allanite.readers.sandbox.process import Process
+from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
 from allanite.readers.sandbox.source import head_of
 
 TITLE = "ROS bags .bag, .db3 and .mcap (needs rosbags)"

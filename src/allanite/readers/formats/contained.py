@@ -16,12 +16,10 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.column import some
 from allanite.readers.columns.datasets import Dataset, arranged, rated, recording
-from allanite.readers.columns.parts import HEAD, Parts
-from allanite.readers.columns.rows import Rows, columns_of
+from allanite.readers.columns.lines import HEAD, Parts, Rows, columns_of
 from allanite.readers.columns.table import KEY
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, worded
-from allanite.readers.sandbox.process import Process
+from allanite.readers.sandbox.process import Process, demand_size, worded
 
 NAMES: dict[str, Any] = {"rates": RATE_NAMES, "text": KEY}
 """What a process looks for in the file."""

@@ -3,10 +3,9 @@
 import os
 import re
 
-from allanite.core.errors import DataError
-from allanite.core.extras import demand_extra
+from allanite.core.errors import DataError, demand_extra
 from allanite.core.record import Recording
-from allanite.readers.columns.parts import Parts
+from allanite.readers.columns.lines import Parts
 from allanite.readers.columns.table import KEY, described, keys, with_units
 from allanite.readers.options import Options
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from allanite.core.errors import UsageError
 from allanite.core.record import Recording
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.readers.columns.column import FileColumn
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options

@@ -20,7 +20,7 @@ from allanite.readers.columns.column import FileColumn
 from allanite.readers.columns.layout import Layout, decoded
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import worded
+from allanite.readers.sandbox.process import worded
 
 TITLE = "LabVIEW measurement text .lvm"
 

@@ -14,11 +14,10 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import FileColumn
 from allanite.readers.columns.datasets import WIDEST
-from allanite.readers.columns.parts import HEAD, Parts
-from allanite.readers.columns.rows import Rows
+from allanite.readers.columns.lines import HEAD, Parts, Rows
 from allanite.readers.columns.table import KEY, FileTable, described, keys, restored
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_members, demand_size, demand_start, worded
+from allanite.readers.sandbox.process import demand_members, demand_size, demand_start, worded
 
 TITLE = "NumPy .npy and .npz"
 

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from allanite.core.errors import DataError, UsageError, given
 from allanite.core.record import Recording
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 from allanite.readers.columns.arrays import column
-from allanite.readers.columns.parts import HEAD, Parts
-from allanite.readers.columns.rows import Rows, columns_of
+from allanite.readers.columns.lines import HEAD, Parts, Rows, columns_of
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 

@@ -19,7 +19,7 @@ from allanite.readers.columns import parse, streams
 from allanite.readers.columns.layout import Layout, is_number
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import worded
+from allanite.readers.sandbox.process import worded
 
 from . import text
 

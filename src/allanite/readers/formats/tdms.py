@@ -11,8 +11,7 @@ from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_size, demand_start, worded
-from allanite.readers.sandbox.process import Process
+from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
 from allanite.readers.sandbox.source import head_of
 
 TITLE = "LabVIEW TDMS (needs npTDMS)"

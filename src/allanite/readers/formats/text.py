@@ -15,7 +15,7 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns import dates, encoding, layout, lines, parse, sensors, shapes
 from allanite.readers.columns.column import FileColumn, headed
-from allanite.readers.columns.parts import Parts
+from allanite.readers.columns.lines import Parts
 from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options
 

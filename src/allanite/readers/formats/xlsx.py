@@ -12,8 +12,7 @@ from allanite.phrases.phrase import say
 from allanite.readers.columns import layout, streams
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.guard import demand_members, demand_size, worded
-from allanite.readers.sandbox.process import Process
+from allanite.readers.sandbox.process import Process, demand_members, demand_size, worded
 
 from . import text
 

@@ -14,7 +14,7 @@ from typing import IO, Any, NamedTuple
 
 from allanite.core.errors import DataError, UsageError
 
-from .guard import UnpackedPath, demand_size, most, worded
+from .process import UnpackedPath, demand_size, most, worded
 from .source import HEAD, SEPARATOR, demand_directory, head_of
 
 DEPTH = 3

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from allanite.applications.angle import Gimbals, Harmonics, Scan, Solution
 from allanite.applications.angle.calibration import Result, parts_of
 from allanite.applications.angle.harmonics import waves
-from allanite.applications.angle.solution import quantile
+from allanite.applications.angle.solve import quantile
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import say
 from allanite.reporting import style

@@ -1,7 +1,8 @@
-"""Both curves with their bands, and how far apart they are; all runs, and the curve they have in common."""
+"""Figures of several records: curves with their bands, lots, and many units."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,16 +11,19 @@ from numpy.typing import NDArray
 
 from allanite.comparison.comparison import Comparison, Pair
 from allanite.comparison.pooled import Pool, PooledChannel
+from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.errors import UsageError
-from allanite.phrases.phrase import say
+from allanite.core.model import Term
+from allanite.phrases.phrase import join, say
 from allanite.reporting import style, words
 from allanite.reporting.digits import printable
 from allanite.statistics import statistic_named
+from allanite.terms import TERMS
 
-from .drawing import TIME, draw_legend, with_unit
-from .labels import FloatArray
+from .drawing import TIME, draw_legend, stacked, with_unit
+from .panels import CurvePanel, span, thinned
 
 BoolArray = NDArray[np.bool_]
 
@@ -136,3 +140,140 @@ def _draw_pooled(channel: PooledChannel, names: tuple[str, ...], level: float, a
     below.axhline(1.0, color=style.INK, lw=0.9, zorder=2)
     _ratio_frame(below, np.concatenate([curve.variance / whole.variance for curve in channel.curves]))
     below.set_ylabel(say("variance of a run\nover that of all"))
+
+
+MOST = 24
+"""Rows of the figure at most, those with the most units first."""
+
+
+class Course(NamedTuple):
+    """Values at places of an abscissa, the slope of their line, and whether it differs from zero."""
+
+    at: FloatArray
+    value: FloatArray
+    slope: float
+    shown: bool
+
+
+class LotRow(NamedTuple):
+    """The values of one coefficient, and its course by the label of the abscissa."""
+
+    channel: str
+    symbol: str
+    unit: str
+    values: FloatArray
+    courses: dict[str, Course]
+
+
+@style.plotted
+def plot_lot(new_figure: style.NewFigure, found: Sequence[LotRow]) -> Figure:
+    """A row of panels for each coefficient."""
+    shown = sorted(found, key=lambda one: -one.values.size)[:MOST]
+    labels = list(dict.fromkeys(label for one in shown for label in one.courses))
+    wide = 1 + len(labels)
+    figure = new_figure(max(3.6 * wide + 1.0, 7.2), 0.6 + 2.3 * len(shown))
+    grid = figure.subplots(len(shown), wide, squeeze=False)
+    for one, axes in zip(shown, grid, strict=True):
+        # the share of units that are not above each value
+        shares, size = axes[0], one.values.size
+        shares.plot(np.sort(one.values), 100 * (np.arange(size) + 0.5) / size, "o", ms=3.5, color=style.SERIES[0])
+        shares.set_ylim(0, 100)
+        shares.set_ylabel(say("units below (%)"))
+        shares.set_xlabel(with_unit(one.symbol, one.unit))
+        shares.locator_params(axis="x", nbins=5)
+        style.title(shares, join(", ", [printable(one.channel), one.symbol]))
+        style.grid(shares, fine=False)
+        for ax, label in zip(axes[1:], labels, strict=True):
+            course = one.courses.get(label)
+            if course is None:
+                ax.set_axis_off()
+            else:
+                ax.plot(course.at, course.value, "o", ms=3.5, color=style.SERIES[0])
+                ends = np.array([course.at.min(), course.at.max()])
+                line = course.value.mean() + course.slope * (ends - course.at.mean())
+                ax.plot(ends, line, color=style.ALARM if course.shown else style.OTHER, lw=1.2)
+                ax.set_xlabel(label)
+                ax.set_ylabel(with_unit(one.symbol, one.unit))
+                ax.locator_params(nbins=5)
+                style.grid(ax, fine=False)
+    return figure
+
+
+MOST_NAMED = len(style.SERIES) - 1
+"""Units of a panel that have a color of their own; the first color is that of all others."""
+
+
+class UnitCurve(NamedTuple):
+    """The curve of one unit: `marked` are drawn in color, with their names."""
+
+    name: str
+    marked: bool
+    panel: CurvePanel
+
+
+class LimitLine(NamedTuple):
+    """The limit of a term, or of the minimum of the curve, SI."""
+
+    label: str
+    symbol: str
+    value: float
+
+
+@style.plotted
+def plot_units(
+    new_figure: style.NewFigure, curves: Sequence[UnitCurve], limits: dict[str, Sequence[LimitLine]] | None = None
+) -> Figure:
+    """One panel for each channel; sensors of different units of measurement stand side by side."""
+    columns: dict[str, dict[str, list[UnitCurve]]] = {}
+    for curve in curves:
+        columns.setdefault(curve.panel.unit, {}).setdefault(curve.panel.name, []).append(curve)
+    figure, grid = stacked(new_figure, [len(column) for column in columns.values()])
+    for column, axes in zip(columns.values(), grid, strict=True):
+        for ax, (name, group) in zip(axes, column.items(), strict=True):
+            _draw(ax, group, (limits or {}).get(name, ()))
+        axes[-1].set_xlabel(TIME)
+    draw_legend(figure, marks=False)
+    return figure
+
+
+def _draw(ax: Axes, group: Sequence[UnitCurve], limits: Iterable[LimitLine]) -> None:
+    spans = [span(curve.panel._replace(fit=None)) for curve in group]
+    tau, deviation = ((min(s[i][0] for s in spans), max(s[i][1] for s in spans)) for i in (0, 1))
+    ax.set(xscale="log", yscale="log", xlim=tau, ylim=deviation)
+    style.plain_ticks(ax.xaxis, ax.yaxis)
+    style.grid(ax)
+    first = group[0].panel
+    style.title(ax, first.name)
+    ax.set_ylabel(with_unit(statistic_named(first.curve.statistic).title, first.unit))
+    marked = [curve for curve in group if curve.marked]
+    for curve in group:
+        if not curve.marked:
+            _plot(ax, curve.panel, style.SERIES[0], say("units"), 0.45)
+    for i, curve in enumerate(marked):
+        named = i < MOST_NAMED
+        label = printable(curve.name) if named else say("others beyond a limit")
+        color = style.SERIES[i + 1] if named else style.ALARM
+        _plot(ax, curve.panel, color, label, 1.0)
+    for line in limits:
+        _draw_limit(ax, first, line)
+
+
+def _plot(ax: Axes, panel: CurvePanel, color: str, label: str, alpha: float) -> None:
+    keep = thinned(panel.curve.tau.size)
+    shown = panel.shown(panel.curve.deviation[keep])
+    ax.plot(panel.curve.tau[keep], shown, color=color, lw=0.6 + 0.8 * (alpha == 1.0), alpha=alpha, label=label)
+
+
+def _draw_limit(ax: Axes, panel: CurvePanel, line: LimitLine) -> None:
+    """The asymptote of a term that is as large as it may be, or a level."""
+    tau = np.geomspace(*ax.get_xlim(), 50)
+    if line.symbol not in TERMS:
+        shown = panel.shown(np.full_like(tau, line.value))
+    elif TERMS[line.symbol].parameters:
+        return
+    else:
+        signal = next(iter(panel.fit)).signal if panel.fit is not None else None
+        if signal is None:
+            return
+        shown = panel.expected(Term(line.symbol, line.value, signal), tau)
+    ax.plot(tau, shown, color=style.INK, lw=1.0, ls=(0, (2, 2)), zorder=2.5, label=say("limits"))

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.display_units import readable_unit
 from allanite.core.errors import UndrawnError, UsageError
@@ -16,8 +17,6 @@ from allanite.core.readings import Readings
 from allanite.core.units import convert, unit_of
 from allanite.reporting import words
 from allanite.statistics import expected, statistic_named
-
-from .labels import FloatArray, IntArray
 
 MOST_POINTS = 400
 """Points of a curve that are drawn: more are not seen, but weigh."""

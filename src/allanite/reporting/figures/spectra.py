@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from allanite.core.arrays import FloatArray
 from allanite.core.display_units import readable_unit
 from allanite.core.fit import Fit
 from allanite.core.model import Model, Term
@@ -19,6 +20,7 @@ from allanite.terms import TERMS, WHITE
 from .drawing import (
     MODEL,
     UNREAD,
+    LabelBox,
     by_share,
     color_of,
     dashes,
@@ -31,7 +33,6 @@ from .drawing import (
     shade,
     stacked,
 )
-from .labels import FloatArray, LabelBox
 
 MOST_POINTS = 200
 """Values that are drawn as points in a band; more are a line, and its band would hide it."""

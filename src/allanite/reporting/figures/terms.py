@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
+from allanite.core.arrays import FloatArray
 from allanite.core.model import Model, Term
 from allanite.core.units import unit_of
 from allanite.phrases.phrase import join, say
@@ -15,8 +16,7 @@ from allanite.reporting import style, words
 from allanite.reporting.digits import printed_unit
 from allanite.terms import TERMS
 
-from .drawing import MODEL, by_share, color_of, dashes, draw_label, fractions, label_of, pairs
-from .labels import FloatArray, LabelBox, freedom
+from .drawing import MODEL, LabelBox, by_share, color_of, dashes, draw_label, fractions, freedom, label_of, pairs
 from .panels import CurvePanel, DrawnPoints
 
 SLOPES = {-1.5: "−1½", -1.0: "−1", -0.5: "−½", 0.0: "0", 0.5: "+½", 1.0: "+1", 1.5: "+1½", 2.0: "+2"}

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from allanite.applications.attitude.optimum import Optimum
 from allanite.applications.attitude.prediction import error_density
 from allanite.applications.attitude.result import Angle
-from allanite.applications.attitude.trials import ScenarioErrors
+from allanite.applications.attitude.scenarios import ScenarioErrors
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.reporting import style

@@ -1,16 +1,59 @@
 """An axis of a panel: its scale, limits, ticks and their labels."""
 
+import inspect
 import math
 from collections.abc import Callable, Sequence
+from functools import wraps
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from allanite.core.arrays import FloatArray
 
-from .limits import Unsketched, limited
+Class = TypeVar("Class", bound=type)
+
+
+class Unsketched(NotImplementedError):  # noqa: N818 - no error, but the way to matplotlib
+    """A figure asks for what only matplotlib draws."""
+
+
+def demanding(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function, whose arguments that it does not have raise `Unsketched`.
+
+    Examples
+    --------
+    >>> demanding(round)(1.25, digits=1)
+    Traceback (most recent call last):
+    allanite.reporting.sketch.axis.Unsketched: round: got an unexpected keyword argument 'digits'
+    """
+    signature = inspect.signature(function)
+
+    @wraps(function)
+    def call(*arguments: Any, **named: Any) -> Any:
+        try:
+            signature.bind(*arguments, **named)
+        except TypeError as error:
+            raise Unsketched(f"{function.__name__}: {error}") from None
+        return function(*arguments, **named)
+
+    return call
+
+
+def limited(kind: Class) -> Class:
+    """A class whose methods are `demanding`, and whose attributes that it does not have raise `Unsketched`."""
+    for name, method in vars(kind).copy().items():
+        if inspect.isfunction(method) and not name.startswith("_"):
+            setattr(kind, name, demanding(method))
+
+    def missing(self: Any, name: str) -> Any:
+        # names with underscores are asked for by libraries, to learn what an object is
+        raise AttributeError(name) if name.startswith("_") else Unsketched(name)
+
+    kind.__getattr__ = missing  # type: ignore[attr-defined]
+    return kind
+
 
 LARGEST = 1e300
 """Beyond it values, and beyond its inverse those on a logarithmic axis, are not in sight."""

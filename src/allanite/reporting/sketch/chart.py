@@ -7,8 +7,7 @@ import numpy as np
 
 from . import svg as ink
 from .axes_box import LABEL, TICK, Box, Legend, PanelFrame
-from .axis import Side
-from .limits import Unsketched, limited
+from .axis import Side, Unsketched, limited
 from .marks import Mark
 from .panel import Panel
 

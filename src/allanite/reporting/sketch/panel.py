@@ -7,10 +7,8 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 
-from .axis import Side
-from .limits import Unsketched, limited
-from .lines import DASHES, DOT, EDGE, line_of
-from .marks import AXES, BLEND, DATA, Area, Boxes, LineMark, Mark, Words
+from .axis import Side, Unsketched, limited
+from .marks import AXES, BLEND, DASHES, DATA, DOT, EDGE, Area, Boxes, LineMark, Mark, Words, line_of
 
 
 class GridLines(NamedTuple):

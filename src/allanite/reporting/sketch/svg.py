@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.spellings import RAISED
+from allanite.core.units import RAISED
 from allanite.reporting.language import tr
 
-from .limits import Unsketched
+from .axis import Unsketched
 
 ABOVE, BELOW = 0.76, 0.24
 """Height of a line above and below its foot, sizes of the letters."""

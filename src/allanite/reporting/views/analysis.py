@@ -13,9 +13,8 @@ from allanite.core.readings import MINIMUM, minimum_title
 from allanite.core.record import Record
 from allanite.core.validity import APPROXIMATE
 from allanite.identification.methods import METHODS
-from allanite.interpretation.causes import Meaning
-from allanite.phrases.phrase import Phrase, join, say, say_count
-from allanite.phrases.wording import spelled
+from allanite.interpretation.sentences import Meaning
+from allanite.phrases.phrase import Phrase, join, say, say_count, spelled
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Fold, Note, Part, Plot, Sheet, Table, header_of
 from allanite.study.results import Channel, Study
@@ -24,9 +23,9 @@ from . import Rows, view
 from .axes import first_of
 from .datasheet import DATA_SHEET, alternative, card_of, data_sheet_table
 from .details import details, fitness, over_time, overlay
+from .expectation import causes, meaning_notes, meaning_of, meanings
 from .fit import coefficients, definitions
 from .jobs import channel_sheet, job_face, source_of
-from .meaning import causes, meaning_notes, meaning_of, meanings
 from .values import readings_table, rows_of
 
 BRAND = say("noise coefficients of an inertial sensor")

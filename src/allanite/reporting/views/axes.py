@@ -6,9 +6,9 @@ from typing import Any
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import EXPLAINED as LEAST
-from allanite.core.header import Header
 from allanite.core.kinds import KIND_WORDS
 from allanite.core.model import coefficient_factor
+from allanite.core.plain import Header
 from allanite.core.record import Record
 from allanite.core.units import Signal, convert
 from allanite.core.validity import APPROXIMATE, ROUGHLY, UNEXPLAINED
@@ -29,8 +29,7 @@ from allanite.study.results import Channel, Noise, Study
 from allanite.terms import TERMS
 
 from .details import mean_and_spread
-from .jobs import source_of
-from .remarks import alerts, doubts, reservations, told_once, weighed
+from .jobs import alerts, doubts, reservations, source_of, weighed, without_repeats
 
 MAIN = ("N", "B", "K")
 """Terms whose limits are told as long as there is room for any."""
@@ -51,7 +50,7 @@ def first_of(study: Study, level: float) -> First:
         title_of(study),
         _verdict(channels),
         tables,
-        told_once(doubts(channels), weighed([*alerts(study), *reservations(channels)])),
+        without_repeats(doubts(channels), weighed([*alerts(study), *reservations(channels)])),
         list(_legend(level).items()),
         how_read(study),
         [FIGURES, MEANING, *([LONGER] if lost else [])],

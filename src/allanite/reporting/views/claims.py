@@ -18,8 +18,7 @@ from allanite.terms import TERMS
 
 from . import Rows, view
 from .axes import how_read, title_of
-from .jobs import channel_sheet, job_face, source_of
-from .remarks import doubts
+from .jobs import channel_sheet, doubts, job_face, source_of
 
 TITLES = {
     "T": say("correlation time of the bias"),

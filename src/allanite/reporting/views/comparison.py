@@ -1,23 +1,111 @@
-"""How comparisons are shown."""
+"""How comparisons and pools are shown."""
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from allanite.comparison.change import OUTCOMES
+from allanite.comparison.change import OUTCOMES, Change
 from allanite.comparison.comparison import Comparison, Pair, Ratios
 from allanite.comparison.pooled import Pool, PooledChannel
 from allanite.core.display_units import readable_unit
+from allanite.core.fit import chance
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say, say_count
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of
+from allanite.reporting.digits import digits
+from allanite.reporting.first import DETAILS, FIGURES, Axes, First, Quantity, Remark, merged
+from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, known
 from allanite.statistics import statistic_named
+from allanite.terms import TERMS
 
 from . import Rows, view
-from .changes import OUTCOME_WORDS, change_of, first_of_comparison
+from .axes import names_in_order
 from .jobs import job_face
+
+WITH_VALUES = 2
+"""Channels side by side with the coefficients before and after."""
+
+OUTCOME_WORDS = {
+    "smaller": say("smaller"),
+    "larger": say("larger"),
+    "no change": say("no change"),
+    "not resolvable": say("not resolvable"),
+}
+
+
+def first_of_comparison(value: Comparison, level: float) -> First:
+    """The change of every coefficient of every channel."""
+    changed = [pair.name or say("the noise") for pair in value.pairs if pair.changed and not pair.refusal]
+    same = [pair.name or say("the noise") for pair in value.pairs if not pair.changed and not pair.refusal]
+    said = [say("changed: {names}", names=", ".join(changed))] if changed else []
+    said += [say("no change detected: {names}", names=", ".join(same))] if same else []
+    remarks = [Remark.of(pair.name, pair.refusal, grave=True) for pair in value.pairs if pair.refusal]
+    remarks += [
+        Remark.of(pair.name, say("{record} ({grade})", record=name, grade=grade), grave=True)
+        for pair in value.pairs
+        for name, grade, fits in zip(value.names, pair.grades, pair.explained, strict=False)
+        if not fits
+    ]
+    remarks += [Remark.about_finding("", finding) for finding in value.findings]
+    remarks += merged(Remark.of(pair.name, alert) for pair in value.pairs for alert in pair.alerts)
+    title = say("{first} compared with {second}", first=value.names[0], second=value.names[1])
+    needed = any(c.outcome == "not resolvable" for pair in value.pairs for c in pair.changes)
+    legend = [("", say("unknown: a change by a factor of 2 is not excluded."))] if needed else []
+    answer = [_axes([pair for pair in value.pairs if not pair.refusal], level)]
+    return First(title, join("; ", said), answer, remarks, legend, list(value.notes), [FIGURES, DETAILS])
+
+
+def _axes(pairs: Sequence[Pair], level: float) -> Axes:
+    changes = [c for pair in pairs for c in pair.changes]
+    rows = [Quantity(say("noise as a whole"), "", "", [_whole(pair) for pair in pairs])]
+    for symbol in names_in_order(c.symbol for c in changes):
+        found = [next((c for c in pair.changes if c.symbol == symbol), None) for pair in pairs]
+        there = next(c for c in found if c is not None)
+        cells = ["" if c is None else _cell(c, level, values=len(pairs) <= WITH_VALUES) for c in found]
+        claimed = any(c is not None and c.outcome != "not resolvable" for c in found)
+        rows.append(
+            Quantity(words.title(symbol, there.signal), symbol, there.before.sheet_unit, cells, 0 if claimed else 1)
+        )
+    return Axes([pair.name or say("channel") for pair in pairs], rows, _sensor(pairs))
+
+
+def _sensor(pairs: Sequence[Pair]) -> str:
+    """The kind of sensor, if the records are known."""
+    records = [record for pair in pairs for record in pair.records or ()]
+    return records[0].signal.sensor if records else ""
+
+
+def _whole(pair: Pair) -> str:
+    if pair.p <= pair.alpha:
+        return say("changed, {p}", p=chance(pair.p))
+    return say("no change, {p}", p=chance(pair.p))
+
+
+def _cell(change: Change, level: float, *, values: bool) -> str:
+    """The coefficient before and after, and its change."""
+    size, interval = change_of(change, level)
+    outcome: str = say("unknown")
+    if change.outcome != "not resolvable":
+        outcome = join(" ", (OUTCOME_WORDS[change.outcome], join("", ("(", size if size != "-" else interval, ")"))))
+    both = f"{words.brief(change.before, level)} -> {words.brief(change.after, level)}"
+    return join("  ", (both, outcome)) if values else outcome
+
+
+def change_of(change: Change, level: float) -> tuple[str, str]:
+    """The change and its interval in percent."""
+    low, high = change.interval(level)
+    least = -100.0 if TERMS[change.symbol].waveform is None else -math.inf
+    # beside a limit there is no number to compare, but a sinusoid that has gone
+    known = math.isfinite(change.ratio) and (None not in (change.before.value, change.after.value) or not change.ratio)
+    if low > least and math.isfinite(high):
+        size, interval = digits(change.percent if known else high, low, high, signed=True).plain()
+        return f"{size} %" if known else "-", f"{interval} %"
+    size = f"{change.percent:+.3g} %" if known and math.isfinite(high) else "-"
+    if math.isfinite(high):
+        return size, say("below {limit}", limit=f"{high:+.3g} %")
+    return "-", say("above {limit}", limit=f"{low:+.3g} %") if low > least else say("any")
+
 
 Value = Comparison | Pool
 
@@ -174,3 +262,116 @@ def comparison_view(value: Comparison, level: float) -> Face:
         ],
         how=[*map(Note, COMPARED), outcomes],
     )
+
+
+POOLED = (
+    say(
+        "The runs are assumed to be independent. One noise model for all is tested by its likelihood ratio against a "
+        "separate model for each run, with the distribution simulated from the common model. The common coefficient is "
+        "the one that all runs together make most likely; its limits are averaged over the sets of terms that may be "
+        "there."
+    ),
+    say(
+        "Between runs: standard deviation of the runs' coefficients, in percent of the common one. Within runs: the "
+        "scatter that equal sensors would show, from the standard errors. The difference is tested by a chi-square of "
+        "homogeneity, adjusted by Holm's method. Each run has its own ramp, which the noise model does not contain."
+    ),
+    say(
+        "A run is an outlier if it differs from all the others taken together (likelihood ratio, adjusted by Holm's "
+        "method); the worst one is removed and the others are tested again. Variances are averaged with their degrees "
+        "of freedom as weights; that they are equal is tested at each averaging time by Bartlett's test."
+    ),
+)
+RUNS = ("channel", "quantity", "tau_s", "common", "low", "high", "unit", "between_percent", "within_percent",
+        "chi_square", "dof", "p", "p_holm", "edf")  # fmt: skip
+"""The runs have columns of their own, after these."""
+
+
+_SCATTER = known(".3g", "-", " %")
+
+
+def _terms_table(channel: PooledChannel, level: float) -> Table:
+    heads = (
+        Column("", "symbol"), Column(say("term"), "name"), Column(say("common")),
+        Column(words.interval(level), "interval"), Column(say("unit"), "unit"),
+        Column(say("between runs"), form=_SCATTER), Column(say("within runs"), form=_SCATTER),
+        Column(say("chi-square"), aside=True, form=".3g"), Column(say("dof"), aside=True, form="g"),
+        Column("p", aside=True, form=words.probability), Column(say("p (Holm)"), form=words.probability),
+    )  # fmt: skip
+    rows = []
+    for term in channel.terms:
+        symbol, title, value, low, high, *rest = term.row(level)
+        limit = say("below {limit}", limit=digits(high, figures=2).plain()[0])
+        rows.append([symbol, title, *(digits(value, low, high).plain() if value else ("-", limit)), *rest])
+    marks: list[Mark] = ["alarm" if term.adjusted <= channel.alpha else "" for term in channel.terms]
+    return Table(heads, rows, say("what the runs have in common"), marks=marks)
+
+
+def _runs_table(channel: PooledChannel, whole: Pool, level: float) -> Table:
+    heads = (
+        Column(say("run"), "name"), *(Column(f"{term.symbol} [{term.sheet_unit}]") for term in channel.terms),
+        Column(say("apart, p"), form=lambda p: "" if p is None else words.probability(p)),
+    )  # fmt: skip
+    rows = [
+        [name, *(words.brief(fit[term.symbol], level) for term in channel.terms), channel.apart.get(name)]
+        for name, fit in zip(whole.names, channel.fits, strict=True)
+    ]
+    marks: list[Mark] = ["alarm" if name in channel.apart else "" for name in whole.names]
+    return Table(heads, rows, say("run by run"), marks=marks)
+
+
+def _curve_rows(channel: PooledChannel, level: float) -> Iterator[list[float]]:
+    """tau, deviation, its limits, edf and p of the common curve, then the deviation of each run."""
+    assert channel.curve is not None  # noqa: S101 - the caller has looked
+    assert channel.p is not None  # noqa: S101 - comes with the curve
+    unit = readable_unit(channel.curve.unit)
+    whole, runs = channel.curve.to(unit), [curve.to(unit).deviation for curve in channel.curves]
+    numbers = (whole.tau, whole.deviation, *whole.interval(level), whole.edf, channel.p, *runs)
+    yield from (list(row) for row in zip(*(column.tolist() for column in numbers), strict=True))
+
+
+def _curve_table(channel: PooledChannel, level: float) -> Table:
+    assert channel.curve is not None  # noqa: S101 - the caller has looked
+    whole = join(" ", (say("all runs"), f"[{readable_unit(channel.curve.unit)}]"))
+    heads = (
+        Column("tau [s]", form=".6g"), Column(whole), Column(words.interval(level), "interval"),
+        Column(say("edf"), form=".4g"), Column(say("p of one variance"), form=words.probability),
+    )  # fmt: skip
+    rows, marks = [], list[Mark]()
+    for tau, value, low, high, edf, p, *_ in _curve_rows(channel, level):
+        rows.append([tau, *digits(value, low, high).plain(), edf, p])
+        marks.append("alarm" if p <= channel.alpha else "")
+    title = say("{statistic} of all runs", statistic=statistic_named(channel.curve.statistic).title)
+    return Table(heads, rows, title, marks=marks)
+
+
+def _pooled_rows(value: Pool, level: float) -> Rows:
+    """The coefficients of each channel, and then the curves."""
+    rows: list[list[Any]] = []
+    for channel in value:
+        for term in channel.terms:
+            symbol, _, *numbers = term.row(level)
+            runs = [None if e.value is None else e.to(term.sheet_unit) for e in term.runs]
+            rows.append([channel.name, symbol, None, *numbers, None, *runs])
+    for channel, curve in ((channel, channel.curve) for channel in value):
+        if curve is None:
+            continue
+        unit = readable_unit(curve.unit)
+        for tau, size, low, high, edf, p, *each in _curve_rows(channel, level):
+            rows.append([channel.name, curve.statistic, tau, size, low, high, unit, *[None] * 4, p, None, edf,
+                         *each])  # fmt: skip
+    return (*RUNS, *value.names), rows
+
+
+@view(lambda values, fit, level: figures.plot_comparison(values, level), _pooled_rows)
+def pool_view(value: Pool, level: float) -> Face:
+    """What the runs of each channel have in common."""
+    sheets = []
+    for channel in value:
+        tables = [_terms_table(channel, level), _runs_table(channel, value, level)] if channel.terms else []
+        if channel.curve is not None:
+            tables.append(_curve_table(channel, level))
+        doubt = not channel.alike or bool(channel.apart) or not all(channel.explained)
+        sheets.append(sheet_of(channel, value.names, doubt, tables))
+    own = {"brand": say("what runs have in common"), "sheets": sheets, "how": [*map(Note, POOLED)]}
+    return face_of(value, any(channel.curve is not None for channel in value), level, **own)

@@ -1,4 +1,4 @@
-"""What a page shows beside the coefficients: all channels in one figure, residuals, record and spectrum."""
+"""How records are shown, and what a page shows beside the coefficients of their channels."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -7,18 +7,39 @@ import numpy as np
 
 from allanite.core.arrays import mean_and_deviation
 from allanite.core.errors import DataError
-from allanite.core.header import Header
-from allanite.core.record import Record
+from allanite.core.fit import Fit
+from allanite.core.plain import Header
+from allanite.core.record import Record, Recording
 from allanite.core.units import convert
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Deferred, Drawing, Fold, Note, Part, Table
+from allanite.reporting.sheet import Column, Deferred, Drawing, Face, Fold, Note, Part, Plot, Sheet, Table
 from allanite.statistics import statistic_named
 from allanite.statistics.spectra.spectrum import spectrum
 from allanite.study.results import Channel
 
+from . import view
 from .fit import goodness_parts
 from .values import numbers_table
+
+
+def _records(value: Record | Recording) -> Sequence[Record]:
+    return value.records if isinstance(value, Recording) else (value,)
+
+
+def _plot_records(values: Sequence[Record | Recording], _: Fit | None, __: float) -> Plot:
+    return figures.plot_records([record for value in values for record in _records(value)])
+
+
+@view(_plot_records)
+def record_view(value: Record | Recording, _: float) -> Face:
+    """What each record is, and its samples."""
+    sheets = [
+        Sheet(record.name or say("the record"), (words.about(record), *record.history), (over_time(record),))
+        for record in _records(value)
+    ]
+    return Face(say("Samples over time"), say("a recording of an inertial sensor"), sheets)
+
 
 STRIP = say(
     "Deviation over that expected under the model, with its confidence band, which holds 1 if the model is right."

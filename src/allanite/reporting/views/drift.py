@@ -6,8 +6,7 @@ from pathlib import PurePath
 
 import numpy as np
 
-from allanite.claims.drift import Drift, DriftCourse
-from allanite.claims.drift_axes import DriftShare
+from allanite.claims.drift import Drift, DriftCourse, DriftShare
 from allanite.claims.drift_settings import QUANTITIES, Requirement
 from allanite.core.units import convert, signal_named
 from allanite.phrases.phrase import join, say

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 from allanite.core.errors import UndrawnError
 from allanite.core.fit import Fit
+from allanite.core.kinds import title_of
 from allanite.core.model import Model, Term
-from allanite.core.titles import title_of
 from allanite.core.units import signal_named
-from allanite.exporting.conversion import Explanation
 from allanite.exporting.export import Export
 from allanite.exporting.exports import EXPORTS, TEMPERATURE, row_of_file
-from allanite.exporting.imported import Imported
+from allanite.exporting.imported import Explanation, Imported
 from allanite.exporting.target import ACCELEROMETER, GYRO, Target
 from allanite.phrases.phrase import Phrase, join, say
 from allanite.planning.datasheets import DATASHEETS

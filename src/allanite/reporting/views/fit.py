@@ -8,9 +8,9 @@ import numpy as np
 
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit, chance
+from allanite.core.kinds import meaning_of
 from allanite.core.model import Model
 from allanite.core.residuals import Residuals, statement
-from allanite.core.titles import meaning_of
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, one_sheet

@@ -5,8 +5,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
-from allanite.batch.lot import Lot
-from allanite.batch.scatter import DAY, FEWEST, detectable
+from allanite.batch.lot import DAY, FEWEST, Lot, detectable
 from allanite.batch.sources import DATE
 from allanite.phrases.phrase import say, say_count
 from allanite.reporting import figures
@@ -14,8 +13,7 @@ from allanite.reporting.digits import rounded
 from allanite.reporting.sheet import Column, Drawing, Face, Mark, Note, Part, Table
 
 from . import view
-from .batch import batch_view
-from .units import EVERY, symbol_of
+from .batch import EVERY, batch_view, symbol_of
 
 CAPTION = say(
     "The values of each coefficient in ascending order, and over temperature and date where these are given, with a "

@@ -1,4 +1,4 @@
-"""The first screen of curves, spectra and surfaces: channels side by side, averaging times below each other."""
+"""The first screen of curves, spectra and surfaces, channels side by side; statistics of a recording."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -6,19 +6,20 @@ from typing import Any
 import numpy as np
 
 from allanite.core.arrays import FloatArray
-from allanite.core.curve import Curve
+from allanite.core.curve import Curve, Surface
+from allanite.core.fit import Fit
 from allanite.core.spectrum import Spectrum
-from allanite.core.surface import Surface
-from allanite.phrases.phrase import say
+from allanite.phrases.phrase import join, say
 from allanite.reporting.digits import digits, printed_unit, rounded
 from allanite.reporting.first import First
-from allanite.reporting.sheet import Column, Table
+from allanite.reporting.sheet import Column, Drawing, Face, Plot, Table
 from allanite.reporting.text import spread
 from allanite.study.survey import Survey
 
+from . import view
 from .axes import how_read, title_of
-from .remarks import alerts, doubts
-from .values import FORMS
+from .jobs import alerts, channel_sheet, doubts, job_face, source_of
+from .values import BRAND, FORMS, numbers_table, rows_of
 
 ROWS = 12
 """Rows of all tables together."""
@@ -38,7 +39,7 @@ def tables_of(values: Sequence[Any], level: float, rows: int = ROWS) -> Iterator
     """A table for each statistic, of so many rows together: a column for each channel with the averaging times."""
     alike: dict[tuple[str, tuple[float, ...]], list[Any]] = {}
     for value in values:
-        at, title = tuple(_at(value).tolist()), _title(value)
+        at, title = tuple(_at(value).tolist()), _heading(value)
         known = (key for key in alike if key[0] == title and {*at} <= {*key[1]})
         alike.setdefault(next(known, (title, at)), []).append(value)
     groups = [
@@ -57,7 +58,7 @@ def _at(value: Curve | Spectrum | Surface) -> FloatArray:
     return value.frequency if isinstance(value, Spectrum) else value.tau
 
 
-def _title(value: Curve | Spectrum | Surface) -> str:
+def _heading(value: Curve | Spectrum | Surface) -> str:
     if isinstance(value, Spectrum):
         unit = printed_unit(value.amplitude_unit)
         if value.sides == "one":
@@ -95,3 +96,22 @@ def _numbers(value: Curve | Spectrum | Surface, level: float, *, bare: bool) -> 
     numbers = [digits(*v).plain() for v in zip(size.tolist(), *limits.tolist(), strict=True)]
     said = [number if bare or not interval else f"{number} ({interval})" for number, interval in numbers]
     return dict(zip(_at(value).tolist(), said, strict=True))
+
+
+def _plot(values: Sequence[Survey], fit: Fit | None, level: float) -> Plot:
+    shown = [value for survey in values for value in survey.values]
+    fits = {name: found for survey in values for name, found in survey.fits.items()}
+    return FORMS[type(shown[0])].plot(shown, fits, level)
+
+
+@view(_plot, lambda survey, level: rows_of(survey.values, level), first=first_of_survey)
+def survey_view(survey: Survey, level: float) -> Face:
+    """The statistics of each channel."""
+    sheets = [channel_sheet(c, [numbers_table(value, level) for value in c.values]) for c in survey]
+    names = ", ".join(dict.fromkeys(value.name for value in survey.values if value.name))
+    titles = join("; ", dict.fromkeys(FORMS[type(value)].title(value) for value in survey.values))
+    drawing = Drawing(
+        lambda: _plot([survey], None, level),
+        say("{titles}, of {channels}", titles=titles, channels=names) if names else titles,
+    )
+    return job_face(survey, (source_of(survey), BRAND), sheets, [drawing])

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS
-from allanite.papers.reproduction import Compared, Reproduction
+from allanite.papers.paper import AGREES, DIFFERS, DRAWN, VERDICTS, Compared, Reproduction
 from allanite.phrases.phrase import Phrase, say, say_count
 from allanite.reporting.first import DETAILS, First
 from allanite.reporting.matplotlib_svg import Picture, stored

@@ -1,23 +1,77 @@
-"""How plans of recordings, checks of the identification and bounds are shown."""
+"""How the uses of a noise model are shown: plans, checks, bounds, state spaces, what a statistic makes of it."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from allanite.core.curve import Curve
 from allanite.core.fit import Fit
 from allanite.core.model import Model
 from allanite.phrases.phrase import join, say, say_count
-from allanite.planning.bound import Bound, name_of, title_of
-from allanite.planning.plan import RecordingPlan
+from allanite.planning.bound import Bound, name_of, parameter_title
+from allanite.planning.plan import Properties, RecordingPlan
 from allanite.planning.selfcheck import SelfCheck
 from allanite.reporting import figures, words
-from allanite.reporting.sheet import Column, Drawing, Face, Note, Part, Plot, Table, one_sheet
-from allanite.study.modelled import Modelled, RecordingPlans
+from allanite.reporting.first import DETAILS, Answer, First
+from allanite.reporting.sheet import Code, Column, Drawing, Face, Note, Part, Plot, Sheet, Table, header_of, one_sheet
+from allanite.reporting.text import spread
+from allanite.statespace import StateSpace
+from allanite.statespace.build import MEASUREMENTS
+from allanite.statistics import statistic_named
+from allanite.study.modelled import ModelJob, Modelled, RecordingPlans, StateSpaces
 
-from . import View, view
-from .modelled import ModelledForm, job_rows
+from . import Rows, View, view
+from .jobs import job_face, source_of, warnings
+
+
+class ModelledForm(NamedTuple):
+    """How one kind of result is shown: name of a nameless one, title and brand of the page, a key, and its parts."""
+
+    name: str
+    title: str
+    brand: str
+    key: str
+    about: Callable[[Any], str]
+    parts: Callable[[Any, Modelled | None], Iterable[Part]]
+
+    def one_face(self, result: Any, _: float) -> Face:
+        """The face of a single result."""
+        title, parts = join(" ", (self.title, str(result.model))), self.parts(result, None)
+        return one_sheet(title, self.brand, self.name, parts, about=(self.about(result),), **self._legend())
+
+    def job_face(self, job: ModelJob, _: float) -> Face:
+        """The face of the results of all channels."""
+        given = job.settings.given()
+        header = header_of(job.provenance, job.notes, say(", method {method}", method=job.recipe.method))
+        if given:
+            header = [(say("noise"), str(given)), *header_of(job.provenance, ())[1:]]
+        names = join(" ", (self.title, job.settings.name or str(given or source_of(job)))), self.brand
+        limits = [Note(say("limit exceeded: {limit}", limit=text), "alert", where="page") for text in job.exceeded]
+        sheets = []
+        for channel in job:
+            about = [] if channel.record is None else [words.about(channel.record), *channel.record.history]
+            about += [] if channel.result is None else [self.about(channel.result)]
+            advice = channel.fit.advice if channel.fit else ()
+            parts = [*warnings(channel), *(Note(note, "remark") for note in advice)]
+            if channel.missing:
+                parts.append(Note(say("not taken into account: {terms}", terms=channel.missing)))
+            if channel.result is not None:
+                parts += self.parts(channel.result, channel)
+            sheets.append(Sheet(channel.name or self.name, about, parts))
+        return job_face(job, names, sheets, limits, header=header, **self._legend())
+
+    def _legend(self) -> dict[str, list[Part]]:
+        return {"close": [Note(self.key, "quiet", where="text")], "how": [Note(self.key)]}
+
+
+def job_rows(job: ModelJob, _: float) -> Rows:
+    """Rows of the results of all channels, each with the name of its channel before it."""
+    tables = [(c.name, *c.result.rows()) for c in job.channels if c.result is not None]
+    return ["channel", *tables[0][1]], [[name, *row] for name, _, rows in tables for row in rows]
+
 
 PLANNED = say(
     "Least relative standard errors (1 sigma, Cramer-Rao bound) of the coefficients by length of the record. A term "
@@ -42,7 +96,7 @@ def expected_values(model: Model) -> dict[str, tuple[str, str]]:
         name, unit = name_of(t, model), t.signal.sheet[t.row.power]
         found[name] = (f"{t.to(unit):.4g}", unit)
         for parameter, value in zip(t.row.parameters, t.shape, strict=True):
-            found[f"{name} {title_of(parameter)}"] = (f"{value:.4g}", parameter.unit)
+            found[f"{name} {parameter_title(parameter)}"] = (f"{value:.4g}", parameter.unit)
     return found
 
 
@@ -173,3 +227,124 @@ def bound_view(bound: Bound, _: float) -> Face:
         parts.append(Note(allowed))
     title, brand = say("Bound: {model}", model=str(bound.model)), say("Cramer-Rao bound of noise coefficients")
     return one_sheet(title, brand, say("bound"), parts, about=(about,), how=(Note(BOUNDED),))
+
+
+BRAND = say("bias and degrees of freedom of a statistic")
+RATIO = say("Allan variance over the expected variance of the statistic")
+HADAMARD = say("Hadamard variance over the expected variance of the statistic")
+FREEDOM = say("equivalent degrees of freedom")
+EXACT = say("exact for each noise alone; the relative standard deviation of the variance is sqrt(2 / edf)")
+
+
+MOST = 10
+"""Averaging times of a first screen."""
+
+
+def first_of_properties(value: Properties, _: float) -> First:
+    """Degrees of freedom by averaging time, and the range of the ratio to the Allan variance."""
+    rows, terms = value.rows()[1], len(value.symbols)
+    ratios = [ratio for row in rows for ratio in row[2 : 2 + terms]]
+    said = say("{ratio}: {low:.3f} to {high:.3f}", ratio=_ratio(value), low=min(ratios), high=max(ratios))
+    heads = (Column("tau", form=".6g"), *(Column(symbol, form=".4g") for symbol in value.symbols))
+    kept = [rows[i] for i in spread(len(rows), MOST)]
+    table = Table(heads, [[row[1], *row[2 + terms :]] for row in kept])
+    title = say("{statistic}: a record of {n} samples", statistic=statistic_named(value.statistic).title, n=value.size)
+    answer: list[Answer] = [say("{what}, by tau in sampling intervals:", what=FREEDOM), table, said]
+    return First(title, "", answer, after=[DETAILS])
+
+
+def _ratio(value: Properties) -> str:
+    return RATIO if statistic_named(value.statistic).order == 2 else HADAMARD
+
+
+@view(rows=lambda value, _: value.rows(), first=first_of_properties)
+def properties_view(value: Properties, _: float) -> Face:
+    """Bias and degrees of freedom by averaging time."""
+    statistic = statistic_named(value.statistic)
+    size = say("a record of {n} samples; tau in sampling intervals", n=value.size)
+    terms = len(value.symbols)
+    rows = value.rows()[1]
+    ratios = (Column(symbol, form=".3f") for symbol in value.symbols)
+    freedom = (Column(symbol, form=".4g") for symbol in value.symbols)
+    at = (Column("m"), Column("tau", form=".6g"))
+    parts: list[Part] = [
+        Table((*at, *ratios), [row[: 2 + terms] for row in rows], _ratio(value)),
+        Table((*at, *freedom), [[*row[:2], *row[2 + terms :]] for row in rows], FREEDOM),
+        Note(EXACT, "quiet"),
+        Note(say("source: {source}", source=statistic.reference), "quiet"),
+    ]
+    return one_sheet(statistic.title, BRAND, statistic.title, parts, about=(size,))
+
+
+EQUATIONS = say("matrices in SI units: x' = Phi x + w, sample = H x + v")
+KEY = say(
+    "Phi is the transition over one interval, Qd the covariance of w, R the variance of v, P0 the covariance of the "
+    "states at the start. The table shows the diagonals."
+)
+SPACE_DRAWN = say(
+    "Allan deviation of the state space, of the model, and as measured; below, the state space over the model."
+)
+
+
+@partial(
+    ModelledForm,
+    say("model"),
+    say("State space of"),
+    say("state space of an inertial sensor's noise"),
+    KEY,
+    lambda space: join("; ", (f"{space.rate:.8g} Hz", str(space.model))),
+)
+def space_form(space: StateSpace, channel: Modelled | None) -> Iterator[Part]:
+    """What it leaves out, its states, and its matrices."""
+    low, high = space.tau
+    within = say(
+        "Allan deviation within {ripple:.2g} % of the model's from {low:g} to {high:g} s",
+        ripple=100 * space.ripple,
+        low=low,
+        high=high,
+    )
+    yield Note(join("; ", (within, MEASUREMENTS[space.measurement].meaning)))
+    yield from (Note(note) for note in space.notes)
+    scope = channel.fit.scope if channel is not None and channel.fit is not None else None
+    if scope is not None and scope.filter is not None:
+        yield Note(
+            say(
+                "the low-pass filter is not among the states: samples closer together than {time:.2g} s are correlated",
+                time=1 / scope.filter.cutoff,
+            )
+        )
+    headings, rows = space.rows()
+    numbers = (Column(heading, form=".6g") for heading in headings[2:])
+    heads = (Column(""), Column(say("state"), "name"), Column(say("unit"), "unit"), *numbers)
+    yield Table(heads, [[i, *row] for i, row in enumerate(rows, 1)])
+    label = say("Allan deviation of the state space and of the model")
+    yield Drawing(lambda: _plot([channel or space], None, 0.95), label, SPACE_DRAWN)
+    matrices = {label: getattr(space, label) for label in ("Phi", "Qd", "H", "R", "P0")}
+    yield Code("\n".join(_matrix(label, matrix) for label, matrix in matrices.items() if len(matrix)), EQUATIONS)
+
+
+def _matrix(label: str, matrix: np.ndarray) -> str:
+    """As Python, JSON and MATLAB-like programs read it, to the last digit."""
+    cells = [[repr(float(v)) if v else "0" for v in row] for row in matrix]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    rows = (", ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)) for row in cells)
+    return f"{label} = [[" + f"],\n{' ' * (len(label) + 4)}[".join(rows) + "]]"
+
+
+def _plot(values: Sequence[Any], _: Fit | None, level: float) -> Plot:
+    """A state space, perhaps with measured curves after it; or those of all channels, each with its own curve."""
+    spaces: list[tuple[str, StateSpace, list[Curve]]] = []
+    for value in values:
+        if isinstance(value, Curve):
+            spaces[-1][2].append(value)
+        elif isinstance(value, StateSpaces | Modelled):
+            channels = value.channels if isinstance(value, StateSpaces) else (value,)
+            known = [(c.name, c.result, [c.curve] if c.curve else []) for c in channels]
+            spaces += [(name, space, curves) for name, space, curves in known if isinstance(space, StateSpace)]
+        else:
+            spaces.append(("", value, []))
+    return figures.plot_state_spaces(spaces, level=level)
+
+
+SPACE = View(space_form.one_face, _plot, lambda space, _: space.rows())
+SPACES = View(space_form.job_face, _plot, job_rows)

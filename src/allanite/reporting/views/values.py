@@ -5,12 +5,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from allanite.core.curve import Curve
+from allanite.core.curve import Curve, Surface
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
 from allanite.core.readings import Readings
 from allanite.core.spectrum import Spectrum
-from allanite.core.surface import Surface
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.digits import digits, rounded

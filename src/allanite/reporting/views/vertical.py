@@ -11,12 +11,12 @@ from allanite.applications.attitude.loop import Loop
 from allanite.applications.attitude.optimum import Optimum
 from allanite.applications.attitude.prediction import texts
 from allanite.applications.attitude.result import Angle, VerticalStudy
-from allanite.applications.attitude.trials import ScenarioErrors, VerticalDesign
+from allanite.applications.attitude.scenarios import ScenarioErrors, VerticalDesign
 from allanite.core.record import Record
 from allanite.phrases.phrase import join, say
 from allanite.reporting import figures, words
 from allanite.reporting.sheet import Code, Column, Drawing, Face, Mark, Note, Part, Sheet, Table, header_of, one_sheet
-from allanite.study.provenance import provenance_of
+from allanite.study.job import provenance_of
 
 from . import Rows, view
 from .jobs import channel_sheet, job_face, source_of

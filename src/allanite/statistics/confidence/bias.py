@@ -4,15 +4,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from allanite.core.averaged import Averaged
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
+from allanite.core.estimate import Averaged
 from allanite.core.model import Model
 from allanite.core.names import demand_name
 from allanite.statistics.grids import part_of
 from allanite.statistics.moments.lagsums import responses
 from allanite.statistics.moments.means import mean_moments, takes_means
 from allanite.statistics.moments.moments import by_term
-from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS, CurvePoints
 
 BIASES = ("exact", "published", "model", "plain")

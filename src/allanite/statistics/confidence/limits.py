@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, IntArray
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
@@ -24,12 +24,11 @@ from allanite.statistics.grids import part_of, times
 from allanite.statistics.moments.compact import white_level
 from allanite.statistics.moments.means import MeanMoments, mean_moments, takes_means
 from allanite.statistics.moments.moments import grouped, moments, noise_of
-from allanite.statistics.row import FloatArray, Statistic
+from allanite.statistics.row import Statistic
 from allanite.statistics.table import CurvePoints
 from allanite.terms import TERMS
 
-from .chisquares import ChiSquareSum, quantiles
-from .eigenvalues import Eigenvalues, is_sharp, matrices, spectra
+from .chisquares import ChiSquareSum, Eigenvalues, is_sharp, matrices, quantiles, spectra
 from .powerlaw import PowerLaw, identify_power_law
 
 MANY = 60.0

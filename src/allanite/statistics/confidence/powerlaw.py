@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.statistics.differences import MDEV, OADEV
 from allanite.statistics.estimator import AngleRecord, Piece, windows
-from allanite.statistics.row import FloatArray, Statistic
+from allanite.statistics.row import Statistic
 from allanite.terms import TERMS
 
 ENOUGH = 30
@@ -144,7 +145,7 @@ def _law(angle: AngleRecord, flat: Callable[[int], list[FloatArray]], m: int, or
 
 def _flat(pieces: tuple[Piece, ...]) -> Callable[[int], list[FloatArray]]:
     """Every m-th point of the pieces, as a function of m, less one parabola whose constant is each piece's own."""
-    from allanite.kernels.parabola import less_parabola, parabola_sums
+    from allanite.kernels.theo import less_parabola, parabola_sums
 
     step = 2 / max(pieces[-1].start + pieces[-1].x.size - 1, 1)
     begins = [step * piece.start - 1 for piece in pieces]

@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Law
 from allanite.statistics.grids import part_of
-from allanite.statistics.row import FloatArray, IntArray
 from allanite.statistics.table import CurvePoints
 
 FIRST, PER_DECADE, LONG, LATE = 8, 4, 6, 40

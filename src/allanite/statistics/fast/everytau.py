@@ -13,7 +13,8 @@ from itertools import combinations
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, IntArray, binomials, interleaved
+from allanite.core.arrays import FloatArray, IntArray
+from allanite.statistics.row import binomials, interleaved
 
 from .frames import Edges, framed, triangles
 
@@ -66,7 +67,7 @@ def dense(x: FloatArray, m: IntArray, order: int, *, summed: bool = False) -> Fl
 
 def _direct(x: FloatArray, m: IntArray, order: int, summed: bool) -> FloatArray:
     """By the definition: for small m, for those with few windows, and where they are few."""
-    from allanite.kernels.overlapped import overlapped
+    from allanite.kernels.squared import overlapped
     from allanite.kernels.summed import modified
 
     return np.asarray(modified(x, m) if summed else overlapped(x, m, order))
@@ -105,6 +106,6 @@ def _less_edges(total: FloatArray, edges: Edges, m: IntArray, order: int) -> Non
 
 def prefix(e: FloatArray) -> FloatArray:
     """Running sums of e^2, one more than e has."""
-    from allanite.kernels.frames import running_squares
+    from allanite.kernels.theo import running_squares
 
     return running_squares(np.ascontiguousarray(e))  # type: ignore[no-any-return]

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from allanite.terms.row import FloatArray
+from allanite.core.arrays import FloatArray
 
 LEFT = 3
 """Windows' starts in a frame, over the length of the longest window."""
@@ -58,7 +58,7 @@ def framed(
     """
     from scipy.fft import next_fast_len
 
-    from allanite.kernels.frames import cut
+    from allanite.kernels.theo import cut
 
     points = x.size + summed
     block = min(next_fast_len(reach, real=True), BLOCK)
@@ -76,7 +76,7 @@ def framed(
             seams.begin(row[:reach].copy())
             seams.end(row[step : step + reach].copy())
         # add the rows' cross spectra between each of the first `left` blocks and those behind it
-        from allanite.kernels.frames import add_products
+        from allanite.kernels.theo import add_products
 
         spectra = np.fft.rfft(part.reshape(part.shape[0], -1, block), 2 * block)
         add_products(total, spectra.view(np.float64), LEFT * right)
@@ -100,7 +100,7 @@ def autocorrelation(z: FloatArray) -> FloatArray:
 
 def _add_one(total: FloatArray, z: FloatArray, block: int) -> None:
     """Add the cross spectra of a frame that is followed by nothing, of any length."""
-    from allanite.kernels.frames import add_products
+    from allanite.kernels.theo import add_products
 
     whole, rest = divmod(z.size, block)
     spectra = np.empty((1, whole + (rest > 0), block + 1), dtype=np.complex128)
@@ -174,7 +174,7 @@ def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArr
     Cut into blocks of h averaging factors: a block of m and a block of i that lies wholly below make a rectangle, which
     is a correlation; the blocks of i beside the block of m itself are triangles again, until they are small.
     """
-    from allanite.kernels.frames import add_leaves
+    from allanite.kernels.theo import add_leaves
 
     heights = [LEAF]
     while heights[-1] * RADIX < count and heights[-1] < BLOCK:
@@ -193,7 +193,7 @@ def triangles(edges: Edges, steps: tuple[int, int, int], count: int) -> FloatArr
 
 def _rectangles(edges: Edges, steps: tuple[int, int, int], begin: int, shape: tuple[int, int, int]) -> FloatArray:
     """What the blocks of i below give to each block of m, shape (parents, blocks, h)."""
-    from allanite.kernels.frames import add_rectangles
+    from allanite.kernels.theo import add_rectangles
 
     a, d, offset = steps
     parents, blocks, h = shape

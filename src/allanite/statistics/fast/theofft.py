@@ -17,7 +17,7 @@ from functools import cache
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, IntArray
+from allanite.core.arrays import FloatArray, IntArray
 
 from .everytau import LEFT_OVER, groups, prefix
 from .frames import Edges, autocorrelation, framed, triangles

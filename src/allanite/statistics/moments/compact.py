@@ -17,10 +17,11 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, Window
+from allanite.core.arrays import FloatArray
+from allanite.statistics.row import Window
 from allanite.terms import NoiseTerm
 
-from .lags import lag_nodes
+from .lagsums import lag_nodes
 
 FAR = 20
 """Windows' lengths beyond which a covariance is taken from derivatives of D: differences of D lose its digits there."""

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from allanite.core.aliases import public
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError, given
 from allanite.core.model import Model, ModelLike, model_of
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import spelled
 from allanite.statistics.grids import factors_of, part_of
-from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS, statistic_named
 
 from .moments import variances

@@ -9,11 +9,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, Statistic
+from allanite.core.arrays import FloatArray
+from allanite.statistics.row import Statistic
 from allanite.terms import NoiseTerm
 
 from .compact import extrapolation, ratios, sampled, white_level
-from .lags import lag_nodes
+from .lagsums import lag_nodes
 
 ROWS = 256
 """Intervals of a record whose rows are taken pair by pair as they are."""

@@ -20,7 +20,7 @@ from allanite.core.errors import UsageError
 from allanite.core.model import Term
 from allanite.terms.row import FloatArray
 
-from .lags import second_difference
+from .lagsums import second_difference
 
 PRECISION = 1e-11
 """Residual, over that of the start, at which the conjugate gradients stop."""

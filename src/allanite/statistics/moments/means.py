@@ -19,7 +19,8 @@ from functools import cached_property
 
 import numpy as np
 
-from allanite.statistics.row import BoolArray, FloatArray, IntArray, Statistic, binomials
+from allanite.core.arrays import BoolArray, FloatArray, IntArray
+from allanite.statistics.row import Statistic, binomials
 from allanite.terms import WHITE, NoiseTerm
 
 Places = Sequence[tuple[int, int]]
@@ -189,7 +190,7 @@ def windows_of(row: Statistic, m: int, there: There, stride: int) -> JoinedWindo
 
 def variance_of(row: Statistic, m: int, there: There, x: FloatArray) -> tuple[float, int]:
     """V and the number of windows, from sums x of the readings before each sample, shape (size + 1,)."""
-    from allanite.kernels.means import of_means
+    from allanite.kernels.allan import of_means
 
     bounds = np.cumsum(there.stretches[:, 1:], axis=0).T.ravel()
     h, squares, number = of_means(x, bounds, m, row.differences, 1 if row.overlapped else m)

@@ -16,12 +16,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from allanite.statistics.row import FloatArray, Statistic
+from allanite.core.arrays import FloatArray
+from allanite.statistics.row import Statistic
 from allanite.terms import NoiseTerm
 
 from .compact import averaged, extrapolation, sampled, slower, white_level
-from .lags import lag_nodes
-from .lagsums import responses
+from .lagsums import lag_nodes, responses
 from .profile import BESIDE, LagProfile, Windows, profile_of, total
 from .windowed import relative, response
 

@@ -5,12 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from allanite.core.aliases import public
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError, given
 from allanite.core.kinds import signal_of_kind
 from allanite.core.spectrum import SIDES, Spectrum
 from allanite.core.units import signal_with, unit_of
-from allanite.statistics.row import FloatArray, IntArray, Statistic
+from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS, statistic_named
 
 RESOLVED = 1 / 8

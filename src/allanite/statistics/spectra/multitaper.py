@@ -6,11 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.record import Record
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled, windowing
-from allanite.statistics.row import FloatArray
+from allanite.phrases.phrase import say, spelled, windowing
 
 from .raw_spectrum import Raw, demand_frequencies
 

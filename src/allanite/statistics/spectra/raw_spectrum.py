@@ -2,10 +2,10 @@
 
 from typing import NamedTuple, Protocol, runtime_checkable
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
-from allanite.statistics.row import FloatArray
 
 
 class Raw(NamedTuple):

@@ -7,14 +7,13 @@ from typing import Any, Unpack
 import numpy as np
 
 from allanite.core.aliases import public
-from allanite.core.doors import Samples, Sampling, as_record
+from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.errors import UsageError
-from allanite.core.header import Header
 from allanite.core.names import demand_name
-from allanite.core.record import Record
+from allanite.core.plain import Header
+from allanite.core.record import Record, Samples, Sampling, as_record
 from allanite.core.spectrum import Spectrum, side_factor
 from allanite.core.threads import one_thread
-from allanite.statistics.row import FloatArray, IntArray
 
 from .multitaper import Multitaper
 from .raw_spectrum import Raw, SpectralEstimator

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
 from allanite.core.errors import DataError, UsageError
 from allanite.core.names import demand_name
 from allanite.core.record import Record
-from allanite.phrases.phrase import say
-from allanite.phrases.wording import spelled
+from allanite.phrases.phrase import say, spelled
 from allanite.statistics.estimator import stretches
-from allanite.statistics.row import FloatArray
 
 from .raw_spectrum import Raw, demand_frequencies
 

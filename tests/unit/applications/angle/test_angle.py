@@ -13,8 +13,8 @@ from tests.rows import paired, rows
 
 import allanite as al
 from allanite.applications.angle import AngleSettings, squareroot
-from allanite.applications.angle.design import NUISANCES, USUAL, design, harmonic_set
 from allanite.applications.angle.geometry import ANGLES, EARTH_RATE, Q_LAWS
+from allanite.applications.angle.harmonics import NUISANCES, USUAL, design, harmonic_set
 from allanite.applications.angle.solve import System, solve
 
 LATITUDE = math.radians(60)

@@ -17,7 +17,7 @@ from allanite.applications.attitude import (
     optimal_time_constant,
     predicted_error,
 )
-from allanite.applications.attitude.density import GRAVITY
+from allanite.applications.attitude.loop import GRAVITY
 
 GYRO, TILT = al.Model("N 0.3 deg/sqrt(h)"), al.Model("N 100 ug/sqrt(Hz)")
 N, A, K = GYRO["N"].value, TILT["N"].value / GRAVITY, al.K(20, "deg/h/sqrt(h)").value

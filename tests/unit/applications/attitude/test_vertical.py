@@ -21,7 +21,7 @@ from allanite.applications.attitude import (
     simulate_motion,
     vertical,
 )
-from allanite.applications.attitude.axes import Axes
+from allanite.applications.attitude.inertial import Axes
 from allanite.applications.attitude.tuning import _doubts
 from allanite.cli import main
 from allanite.reporting import table

@@ -12,9 +12,8 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.applications.compensation import FitSettings, Mixture, Regressor, aligned, compensate, gain_on, load
-from allanite.applications.compensation.mixture import mixture
-from allanite.applications.compensation.restricted import restricted
-from allanite.applications.compensation.slope import local_slope
+from allanite.applications.compensation.mixture import mixture, restricted
+from allanite.applications.compensation.regressor import local_slope
 from allanite.core.model import Term
 from allanite.core.units import SIGNALS
 from allanite.reporting import table

@@ -21,7 +21,7 @@ from allanite.applications.constant_rate import (
     predicted_standard_error,
 )
 from allanite.applications.constant_rate.inputs import interval_of
-from allanite.applications.constant_rate.measure import in_si, task_of
+from allanite.applications.constant_rate.run import in_si, task_of
 from allanite.core.model import term
 from allanite.simulation.ring_laser import GL1
 

@@ -19,10 +19,10 @@ from allanite.applications.constant_rate import (
     predicted_standard_error,
     rank,
 )
-from allanite.applications.constant_rate.measure import task_of
-from allanite.applications.constant_rate.optimal import white_and_angle
+from allanite.applications.constant_rate.linear import white_and_angle
 from allanite.applications.constant_rate.predict import through_dither
-from allanite.applications.constant_rate.setting import Task
+from allanite.applications.constant_rate.row import Task
+from allanite.applications.constant_rate.run import task_of
 from allanite.statistics.moments.gls import autocovariance
 
 ARCSEC = math.pi / 180 / 3600

@@ -1,0 +1,268 @@
+"""Routes of workspaces and their files, of jobs, and of what is shown and saved."""
+
+import asyncio
+import json
+import os
+import secrets
+from collections.abc import AsyncIterator
+from importlib.resources import files
+from typing import Annotated, Any
+
+from fastapi import Query, Request
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response, StreamingResponse
+
+from allanite.core.errors import DataError
+from allanite.core.files import encoded
+from allanite.core.names import demand_name
+from allanite.core.syntax import toml
+
+from . import trace
+from .jobs import Jobs
+from .messages import body_of
+from .schema import ExampleBody, ExportBody, JobBody, Lang, PathBody, RefitBody
+from .store import MissingError, Store, shown
+from .worker import FORMS
+
+
+def menus(request: Request, lang: Lang = "") -> dict[str, Any]:
+    """The menus, and what the page opens with."""
+    from .faces import tables
+
+    first, store = request.app.state.first, request.app.state.store
+    return tables(lang or first["lang"]) | {"first": first | {"notes": store.notes, "aside": store.aside()}}
+
+
+def style() -> Response:
+    """The style sheet of reports."""
+    return Response((files("allanite.reporting") / "style.css").read_text("utf-8"), media_type="text/css")
+
+
+def link(request: Request) -> dict[str, Any]:
+    """A link that opens the page once, for a second start of the command."""
+    return {"link": request.app.state.door.link()}
+
+
+def workspaces(request: Request) -> list[dict[str, Any]]:
+    """All workspaces, the last one first."""
+    return [
+        {"id": state["id"], "files": [file["name"] for file in state["files"].values()]}
+        for state in request.app.state.store.all()
+    ]
+
+
+def new_workspace(request: Request) -> dict[str, Any]:
+    """A new workspace."""
+    return {"id": request.app.state.store.new()["id"]}
+
+
+def workspace(request: Request, name: str) -> dict[str, Any]:
+    """A workspace as it is; jobs that a server left unfinished are begun once more."""
+    state = request.app.state.store.state(name)
+    request.app.state.jobs.resume(state)
+    return {
+        "id": state["id"],
+        "files": list(map(_shown, state["files"].values())),
+        "jobs": list(state["jobs"].values()),
+        "choices": state["choices"],
+    }
+
+
+def drop_workspace(request: Request, name: str) -> dict[str, Any]:
+    """Delete a workspace."""
+    request.app.state.jobs.forget(name)
+    request.app.state.store.remove(name)
+    return {}
+
+
+async def choices(request: Request, name: str) -> dict[str, Any]:
+    """Keep what the client wants to find again."""
+    found = await body_of(request, dict[str, Any])
+    with request.app.state.store.changed(name) as state:
+        state["choices"] = found
+    return {}
+
+
+async def upload(request: Request, name: str) -> dict[str, Any]:
+    """Write an upload to disk while it comes."""
+    store = request.app.state.store
+    await run_in_threadpool(store.measure)
+    with store.arriving(name, request.query_params.get("name", "")) as (file, path), open(path, "xb") as out:
+        store.reserve(file, int(request.headers.get("content-length") or 0))
+        async for chunk in request.stream():
+            file["bytes"] += len(chunk)
+            store.reserve(file, file["bytes"])
+            await run_in_threadpool(out.write, chunk)
+    return _shown(file)
+
+
+async def opened(request: Request, name: str) -> dict[str, Any]:
+    """Open a file where it is."""
+    asked = await body_of(request, PathBody)
+    return _shown(open_file(request.app.state.store, name, asked.path))
+
+
+def open_file(store: Store, workspace: str, path: str) -> dict[str, Any]:
+    """Enter a file of this machine by its path."""
+    where = os.path.abspath(os.path.expanduser(path))
+    if not path or not os.path.isfile(where):
+        raise DataError(f"there is no file {path!r}; give its path on this machine")
+    if encoded(where) != os.fsencode(where):
+        raise DataError(f"the path {where!r} is not UTF-8, which the page needs: rename the file or its folder")
+    size = os.path.getsize(where)
+    own = f"{workspace}-{secrets.token_hex(8)}"
+    return store.add({"id": own, "name": shown(path), "bytes": size, "path": where, "own": False})
+
+
+async def example(request: Request, name: str) -> dict[str, Any]:
+    """Simulate a recording to play with."""
+    from .faces import EXAMPLES, simulation
+
+    which = (await body_of(request, ExampleBody)).name or next(iter(EXAMPLES))
+    demand_name("example", which, EXAMPLES)
+    store, jobs = request.app.state.store, request.app.state.jobs
+    await run_in_threadpool(store.measure)
+    with store.arriving(name, f"example-{which}.npz") as (file, path):
+        await jobs.work(name, "example", line=simulation(which, str(path)))
+        file["bytes"] = path.stat().st_size
+        store.reserve(file, file["bytes"])
+    return _shown(file)
+
+
+def _shown(file: dict[str, Any]) -> dict[str, Any]:
+    """A file as the page shows it; where an upload is kept is not said."""
+    return {key: file[key] for key in ("id", "name", "bytes", *(() if file["own"] else ("path",)))}
+
+
+def drop_file(request: Request, name: str, file: str) -> dict[str, Any]:
+    """Delete a file of a workspace."""
+    if file.partition("-")[0] != name:
+        raise MissingError(f"there is no file {file!r} in this workspace")
+    request.app.state.store.drop(file)
+    return {}
+
+
+QUIET = 0.05
+"""Seconds between looks for new events."""
+
+ALIVE = 10.0
+"""Seconds after which a stream of events without any says that it is there."""
+
+
+async def begin(request: Request, name: str) -> dict[str, Any]:
+    """Begin a job."""
+    asked = await body_of(request, JobBody)
+    job = await run_in_threadpool(request.app.state.jobs.begin, name, asked)
+    return {"job": job["id"], "command": job["command"]}
+
+
+async def job(request: Request, name: str, lang: Lang = "") -> Response:
+    """A job with its result."""
+    jobs = request.app.state.jobs
+    found = jobs.job(name)
+    parts = {key: found[key] for key in ("id", "state", "verb", "recipe", "lang", "files", "target", "command")}
+    text = json.dumps(parts | {"problem": found["problem"], "toml": toml(found["recipe"])})
+    if found["state"] != "done":
+        return Response(text, media_type="application/json")
+    value, shown = await run_in_threadpool(jobs.result, name)
+    if lang and lang != found["lang"]:
+        shown = json.dumps(await jobs.ask(name, "described", lang=lang)).encode()
+    body = text[:-1].encode() + b', "value": ' + value.strip() + b", " + shown.strip()[1:]
+    return Response(body, media_type="application/json")
+
+
+async def events(request: Request, name: str) -> StreamingResponse:
+    """What a job reports, as it comes."""
+    jobs = request.app.state.jobs
+    found = jobs.job(name)
+    jobs.resume(jobs.store.state(name.partition("-")[0]))
+    return StreamingResponse(_stream(jobs, found), media_type="text/event-stream")
+
+
+async def _stream(jobs: Jobs, job: dict[str, Any]) -> AsyncIterator[str]:
+    live = jobs.live.get(job["id"])
+    if live is None:
+        kind = "done" if job["state"] == "done" else "failed"
+        problem = job["problem"] or {"error": job["state"], "option": None, "exit": 130}
+        yield _event(kind, {} if kind == "done" else problem)
+        return
+    sent, quiet = 0, 0.0
+    while True:
+        over = live.over  # before the events are looked at: the last one is among them then
+        for number, kind, data in live.events:
+            if number >= sent:
+                sent, quiet = number + 1, 0.0
+                yield _event(kind, data)
+        if over:
+            return
+        quiet += QUIET
+        if quiet >= ALIVE:
+            quiet = 0.0
+            yield ": still there\n\n"
+        await asyncio.sleep(QUIET)
+
+
+def _event(kind: str, data: dict[str, Any]) -> str:
+    return f"event: {kind}\ndata: {json.dumps(data)}\n\n"
+
+
+def cancel(request: Request, name: str) -> dict[str, Any]:
+    """Cancel a job."""
+    request.app.state.jobs.cancel(name)
+    return {}
+
+
+def traced(  # noqa: PLR0917 - parameters of the query
+    request: Request, file: str, channel: str = "", points: int = 2000,
+    start: Annotated[float | None, Query(alias="from", allow_inf_nan=False)] = None,
+    end: Annotated[float | None, Query(alias="to", allow_inf_nan=False)] = None,
+) -> dict[str, Any]:  # fmt: skip
+    """A part of the trace of a channel."""
+    store = request.app.state.store
+    store.file(file)
+    return trace.window(store.place(file), channel, start, end, points)
+
+
+async def deviation(
+    request: Request, name: str, channel: str = "", statistic: str = "oadev", lang: Lang = ""
+) -> dict[str, Any]:
+    """A curve with its band, its model, and each term."""
+    jobs: Jobs = request.app.state.jobs
+    lang = lang or jobs.job(name)["lang"]
+    return await jobs.ask(name, "deviation", channel=channel, statistic=statistic, lang=lang)
+
+
+async def refit(request: Request, name: str) -> dict[str, Any]:
+    """A channel with other terms or another band."""
+    asked: RefitBody = await body_of(request, RefitBody)
+    jobs: Jobs = request.app.state.jobs
+    choices = asked.model_dump(exclude={"channel", "statistics", "lang"})
+    lang = asked.lang or jobs.job(name)["lang"]
+    return await jobs.ask(name, "refit", channel=asked.channel, choices=choices, statistics=asked.statistics, lang=lang)
+
+
+async def export(request: Request, name: str) -> dict[str, Any]:
+    """The file of a target."""
+    asked: ExportBody = await body_of(request, ExportBody)
+    jobs: Jobs = request.app.state.jobs
+    return await jobs.ask(
+        name, "export", channels=asked.channels, target=asked.target, choices=asked.model_extra, form=asked.form
+    )
+
+
+async def save(request: Request, name: str, form: str, lang: Lang = "", dark: bool = False) -> Response:
+    """A file as the command line writes it; a figure may be for a `dark` ground."""
+    jobs: Jobs = request.app.state.jobs
+    found = jobs.job(name)
+    if form == "recipe":
+        return _download(toml(found["recipe"]).encode(), "recipe.toml", "application/toml; charset=utf-8")
+    demand_name("form", form, (*FORMS, "recipe"))
+    _, path, kind = FORMS[form]
+    if form == "json":
+        return _download((await run_in_threadpool(jobs.result, name))[0], f"allanite-{path}", kind)
+    made = await jobs.ask(name, "save", form=form, lang=lang or found["lang"], dark=dark and form == "figure.svg")
+    return _download(made["data"], f"allanite-{path}", kind)
+
+
+def _download(data: bytes, name: str, kind: str) -> Response:
+    return Response(data, media_type=kind, headers={"Content-Disposition": f'attachment; filename="{name}"'})
