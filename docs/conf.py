@@ -15,10 +15,7 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "generate", "mathml", "navigation", "tables"]
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
-INCLUDED = (
-    "help", "methods", "efficiencies", "accuracies", "devices", "exports", "recordings", "data_sheets", "quantities",
-    "compared",
-)  # fmt: skip
+INCLUDED = ("help", "methods", "efficiencies", "accuracies", "exports", "recordings", "quantities", "compared")
 exclude_patterns = [*(f"generated/{name}.md" for name in INCLUDED), "papers/*/table_*.md"]  # included by others
 default_role = "py:obj"  # names in docstrings lead to their own
 suppress_warnings = ["ref.python"]  # an attribute such as `count` is one of several classes: the first will do
@@ -33,6 +30,21 @@ html_theme = "furo"
 html_title = "allanite"
 html_math_renderer = "mathml"
 html_static_path = ["static"]
+templates_path = ["templates"]
+MOVED = {
+    "accuracy": "measured.html", "compensation_method": "compensation.html#why-not-ordinary-least-squares",
+    "data_sheets": "generated/data_sheets.html", "devices": "generated/terms/devices.html",
+    "gyro_vertical": "vertical.html#the-best-time-constant",
+    "json": "command.html#json-and-csv-output", "languages": "command.html#other-languages",
+    "plugins": "architecture.html#plug-ins", "rate_and_angle": "rate_paper.html",
+    "reference_data": "published_formulas.html#reference-data", "ros": "log_to_filter.html",
+    "speed": "measured.html#speed", "vertical_recording": "vertical.html#an-adis16405-at-rest",
+    "will_not": "https://github.com/allanite/allanite/blob/main/VISION.md",
+}  # fmt: skip
+"""Former addresses of pages, and the present ones."""
+MOVED |= {page.stem: f"translations/{page.stem}.html" for page in Path(__file__).parent.glob("translations/*.md")}
+html_additional_pages = dict.fromkeys(MOVED, "moved.html")
+html_context = {"moved": MOVED}
 html_css_files = ["site.css"]
 html_show_sphinx = False
 html_copy_source = False

@@ -68,7 +68,7 @@ def renewed(lang: str, found: Catalog) -> Catalog:
 
 def text_of(catalogue: Catalog) -> str:
     """A catalogue as its file, the same for the same content."""
-    catalogue.header_comment = f"# {catalogue.locale.english_name} reports of allanite: see docs/languages.md"
+    catalogue.header_comment = f"# {catalogue.locale.english_name} reports of allanite: see docs/architecture.md"
     for message in catalogue:
         _flag(message)
     out = io.BytesIO()

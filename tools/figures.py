@@ -169,43 +169,43 @@ SENTENCES = [
     ("README.md", "analysis in {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
     ("README.md", "of {} in all", lambda: [len(EXPORTS) - 2]),  # data sheet and matrices are no filter and no simulator
     ("README.md", "| {} targets |", lambda: [len(EXPORTS) - 2]),
-    ("docs/data_sheets.md", "{:.2f} to {:.2f} times the angular random walk", lambda: beside("Gyro", *WALK)),
-    ("docs/data_sheets.md", "the accelerometers {:.2f} to {:.2f} times", lambda: beside("Accel", *WALK)),
-    ("docs/data_sheets.md", "the in-run stabilities are {:.2f} to {:.2f} and", lambda: beside("Gyro", *STABLE)),
-    ("docs/data_sheets.md", "and {:.2f} to {:.2f} times the printed ones", lambda: beside("Accel", *STABLE)),
+    ("docs/data_sheet.md", "{:.2f} to {:.2f} times the angular random walk", lambda: beside("Gyro", *WALK)),
+    ("docs/data_sheet.md", "the accelerometers {:.2f} to {:.2f} times", lambda: beside("Accel", *WALK)),
+    ("docs/data_sheet.md", "the in-run stabilities are {:.2f} to {:.2f} and", lambda: beside("Gyro", *STABLE)),
+    ("docs/data_sheet.md", "and {:.2f} to {:.2f} times the printed ones", lambda: beside("Accel", *STABLE)),
     ("docs/recordings.md", "is {:.2f} to {:.2f} times what it states", lambda: beside("Gyro", *WALK)),
-    ("docs/accuracy.md", "| 95 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("95", 60))),
-    ("docs/accuracy.md", "| 68 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("68", 60))),
-    ("docs/accuracy.md", "| {:g} to {:g}, except for three terms", rms_but_three),
-    ("docs/accuracy.md", "claimed | at most {:g} % of", lambda: [max(coefficients("false, %", 60))]),
-    ("docs/accuracy.md", "at least {:g} % of records", lambda: [min(coefficients("claimed, %", 12))]),
-    ("docs/accuracy.md", "in {:g} to {:g} % in single cells", lambda: span(figures("limits.md", "", "averaged: 95"))),
-    ("docs/accuracy.md", "in {:.1f} % of records on average", lambda: [mean(figures("limits.md", "", "averaged: 95"))]),
-    ("docs/accuracy.md", "cells of {:g} records", lambda: stated("limits.md", r"- (\d+) records a cell")),
-    ("docs/speed.md", "Allan deviation take {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
-    ("docs/speed.md", "analysis {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
-    ("docs/speed.md", "720 000 samples {:.1f} s", lambda: stated(GROWTH, r"theo1, 100 m of 720000 \[s\][ |]+([\d.]+)")),
-    ("docs/speed.md", "times {:.2f} s. All", lambda: stated(GROWTH, r"mtotdev, 50 m of 1e5 \[s\][ |]+([\d.]+)")),
-    ("docs/speed.md", "{:g} kernels and parts take {:g} s", lambda: stated(FIRST, KERNELS)),
-    ("docs/speed.md", "takes {:g} s, the second {:g} s", lambda: figures(
+    ("docs/measured.md", "| 95 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("95", 60))),
+    ("docs/measured.md", "| 68 % interval holds the truth | {:g} to {:g} % of", lambda: span(coefficients("68", 60))),
+    ("docs/measured.md", "| {:g} to {:g}, except for three terms", rms_but_three),
+    ("docs/measured.md", "claimed | at most {:g} % of", lambda: [max(coefficients("false, %", 60))]),
+    ("docs/measured.md", "at least {:g} % of records", lambda: [min(coefficients("claimed, %", 12))]),
+    ("docs/measured.md", "in {:g} to {:g} % in single cells", lambda: span(figures("limits.md", "", "averaged: 95"))),
+    ("docs/measured.md", "in {:.1f} % of records on average", lambda: [mean(figures("limits.md", "", "averaged: 95"))]),
+    ("docs/measured.md", "cells of {:g} records", lambda: stated("limits.md", r"- (\d+) records a cell")),
+    ("docs/measured.md", "Allan deviation take {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
+    ("docs/measured.md", "analysis {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
+    ("docs/measured.md", "720 000 samples {:.1f} s", lambda: stated(GROWTH, r"theo1, 100 m of 720000 \[s\][ |]+([\d.]+)")),
+    ("docs/measured.md", "times {:.2f} s. All", lambda: stated(GROWTH, r"mtotdev, 50 m of 1e5 \[s\][ |]+([\d.]+)")),
+    ("docs/measured.md", "{:g} kernels and parts take {:g} s", lambda: stated(FIRST, KERNELS)),
+    ("docs/measured.md", "takes {:g} s, the second {:g} s", lambda: figures(
         FIRST, "First run", "median", run=["first", "second"])),
-    ("docs/speed.md", "report in {:.0f} s from nothing", lambda: stated(FIRST, r"`uvx [^`]*` \| ([\d.]+)")),
-    ("docs/speed.md", "in {:.0f} s when they are", lambda: stated(FIRST, r"`uvx [^`]*` \| [\d.]+ \| ([\d.]+)")),
-    ("docs/speed.md", "takes {:.1f} to {:.1f} times as", lambda: span(figures(FIRST, "For this", "ratio"))),
+    ("docs/measured.md", "report in {:.0f} s from nothing", lambda: stated(FIRST, r"`uvx [^`]*` \| ([\d.]+)")),
+    ("docs/measured.md", "in {:.0f} s when they are", lambda: stated(FIRST, r"`uvx [^`]*` \| [\d.]+ \| ([\d.]+)")),
+    ("docs/measured.md", "takes {:.1f} to {:.1f} times as", lambda: span(figures(FIRST, "For this", "ratio"))),
     ("docs/stream.md", "of about {:.0f} kB", lambda: [stated("stream.md", r"holds (\d+) bytes")[0] / 1000]),
     ("docs/stream.md", "are {:.2f} to {:.2f} times", lambda: span(figures("stream.md", "Coeff", "stream / bound"))),
     ("docs/compare.md", "between {:.2f} and {:.0f} times the one seen (95 %)", lambda: [
         chdtri(1, tail) ** -0.5 for tail in (0.025, 0.975)]),
     ("docs/compare.md", "calls {:.2f} to {:.2f} % of 2000 pairs", lambda: span(
         figures("comparison.md", "Equal", "called different %", test=["verdict"]))),
-    ("docs/compensation_method.md", "temperature in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
-    ("docs/compensation_method.md", "is found in {:.0f} to {:.0f} % of 400", lambda: compensated(
+    ("docs/compensation.md", "temperature in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
+    ("docs/compensation.md", "is found in {:.0f} to {:.0f} % of 400", lambda: compensated(
         "false %", regressor=("temp", "d temp/dt"))),
-    ("docs/compensation_method.md", "squares: {:.0f} to {:.0f} %)", lambda: compensated("ordinary %")),
-    ("docs/compensation_method.md", "effect in {:.0f} to {:.0f} %, and", lambda: compensated(
+    ("docs/compensation.md", "squares: {:.0f} to {:.0f} %)", lambda: compensated("ordinary %")),
+    ("docs/compensation.md", "effect in {:.0f} to {:.0f} %, and", lambda: compensated(
         "within 95 % limits", regressor=("temp", "d temp/dt"))),
-    ("docs/compensation_method.md", "its interval, in {:.0f} to {:.0f} %", lambda: compensated("gain met %")),
-    ("docs/compensation_method.md", "truth in {:.0f} to {:.0f} % of records", lambda: compensated(
+    ("docs/compensation.md", "its interval, in {:.0f} to {:.0f} %", lambda: compensated("gain met %")),
+    ("docs/compensation.md", "truth in {:.0f} to {:.0f} % of records", lambda: compensated(
         "within 95 % limits", ("white",), ("temp", "d temp/dt"))),
     (FIT, "effect in {:.0f} to {:.0f} % of", lambda: compensated("ordinary %")),
     ("docs/stabilizer_paper.md", "in {:.0f} % of 150 records, and its limits held the truth in {:.0f} and {:.0f} %",
@@ -226,17 +226,17 @@ SENTENCES = [
         *curves("bound %", "FOG", "R", "oadev"), *curves("rmse", "FOG", "R", "theoh", "oadev")]),
     ("docs/methods.md", "is {:g} to {:g} % here", lambda:
         span(figures("curves.md", "", "cover %", sensor=["MEMS"], term=["N"]))),
-    ("docs/gyro_vertical.md", "{:.3f} s and {:.1f} arcsec. A", lambda: [
+    ("docs/vertical.md", "{:.3f} s and {:.1f} arcsec. A", lambda: [
         closed("best time constant, s"), closed("error there, arcsec")]),
-    ("docs/gyro_vertical.md", "shorter: {:.2f} s", lambda: [closed("with a bias of 10 deg/h: s, arcsec")]),
-    ("docs/gyro_vertical.md", "is {:.2f} s ({:.1f} arcsec) for 10", lambda: [
+    ("docs/vertical.md", "shorter: {:.2f} s", lambda: [closed("with a bias of 10 deg/h: s, arcsec")]),
+    ("docs/vertical.md", "is {:.2f} s ({:.1f} arcsec) for 10", lambda: [
         flicker(c, "600") for c in ("time constant [s]", "predicted [arcsec]")]),
-    ("docs/gyro_vertical.md", "and {:.2f} s ({:.1f} arcsec) for an", lambda: [
+    ("docs/vertical.md", "and {:.2f} s ({:.1f} arcsec) for an", lambda: [
         flicker(c, "3600") for c in ("time constant [s]", "predicted [arcsec]")]),
-    ("docs/gyro_vertical.md", "of the {:.1f} arcsec", lambda:
+    ("docs/vertical.md", "of the {:.1f} arcsec", lambda:
         [loss(LISTED, "N 100 ug/sqrt(Hz), B 50 ug", "first order")]),
-    ("docs/gyro_vertical.md", "is {:.0f} % for the sensors", lambda: [loss(LISTED, "N 100 ug/sqrt(Hz), B 50 ug")]),
-    ("docs/gyro_vertical.md", "and {:.0f} % with K = 500", lambda: [
+    ("docs/vertical.md", "is {:.0f} % for the sensors", lambda: [loss(LISTED, "N 100 ug/sqrt(Hz), B 50 ug")]),
+    ("docs/vertical.md", "and {:.0f} % with K = 500", lambda: [
         loss("N 0.3 deg/sqrt(h), K 500 deg/h/sqrt(h)", "N 100 ug/sqrt(Hz)")]),
     ("docs/recordings.md", "(-3 dB at {:g} to {:g} Hz)", corners),
     ("docs/recordings.md", "at 1 s within {:.1f} %; the", lambda: [n_off(ADIS, ["Gyro. X", "Gyro. Y"])]),
@@ -289,7 +289,7 @@ CELLS = [
     ("docs/theoh_paper.md", "The paper's own fit", "theoh_paper.md", "Unweighted fit"),
     ("docs/angle_paper.md", "Table of accuracy", "angle.md", ""),
     ("docs/angle_paper.md", "Under sway", "angle.md", ""),
-    ("docs/gyro_vertical.md", "No filter is the best", "vertical.md", "Scenarios"),
+    ("docs/vertical.md", "No filter is the best", "vertical.md", "Scenarios"),
 ]
 """Page, its section, and the table whose numbers the rows there show, rounded; a row of the paper quotes it."""
 
@@ -302,18 +302,18 @@ def as_printed(number, cell):
 MEASURED = re.compile(r"\d[\d.]* (?:%|times|ms\b|kB\b|s of)(?! intervals?\b| level)")
 """A number that somebody may have measured."""
 
-TIED = ("README.md", "docs/accuracy.md", "docs/compensation_method.md", "docs/theoh_paper.md", "docs/compare.md")
+TIED = ("README.md", "docs/measured.md", "docs/compensation.md", "docs/theoh_paper.md", "docs/compare.md")
 """Pages on which each such number belongs to a sentence above, but for those of definitions."""
 
 DEFINED = re.compile(
     r"95 % (?:intervals?|confidence|band)|68 % interval|level of \d+ %|bound is (?:below|at most) \d+ %"
-    r"|below 12 % \||the truth \||within 4 %|15 % below|8\.40 %|up to 4 %|-8 to \+33 %"
+    r"|below 12 % \||the truth \||within 4 %|15 % below|8\.40 %|up to 4 %|more than 50 % of a ramp|-8 to \+33 %"
 )
 
 
 LINK = re.compile(
     r"\[([^\]]*?)(?:, (?:\w+ )?\d{4}-\d\d-\d\d\W* ?\w* [0-9a-f]{7})?\]"
-    r"\(((?:generated/benchmarks|(?:\S*/)?benchmarks/results)/(\w+)\.md)\)"
+    r"\(((?:(?:\.\./)?generated/benchmarks|(?:\S*/)?benchmarks/results)/(\w+)\.md)\)"
 )
 """A link to a table, with what `noted` writes into it."""
 
@@ -323,7 +323,8 @@ NOTES = {"_ru": "{date}, {commit}", "_zh": "{date}, {commit}"}
 
 def pages() -> list[str]:
     """The pages at the top, and those of the documentation that are written by hand."""
-    return ["README.md", "SECURITY.md", *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))]
+    written = (*(ROOT / "docs").glob("*.md"), *(ROOT / "docs").glob("translations/*.md"))
+    return ["README.md", "SECURITY.md", *sorted(path.relative_to(ROOT).as_posix() for path in written)]
 
 
 def noted(page: str, text: str) -> str:

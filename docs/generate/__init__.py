@@ -52,7 +52,7 @@ def write_pages(docs: Path) -> None:
     _write(root / "accuracies.md", accuracies())
     _write(root / "efficiencies.md", efficiencies(results / "methods.md"))
     _write(root / "curve_efficiencies.md", efficiencies(results / "curves.md"))
-    _write(root / "devices.md", devices_page())
+    _write(root / "terms" / "devices.md", devices_page())
     _write(root / "data_sheets.md", data_sheets_page())
     _write(root / "quantities.md", quantities_table())
     _write(root / "compared.md", compared_page(results / "data_sheets.md"))

@@ -12,9 +12,11 @@ COMPARED = ("Random Walk", "Stability")
 
 
 def data_sheets_page() -> Iterator[str]:
-    """What is included by docs/data_sheets.md."""
+    """The page of all data sheets."""
+    yield from ("# Table of data sheets", "")
+    yield from ("What is printed in the document of each sensor, and [what follows from it](../data_sheet.md).", "")
     for name, sheet in DATASHEETS.items():
-        yield from (f"### {name}", "", f"{sheet.maker}. Document: {sheet.document}.", "")
+        yield from (f"## {name}", "", f"{sheet.maker}. Document: {sheet.document}.", "")
         rows = [
             (c.sensor, c.printed, f"{c.value:g}", printed_unit(c.unit), c.limit, c.conditions.replace("_", r"\_"),
              c.place, printed_unit(str(c.term or "")))

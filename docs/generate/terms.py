@@ -45,7 +45,8 @@ def term_index() -> list[str]:
         "![The five terms of IEEE Std 952 and their sum](../slopes.svg)", "",
         *table(("", "name", "Allan variance", "slope", "read off", "gyroscope", "accelerometer"), rows),
         "The slope is that of the deviation. The unit of τ is that of the coefficient: hours for deg/√h, seconds for "
-        "rad/√s.", "", "```{toctree}", ":hidden:", "", *TERMS, "```",
+        "rad/√s. [What a coefficient means in a sensor](devices.md) has likely causes by device.", "",
+        "```{toctree}", ":hidden:", "", *TERMS, "devices", "```",
     ]  # fmt: skip
 
 

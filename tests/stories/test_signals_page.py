@@ -15,7 +15,7 @@ from tests.rows import rows
 import allanite as al
 from allanite.cli import main
 
-PAGES = ("budget.md", "compensation.md", "compensation_method.md")
+PAGES = ("budget.md", "compensation.md")
 PAGE = "\n".join((ROOT / "docs" / page).read_text(encoding="utf-8") for page in PAGES)
 
 

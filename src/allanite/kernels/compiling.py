@@ -10,7 +10,7 @@ computes does not depend on what was compiled or loaded before (tests/conformanc
 Most of the time of compiling goes into types and wrappers, not into loops. What only kernels call, `inner` and parts,
 has no wrapper for Python: called from there it ends the process. What Python calls as well is `shared`. An array
 expression, an assignment to a slice or a function of numpy brings code for every shape and error with it: in kernels
-that a first run compiles, loops are written instead (docs/speed.md).
+that a first run compiles, loops are written instead (docs/measured.md).
 """
 
 from functools import partial
