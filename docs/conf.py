@@ -16,7 +16,11 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "gener
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 INCLUDED = ("help", "methods", "efficiencies", "accuracies", "exports", "recordings", "quantities", "compared")
-exclude_patterns = [*(f"generated/{name}.md" for name in INCLUDED), "papers/*/table_*.md"]  # included by others
+exclude_patterns = [
+    *(f"generated/{name}.md" for name in INCLUDED),
+    "papers/*/table_*.md",
+    "generate/*.md",
+]  # included by others
 default_role = "py:obj"  # names in docstrings lead to their own
 suppress_warnings = ["ref.python"]  # an attribute such as `count` is one of several classes: the first will do
 

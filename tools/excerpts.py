@@ -38,7 +38,11 @@ SHORTENED: dict[str, Callable[[list[str], str], list[str]]] = {
 
 def pages() -> list[Path]:
     """The README, and every page that is written by hand."""
-    return [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "docs").glob("translations/*.md"))]
+    return [
+        ROOT / "README.md",
+        *sorted((ROOT / "docs").glob("*.md")),
+        *sorted((ROOT / "docs").glob("translations/*.md")),
+    ]
 
 
 def commands(block: str) -> list[str]:

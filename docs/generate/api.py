@@ -71,8 +71,8 @@ def api_pages() -> Iterator[tuple[str, list[str]]]:
 def public_names(package: str) -> list[str]:
     """What a package offers, its modules left out."""
     module = getattr(al, package)
-    found = INNER.get(package) or [name for name in vars(module) if _is_public(module, name)]
-    return sorted(found, key=lambda name: (isinstance(getattr(module, name), type), name))
+    names = INNER.get(package) or [name for name in vars(module) if _is_public(module, name)]
+    return sorted(names, key=lambda name: (isinstance(getattr(module, name), type), name))
 
 
 def _is_public(module: ModuleType, name: str) -> bool:

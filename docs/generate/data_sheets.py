@@ -5,7 +5,7 @@ from pathlib import Path
 
 from allanite.planning.datasheets import DATASHEETS, QUANTITIES
 from allanite.reporting.digits import printed_unit
-from generate.markdown import table, typeset
+from generate.markdown import table, table_of, typeset
 
 COMPARED = ("Random Walk", "Stability")
 """Ends of the names of the quantities that the model of a data sheet is made of."""
@@ -34,18 +34,12 @@ def quantities_table() -> Iterator[str]:
 
 def compared_page(results: Path) -> Iterator[str]:
     """What was measured, over what the data sheet says: a column a recording."""
-    head, *cells = [
-        [cell.strip() for cell in line.strip("|").split("|")]
-        for line in results.read_text(encoding="utf-8").splitlines()
-        if line.startswith("| ")
-    ]
-    rows = [dict(zip(head, row, strict=True)) for row in cells]
-    kept = [row for row in rows if row["quantity"].endswith(COMPARED)]
-    files = list(dict.fromkeys(row["file"] for row in kept))
-    found = {(row["channel"], row["quantity"], row["file"]): row for row in kept}
+    rows = [row for row in table_of(results) if row["quantity"].endswith(COMPARED)]
+    files = list(dict.fromkeys(row["file"] for row in rows))
+    by_cell = {(row["channel"], row["quantity"], row["file"]): row for row in rows}
     lines = []
-    for channel, quantity in dict.fromkeys((row["channel"], row["quantity"]) for row in kept):
-        each = [found[channel, quantity, file] for file in files]
-        shown = (f"{'≤ ' if row['remark'] else ''}{row['measured']} (× {row['ratio']})" for row in each)
-        lines.append((channel, quantity, f"{each[0]['data sheet']} {each[0]['unit']}", *shown))
+    for channel, quantity in dict.fromkeys((row["channel"], row["quantity"]) for row in rows):
+        measured = [by_cell[channel, quantity, file] for file in files]
+        ratios = (f"{'≤ ' if row['remark'] else ''}{row['measured']} (× {row['ratio']})" for row in measured)
+        lines.append((channel, quantity, f"{measured[0]['data sheet']} {measured[0]['unit']}", *ratios))
     yield from table(("channel", "quantity", "data sheet", *(f"`{file}`" for file in files)), lines)

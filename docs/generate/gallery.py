@@ -1,15 +1,11 @@
 """The gallery: short programs, run when the page is made, and the figures that they write."""
 
-import contextlib
-import io
-import os
-import tempfile
 from pathlib import Path
 from textwrap import dedent
 
-from generate.tutorial import SAMPLE, beside
+from generate.tutorial import desk_with_sample
 
-ABOUT = """\
+PREAMBLE = """\
 import numpy as np
 import allanite as al
 
@@ -46,8 +42,8 @@ PICTURES = {
         """),
     "Ways to measure a constant rate": ("ranking", """\
         settings = al.constant_rate.ExperimentSettings(interval=60.0)
-        found = al.constant_rate.experiment(recording["gx"], fit, settings)
-        al.plot(found, path="ranking.svg")
+        ranking = al.constant_rate.experiment(recording["gx"], fit, settings)
+        al.plot(ranking, path="ranking.svg")
         """),
     "Where to calibrate the angle sensors of a gimbal": ("scan", """\
         settings = al.angle.AngleSettings(latitude=np.radians(60), duration=3600.0, interval=10.0)
@@ -60,23 +56,14 @@ PICTURES = {
 def gallery_page(docs: Path, folder: Path) -> list[str]:
     """Run every program, keep its figure, and show both."""
     folder.mkdir(parents=True, exist_ok=True)
-    sample = beside(docs, SAMPLE).read_bytes()
-    lines = ["# Gallery", "", "Every figure is made by the lines below it, after these:", "", *_code(ABOUT)]
+    lines = ["# Gallery", "", "Every figure is made by the lines below it, after these:", "", *_code(PREAMBLE)]
     names: dict[str, object] = {}
-    before = Path.cwd()
-    with tempfile.TemporaryDirectory() as place, contextlib.redirect_stdout(io.StringIO()):
-        desk = Path(place)
-        (desk / SAMPLE).parent.mkdir()
-        (desk / SAMPLE).write_bytes(sample)
-        os.chdir(desk)
-        try:
-            exec(ABOUT, names)  # noqa: S102 - our own programs
-            for title, (name, program) in PICTURES.items():
-                exec(dedent(program), names)  # noqa: S102
-                (folder / f"{name}.svg").write_bytes((desk / f"{name}.svg").read_bytes())
-                lines += [f"## {title}", "", f"![{title}](gallery/{name}.svg)", "", *_code(dedent(program).rstrip())]
-        finally:
-            os.chdir(before)
+    with desk_with_sample(docs) as desk:
+        exec(PREAMBLE, names)  # noqa: S102 - our own programs
+        for title, (name, program) in PICTURES.items():
+            exec(dedent(program), names)  # noqa: S102
+            (folder / f"{name}.svg").write_bytes((desk / f"{name}.svg").read_bytes())
+            lines += [f"## {title}", "", f"![{title}](gallery/{name}.svg)", "", *_code(dedent(program).rstrip())]
     return lines
 
 

@@ -17,7 +17,7 @@ def main() -> None:
     fit = al.identify(record)
     light = FOLDER / "hero.svg"
     al.plot(al.deviation(record, "oadev", taus="log", noise=fit), fit, path=light, force=True)
-    dark = re.sub(r"#[0-9a-f]{6}\b", lambda found: DARK.get(found[0], found[0]), light.read_text(encoding="utf-8"))
+    dark = re.sub(r"#[0-9a-f]{6}\b", lambda color: DARK.get(color[0], color[0]), light.read_text(encoding="utf-8"))
     (FOLDER / "hero-dark.svg").write_text(dark, encoding="utf-8")
 
 

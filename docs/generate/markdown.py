@@ -12,6 +12,13 @@ def table(headings: Iterable[str], rows: Iterable[Iterable[object]]) -> list[str
     return ["| " + " | ".join(str(cell).replace("|", r"\|") for cell in line) + " |" for line in lines] + [""]
 
 
+def table_of(results: Path) -> list[dict[str, str]]:
+    """Rows of the table of a benchmark, by heading."""
+    lines = (line for line in results.read_text(encoding="utf-8").splitlines() if line.startswith("| "))
+    head, *rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    return [dict(zip(head, row, strict=True)) for row in rows]
+
+
 def sections(row: object, columns: Iterable[tuple[str, str]]) -> list[str]:
     """A heading and the words of each column that the row has."""
     lines = []

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 import allanite as al
-from generate.markdown import table
+from generate.markdown import table, table_of
 
 RATE, SIZE, SEED = 100.0, 2**18, 1
 
-SENSORS = {
+TRUTHS = {
     "MEMS": al.N(0.005, "deg/sqrt(s)") + al.B(0.002, "deg/s") + al.K(3e-4, "deg/s/sqrt(s)"),
     "FOG": al.Q(0.4, "arcsec")
     + al.N(3, "deg/h*sqrt(s)")
@@ -24,15 +24,15 @@ SENSORS = {
 
 def methods_page(folder: Path) -> list[str]:
     """What is included by docs/methods.md."""
-    fits = {name: _fits(model) for name, model in SENSORS.items()}
+    fits = {name: _fits(model) for name, model in TRUTHS.items()}
     lines = [
         *table(("method", "what it does", "reads", "error / bound"), _about()),
         "## One record of each sensor", "",
         f"{SIZE} samples at {RATE:g} Hz, seed {SEED}; the true terms were asked for and no others. A method that gives "
         "intervals has those of 95 % in brackets.", "",
     ]  # fmt: skip
-    for name, found in fits.items():
-        lines += [f"### {name}", "", *_values(SENSORS[name], found)]
+    for name, by_method in fits.items():
+        lines += [f"### {name}", "", *_values(TRUTHS[name], by_method)]
     path = _figure(fits, folder)
     return [*lines, f"![Coefficients of every method over their true values](generated/{path.name})", ""]
 
@@ -65,18 +65,18 @@ def _figure(fits: dict[str, dict[str, al.Fit]], folder: Path) -> Path:
 
     path = folder / "methods.svg"
     with style.look():
-        drawn = style.new_figure(7.6, 3.4)
-        for ax, (name, found) in zip(drawn.subplots(1, len(fits), sharey=True), fits.items(), strict=True):
-            for i, method in enumerate(found):
-                _dots(ax, i, SENSORS[name], found[method])
+        figure = style.new_figure(7.6, 3.4)
+        for ax, (name, by_method) in zip(figure.subplots(1, len(fits), sharey=True), fits.items(), strict=True):
+            for i, method in enumerate(by_method):
+                _dots(ax, i, TRUTHS[name], by_method[method])
             ax.axvline(1.0, color=style.INK, lw=0.6)
             ax.set(xscale="log", xlim=(0.3, 3.4), title=name, xlabel="value / truth")
             ax.set_xticks([0.5, 1, 2], labels=["0.5", "1", "2"])
             ax.set_xticks([], minor=True)
-            ax.set_yticks(range(len(found)), labels=list(found))
-            ax.set_ylim(len(found) - 0.5, -0.5)
+            ax.set_yticks(range(len(by_method)), labels=list(by_method))
+            ax.set_ylim(len(by_method) - 0.5, -0.5)
             ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.1), ncols=5, handletextpad=0.1, columnspacing=0.6)
-    path.write_bytes(style.encode(drawn, "svg"))
+    path.write_bytes(style.encode(figure, "svg"))
     return path
 
 
@@ -97,9 +97,7 @@ def _dots(ax, row: int, model: al.Model, fit: al.Fit) -> None:
 
 def efficiencies(results: Path) -> list[str]:
     """Error over the bound from a table of benchmarks, a row a term and a column a method."""
-    lines = [line for line in results.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
-    headings, *cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    rows = [dict(zip(headings, row, strict=True)) for row in cells]
+    rows = table_of(results)
     ways = list(dict.fromkeys(row["method"] for row in rows))
     keys = list(dict.fromkeys((row["sensor"], row["n"], row["term"], row["bound %"]) for row in rows))
     rmse = {(row["sensor"], row["n"], row["term"], row["bound %"], row["method"]): row["rmse"] for row in rows}

@@ -3,15 +3,14 @@
 import allanite as al
 from generate.markdown import table
 
-SENSORS = {"mems": "MEMS", "fog": "fiber-optic", "rlg": "ring laser"}
-RATE = 100.0
+SENSOR_TITLES = {"mems": "MEMS", "fog": "fiber-optic", "rlg": "ring laser"}
 
 
 def accuracies() -> list[str]:
     """What is included by docs/how_long.md."""
     rows = []
-    for name, title in SENSORS.items():
-        planned = al.plan(al.sensor(name), RATE)
+    for name, title in SENSOR_TITLES.items():
+        planned = al.plan(al.sensor(name), rate=100.0)
         for symbol, errors in zip(planned.names, planned.errors, strict=True):
             rows.append((title, symbol, *map(_percent, errors)))
             title = ""  # noqa: PLW2901 - once a sensor

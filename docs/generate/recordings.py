@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from generate.markdown import table
+from generate.markdown import table, table_of
 
 FIGURES = {
     "file": "file", "channel": "channel", "grade": "grade",
@@ -15,18 +15,13 @@ FIGURES = {
 
 def recordings_page(results: Path) -> Iterator[str]:
     """What is included by docs/recordings.md."""
-    head, *cells = [
-        [cell.strip() for cell in line.strip("|").split("|")]
-        for line in results.read_text(encoding="utf-8").splitlines()
-        if line.startswith("| ")
-    ]
-    rows = [dict(zip(head, row, strict=True)) for row in cells]
+    rows = table_of(results)
     yield from table(FIGURES.values(), [[_short(row[name]) for name in FIGURES] for row in rows])
     yield from ("### What was found in each channel", "")
     for row in rows:
         if row["read"]:
-            found = re.sub(r"; (?=\w)", ". ", row["read"])
-            yield f"- **{_short(row['file'])}, {row['channel']}**: {found}."
+            findings = re.sub(r"; (?=\w)", ". ", row["read"])
+            yield f"- **{_short(row['file'])}, {row['channel']}**: {findings}."
     yield ""
 
 

@@ -79,8 +79,8 @@ def _formula(name: str) -> list[str]:
     """The variance, its left-hand side included; words behind it become a line of text."""
     formula, _, words = STATISTICS[name].formula.partition(r", \quad e: ")
     side = LEFT.get(name, r"\sigma^2(\tau) = ")
-    said = re.sub(r"\\text\{(.*?)\}", r"\1", words).replace(" 3m ", "$3m$")
-    return ["$$", side + formula, "$$", *(["", f"where *e* is the {said}."] if said else [])]
+    meaning = re.sub(r"\\text\{(.*?)\}", r"\1", words).replace(" 3m ", "$3m$")
+    return ["$$", side + formula, "$$", *(["", f"where *e* is the {meaning}."] if meaning else [])]
 
 
 def _statistic_figure(name: str, folder: Path) -> Path:

@@ -134,9 +134,9 @@ def _term_figure(symbol: str, folder: Path) -> Path:
 
     row, signal = TERMS[symbol], SIGNALS[0]
     unit = signal.sheet[row.power]
-    made = term(symbol, row.typical, unit, tuple(p.typical for p in row.parameters))
+    noise = term(symbol, row.typical, unit, tuple(p.typical for p in row.parameters))
     rng = np.random.default_rng(1)
-    records = [al.simulate(made, 20_000, 10.0, rng=rng) for _ in range(20)]
+    records = [al.simulate(noise, 20_000, 10.0, rng=rng) for _ in range(20)]
     record = records[0]
     curves = [al.deviation(each, "oadev", taus="log", noise=None).to("deg/h") for each in records]
     path = folder / f"{symbol}.svg"
@@ -151,7 +151,7 @@ def _term_figure(symbol: str, folder: Path) -> Path:
         for curve in curves:
             label = "20 records" if curve is curves[0] else None
             right.plot(tau, curve.deviation, color=style.DATA, alpha=0.3, lw=0.7, label=label)
-        expected = np.degrees(np.sqrt(al.expected(made, "oadev", tau, rate=10.0, size=20_000))) * 3600
+        expected = np.degrees(np.sqrt(al.expected(noise, "oadev", tau, rate=10.0, size=20_000))) * 3600
         right.plot(tau, expected, color=style.INK, lw=1.8, label="expected")
         style.grid(right)
         style.plain_ticks(right.xaxis, right.yaxis)
