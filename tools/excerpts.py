@@ -38,11 +38,8 @@ SHORTENED: dict[str, Callable[[list[str], str], list[str]]] = {
 
 def pages() -> list[Path]:
     """The README, and every page that is written by hand."""
-    return [
-        ROOT / "README.md",
-        *sorted((ROOT / "docs").glob("*.md")),
-        *sorted((ROOT / "docs").glob("translations/*.md")),
-    ]
+    docs = ROOT / "docs"
+    return [ROOT / "README.md", *sorted([*docs.glob("*.md"), *docs.glob("translations/*.md")])]
 
 
 def commands(block: str) -> list[str]:

@@ -184,7 +184,8 @@ SENTENCES = [
     ("docs/measured.md", "cells of {:g} records", lambda: stated("limits.md", r"- (\d+) records a cell")),
     ("docs/measured.md", "Allan deviation take {:g} ms", lambda: stated(SPEED, r"the job (\d+) ms")),
     ("docs/measured.md", "analysis {:.1f} s, with one", lambda: [stated(SPEED, r"analysis (\d+) ms")[0] / 1000]),
-    ("docs/measured.md", "720 000 samples {:.1f} s", lambda: stated(GROWTH, r"theo1, 100 m of 720000 \[s\][ |]+([\d.]+)")),
+    ("docs/measured.md", "720 000 samples {:.1f} s", lambda: stated(
+        GROWTH, r"theo1, 100 m of 720000 \[s\][ |]+([\d.]+)")),
     ("docs/measured.md", "times {:.2f} s. All", lambda: stated(GROWTH, r"mtotdev, 50 m of 1e5 \[s\][ |]+([\d.]+)")),
     ("docs/measured.md", "{:g} kernels and parts take {:g} s", lambda: stated(FIRST, KERNELS)),
     ("docs/measured.md", "takes {:g} s, the second {:g} s", lambda: figures(

@@ -16,7 +16,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "src" / "allanite"
-READ = ("src/allanite/**/*.py", "src/allanite/**/*.j2", "README.md", "docs/*.md", "docs/translations/*.md")
+READ = ("src/allanite/**/*.py", "src/allanite/**/*.j2", "README.md", "docs/*.md", "docs/generate/*.md")
 
 BANNED = (
     # the field's words

@@ -32,8 +32,8 @@ def commands(text):
 
 
 WITH_COMMANDS = (
-    "tutorial.md", "command.md", "simulation.md", "install.md", "files.md", "compare.md", "how_long.md", "why_absent.md",
-    "choosing_statistic.md", "rate_paper.md", "angle_paper.md", "stabilizer_paper.md", "theoh_paper.md", "drift.md",
+    "tutorial.md", "command.md", "simulation.md", "install.md", "files.md", "compare.md", "how_long.md",
+    "why_absent.md", "choosing_statistic.md", "angle_paper.md", "stabilizer_paper.md", "theoh_paper.md", "drift.md",
 )  # fmt: skip
 WITH_PYTHON = (
     "simulation.md", "files.md", "compare.md", "rate_paper.md", "data_sheet.md", "migrating.md", "command.md",
