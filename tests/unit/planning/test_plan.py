@@ -11,8 +11,7 @@ from tests.rows import rows
 import allanite as al
 import bound as script
 from allanite.cli import main
-from allanite.planning import information
-from allanite.planning.information import nodes
+from allanite.identification.likelihood import spectrum
 
 MODELS = {
     **al.SENSORS,
@@ -27,15 +26,15 @@ MODELS = {
     ("QN", 600, 1.0, False), ("GM", 600, 1.0, True),
 ])  # fmt: skip
 def test_the_bound_is_that_of_dense_matrices(name, n, rate, ramp):
-    """To 0.5 % at hundreds of readings; the table has 2048, and 0.2 %."""
+    """At hundreds of readings to 0.5 % where a term can be detected; flicker is taken to correlate no coefficients."""
     model = al.Model(MODELS[name])
     found = al.bound(model, n, rate, ramp=ramp)
     noise = al.Model(tuple(t for t in model if t.row.waveform is None))
     errors, slope = script.dense(noise, n, rate, ramp)
-    close = 5e-3
-    np.testing.assert_allclose(found.errors[: errors.size], errors, rtol=close)
+    off = np.abs(found.errors[: errors.size] / errors - 1)
+    assert (off < np.where(errors < 0.35, 5e-3, 5e-2)).all(), off
     if ramp:
-        assert found.ramp == pytest.approx(slope, rel=close)
+        assert found.ramp == pytest.approx(slope, rel=5e-3)
     else:
         assert found.ramp is None
 
@@ -88,13 +87,12 @@ def test_a_sinusoid_in_white_noise():
 
 
 @rows("n", [10**4, 10**7, 10**11])
-def test_the_nodes_are_enough(monkeypatch, n):
+def test_the_bins_are_enough(monkeypatch, n):
     model = al.sensor("fog") + al.GM(3.0, "deg/h", time_constant=10.0)
     found = al.bound(model, n, 100.0)
-    assert nodes(n)[0].size < 1500
-    monkeypatch.setattr(information, "PER_OCTAVE", 32)
-    monkeypatch.setattr(information, "SINGLE", 256)
-    np.testing.assert_allclose(found.errors, al.bound(model, n, 100.0).errors, rtol=1e-4)
+    assert spectrum.edges_of(n).size < 750
+    monkeypatch.setattr(spectrum, "PER_OCTAVE", 64)
+    np.testing.assert_allclose(found.errors, al.bound(model, n, 100.0).errors, rtol=1e-3)
 
 
 def test_what_cannot_be_seen_is_infinite():
