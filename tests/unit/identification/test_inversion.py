@@ -9,8 +9,9 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.model import term
-from allanite.identification.curves.gls import iterated, moments_of, standard_errors
+from allanite.identification.curves.gls import moments_of, standard_errors
 from allanite.identification.curves.inversion import IMPOSSIBLE, Inverted, RatioLimits
+from allanite.identification.curves.leastsquares import iterated
 
 
 def ratios_of(symbols, variance, m):

@@ -10,9 +10,8 @@ from tests.rows import rows
 
 import allanite as al
 from allanite.core.model import term
-from allanite.identification.curves.allan_hadamard import drift
 from allanite.identification.curves.gls import moments_of, octaves, standard_errors
-from allanite.identification.curves.nonnegative import solve
+from allanite.identification.curves.leastsquares import drift, solve
 from allanite.identification.curves.reading import rows_of
 from allanite.statistics import covariance, edf, statistic_named
 from allanite.statistics.moments.expect import expected_ratio
