@@ -14,10 +14,10 @@ import allanite as al
 from allanite.comparison.change import holm
 from allanite.comparison.common_likelihood import drawn, joint, reduced, tied
 from allanite.comparison.contrast import Contrast, IntervalContrast, gain, homogeneity
-from allanite.comparison.ramps import RampContrast, RampLaw
+from allanite.comparison.ramps import RampContrast
 from allanite.comparison.ratio import RatioLaw, ratio_law, shared_factors
 from allanite.core.estimate import Estimate
-from allanite.core.limits import Below
+from allanite.core.limits import Below, NormalMixture
 from allanite.core.units import SIGNALS
 from allanite.statistics.confidence.limits import mixtures
 from allanite.statistics.table import CurvePoints, statistic_named
@@ -209,8 +209,8 @@ def test_a_ramp_keeps_its_sign():
 @rows("level", [1e-4, 0.01, 0.5, 0.95])
 def test_limits_of_a_ratio_of_ramps_hold_the_share_that_they_state(level):
     # the mean of this mixture lies beside its median
-    first = RampLaw(np.array([1.0, -1.3]) * -2.0, np.array([0.01, 0.4]), np.array([0.99, 0.01]))
-    second = RampLaw(np.array([1.0, 4.0]), np.array([0.02, 0.1]), np.array([0.7, 0.3]))
+    first = NormalMixture(np.array([1.0, -1.3]) * -2.0, np.array([0.01, 0.4]), np.array([0.99, 0.01]))
+    second = NormalMixture(np.array([1.0, 4.0]), np.array([0.02, 0.1]), np.array([0.7, 0.3]))
     low, high = RampContrast(first, second).limits(level)
     shares = sorted(second.minus(first, ratio).below for ratio in (low, high))
     assert low < high

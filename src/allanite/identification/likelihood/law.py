@@ -332,31 +332,3 @@ def law(along: Sequence[Trace], penalty: FloatArray) -> Law:
     below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
     zero = weight @ [float(ndtr(trace.at(np.zeros(1))[0])) for trace in along]
     return Law(root, below / below[-1], float(zero))
-
-
-@dataclass(frozen=True, eq=False)
-class RampLimits:
-    """Limits of a signed ramp, in SI, whose law is a mixture of normal laws."""
-
-    centre: FloatArray
-    spread: FloatArray
-    weight: FloatArray
-
-    def __call__(self, level: float) -> tuple[float, float]:
-        """Two-sided limits."""
-        return self.quantile((1 - level) / 2), self.quantile((1 + level) / 2)
-
-    def quantile(self, p: float) -> float:
-        """The value below which the ramp lies with probability p, by bisection."""
-        from scipy.special import ndtr
-
-        low, high = float((self.centre - 40 * self.spread).min()), float((self.centre + 40 * self.spread).max())
-        for _ in range(60):
-            middle = (low + high) / 2
-            below = self.weight @ ndtr((middle - self.centre) / self.spread) < p
-            low, high = (middle, high) if below else (low, middle)
-        return (low + high) / 2
-
-    def upper(self, level: float) -> float:
-        """One-sided limit of the size."""
-        return max(abs(limit) for limit in self(2 * level - 1))

@@ -9,11 +9,11 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Averaged, Estimate, averaged
-from allanite.core.limits import Remembered, Stored, quantile
+from allanite.core.limits import NormalMixture, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
-from allanite.identification.likelihood.law import RampLimits, Subset, ThetaProfile
+from allanite.identification.likelihood.law import Subset, ThetaProfile
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
@@ -298,12 +298,11 @@ def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
     if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
     ramps = [(w, _ramp_law(f, answer, size)) for w, f in _heaviest(answer)]
-    ramp = RampLimits(
+    ramp = NormalMixture(
         np.concatenate([r.centre for _, r in ramps]), np.concatenate([r.spread for _, r in ramps]),
         np.concatenate([w * r.weight for w, r in ramps]),
     )  # fmt: skip
-    value = float(ramp.weight @ ramp.centre)
-    error = math.sqrt(float(ramp.weight @ (ramp.spread**2 + (ramp.centre - value) ** 2)))
+    value, error = ramp.value, ramp.error
     limits, upper = Remembered(ramp), Remembered(ramp.upper)
     low, high = limits(0.95)
     if low <= 0 <= high:
@@ -327,12 +326,12 @@ def _heaviest(answer: Answer) -> list[tuple[float, Fitted]]:
     return [(total[k] / whole, resized(first[k], np.ones(first[k].theta.size, dtype=bool))) for k in kinds]
 
 
-def _ramp_law(f: Fitted, answer: Answer, size: float) -> RampLimits:
+def _ramp_law(f: Fitted, answer: Answer, size: float) -> NormalMixture:
     slopes = [TERMS[s].slope for s in f.frame.powers] or [0.0]
     thetas, weight = ThetaProfile(subset_of(f), int(np.argmax(slopes))).weighted()
     along = [f.trusted.directions(theta)[:2] for theta in thetas]
     centre = size * (np.array([eta[-1] for eta, _ in along]) + answer.scale.slope)
-    return RampLimits(centre, size * np.sqrt([V[-1, -1] for _, V in along]), weight)
+    return NormalMixture(centre, size * np.sqrt([V[-1, -1] for _, V in along]), weight)
 
 
 def _begins(answer: Answer, slope: float) -> bool:

@@ -8,12 +8,11 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
-from allanite.core.limits import Remembered, quantile
+from allanite.core.limits import NormalMixture, Remembered, quantile
 from allanite.core.model import Term, coefficient_factor
 from allanite.core.plain import Portable
 from allanite.core.units import convert
 from allanite.core.validity import Finding
-from allanite.identification.likelihood.law import RampLimits
 from allanite.phrases.phrase import join, longest_without, say, spelled
 from allanite.terms import TERMS, WHITE
 
@@ -159,13 +158,13 @@ class WarmUpProfile(Portable):
         return (self.ends(quantile((1 + level) / 2) ** 2),)
 
     @cached_property
-    def size(self) -> RampLimits:
+    def size(self) -> NormalMixture:
         """The law of the size: normal at a time constant, averaged over these."""
         low, high = self.ends(REACH)
         nodes = [self.warm.at(tau) for tau in np.geomspace(low, high, NODES).tolist()]
         excess, amplitude, error = np.array(nodes).T
         weight: FloatArray = np.exp(-0.5 * (excess - excess.min()))
-        return RampLimits(-amplitude, error, weight / weight.sum())
+        return NormalMixture(-amplitude, error, weight / weight.sum())
 
 
 def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estimate:
@@ -175,7 +174,7 @@ def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estima
         return Estimate(symbol, signal, None, None, "absent", None, "whittle")
     along = WarmUpProfile(warm)
     law, value = along.size, -warm.size[0]
-    error = math.sqrt(float(law.weight @ (law.spread**2 + (law.centre - value) ** 2)))
+    error = law.error_of(value)
     status = "identified" if error <= WEAK * abs(value) else "weak"
     limits = Remembered(law)
     return Estimate(
