@@ -132,10 +132,8 @@ def _with_ramp(part: Likelihood, seen: BinnedSpectrum, term: Term) -> Likelihood
         part,
         S=np.column_stack((part.S, np.zeros(part.power.size))),
         W=np.column_stack((part.W, ramp * (term.value / (seen.rate * seen.unit_factor)) ** 2)),
-        power=part.power + squares / part.count,
-        Uc=part.Uc + part.UU @ slope,
-        flat=part.flat & ~ramp,
-    )
+        power=part.power + squares / part.count, Uc=part.Uc + part.UU @ slope, flat=part.flat & ~ramp,
+    )  # fmt: skip
 
 
 def time_excess(forms: Sequence[Form], which: int) -> tuple[FloatArray, FloatArray]:

@@ -177,8 +177,5 @@ def told(change: Change) -> str:
         return join(" ", (change.label, f"{change.percent:+.3g} %"))
     return say(
         "{coefficient} {percent:+.3g} % ({low:+.3g} to {high:+.3g} %)",
-        coefficient=change.label,
-        percent=change.percent,
-        low=low,
-        high=high,
-    )
+        coefficient=change.label, percent=change.percent, low=low, high=high,
+    )  # fmt: skip

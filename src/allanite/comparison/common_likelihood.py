@@ -40,12 +40,8 @@ def reduced(part: Likelihood, columns: BoolArray) -> Likelihood:
     kept = part.flat | W.any(axis=1)
     return replace(
         part,
-        S=part.S[:, columns],
-        UU=part.UU[:, kept][:, :, kept],
-        Uc=part.Uc[:, kept],
-        W=W[kept],
-        flat=part.flat[kept],
-    )
+        S=part.S[:, columns], UU=part.UU[:, kept][:, :, kept], Uc=part.Uc[:, kept], W=W[kept], flat=part.flat[kept],
+    )  # fmt: skip
 
 
 def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) -> Likelihood:
@@ -59,13 +55,10 @@ def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) 
         UU[here, own, own], Uc[here, own] = part.UU, part.Uc
     return Likelihood(
         S=np.concatenate([part.S @ H for part, H in zip(parts, maps, strict=True)]),
-        power=np.concatenate([part.power for part in parts]),
-        count=np.concatenate([part.count for part in parts]),
-        UU=UU,
-        Uc=Uc,
-        W=np.concatenate([part.W @ H for part, H in zip(parts, maps, strict=True)]),
+        power=np.concatenate([part.power for part in parts]), count=np.concatenate([part.count for part in parts]),
+        UU=UU, Uc=Uc, W=np.concatenate([part.W @ H for part, H in zip(parts, maps, strict=True)]),
         flat=np.concatenate([part.flat for part in parts]),
-    )
+    )  # fmt: skip
 
 
 def least(parts: Sequence[Likelihood], start: FloatArray | None = None) -> tuple[list[FloatArray], float]:
@@ -208,11 +201,9 @@ def part_of(
                 "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz, where no "
                 "vibration hides the noise, one of them has {count} bins of the spectrum, fewer than {fewest}; record "
                 "longer, at rest, or at more similar rates",
-                low=low,
-                high=high,
-                fewest=FEWEST,
+                low=low, high=high, fewest=FEWEST,
             )
-        )
+        )  # fmt: skip
     part = whole.only(inside)
     size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])  # of squares, in SI
     return replace(part, S=part.S * size, W=part.W * size)
@@ -238,11 +229,9 @@ def common_band(
                 say(
                     "the records have no frequency band in common within {low:g} to {high:g} Hz: they cover {spans}; "
                     "record longer, or at more similar rates",
-                    low=band[0],
-                    high=band[1],
-                    spans=spans,
+                    low=band[0], high=band[1], spans=spans,
                 )
-            )
+            )  # fmt: skip
         raise DataError(
             say(
                 "the records have no frequency band in common: they cover {spans}; record longer, or at more similar "

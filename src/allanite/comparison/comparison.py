@@ -191,10 +191,8 @@ class Pair(ComparedChannel):
             "time)",
             "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for {count} averaging "
             "times)",
-            tau=float(self.ratios.tau[at]),
-            ratio=float(self.ratios.ratio[at]),
-            p=chance(p),
-        )
+            tau=float(self.ratios.tau[at]), ratio=float(self.ratios.ratio[at]), p=chance(p),
+        )  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""

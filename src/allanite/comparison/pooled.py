@@ -202,21 +202,12 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
     adjusted = holm([term.p for term in terms])
     return PooledChannel(
         seen.name,
-        test=test,
-        terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
-        curve=curve,
-        curves=curves,
-        p=bartlett(variance, edf),
-        apart=apart,
-        rest=(homogeneity(left, rng) if apart else test).p,
-        fits=joined.fits,
-        explained=joined.explained,
-        grades=joined.grades,
-        records=seen.records,
-        band=joined.joint.band,
-        alerts=(*joined.alerts, *seen.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])),
-        alpha=alpha,
-    )
+        test=test, terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
+        curve=curve, curves=curves, p=bartlett(variance, edf), apart=apart,
+        rest=(homogeneity(left, rng) if apart else test).p, fits=joined.fits, explained=joined.explained,
+        grades=joined.grades, records=seen.records, band=joined.joint.band,
+        alerts=(*joined.alerts, *seen.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])), alpha=alpha,
+    )  # fmt: skip
 
 
 def _of_two(level: float) -> str:
@@ -247,16 +238,10 @@ def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
         yield PooledTerm(
             symbol,
             together.signal,
-            value=math.sqrt(together.chosen.theta[i]),
-            limits=Remembered(partial(together.limits, i)),
-            runs=tuple(fit[symbol] for fit in fits),
-            between=between,
-            within=within,
-            statistic=statistic,
-            dof=len(fits) - 1,
-            p=p,
-            adjusted=p,
-        )
+            value=math.sqrt(together.chosen.theta[i]), limits=Remembered(partial(together.limits, i)),
+            runs=tuple(fit[symbol] for fit in fits), between=between, within=within, statistic=statistic,
+            dof=len(fits) - 1, p=p, adjusted=p,
+        )  # fmt: skip
 
 
 def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
@@ -272,16 +257,10 @@ def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
         yield PooledTerm(
             symbol,
             together.signal,
-            value=common.value,
-            limits=Remembered(common.limits),
-            runs=tuple(fit[symbol] for fit in fits),
-            between=float(common.values.std(ddof=1)) / size,
-            within=float(np.sqrt(np.mean(common.errors**2))) / size,
-            statistic=common.chi_square,
-            dof=common.dof,
-            p=p,
-            adjusted=p,
-        )
+            value=common.value, limits=Remembered(common.limits), runs=tuple(fit[symbol] for fit in fits),
+            between=float(common.values.std(ddof=1)) / size, within=float(np.sqrt(np.mean(common.errors**2))) / size,
+            statistic=common.chi_square, dof=common.dof, p=p, adjusted=p,
+        )  # fmt: skip
 
 
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:

@@ -180,18 +180,10 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
         alerts = (*alerts, str(error))
     return Pair(
         seen.name,
-        test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng),
-        changes=changes,
-        ratios=ratios,
-        band=both.band,
-        fits=(first, second),
-        explained=joined.explained,
-        grades=joined.grades,
-        records=records,
-        alerts=alerts,
-        alpha=alpha_of(recipe.level),
-        paired=alike > ALIKE,
-    )
+        test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng), changes=changes, ratios=ratios,
+        band=both.band, fits=(first, second), explained=joined.explained, grades=joined.grades, records=records,
+        alerts=alerts, alpha=alpha_of(recipe.level), paired=alike > ALIKE,
+    )  # fmt: skip
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:

@@ -181,18 +181,11 @@ def state_space(
     F, Qc = continuous(blocks)
     return StateSpace(
         **vars(built),
-        F=F,
-        Qc=Qc,
-        states=tuple(name for name, _ in names),
-        units=tuple(model.signal.si[power] for _, power in names),
-        rate=float(rate),
-        measurement=chosen,
-        model=model,
-        equivalent=replaced,
-        tau=(low, high),
-        ripple=float(np.abs(off).max()),
+        F=F, Qc=Qc, states=tuple(name for name, _ in names),
+        units=tuple(model.signal.si[power] for _, power in names), rate=float(rate), measurement=chosen, model=model,
+        equivalent=replaced, tau=(low, high), ripple=float(np.abs(off).max()),
         notes=tuple(_notes(every, fitted, (low, high), turn_on)),
-    )
+    )  # fmt: skip
 
 
 def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple[Model, float, float]) -> str:
@@ -224,10 +217,8 @@ def _notes(blocks: list[Block], fitted: MarkovSum | None, tau: tuple[float, floa
             "from {low:g} to {high:g} s; below, its power is too small, and beyond, the bias drifts no further",
             "flicker is approximated by {count} Gauss-Markov processes, within {ripple:.2g} % of its Allan deviation "
             "from {low:g} to {high:g} s; below, its power is too small, and beyond, the bias drifts no further",
-            ripple=100 * fitted.ripple,
-            low=tau[0],
-            high=tau[1],
-        )
+            ripple=100 * fitted.ripple, low=tau[0], high=tau[1],
+        )  # fmt: skip
     yield from dict.fromkeys(block.note for block in blocks if block.note)
     if not turn_on:
         yield say("the turn-on bias is not part of the noise: it is 0 in P0 unless given (turn_on)")

@@ -232,9 +232,6 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
     return [
         say(
             "from {low:.3g} to {high:.3g} Hz the power is {ratio:.3g} times that of the model: {cause}",
-            low=bounds[left],
-            high=bounds[right + 1],
-            ratio=mean,
-            cause=what,
+            low=bounds[left], high=bounds[right + 1], ratio=mean, cause=what,
         )
-    ]
+    ]  # fmt: skip

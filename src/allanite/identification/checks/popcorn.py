@@ -122,15 +122,10 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
     runs = np.split(at, np.flatnonzero(np.diff(at) > length // step) + 1)
     middles = np.array([(run[0] + run[-1]) // 2 for run in runs if run.size], dtype=at.dtype)
     return Jumps(
-        size=(total.size - 1) * block,
-        length=length * block,
-        jump=float(score[most]) / quiet,
-        largest=(2 * most * step + length) * block // 2,
-        deviate=_normal(kurtosis, 1.2 * total.size / length),
-        chance=chances * largest * density,
-        share=1 - quiet / variance,
-        at=(step * middles + length // 2) * block,
-    )
+        size=(total.size - 1) * block, length=length * block, jump=float(score[most]) / quiet,
+        largest=(2 * most * step + length) * block // 2, deviate=_normal(kurtosis, 1.2 * total.size / length),
+        chance=chances * largest * density, share=1 - quiet / variance, at=(step * middles + length // 2) * block,
+    )  # fmt: skip
 
 
 def _normal(kurtosis: float, n: float) -> float:

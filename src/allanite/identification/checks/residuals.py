@@ -90,25 +90,17 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
     steady = not slow and all(check.passed for check in checks if check.name in ("halves", "eighths"))
     jumping = popcorn(jumps(series, fit.model, record.rate), record.signal, seconds) if steady else []
     return Residuals(
-        name=record.name,
-        rate=record.rate,
-        size=record.size,
-        goodness=fit.goodness,
-        checks=checks,
+        name=record.name, rate=record.rate, size=record.size, goodness=fit.goodness, checks=checks,
         findings=(
             *fit.findings,
             *reasons(record, fit, checks, (power, record.cut + seconds(parts)), kept=outliers == "keep"),
             *jumping,
         ),
-        correlation=correlation,
-        level=np.sqrt(power),
-        level_error=error,
+        correlation=correlation, level=np.sqrt(power), level_error=error,
         time=seconds((stretches[:-1] + stretches[1:]) // 2),
         low=np.minimum.reduceat(series, stretches[:-1]).astype(np.float64),
-        high=np.maximum.reduceat(series, stretches[:-1]).astype(np.float64),
-        expected=expected,
-        observed=observed,
-    )
+        high=np.maximum.reduceat(series, stretches[:-1]).astype(np.float64), expected=expected, observed=observed,
+    )  # fmt: skip
 
 
 def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...], FloatArray, FloatArray, FloatArray]:

@@ -256,14 +256,10 @@ class BinnedSpectrum(Portable):
                 say(
                     "the band {low:g} to {high:g} Hz contains {bins} of the spectrum, fewer than {fewest}; the "
                     "spectrum extends from {least:.3g} to {most:g} Hz",
-                    low=low,
-                    high=high,
-                    bins=say_count(int(inside.sum()), "{count} bin", "{count} bins"),
-                    fewest=FEWEST,
-                    least=self.rate / (2 * self.size),
-                    most=self.rate / 2,
+                    low=low, high=high, bins=say_count(int(inside.sum()), "{count} bin", "{count} bins"),
+                    fewest=FEWEST, least=self.rate / (2 * self.size), most=self.rate / 2,
                 )
-            )
+            )  # fmt: skip
         return np.asarray(inside)
 
 

@@ -33,13 +33,9 @@ def likelihood(spectrum: BinnedSpectrum, symbols: Sequence[str]) -> Likelihood:
     ends = 2 if spectrum.pieces is None else 0
     return Likelihood(
         S=np.column_stack([np.zeros((spectrum.first.size, 0)), *(table_column(symbol, spectrum) for symbol in noise)]),
-        power=spectrum.power,
-        count=spectrum.told,
-        UU=UU,
-        Uc=Uc,
-        W=np.outer(np.arange(UU.shape[1]) < ends, 2 * edge),
+        power=spectrum.power, count=spectrum.told, UU=UU, Uc=Uc, W=np.outer(np.arange(UU.shape[1]) < ends, 2 * edge),
         flat=np.arange(UU.shape[1]) >= ends,
-    )
+    )  # fmt: skip
 
 
 def with_warm_up(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, tau: float) -> Likelihood:

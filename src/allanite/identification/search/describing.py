@@ -52,17 +52,10 @@ def scope_of(
     band = asked or (low, spectrum.rate / 2 if last == used.size - 1 else float(spectrum.frequency(high)))
     misfit, within = misfit_of(answer)
     return Scope(
-        choice=choice,
-        band=band,
-        masks=masks,
-        filter=low_pass(answer),
-        misfit=misfit,
-        within=within,
-        frequency=spectrum.frequency(spectrum.first + (spectrum.count - 1) / 2),
-        level=level,
-        remarks=(),
+        choice=choice, band=band, masks=masks, filter=low_pass(answer), misfit=misfit, within=within,
+        frequency=spectrum.frequency(spectrum.first + (spectrum.count - 1) / 2), level=level, remarks=(),
         disturbed=disturbed(f),
-    )
+    )  # fmt: skip
 
 
 def bare_power(answer: Answer) -> FloatArray:

@@ -250,11 +250,7 @@ class Frame(Portable):
         return tries, np.log([self.gain(*each) for each in tries])
 
 
-def frame_of(
-    spectrum: BinnedSpectrum,
-    symbols: Sequence[str],
-    used: BoolArray,
-) -> Frame:
+def frame_of(spectrum: BinnedSpectrum, symbols: Sequence[str], used: BoolArray) -> Frame:
     """The frame of a spectrum for the terms that were asked for."""
     noise = [s for s in symbols if TERMS[s].scatters and TERMS[s].waveform is None]
     ramps = tuple(s for s in symbols if TERMS[s].scatters and TERMS[s].waveform is not None)

@@ -145,11 +145,7 @@ def _bare(f: Fitted) -> list[Fitted]:
 
 
 def _follow(
-    result: Searched,
-    start: Fitted,
-    ways: Sequence[Move],
-    done: dict[object, float],
-    moves: Sequence[Move] = (),
+    result: Searched, start: Fitted, ways: Sequence[Move], done: dict[object, float], moves: Sequence[Move] = ()
 ) -> None:
     """Expand a start and then the best that each way from it leads to, whatever the others gain.
 

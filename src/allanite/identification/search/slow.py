@@ -121,15 +121,12 @@ class WarmUp(Portable):
             say(
                 "the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with "
                 "a time constant of {tau:.3g} s",
-                size=size,
-                error=error,
-                unit=unit,
-                tau=self.tau,
+                size=size, error=error, unit=unit, tau=self.tau,
             ),
             say("the coefficients are those of the noise without it; K and R are less certain"),
             remedy,
             (cut, cut + min(self.until, self.duration)),
-        )
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,14 +248,11 @@ def exponent_finding(answer: Answer, f: Fitted) -> Finding:
         "flicker exponent",
         say(
             "{where} the power spectral density falls as f^-{exponent:.2f} ({low:.2f} to {high:.2f}), not as f^-1",
-            where=begins,
-            exponent=a,
-            low=low,
-            high=high,
+            where=begins, exponent=a, low=low, high=high,
         ),
         harm,
         say("read the noise at the averaging times of interest off the Allan deviation"),
-    )
+    )  # fmt: skip
 
 
 def under(a: float, estimate: Estimate) -> Estimate:
