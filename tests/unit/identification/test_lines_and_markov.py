@@ -16,8 +16,9 @@ from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.likelihood.whittle import likelihood
 from allanite.identification.search.components import Part
 from allanite.identification.search.estimates import profile_ends
-from allanite.identification.search.fitting import fitted, refined
+from allanite.identification.search.fitting import fitted
 from allanite.identification.search.frame import frame_of
+from allanite.identification.search.refining import refined
 from allanite.identification.search.state import State
 
 RATE = 100.0

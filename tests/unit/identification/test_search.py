@@ -14,18 +14,11 @@ from allanite.identification.likelihood.filters import FILTERS, Filter
 from allanite.identification.likelihood.spectrum import spectrum
 from allanite.identification.search import moves as ways
 from allanite.identification.search.components import CLAIMED, COMPONENTS, FACTORS, ODDS, Part, cost_of
-from allanite.identification.search.fitting import (
-    factor_basis,
-    fitted,
-    likelihood_of,
-    refined,
-    slopes,
-    values_of,
-    with_values,
-)
+from allanite.identification.search.fitting import factor_basis, fitted, likelihood_of, slopes, values_of, with_values
 from allanite.identification.search.frame import frame_of
 from allanite.identification.search.identify import moves_for
 from allanite.identification.search.laws import entries_of, law_of, weighted
+from allanite.identification.search.refining import refined
 from allanite.identification.search.search import search
 from allanite.identification.search.state import State, alike
 

@@ -18,7 +18,6 @@ from functools import cached_property
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
-from allanite.core.limits import quantile
 from allanite.core.plain import Portable
 
 from .likelihood import Likelihood
@@ -144,10 +143,6 @@ class ThetaProfile(Portable):
         if least == math.inf:  # nothing else could make noise
             return math.inf, 0.0, theta
         return 2 * (least - self.subset.value), 2 * float(self.likelihood.gradient(theta)[self.which]), theta
-
-    def excludes_zero(self, level: float = 0.95) -> bool:
-        """Whether theta = 0 lies below the two-sided limits."""
-        return self.lower(quantile((1 + level) / 2) ** 2) > 0
 
     def weighted(self, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
         """All thetas along the profile, with weights of its likelihood times a prior.

@@ -60,11 +60,6 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
     return smooth * (1 - left), smooth * (1 + left)
 
 
-def with_steps(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, at: Sequence[float]) -> Likelihood:
-    """A likelihood of the bins `used` with steps of any size, at these samples, as loose directions."""
-    return _with_directions(part, spectrum, used, [in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in at])
-
-
 def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
     UU, Uc = directions_of(spectrum, bool(part.flat.any()), more)
     at = np.full(len(more), np.count_nonzero(~part.flat))

@@ -66,6 +66,9 @@ EXPONENTS = (0.7, 1.6)
 SHORTEST_WARM_UP, LONGEST_WARM_UP = 0.001, 0.37
 """Shares of the record from which a warm-up is looked for, and up to which it differs from a ramp with a parabola."""
 
+INSIDE = 1.05
+"""Factor by which what is tried first stays inside its bounds."""
+
 SIZES = (0.004, 6.0)
 """Least and greatest size of a factor, RMS of the logarithm of the power."""
 

@@ -19,9 +19,10 @@ from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, Part
 from .estimates import Answer
-from .fitting import Fitted, fitted, place_of, refined, refined_values, sizes_inside, values_of
+from .fitting import Fitted, fitted, place_of, refined_values, sizes_inside, values_of
 from .frame import LOWEST_CUTOFF, starts_of
 from .laws import Entry
+from .refining import refined
 
 HALF = 0.5
 """Power at the cut-off, over that at low frequencies: -3 dB, a definition."""

@@ -18,9 +18,10 @@ from allanite.terms import TERMS
 from .components import CLAIMED, COMPONENTS, LONGEST_MARKOV, Part
 from .cutoffs import errors_of, quantile_of
 from .estimates import Answer, shaped_terms
-from .fitting import Fitted, factor_basis, fitted, refined
+from .fitting import Fitted, factor_basis, fitted
 from .frame import Frame
 from .laws import Entry, weights_of
+from .refining import refined
 
 VISIBLE = 2.0
 """Standard deviations by which a factor must differ from 1 to be said."""

@@ -18,8 +18,9 @@ from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .components import CLAIMED, Part
-from .fitting import Fitted, fitted, place_of, refined, resized, values_of, with_values
+from .fitting import Fitted, fitted, place_of, values_of, with_values
 from .laws import Entry, Law, column_of, law_of
+from .refining import refined, resized
 from .search import Searched
 
 TWO_SIDED = 1.96

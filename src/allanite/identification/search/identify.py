@@ -26,6 +26,7 @@ from allanite.prepare.gaps import known_rates, refusal
 from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
+from .bias_moves import warm_ups_of
 from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
 from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of
@@ -33,7 +34,8 @@ from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate,
 from .fitting import Fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
-from .moves import MOVES, Move, filters, floors, less, markov, resonances, warm_ups_of
+from .local import Move
+from .moves import MOVES, filters, floors, less, markov, resonances
 from .pooling import Together, behind
 from .search import Searched, search, shows_white
 from .slow import (
@@ -224,7 +226,8 @@ def _without_lines(
     record: Record, symbols: Sequence[str], band: Band, masks: Sequence[tuple[float, float]]
 ) -> tuple[tuple[Line, ...], Record]:
     """The sinusoids of a record and the rest of it; the record itself if there are none."""
-    from .fitting import fitted, pruned
+    from .fitting import fitted
+    from .refining import pruned
 
     bins = spectrum(record, detrend=deterministic(symbols))
     asked = _frequencies(band)[1]

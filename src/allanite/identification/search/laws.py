@@ -21,8 +21,9 @@ from allanite.core.plain import Portable
 from allanite.identification.likelihood.law import Subset, traced
 
 from .components import CLAIMED, COMPONENTS
-from .fitting import Fitted, admissible, resized, sizes_inside
-from .moves import REACH
+from .fitting import Fitted, admissible, sizes_inside
+from .local import REACH
+from .refining import resized
 from .search import Searched
 
 HELD = 0.985
@@ -42,9 +43,6 @@ FAR = 5.0
 
 WIDEST = 30.0
 """Factor by which unknown shapes widen a profile, at most: beyond it the coefficient is not known at all."""
-
-SLIGHT = 1e-6
-"""Share of the largest size at which a size that was zero starts."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,9 +23,11 @@ from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, ODDS, Part
 from .cutoffs import errors_of
-from .fitting import Fitted, fitted, pruned, refined
+from .fitting import Fitted, fitted
 from .frame import LOWEST_CUTOFF, Common, Frame
-from .moves import REACH, less
+from .local import REACH
+from .moves import less
+from .refining import pruned, refined
 from .search import Searched, search
 from .state import State
 

@@ -14,9 +14,12 @@ from allanite.core.plain import Portable
 from allanite.identification.likelihood.spectrum import WELL_KNOWN
 
 from .components import Part
-from .fitting import Fitted, factor_basis, fitted, pruned, refined
+from .factor_moves import factors, neighbours, places_beside
+from .fitting import Fitted, factor_basis, fitted
 from .frame import Frame
-from .moves import MOVES, REACH, Local, Move, factors, neighbours, places_beside, resonances
+from .local import REACH, Local, Move
+from .moves import MOVES, resonances
+from .refining import pruned, refined
 from .state import State, alike
 
 EXPANDED = (4.0, 1.0)

@@ -16,11 +16,11 @@ from allanite.core.validity import Finding
 from allanite.phrases.phrase import join, longest_without, say, spelled
 from allanite.terms import TERMS, WHITE
 
+from .bias_moves import PLACES
 from .components import COMPONENTS, Part
 from .estimates import Answer
 from .fitting import Fitted, column_of_part, fitted
 from .laws import law_of
-from .moves import PLACES
 
 RESONANCES = COMPONENTS["resonance"].most
 """Vibrations in a record, at most: one that has so many is not described by them."""
