@@ -90,8 +90,8 @@ class ClaimedNoise(Value):
         return ", ".join(filter(None, (self.source, *(s.words() for s in self.settings))))
 
     def _summary(self) -> str:
-        said = [str(self.limits)] if self.limits is not None else list(map(str, self.models))
-        return f"of {self.title}: {join('; ', said)}" if said else f"of {self.title}"
+        texts = [str(self.limits)] if self.limits is not None else list(map(str, self.models))
+        return f"of {self.title}: {join('; ', texts)}" if texts else f"of {self.title}"
 
 
 @public
@@ -158,10 +158,10 @@ def _of_file(path: str, origin: str | None, rate: float | None) -> ClaimedNoise:
         text = Path(path).read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path!r} cannot be read: {reason(error)}") from None
-    found = noise_in(text, target_named(origin), rate, path) if origin else recognized(text, rate, path)
-    if not found.models:
-        raise DataError(f"{path!r} has no value above 0 in the fields of {found.target}: it claims no noise")
-    return ClaimedNoise(path, found.target, found.simulated, rate=found.rate)
+    noise = noise_in(text, target_named(origin), rate, path) if origin else recognized(text, rate, path)
+    if not noise.models:
+        raise DataError(f"{path!r} has no value above 0 in the fields of {noise.target}: it claims no noise")
+    return ClaimedNoise(path, noise.target, noise.simulated, rate=noise.rate)
 
 
 def _limited(limits: Specification) -> Iterator[Model]:
@@ -180,22 +180,22 @@ def recognized(text: str, rate: float | None = None, name: str = "the text") -> 
     if not most:
         known = ", ".join(row.name for row in EXPORTS.values() if row.fields)
         raise DataError(f"{name!r} has no field of a known target; these are known: {known}")
-    found, refused = list[Imported](), list[AllaniteError]()
+    readings, refused = list[Imported](), list[AllaniteError]()
     for row in (EXPORTS[target] for target, count in counts.items() if count == most):
         try:
-            found.append(noise_in(text, row, rate, name))
+            readings.append(noise_in(text, row, rate, name))
         except UsageError as error:
             refused.append(error)
     if refused:
         raise refused[0]
-    if any(other.simulated != found[0].simulated for other in found[1:]):
-        names = [imported.target for imported in found]
+    if any(other.simulated != readings[0].simulated for other in readings[1:]):
+        names = [imported.target for imported in readings]
         wanted = spelled(f"--claims-from {names[0]}", f"origin={names[0]!r}")
         raise UsageError(
             say("{name!r} may be a file of {targets}, whose fields mean different things: name its target, {option}",
                 name=name, targets=join(" or ", names), option=wanted)
         )  # fmt: skip
-    return found[0]
+    return readings[0]
 
 
 def _fields(text: str, target: Target) -> int:

@@ -56,7 +56,7 @@ def settings_in(text: str) -> tuple[tuple[ClaimedSetting, ...], str]:
     >>> settings_in("N 0.3 deg/sqrt(h), lowpass 42 Hz; 100 ug/sqrt(Hz)")
     ((<ClaimedSetting lowpass 42 Hz>,), 'N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)')
     """
-    found, groups = list[ClaimedSetting](), []
+    settings, groups = list[ClaimedSetting](), []
     for group in text.split(";"):
         kept = []
         for part in group.split(","):
@@ -65,9 +65,9 @@ def settings_in(text: str) -> tuple[tuple[ClaimedSetting, ...], str]:
                 kept.append(part)
                 continue
             value = _number(item["value"]) * (1000 if item["kilo"] else 1)
-            found.append(ClaimedSetting(CUTOFF if item["cutoff"] else RATE, value, (item["sensor"] or "").lower()))
+            settings.append(ClaimedSetting(CUTOFF if item["cutoff"] else RATE, value, (item["sensor"] or "").lower()))
         groups.append(",".join(kept))
-    return tuple(found), ";".join(group for group in groups if group.strip()).strip()
+    return tuple(settings), ";".join(group for group in groups if group.strip()).strip()
 
 
 def _number(text: str) -> float:

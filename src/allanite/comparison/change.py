@@ -152,24 +152,24 @@ def changes_of(
     """The change of each coefficient, by symbol, and of each sinusoid, from what contrasts it: ratio, p and limits."""
     signal, alpha = fits[0].signal, alpha_of(level)
     adjusted = iter(holm([contrast.p for contrast in (*contrasts.values(), *lines)]))
-    found = [
+    changes = [
         Change(s, signal, fits[0][s], fits[1][s], c.ratio, c.p, next(adjusted), Remembered(c.limits), alpha)
         for s, c in contrasts.items()
     ]
     for c in lines:
         first, second = (amplitude.estimate(c.frequency, signal) for amplitude in (c.first, c.second))
         p = next(adjusted)
-        found.append(Change("Sine", signal, first, second, c.ratio, c.p, p, Remembered(c.limits), alpha, c.frequency))
-    return tuple(found)
+        changes.append(Change("Sine", signal, first, second, c.ratio, c.p, p, Remembered(c.limits), alpha, c.frequency))
+    return tuple(changes)
 
 
 def told(change: Change) -> str:
     """A significant change in a few words: ``N -6.29 % (-6.46 to -6.12 %)``."""
     low, high = change.interval(1 - change.alpha)
-    found = [e.value is not None for e in (change.before, change.after)]
-    if found == [False, True]:
+    valued = [e.value is not None for e in (change.before, change.after)]
+    if valued == [False, True]:
         return say("{coefficient} is detected only in the second record", coefficient=change.label)
-    if found == [True, False] and change.frequency is None:
+    if valued == [True, False] and change.frequency is None:
         return say("{coefficient} is detected only in the first record", coefficient=change.label)
     if TERMS[change.symbol].waveform is not None and change.ratio < 0:
         return say("{coefficient} has changed its sign", coefficient=change.symbol)

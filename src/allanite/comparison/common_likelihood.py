@@ -64,8 +64,8 @@ def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) 
 def least(parts: Sequence[Likelihood], start: FloatArray | None = None) -> tuple[list[FloatArray], float]:
     """Theta of each part by itself, and the sum of the minima of L."""
     free = np.ones(parts[0].S.shape[1], dtype=bool)
-    found = [part.minimise(free, start) for part in parts]
-    return [theta for theta, _ in found], sum(value for _, value in found)
+    minima = [part.minimise(free, start) for part in parts]
+    return [theta for theta, _ in minima], sum(value for _, value in minima)
 
 
 def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Likelihood:
@@ -76,10 +76,10 @@ def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Li
     """
     m = part.expectation(theta)
     value, vector = np.linalg.eigh(part.UU)
-    there = value > RANK * np.maximum(value.max(axis=1, initial=0.0), 1e-300)[:, None]
-    F = vector * np.sqrt(np.where(there, value, 0.0))[:, None, :]
-    z = rng.standard_normal(there.shape) * np.sqrt(m)[:, None] * there
-    rest = np.maximum(part.count - there.sum(axis=1), 0.0)
+    spanned = value > RANK * np.maximum(value.max(axis=1, initial=0.0), 1e-300)[:, None]
+    F = vector * np.sqrt(np.where(spanned, value, 0.0))[:, None, :]
+    z = rng.standard_normal(spanned.shape) * np.sqrt(m)[:, None] * spanned
+    rest = np.maximum(part.count - spanned.sum(axis=1), 0.0)
     squares = (z**2).sum(axis=1) + m * 2 * rng.standard_gamma(rest / 2)
     eta = np.where(part.flat, 0.0, np.sqrt(part.W @ theta)) * rng.standard_normal(part.flat.size)
     Uc = np.einsum("bij,bj->bi", F, z)
@@ -99,7 +99,7 @@ class Joint(Portable):
 
     symbols: tuple[str, ...]  # the noise terms: the columns
     parts: tuple[Likelihood, ...]
-    seen: tuple[BinnedSpectrum, ...]  # the spectrum of each part
+    spectra: tuple[BinnedSpectrum, ...]  # the spectrum of each part
     signal: Signal
     band: tuple[float, float]  # the frequencies that every part has, Hz
     # the shape of each term that has one, SI: the same in all records
@@ -159,16 +159,16 @@ def joint(
     shaped = [s for s in symbols if s in shapes]
     quiet = [s for s in plain if TERMS[s].waveform is None]
     noise = (*quiet, *shaped)
-    seen = tuple(spectrum(record, detrend=len(quiet) < len(plain)) for record in records)
+    spectra = tuple(spectrum(record, detrend=len(quiet) < len(plain)) for record in records)
     band, scopes = common_band(records, band, scopes), scopes or [None] * len(records)
-    wholes = [likelihood(found, plain) for found in seen]
+    wholes = [likelihood(bins, plain) for bins in spectra]
     for symbol in shaped:
-        one = Term(symbol, 1.0, records[0].signal, shapes[symbol])
-        every = zip(wholes, records, seen, strict=True)
-        wholes = [whole.with_more(column(one.sampled(record.rate), found)) for whole, record, found in every]
-    own = zip(wholes, seen, scopes, strict=True)
-    parts = tuple(part_of(whole, found, noise, scope, band=band, scopes=scopes) for whole, found, scope in own)
-    return Joint(noise, parts, seen, records[0].signal, band, shapes)
+        term = Term(symbol, 1.0, records[0].signal, shapes[symbol])
+        every = zip(wholes, records, spectra, strict=True)
+        wholes = [whole.with_more(column(term.sampled(record.rate), bins)) for whole, record, bins in every]
+    own = zip(wholes, spectra, scopes, strict=True)
+    parts = tuple(part_of(whole, bins, noise, scope, band=band, scopes=scopes) for whole, bins, scope in own)
+    return Joint(noise, parts, spectra, records[0].signal, band, shapes)
 
 
 def part_of(

@@ -214,7 +214,7 @@ def truncation(
     part, rest = trim(recording, None, until), trim(recording, until, None)
     pairs = [(record.name, (part[record.name], rest[record.name])) for record in recording]
     sources = SourceSet((recording,), (say("first {until:g} s", until=until), say("rest")), pairs)
-    found = _compare(sources, recipe, ComparisonSettings(part=until), rng=rng, progress=progress)
+    comparison = _compare(sources, recipe, ComparisonSettings(part=until), rng=rng, progress=progress)
 
     def with_whole(pair: Pair) -> Pair:
         """The pair and the fit of the whole, of the terms that were compared."""
@@ -223,7 +223,7 @@ def truncation(
         doubts = (say("the whole: {doubt}", doubt=doubt) for doubt in whole.doubts)
         return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *doubts))
 
-    return replace(found, channels=tuple(pair if pair.refusal else with_whole(pair) for pair in found))
+    return replace(comparison, channels=tuple(pair if pair.refusal else with_whole(pair) for pair in comparison))
 
 
 def _ready(recipe: Recipe | None, choices: Mapping[str, Any] | None = None) -> Recipe:

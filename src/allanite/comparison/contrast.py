@@ -41,18 +41,18 @@ def homogeneity(joint: Joint, rng: "np.random.Generator", *, draws: int = DRAWS)
     """
     parts = joint.only(joint.chosen.free)
     theta = joint.chosen.theta[joint.chosen.free]
-    seen = gain(parts, theta)
+    statistic = gain(parts, theta)
     dof = theta.size * (len(parts) - 1)
-    by_table = chi_square(seen, dof)
+    by_table = chi_square(statistic, dof)
     if by_table < CLEAR or draws == 0:
-        return Homogeneity(seen, dof, by_table, 0)
+        return Homogeneity(statistic, dof, by_table, 0)
     reached = 0
     for count in range(1, draws + 1):
-        reached += gain(tuple(drawn(part, theta, rng) for part in parts), theta) >= seen
+        reached += gain(tuple(drawn(part, theta, rng) for part in parts), theta) >= statistic
         if reached == ENOUGH:
-            return Homogeneity(seen, dof, reached / count, count)
+            return Homogeneity(statistic, dof, reached / count, count)
     smallest = (reached + 1) / (draws + 1)
-    return Homogeneity(seen, dof, min(smallest, by_table) if reached == 0 else smallest, draws)
+    return Homogeneity(statistic, dof, min(smallest, by_table) if reached == 0 else smallest, draws)
 
 
 def gain(parts: tuple[Likelihood, ...], start: FloatArray) -> float:
@@ -153,12 +153,12 @@ def outlying(joint: Joint) -> list[float]:
     parts, theta = joint.only(free), joint.chosen.theta[free]
     whole = np.ones(theta.size, dtype=bool)
     _, together = tied(parts).minimise(whole, theta)
-    found = []
+    chances = []
     for i, part in enumerate(parts):
         _, rest = tied(parts[:i] + parts[i + 1 :]).minimise(whole, theta)
         _, own = part.minimise(whole, theta)
-        found.append(chi_square(max(2 * (together - rest - own), 0.0), theta.size))
-    return found
+        chances.append(chi_square(max(2 * (together - rest - own), 0.0), theta.size))
+    return chances
 
 
 def spread(joint: Joint, which: int) -> tuple[float, float]:

@@ -196,7 +196,7 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
         curves[0], variance=(edf * variance).sum(axis=0) / whole, count=np.sum([c.count for c in curves], axis=0),
         name=say("all runs"), law=PooledLaw(whole), noise=None, history=(),
     )  # fmt: skip
-    apart, left = _apart(joined.joint, names, alpha)
+    apart, rest = _apart(joined.joint, names, alpha)
     test = homogeneity(joined.joint, rng)
     terms = [*_noise_terms(joined.joint, joined.fits), *_ramp_terms(joined.joint, joined.fits)]
     adjusted = holm([term.p for term in terms])
@@ -204,7 +204,7 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
         seen.name,
         test=test, terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
         curve=curve, curves=curves, p=bartlett(variance, edf), apart=apart,
-        rest=(homogeneity(left, rng) if apart else test).p, fits=joined.fits, explained=joined.explained,
+        rest=(homogeneity(rest, rng) if apart else test).p, fits=joined.fits, explained=joined.explained,
         grades=joined.grades, records=seen.records, band=joined.joint.band,
         alerts=(*joined.alerts, *seen.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])), alpha=alpha,
     )  # fmt: skip
@@ -266,16 +266,16 @@ def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:
     """Runs that differ from all others, the worst one removed at a time, and what is left."""
     apart: dict[str, float] = {}
-    left = list(range(len(names)))
+    runs = list(range(len(names)))
     rest = together
-    while len(left) > 2:
+    while len(runs) > 2:
         p = holm(outlying(rest))
         worst = int(np.argmin(p))
         if p[worst] > alpha:
             break
-        apart[names[left.pop(worst)]] = p[worst]
+        apart[names[runs.pop(worst)]] = p[worst]
         rest = replace(
-            together, parts=tuple(together.parts[i] for i in left), seen=tuple(together.seen[i] for i in left)
+            together, parts=tuple(together.parts[i] for i in runs), spectra=tuple(together.spectra[i] for i in runs)
         )
     return apart, rest
 

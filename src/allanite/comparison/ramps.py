@@ -24,16 +24,16 @@ def ramp_law(joint: Joint, i: int) -> NormalMixture | None:
     A normal law for each strength of the noise of the longest memory, which is known from a few powers only: averaging
     over it gives the wide tails of Student's t.
     """
-    part, seen = joint.parts[i], joint.seen[i]
+    part, spectrum = joint.parts[i], joint.spectra[i]
     if not part.flat.any():
         return None
     slope = [np.nan_to_num(TERMS[symbol].slope, nan=-math.inf) for symbol in joint.symbols]
     free = np.ones(part.S.shape[1], dtype=bool)
     thetas, weight = ThetaProfile(Subset(part, free, *part.minimise(free)), int(np.argmax(slope))).weighted()
-    found = [part.directions(theta)[:2] for theta in thetas]
-    size = seen.unit_factor * seen.rate
-    centre = np.array([eta[-1] for eta, _ in found]) + seen.slope
-    return NormalMixture(size * centre, size * np.sqrt([V[-1, -1] for _, V in found]), weight)
+    directions = [part.directions(theta)[:2] for theta in thetas]
+    size = spectrum.unit_factor * spectrum.rate
+    centre = np.array([eta[-1] for eta, _ in directions]) + spectrum.slope
+    return NormalMixture(size * centre, size * np.sqrt([V[-1, -1] for _, V in directions]), weight)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,8 +192,8 @@ def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[L
     One that lies beyond the frequencies of the other record is omitted.
     """
     width = WIDTH / min(record.duration for record in records)
-    found = sorted(line.frequency for fit in fits for line in fit.lines)
-    apart = [f for i, f in enumerate(found) if not i or f - found[i - 1] > width]
+    frequencies = sorted(line.frequency for fit in fits for line in fit.lines)
+    apart = [f for i, f in enumerate(frequencies) if not i or f - frequencies[i - 1] > width]
     for frequency in apart:
         if all(AROUND[0] / r.duration < frequency < r.rate / 2 - AROUND[0] / r.duration for r in records):
             first, second = (_amplitude(r, fit, frequency, width) for r, fit in zip(records, fits, strict=True))
@@ -206,9 +206,9 @@ def _amplitude(record: Record, fit: Fit, frequency: float, width: float) -> Ampl
         line = max(near, key=lambda line: line.amplitude)
         return Amplitude(line.amplitude, line.standard_error, True)
     rates = record.rate_values
-    there = np.isfinite(rates)
-    window = np.where(there, np.sin(np.pi * (np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.0)
-    weighted = np.where(there, rates - rates[there].mean(), 0.0) * window
+    finite = np.isfinite(rates)
+    window = np.where(finite, np.sin(np.pi * (np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.0)
+    weighted = np.where(finite, rates - rates[finite].mean(), 0.0) * window
     power = np.abs(np.fft.rfft(weighted)) ** 2
     at = round(frequency * record.duration)
     beside = np.abs(np.arange(power.size) - at)

@@ -47,7 +47,9 @@ class SourceSet:
             return self.recordings[0].findings
         named = zip(self.names, self.recordings, strict=True)
         return tuple(
-            replace(found, what=join(": ", (name, found.what))) for name, one in named for found in one.findings
+            replace(finding, what=join(": ", (name, finding.what)))
+            for name, recording in named
+            for finding in recording.findings
         )
 
 
@@ -69,7 +71,7 @@ def run_together(
     results = each_channel(
         sources.channels, work, refused, findings=findings, doing=doing, demand=True, progress=progress
     )
-    notes = dict.fromkeys((*(note for one in sources.recordings for note in one.notes), *sources.notes))
+    notes = dict.fromkeys((*(note for recording in sources.recordings for note in recording.notes), *sources.notes))
     return kind(results, recipe, findings, tuple(notes), provenance_of(*sources.recordings), sources.names)
 
 
@@ -216,13 +218,13 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     _demand_different(records)
     notes: list[str] = []
     if recipe.outliers is None:
-        found = [outliers(record) for record in records]
+        outlying = [outliers(record) for record in records]
         notes = [
             say("record {number}: {outliers}: excluded from the comparison", number=i, outliers=some.words(record))
-            for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
+            for i, (record, some) in enumerate(zip(records, outlying, strict=True), 1)
             if some.at.size
         ]
-        records = [marked(record, some) for record, some in zip(records, found, strict=True)]
+        records = [marked(record, some) for record, some in zip(records, outlying, strict=True)]
     noises, shown = _identify_alike(records, replace(recipe, outliers="keep"))
     fits = [noise.fit for noise in noises]
     shapes = _common_shapes(fits)

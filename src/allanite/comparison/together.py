@@ -50,10 +50,10 @@ class ComparedChannel(Value):
 
 def of_symbol(found: Sequence[OfTerm], symbol: str, done: str) -> OfTerm:
     """The one of that symbol; where there is none, an error says what was `done` instead."""
-    for one in found:
-        if one.symbol == symbol:
-            return one
-    raise UsageError(f"{symbol!r} was not {done}; terms: {', '.join(one.symbol for one in found)}")
+    for result in found:
+        if result.symbol == symbol:
+            return result
+    raise UsageError(f"{symbol!r} was not {done}; terms: {', '.join(result.symbol for result in found)}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -183,19 +183,19 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
 
     `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
     """
-    found: list[AxisCoefficient] = []
+    chosen: list[AxisCoefficient] = []
     reasons: list[str] = []
     for axis in axes:
         e = axis.estimate(symbol)
-        one = None if e is None else _coefficient(axis, e, unexplained=unexplained)
-        if markov and symbol == "K" and (one is None or one.limit):
-            one = _markov(axis) or one
-        if one is None:
+        coefficient = None if e is None else _coefficient(axis, e, unexplained=unexplained)
+        if markov and symbol == "K" and (coefficient is None or coefficient.limit):
+            coefficient = _markov(axis) or coefficient
+        if coefficient is None:
             why = say("not given or not looked for") if e is None else e.words(level=axis.level)
             reasons.append(say("{axis}: {symbol} is {why}", axis=axis.label, symbol=symbol, why=why))
         else:
-            found.append(one)
-    return tuple(found), reasons
+            chosen.append(coefficient)
+    return tuple(chosen), reasons
 
 
 def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> AxisCoefficient | None:

@@ -193,7 +193,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     groups = groups_of(kept, how) if target.drifts else []
     stand = covered(target, kept, to_cover(target, kept, groups, how), asked=how.span is not None)
     entries, missing = fill(target, stand, how)
-    stated = tuple(found for group in groups if (found := compared(target, entries, group, how)) is not None)
+    stated = tuple(noise for group in groups if (noise := compared(target, entries, group, how)) is not None)
     if not target.fields:
         kept = tuple(axis for group in by_sensor(kept).values() for axis in selected(group, how.axis))
     rate = next((target.rate(axis.rate, how.filter_rate) for axis in kept), None)
@@ -203,8 +203,8 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     notes = (*missing, *left_out(target, stand), *(line for made in stated if made.covers for line in made.words()))
     known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
     warned = [line for made in stated if made.confident for line in made.words()[:known]]
-    left = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
-    head = (*header(target, kept, how), *notes, *warned, *left)
+    omitted = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
+    head = (*header(target, kept, how), *notes, *warned, *omitted)
     made = target.forms[suffix](Content(head, entries, kept, rate, how.inflate))
     binary = isinstance(made, bytes)
     text = base64.b64encode(made).decode() if isinstance(made, bytes) else made
@@ -238,8 +238,8 @@ def alerts_of(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[St
     for axis in kept:
         for alert in (*axis.alerts, *([axis.doubt] if axis.doubt else [])):
             alerts.setdefault(alert, []).append(axis.name)
-    found = [str(finding) for study in studies for finding in study.findings]
-    found += [say("{names}: {alert}", names=", ".join(names), alert=alert) for alert, names in alerts.items()]
-    found += [say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) for axis in doubts]
+    remarks = [str(finding) for study in studies for finding in study.findings]
+    remarks += [say("{names}: {alert}", names=", ".join(names), alert=alert) for alert, names in alerts.items()]
+    remarks += [say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) for axis in doubts]
     refused = [channel for study in studies for channel in study if channel.refusal]
-    return found + [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in refused]
+    return remarks + [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in refused]

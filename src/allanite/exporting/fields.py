@@ -76,12 +76,14 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, .
         if group is None:
             missing.append(field.absent)
             continue
-        found, reasons = coefficients(group, field.term or "K", markov=target.markov, unexplained=how.unexplained)
-        if found and (how.axis != "each" or len(found) == 3):
-            entries.append(_entry(field, POLICIES[how.axis](found), group, target, how))
+        coefs, reasons = coefficients(group, field.term or "K", markov=target.markov, unexplained=how.unexplained)
+        if coefs and (how.axis != "each" or len(coefs) == 3):
+            entries.append(_entry(field, POLICIES[how.axis](coefs), group, target, how))
             if reasons and field.term:
-                left = join("; ", reasons)
-                missing.append(say("{field} is taken from the other axes ({reasons})", field=field.full, reasons=left))
+                others = join("; ", reasons)
+                missing.append(
+                    say("{field} is taken from the other axes ({reasons})", field=field.full, reasons=others)
+                )
             continue
         why = say("{field} has no value ({reasons})", field=field.full, reasons=join("; ", reasons))
         (fatal if field.needed and not how.partial else missing).append(why)
@@ -96,13 +98,13 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, .
 def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:
     absent = [sensor for sensor in target.sensors if sensor not in groups]
     if absent:
-        there = ", ".join(f"{axis.label} ({axis.sensor})" for axis in axes)
+        given = ", ".join(f"{axis.label} ({axis.sensor})" for axis in axes)
         remedy = spelled(
             "add a file with it, or its noise: --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'",
             "pass a list with a result or a model of it as well",
         )
         names = " and ".join(f"an {sensor}" if sensor[0] == "a" else f"a {sensor}" for sensor in absent)
-        raise DataError(f"{target.name} needs {names}, and there is only {there}: {remedy}")
+        raise DataError(f"{target.name} needs {names}, and there is only {given}: {remedy}")
 
 
 def _entry(field: TargetField, found: Found, group: Sequence[Axis], target: Target, how: How) -> Entry:

@@ -142,8 +142,8 @@ def groups_of(axes: Sequence[Axis], how: How) -> list[tuple[AxisNoise, ...]]:
         low, high = how.span or span_of(group[0])
         tau = np.geomspace(low, high, max(2, round(PER_DECADE * np.log10(high / low)) + 1))
         noises = [noise_of(axis, tau, unexplained=how.unexplained) for axis in group]
-        found = [noise for noise in noises if noise is not None]
-        groups += [tuple(found)] if how.axis == "worst" and found else [(noise,) for noise in found]
+        known = [noise for noise in noises if noise is not None]
+        groups += [tuple(known)] if how.axis == "worst" and known else [(noise,) for noise in known]
     return groups
 
 
@@ -234,8 +234,8 @@ def to_cover(
     if how.cover is not None or target.simulates:
         return list(groups) if how.cover else []
     entries = fill(target, axes, replace(how, partial=True))[0]
-    found = ((group, compared(target, entries, group, how)) for group in groups)
-    return [group for group, made in found if (made.confident if made else _lacking(target, group))]
+    noises = ((group, compared(target, entries, group, how)) for group in groups)
+    return [group for group, made in noises if (made.confident if made else _lacking(target, group))]
 
 
 def _lacking(target: Target, group: Sequence[AxisNoise]) -> bool:

@@ -241,12 +241,12 @@ def _deterministic(
             yield from zip(_names([t], model), transient_errors(t, noise, n, rate), strict=True)
         elif t.row.periodic:
             frequency, duration = t.shape[0], n / rate
-            seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
+            folded = abs(frequency - rate * round(frequency / rate))  # sampling folds it
             amplitude = abs(t.value * np.sinc(frequency / rate))
             errors = math.inf, math.inf
-            if seen * duration >= 1 and amplitude:  # else there is no whole period
+            if folded * duration >= 1 and amplitude:  # else there is no whole period
                 random = Model(tuple(part for part in model if part.row.waveform is None))
-                density = float(random.spectrum(np.array([seen]), 1 / rate)[0])
+                density = float(random.spectrum(np.array([folded]), 1 / rate)[0])
                 relative = math.sqrt(2 * density / duration) / amplitude
                 errors = relative, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)
             yield from zip(_names([t], model)[:2], errors, strict=True)

@@ -94,14 +94,14 @@ class StateSpace(Value):
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> "StateSpace":
-        found = super()._stored(data)
+        space = super()._stored(data)
         # a list of no rows does not say that it has no columns either
-        square = {n: getattr(found, n) for n in ("Phi", "Qd", "P0", "F", "Qc")}
+        square = {n: getattr(space, n) for n in ("Phi", "Qd", "P0", "F", "Qc")}
         orders = {n: math.isqrt(matrix.size) for n, matrix in square.items()}
         if any(matrix.size != orders[n] ** 2 for n, matrix in square.items()):
             raise StoredError("a matrix is not square")
         square = {n: matrix.reshape((orders[n], orders[n])) for n, matrix in square.items()}
-        return replace(found, H=found.H.reshape(1, -1), **square)
+        return replace(space, H=space.H.reshape(1, -1), **square)
 
     def _summary(self) -> str:
         return f"{', '.join(self.states) or 'no states'} at {self.rate:g} Hz: {self.model}"

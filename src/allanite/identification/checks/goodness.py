@@ -172,13 +172,13 @@ def _lines(spectrum: BinnedSpectrum, used: BoolArray, m: FloatArray, rest: Float
     peak = np.where(count == 1, rest, spectrum.peak[used])
     around = np.median(surroundings(power), axis=1)
     threshold = float(ndtri(0.5 * FALSE_LINE / count.sum())) ** 2
-    found = peak > threshold * np.maximum(around, m)
-    if not found.any():
+    standing_out = peak > threshold * np.maximum(around, m)
+    if not standing_out.any():
         return []
-    strength = np.where(found, peak / np.maximum(around, m), 0.0)
-    best = np.sort(np.argsort(strength)[::-1][: min(5, int(found.sum()))])
+    strength = np.where(standing_out, peak / np.maximum(around, m), 0.0)
+    best = np.sort(np.argsort(strength)[::-1][: min(5, int(standing_out.sum()))])
     where = ", ".join(f"{f:.3g}" for f in spectrum.frequency(spectrum.peak_at[used][best]))
-    share = float(peak[found].sum() / (power * count).sum())
+    share = float(peak[standing_out].sum() / (power * count).sum())
     return [
         say(
             "narrow peaks at {frequencies} Hz (their maxima alone contain {share:.2g} % of the power): vibration, "
@@ -218,12 +218,12 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
     if z[worst] == 0:
         return []
     strong = (np.sign(z) == np.sign(z[worst])) & (np.abs(z) > max(3.0, 0.1 * abs(z[worst])))
-    left = right = worst
-    while left > 0 and strong[left - 1]:
-        left -= 1
-    while right < z.size - 1 and strong[right + 1]:
-        right += 1
-    mean = math.exp(float(np.log(np.maximum(ratio[left : right + 1], LEAST)).mean()))
+    first = last = worst
+    while first > 0 and strong[first - 1]:
+        first -= 1
+    while last < z.size - 1 and strong[last + 1]:
+        last += 1
+    mean = math.exp(float(np.log(np.maximum(ratio[first : last + 1], LEAST)).mean()))
     what = (
         say("motion, sway, vibration or a missing term")
         if mean > 1
@@ -232,6 +232,6 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
     return [
         say(
             "from {low:.3g} to {high:.3g} Hz the power is {ratio:.3g} times that of the model: {cause}",
-            low=bounds[left], high=bounds[right + 1], ratio=mean, cause=what,
+            low=bounds[first], high=bounds[last + 1], ratio=mean, cause=what,
         )
     ]  # fmt: skip

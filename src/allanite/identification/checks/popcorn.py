@@ -101,9 +101,9 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
     lengths = [round(SHORTEST * GROWTH**i) for i in range(count)]
     chances = 2 * sum(blocks / length for length in lengths)
-    found = [_scored(total, length, block, chances) for length in lengths]
-    best = max(found, key=lambda one: one.weight)
-    return None if best is found[0] else best
+    candidates = [_scored(total, length, block, chances) for length in lengths]
+    best = max(candidates, key=lambda one: one.weight)
+    return None if best is candidates[0] else best
 
 
 def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps:

@@ -61,13 +61,13 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     model = model_of(model)
     if model.signal is not record.signal:
         raise UsageError(f"a model of a {model.signal.name} does not apply to a {record.signal.name}")
-    y, gaps, left = joined(record)
+    y, gaps, kept = joined(record)
     unit = record.rate_factor
     for term in model:
         wave = term.sampled(record.rate).waveform
         if wave is not None:
             shape = wave(record.size)
-            y -= term.value * record.rate**term.row.power / unit * (shape if left is None else shape[left])
+            y -= term.value * record.rate**term.row.power / unit * (shape if kept is None else shape[kept])
     y -= y.mean()
     # slow noise exceeds fast noise by a few thousand at most: single precision halves time and memory
     size = float(np.abs(y).max()) or 1.0
@@ -96,10 +96,10 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     u = idct(c, norm="ortho", overwrite_x=True)[:n]
     for few in range(1, 17):  # the plans that scipy keeps: that of a long record is as large as the record
         dct(np.zeros(few, np.float32))
-    if left is None:
+    if kept is None:
         return np.asarray(u)
     everywhere = np.full(record.size, np.nan, dtype=np.float32)
-    everywhere[left] = u
+    everywhere[kept] = u
     return everywhere
 
 

@@ -104,9 +104,9 @@ class RatioLimits(Portable):
             value, slopes = self.cost(theta)
             return value, slopes[free] * unit
 
-        found = minimize(cost, theta[free] / unit, jac=True, method="L-BFGS-B", bounds=[(0, None)] * unit.size)
-        theta[free] = found.x * unit
-        return theta, float(found.fun)
+        least = minimize(cost, theta[free] / unit, jac=True, method="L-BFGS-B", bounds=[(0, None)] * unit.size)
+        theta[free] = least.x * unit
+        return theta, float(least.fun)
 
     @cached_property
     def best(self) -> tuple[FloatArray, float]:
@@ -171,14 +171,14 @@ class RatioLimits(Portable):
                     break
                 theta[rest] += step
         density = np.asarray(np.exp((cost.min() - cost) / 2)).reshape([NODES] * len(axes))
-        found = {}
+        ratios = {}
         for i, root in axes.items():
             along = density
             for axis, (j, other) in reversed(list(enumerate(axes.items()))):
                 if j != i:  # flat in the square
                     along = np.tensordot(along, other, (axis, 0))
-            found[i] = signed(root, along)
-        return found
+            ratios[i] = signed(root, along)
+        return ratios
 
 
 def signed(root: FloatArray, likelihood: FloatArray) -> tuple[FloatArray, FloatArray]:

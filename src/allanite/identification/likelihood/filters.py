@@ -63,8 +63,8 @@ class Filter:
 
 def _octaves(highest: float) -> FloatArray:
     """Cut-offs an octave apart."""
-    found = highest * 2.0 ** -np.arange(0.0, 8.0)
-    return np.asarray(found[found > NARROWEST])
+    trials = highest * 2.0 ** -np.arange(0.0, 8.0)
+    return np.asarray(trials[trials > NARROWEST])
 
 
 def _sampled_one_pole(f: FloatArray, cutoff: float) -> FloatArray:

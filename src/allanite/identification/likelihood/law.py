@@ -304,7 +304,7 @@ def traces(fitted: Sequence[Subset], which: int, penalties: Iterable[FloatArray]
         weight = _weights(having, penalty)
         order = np.argsort(-weight)
         heavy[order[: np.searchsorted(np.cumsum(weight[order]), HELD) + 1]] = True
-    return [traced(subset, which) for subset, there in zip(having, heavy, strict=True) if there]
+    return [traced(subset, which) for subset, weighs in zip(having, heavy, strict=True) if weighs]
 
 
 def _weights(fitted: Sequence[Subset], penalty: FloatArray) -> FloatArray:

@@ -150,21 +150,21 @@ def waves_of(
     `y` are samples without their mean, NaN where they are lost; `seen` is the spectrum of those that are there, and
     `level` the power of the noise in its bins.
     """
-    found: list[Wave] = []
+    waves: list[Wave] = []
     n = y.size
     f = np.arange(n // 2 + 1) / n
     used = (f * n >= LOWEST) & (f >= band[0]) & (f <= band[1]) & (f < 0.5 - 2 / n)
     for _ in range(ROUNDS):
         power = periodogram(y, seen, level)
-        peaks = power.peaks(used)[: MOST - len(found)]
+        peaks = power.peaks(used)[: MOST - len(waves)]
         if not peaks.size:
             break
         new = [power.wave(int(k)) for k in peaks]
         for wave in new:
             y -= wave.values(n)
-        found += new
-    f = np.array([wave.frequency for wave in found])
+        waves += new
+    f = np.array([wave.frequency for wave in waves])
     steady = (np.sum(np.abs(f[:, None] - f) * n < COMPANY, axis=1) <= NEIGHBOURS) & (f.size < MOST)
     for i in np.flatnonzero(~steady):
-        y += found[i].values(n)
-    return [found[i] for i in np.flatnonzero(steady)], y
+        y += waves[i].values(n)
+    return [waves[i] for i in np.flatnonzero(steady)], y

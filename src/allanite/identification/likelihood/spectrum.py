@@ -271,25 +271,25 @@ def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
     """
     from allanite.kernels.cosine import binned
 
-    y, gaps, left = joined(record)
+    y, gaps, places = joined(record)
     y, gaps = y[: (fast := easy_size(y.size))], gaps.first(fast)
-    left = None if left is None else left[:fast]
+    places = None if places is None else places[:fast]
     most = float(np.abs(y).max(initial=0.0))
-    slope = slope_of(y, left) if detrend else 0.0
-    if left is not None:
-        y -= slope * (left - left.mean())
+    slope = slope_of(y, places) if detrend else 0.0
+    if places is not None:
+        y -= slope * (places - places.mean())
     how, above = pieces(y, gaps, edges_of), None
-    if how is not None and left is not None:
+    if how is not None and places is not None:
         y, kept, *above = apart(y, gaps, how)
-        left = left[kept]
-        gaps = gaps_between(left)
+        places = places[kept]
+        gaps = gaps_between(places)
     n = y.size
-    ramp = transformed(left) if left is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
+    ramp = transformed(places) if places is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
     blocks = min(n, BLOCKS)
     middle = ((np.arange(blocks) + 0.5) * (n / blocks)).astype(np.int64)
-    times = np.empty(0) if left is None else left[middle].astype(np.float64)
-    c = cosine_transform(y, 0.0 if left is not None else slope)
-    del left, y
+    times = np.empty(0) if places is None else places[middle].astype(np.float64)
+    c = cosine_transform(y, 0.0 if places is not None else slope)
+    del places, y
     edges = edges_of(n) if how is None else how.edges
     power, peak, peak_at, even, odd = binned(c, edges)
     if not power.max() > 0:

@@ -55,19 +55,19 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
         values = np.exp(-spectrum.times / tau)
         lowest = np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(spectrum.size / values.size)
         return in_bins(spectrum, lowest)
-    left = math.exp(-spectrum.size / tau)
+    remaining = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(spectrum.first + (spectrum.count - 1) / 2, spectrum.size, tau)
-    return smooth * (1 - left), smooth * (1 + left)
+    return smooth * (1 - remaining), smooth * (1 + remaining)
 
 
 def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
     UU, Uc = directions_of(spectrum, bool(part.flat.any()), more)
     at = np.full(len(more), np.count_nonzero(~part.flat))
-    found = replace(
+    wider = replace(
         part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
         flat=np.insert(part.flat, at, True),
     )  # fmt: skip
-    return found.trusted(part.count / found.count)
+    return wider.trusted(part.count / wider.count)
 
 
 def directions_of(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
