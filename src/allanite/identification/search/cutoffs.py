@@ -130,12 +130,8 @@ def _halved(x: FloatArray, gain: FloatArray) -> float:
 
 def errors_of(f: Fitted, part: Part) -> FloatArray:
     """Standard errors of the logarithms of the shape of a part, everything else unknown."""
-    H, active = f.information
-    at = int(active.sum()) + place_of(f.state, part)
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    C = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
-    k = refined_values(part)
-    return np.sqrt(np.maximum(np.diag(C)[at : at + k], 0.0))
+    at = int(np.count_nonzero(f.theta > 0)) + place_of(f.state, part)
+    return np.sqrt(np.maximum(np.diag(f.covariance)[at : at + refined_values(part)], 0.0))
 
 
 def quantile_of(w: FloatArray, centre: FloatArray, spread: FloatArray, p: float) -> float:

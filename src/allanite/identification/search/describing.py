@@ -8,7 +8,7 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Component
 from allanite.core.kinds import title_of
-from allanite.core.model import Term
+from allanite.core.model import Term, coefficient_factor
 from allanite.core.validity import LowPass, Scope
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.spectrum import WELL_KNOWN, surroundings
@@ -20,7 +20,7 @@ from .cutoffs import errors_of, quantile_of
 from .estimates import Answer, shaped_terms
 from .fitting import Fitted, factor_basis, fitted
 from .frame import Frame
-from .laws import Entry, weights_of
+from .laws import Entry, law_of, weights_of
 from .refining import refined
 
 VISIBLE = 2.0
@@ -117,10 +117,8 @@ def misfit_of(answer: Answer) -> tuple[float, float]:
 def factor_of(f: Fitted) -> tuple[FloatArray, FloatArray]:
     """The logarithm u of the factors of a fit in the bins, and its standard error."""
     A = factor_basis(f.frame, f.state)
-    H, _ = f.information
     k = f.v.size
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    C = (np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size))[-k:, -k:]
+    C = f.covariance[-k:, -k:]
     return A @ f.v, np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", A, C, A), 0.0))
 
 
@@ -225,11 +223,11 @@ def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
     for symbol, e in estimates.items():
         if symbol not in frame.powers or not e.claimed:
             continue
-        from .laws import law_of
-
         law = law_of(answer.entries, frame.powers.index(symbol))
         if law is not None and law.modes:
-            unit, values = _in_sheet(answer, symbol, law.modes)
+            unit = scale.signal.sheet[TERMS[symbol].power]
+            size = coefficient_factor(symbol, unit, scale.signal)
+            values = [scale.coefficient(symbol, root) / size for root in law.modes]
             notes.append(
                 say(
                     "{symbol}: two explanations of the record, {first} or {second} {unit}; a longer record would "
@@ -264,14 +262,6 @@ def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
     return notes
 
 
-def _in_sheet(answer: Answer, symbol: str, roots: tuple[float, ...]) -> tuple[str, list[float]]:
-    from allanite.core.model import coefficient_factor
-
-    unit = answer.scale.signal.sheet[TERMS[symbol].power]
-    size = coefficient_factor(symbol, unit, answer.scale.signal)
-    return unit, [answer.scale.coefficient(symbol, root) / size for root in roots]
-
-
 def _weight_of(answer: Answer, symbol: str) -> float:
     powers = answer.result.frame.powers
     if symbol in powers:
@@ -297,12 +287,10 @@ def least_time_constant(answer: Answer, walk: int) -> float | None:
 
 def lost_freedom(f: Fitted, cell: IntArray, cells: int) -> float:
     """Degrees of freedom that sizes and shapes take of the cells: the trace of their hat matrix."""
-    H, active = f.information
+    active = f.theta > 0
     m, h = f.m, f.trusted.count / 2
     Z = np.column_stack((f.likelihood.S[:, active], f.slopes.T)) / m[:, None] * np.sqrt(h)[:, None]
     nu = np.bincount(cell, h, cells)
     T = np.zeros((cells, Z.shape[1]))
     np.add.at(T, cell, Z * np.sqrt(h / nu[cell])[:, None])
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    inverse = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
-    return float(np.einsum("ci,ij,cj->", T, inverse, T))
+    return float(np.einsum("ci,ij,cj->", T, f.covariance, T))

@@ -106,6 +106,14 @@ class Fitted(Portable):
             H[at, at] += self.frame.told(through.label, through.shape[0])[2] / 2
         return H, active
 
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Covariance of what the information is of; what the record does not tell apart shares it."""
+        H, _ = self.information
+        size = np.sqrt(np.maximum(np.diag(H), 1e-300))
+        units = np.outer(size, size)
+        return np.asarray(np.linalg.pinv(H / units, hermitian=True) / units)
+
     def _wide(self, rows: FloatArray) -> FloatArray:
         """Rows of the bins as columns of the bins and the finite directions."""
         wide = np.zeros((self.likelihood.columns.shape[1], rows.shape[0]))

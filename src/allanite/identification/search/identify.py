@@ -31,12 +31,13 @@ from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
 from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
-from .fitting import Fitted
+from .fitting import Fitted, fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
 from .local import Move
 from .moves import MOVES, filters, floors, less, markov, resonances
 from .pooling import Together, behind
+from .refining import pruned
 from .search import Searched, search, shows_white
 from .slow import (
     RESONANCES,
@@ -109,15 +110,15 @@ def pending(
     why = refusal(record)
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
-    taken, rest = _without_lines(record, symbols, band, masks) if lines else ((), record)
-    bins = spectrum(rest, detrend=deterministic(symbols))
-    # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
-    moves = (
-        tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
-    )
-    return pending_of(
-        bins, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken, moves=moves
-    )  # fmt: skip
+    bins, taken = spectrum(record, detrend=deterministic(symbols)), tuple[Line, ...]()
+    if lines:
+        bins, taken = _without_lines(record, bins, symbols, band, masks)
+    moves = None
+    if rounding_of(record).sparse:
+        # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
+        moves = tuple(move for move in moves_for(band, rival=rival) if move is not resonances)
+    channel = record.name, record.signal
+    return pending_of(bins, channel, symbols, band, masks=masks, rival=rival, taken=taken, moves=moves)
 
 
 def deterministic(symbols: Sequence[str]) -> bool:
@@ -216,37 +217,31 @@ def shapes_of(frame: Frame, symbol: str) -> list[Part]:
 
 def _best_of(frame: Frame, parts: list[Part], beside: State, most: int = 3) -> list[Part]:
     """The parts of a grid beside a state of the least value."""
-    from .fitting import fitted
-
     fits = [(fitted(frame, beside.having(part)).value, i) for i, part in enumerate(parts)]
     return [parts[i] for _, i in sorted(fits)[:most]]
 
 
 def _without_lines(
-    record: Record, symbols: Sequence[str], band: Band, masks: Sequence[tuple[float, float]]
-) -> tuple[tuple[Line, ...], Record]:
-    """The sinusoids of a record and the rest of it; the record itself if there are none."""
-    from .fitting import fitted
-    from .refining import pruned
-
-    bins = spectrum(record, detrend=deterministic(symbols))
+    record: Record, bins: BinnedSpectrum, symbols: Sequence[str], band: Band, masks: Sequence[tuple[float, float]]
+) -> tuple[BinnedSpectrum, tuple[Line, ...]]:
+    """The spectrum of a record without its sinusoids, and these; its own spectrum if there are none."""
     asked = _frequencies(band)[1]
     frame = frame_of(bins, [s for s in symbols if TERMS[s].scatters], bins.read(asked, masks))
     if not frame.powers:
-        return (), record
+        return bins, ()
     level = _level(pruned(fitted(frame, State())))
     if not suspected(bins, level, frame.used):
-        return (), record
+        return bins, ()
     # between the lobes of a filter the noise is low, and what is at their tops is no line
     level = _level(searched(bins, symbols, band, masks, rival=True, moves=SMOOTH).best)
     if not suspected(bins, level, frame.used):
-        return (), record
+        return bins, ()
     rates = known_rates(record)
     mean = float(np.nanmean(rates))
     low, high = (0.0, record.rate / 2) if asked is None else asked
     waves, _ = waves_of(rates - mean, bins, level, (low / record.rate, high / record.rate))
     if not waves:
-        return (), record
+        return bins, ()
     scale = [bins.unit_factor / float(np.sinc(wave.frequency)) for wave in waves]
     lines = tuple(
         Line(wave.frequency * record.rate, wave.amplitude * s, wave.error * s, wave.phase, record.signal)
@@ -256,11 +251,9 @@ def _without_lines(
     total = np.sum([wave.values(record.size) for wave in waves], axis=0)
     if record.kind == "angle":
         total = np.concatenate(([0.0], np.cumsum(total)))
-    return tuple(sorted(lines, key=lambda line: line.frequency)), record.with_values(
-        record.values - total,
-        say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed"),
-        start=record.start,
-    )
+    removed = say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed")
+    rest = record.with_values(record.values - total, removed, start=record.start)
+    return spectrum(rest, detrend=bins.detrended), tuple(sorted(lines, key=lambda line: line.frequency))
 
 
 def _level(f: Fitted) -> FloatArray:

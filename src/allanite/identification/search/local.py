@@ -83,10 +83,8 @@ class Local:
         which = column_of_part(f.state, f.frame, part)
         if which is None or f.theta[which] <= 0:
             return 0.0
-        H, active = f.information
-        at = int(active[:which].sum())
-        size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-        variance = np.linalg.pinv(H / np.outer(size, size), hermitian=True)[at, at] / size[at] ** 2
+        at = int(np.count_nonzero(f.theta[:which] > 0))
+        variance = f.covariance[at, at]
         return float(f.theta[which] ** 2 / max(variance, 1e-300))
 
     def able(self, gain: float, cost: float) -> bool:

@@ -15,7 +15,7 @@ from allanite.identification.likelihood.spectrum import WELL_KNOWN
 
 from .components import Part
 from .factor_moves import factors, neighbours, places_beside
-from .fitting import Fitted, factor_basis, fitted
+from .fitting import Fitted, factor_basis, fitted, refined_values
 from .frame import Frame
 from .local import REACH, Local, Move
 from .moves import MOVES, resonances
@@ -219,8 +219,6 @@ def _first(frame: Frame, f: Fitted, state: State) -> Fitted:
 
 def _alone(f: Fitted, part: Part) -> Fitted:
     """The shape of one part refined, the others held."""
-    from .fitting import refined_values
-
     held = [p != part for p in f.state for _ in range(refined_values(p))]
     return refined(f, FIRST, held=np.array(held, dtype=bool))
 

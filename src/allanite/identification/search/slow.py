@@ -18,7 +18,7 @@ from allanite.terms import TERMS, WHITE
 
 from .bias_moves import PLACES
 from .components import COMPONENTS, Part
-from .estimates import Answer
+from .estimates import Answer, profile_ends
 from .fitting import Fitted, column_of_part, fitted
 from .laws import law_of
 
@@ -227,8 +227,6 @@ def crowded_finding() -> Finding:
 
 def exponent_finding(answer: Answer, f: Fitted) -> Finding:
     """The finding that the bias drift is not flicker."""
-    from .estimates import profile_ends
-
     part, scale = f.state.of("exponent")[0], answer.scale
     a = part.shape[0]
     low, high = profile_ends(f, part, 0, quantile(0.975) ** 2)
