@@ -141,8 +141,7 @@ def test_limits_and_data_sheets_are_held_against_each_channel(recording, tmp_pat
     file.write_text('[limits]\nN = { max = "1.2 deg/sqrt(h)" }\nminimum = { max = "1000 deg/h" }\n[channels.ax]\n'
                     'N = { max = "50 ug/sqrt(Hz)" }\n')  # fmt: skip
     found = al.check(recording, file)
-    assert outcomes(found, "gx") == {"N": AGREES, "minimum": AGREES}
-    assert outcomes(found, "ax") == {"N": EXCEEDS}
+    assert (outcomes(found, "gx"), outcomes(found, "ax")) == ({"N": AGREES, "minimum": AGREES}, {"N": EXCEEDS})
     assert {row.outcome for row in al.check(recording, "adis16470").terms if row.quantity == "N"} == {EXCEEDS}
 
 

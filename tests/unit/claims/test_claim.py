@@ -61,8 +61,7 @@ def test_settings_are_taken_out_of_a_text(text, settings, rest):
 def test_a_claim_with_settings_is_read_from_its_own_text():
     claim = claim_of("N 1 deg/sqrt(h); lowpass 42 Hz; 60 ug/sqrt(Hz), gyro rate 0.2 kHz")
     assert [s.words() for s in claim.settings] == ["lowpass 42 Hz", "gyro rate 200 Hz"]
-    assert len(claim.models) == 2
-    assert claim_of(claim.text) == claim
+    assert (len(claim.models), claim_of(claim.text)) == (2, claim)
     with pytest.raises(UsageError, match="a positive number of Hz"):
         claim_of("lowpass 0 Hz")
 
@@ -74,8 +73,7 @@ def test_correlation_time_makes_a_gauss_markov_bias(tmp_path):
         "<gyroscopeBiasCorrelationTime>1000</gyroscopeBiasCorrelationTime>"
     )
     (model,) = claim_of(file).models
-    assert model["N"].value == pytest.approx(1e-4)
-    assert model["GM"].value == pytest.approx(2e-5 * math.sqrt(500))
+    assert (model["N"].value, model["GM"].value) == (pytest.approx(1e-4), pytest.approx(2e-5 * math.sqrt(500)))
     assert model["GM"].shape == (1000.0,)
 
 

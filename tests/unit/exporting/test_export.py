@@ -47,8 +47,7 @@ def six(**more):
 def test_axis_policies(axis, channel, value):
     found = al.export(six(), "kalibr", axis=axis, rate=100.0)
     entry = found.entries[0]
-    assert entry.channels == (channel,)
-    assert found["gyroscope_noise_density"] == value
+    assert (entry.channels, found["gyroscope_noise_density"]) == ((channel,), value)
     assert f"# axis: {axis}; inflation: 1" in found.text
     assert f"N of {channel}: 95 %: {0.9 * value:.4g} to {1.1 * value:.4g}" in found.text
 
@@ -115,8 +114,7 @@ def test_models_that_explain_nothing_are_refused_unless_asked_for():
         al.export([*six()[:3], *doubted], "kalibr", rate=100.0)
     mixed = [bad[1], six()[0], *six()[3:]]
     found = al.export(mixed, "kalibr", rate=100.0)
-    assert found.entries[0].channels == ("gx",)
-    assert found.rejected == ("gy",)
+    assert (found.entries[0].channels, found.rejected) == (("gx",), ("gy",))
     assert "gy is left out: the model does not explain the record" in found.alerts
     forced = al.export(mixed, "kalibr", rate=100.0, unexplained=True)
     assert forced.entries[0].channels == ("gy",)
@@ -170,8 +168,7 @@ def test_a_process_replaces_a_walk_only_where_a_correlation_time_is_written():
     axes = list(axes_of(al.N(1e-4, "rad/s/sqrt(Hz)") + al.GM(1e-5, "rad/s", time_constant=50.0)))
     assert coefficients(axes, "K", markov=False, unexplained=False)[0] == ()
     (one,), _ = coefficients(axes, "K", markov=True, unexplained=False)
-    assert one.value == pytest.approx(1e-5 * (2 / 50) ** 0.5)
-    assert one.time == 50.0
+    assert (one.value, one.time) == (pytest.approx(1e-5 * (2 / 50) ** 0.5), 50.0)
 
 
 @pytest.mark.nightly("seconds of processor time for what shorter tests look at, too")

@@ -114,8 +114,7 @@ def test_a_filter_is_found_with_its_cut_off_and_the_noise_before_it(what):
 
 def test_all_frequencies_without_a_filter_bend_the_model():
     fit = al.identify(filtered("2nd order", 1), band="all")
-    assert fit.validity == "unexplained"
-    assert fit.scope.filter is None
+    assert (fit.validity, fit.scope.filter) == ("unexplained", None)
 
 
 def test_the_cut_off_that_is_not_known_widens_the_limits():

@@ -103,8 +103,7 @@ def test_removing_a_ramp_beforehand_changes_nothing():
         fit = likelihood(spectrum(record, detrend=detrend), "NKR")
         theta, _ = fit.minimise(np.array([True, True]))
         slope = spectrum(record, detrend=detrend).slope + fit.directions(theta)[0][-1]
-        assert slope == pytest.approx(2.0, abs=0.1)
-        assert theta[1] == pytest.approx(1.0, rel=0.15)
+        assert (slope, theta[1]) == (pytest.approx(2.0, abs=0.1), pytest.approx(1.0, rel=0.15))
 
 
 @rows("symbols", ["QNBKR", "QNBK", "NK"])
@@ -186,14 +185,12 @@ def test_words_of_an_absent_term():
     fit = al.identify(record)
     for symbol in "QBKR":
         e = fit[symbol]
-        assert (e.status, e.value) == ("absent", None)
-        assert e.interval() == e.profile(0.95)
+        assert ((e.status, e.value), e.interval()) == (("absent", None), e.profile(0.95))
         low, high = e.interval()
         assert low < 0 < high if symbol == "R" else low == 0.0  # a ramp has a sign
         assert max(high, -low) > e.upper  # two-sided beyond one-sided
         assert e.words().startswith("not identified, below ")
-    assert fit["N"].status == "identified"
-    assert fit["N"].to("deg/sqrt(h)") == pytest.approx(0.1, rel=0.03)
+    assert (fit["N"].status, fit["N"].to("deg/sqrt(h)")) == ("identified", pytest.approx(0.1, rel=0.03))
     assert fit.goodness.explained
 
 
@@ -241,8 +238,7 @@ def test_a_band_without_low_frequencies_says_nothing_of_slow_terms():
 def test_a_ramp_has_its_sign(sign):
     model = al.N(0.1, "deg/sqrt(h)") + al.R(sign * 0.01, "deg/h/s")
     fit = al.identify(al.simulate(model, 100_000, 100.0, rng=np.random.default_rng(1)))
-    assert fit["R"].to("deg/h/s") == pytest.approx(sign * 0.01, rel=0.1)
-    assert fit["R"].status == "identified"
+    assert (fit["R"].to("deg/h/s"), fit["R"].status) == (pytest.approx(sign * 0.01, rel=0.1), "identified")
     low, high = fit["R"].interval(0.95)
     assert low < fit["R"].value < high
 
@@ -257,8 +253,7 @@ def test_least_squares_of_an_exact_curve_returns_its_coefficients():
     exact = replace(curve, variance=al.expected(model, "oadev", curve.tau))
     fit = al.identify(exact, "ls")
     for symbol, value in truth.items():
-        assert fit[symbol].value == pytest.approx(value, rel=1e-3)
-        assert fit[symbol].status == "reported"
+        assert (fit[symbol].value, fit[symbol].status) == (pytest.approx(value, rel=1e-3), "reported")
 
 
 def test_least_squares_reports_negative_squares():

@@ -100,10 +100,8 @@ def test_the_size_of_a_burst_in_white_noise():
     white = al.Model((al.N(sigma * RATE**-0.5, "rad/sqrt(s)"),))
     found = jumps(u, white, RATE)
     assert found.weight > 1
-    assert found.length == pytest.approx(256, rel=0.5)
-    assert found.jump == pytest.approx(0.8 * sigma, rel=0.25)
-    assert found.largest == pytest.approx(8128, abs=100)
-    assert jumps(u[:4000], white, RATE) is None
+    assert (found.length, found.jump) == (pytest.approx(256, rel=0.5), pytest.approx(0.8 * sigma, rel=0.25))
+    assert (found.largest, jumps(u[:4000], white, RATE)) == (pytest.approx(8128, abs=100), None)
 
 
 def test_outliers_are_no_jumps():
@@ -142,8 +140,7 @@ def test_a_strong_warm_up_is_explained_and_so_is_the_record(seed, terms):
     """Alone and with white noise as the only other term."""
     y = np.random.default_rng(seed).standard_normal(40_000) - 3 * np.exp(-np.arange(40_000) / 4000)
     noise = noise_of(al.Record(y, 20.0, "deg/h"), al.Recipe(terms=terms))
-    assert noise.validity == "approximate"
-    assert noise.fit.scope.until is None
+    assert (noise.validity, noise.fit.scope.until) == ("approximate", None)
     assert all(check.passed for check in noise.residuals.checks)
     assert noise.fit.warm_up.value == pytest.approx(math.radians(3 / 3600), rel=0.05)
     low, high = noise.fit["N"].interval()
@@ -222,8 +219,7 @@ def test_bursts_are_named_with_a_window_without_them():
     left = al.residuals(record, al.identify(record))
     finding = next(f for f in left.findings if f.name == "popcorn")
     size, at = map(float, re.search(r"largest burst, (\S+) deg/h, is at (\S+) s", finding.what).groups())
-    assert size == pytest.approx(15 * 7.2, rel=0.3)
-    assert at == pytest.approx(402.5, abs=2)
+    assert (size, at) == (pytest.approx(15 * 7.2, rel=0.3), pytest.approx(402.5, abs=2))
     assert finding.place[0] < 402.5 < finding.place[1]
     assert not left.explained
     first, last = map(int, re.search(r"trim\(recording, (\d+), (\d+)\)", finding.remedy).groups())

@@ -10,27 +10,18 @@ import allanite as al
 from allanite.planning.drift import GRAVITY, RADIUS, drift_variance, flat, schuler
 
 TERMS = {
-    "Q": al.Q(1, "rad"),
-    "N": al.N(1, "rad/sqrt(s)"),
-    "B": al.B(1, "rad/s"),
-    "K": al.K(1, "rad/s^1.5"),
-    "R": al.R(1, "rad/s^2"),
-    "F": al.F(1, "rad"),
-    "GM": al.GM(1, "rad/s", time_constant=5.0),
-    "GMA": al.GMA(1, "rad", time_constant=5.0),
-    "GM2": al.GM2(1, "rad/s", frequency=0.1, damping=0.1),
+    "Q": al.Q(1, "rad"), "N": al.N(1, "rad/sqrt(s)"), "B": al.B(1, "rad/s"), "K": al.K(1, "rad/s^1.5"),
+    "R": al.R(1, "rad/s^2"), "F": al.F(1, "rad"), "GM": al.GM(1, "rad/s", time_constant=5.0),
+    "GMA": al.GMA(1, "rad", time_constant=5.0), "GM2": al.GM2(1, "rad/s", frequency=0.1, damping=0.1),
     "Sine": al.Sine(1, "rad/s", frequency=0.07),
-}
+}  # fmt: skip
 T, TIME = 20.0, 30.0
 W = math.sqrt(GRAVITY / RADIUS)
 KERNELS = {
-    (flat, 0): np.ones_like,
-    (flat, 1): lambda a: a,
-    (flat, 2): lambda a: a**2 / 2,
-    (schuler, 0): lambda a: np.cos(W * a),
-    (schuler, 1): lambda a: np.sin(W * a) / W,
+    (flat, 0): np.ones_like, (flat, 1): lambda a: a, (flat, 2): lambda a: a**2 / 2,
+    (schuler, 0): lambda a: np.cos(W * a), (schuler, 1): lambda a: np.sin(W * a) / W,
     (schuler, 2): lambda a: (1 - np.cos(W * a)) / W**2,
-}
+}  # fmt: skip
 """What a rate of 1 at an age makes of the quantity."""
 
 

@@ -14,11 +14,9 @@ from allanite.cli import main
 from allanite.identification.likelihood import spectrum
 
 MODELS = {
-    **al.SENSORS,
-    "NBK": "N 1 rad/sqrt(s), B 0.3 rad/s, K 0.1 rad/s^1.5",
-    "QN": "Q 1 rad, N 0.1 rad/sqrt(s)",
+    **al.SENSORS, "NBK": "N 1 rad/sqrt(s), B 0.3 rad/s, K 0.1 rad/s^1.5", "QN": "Q 1 rad, N 0.1 rad/sqrt(s)",
     "GM": "N 1 rad/sqrt(s), GM 1 rad/s 5 s, K 0.01 rad/s^1.5",
-}
+}  # fmt: skip
 
 
 @rows("name, n, rate, ramp", [
@@ -163,8 +161,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     assert result.exit_code == 0, result.stderr
     (channel,) = json.loads(result.stdout)["channels"]
     fitted = al.identify(record).valid
-    assert channel["name"] == "gz"
-    assert channel["model"] == fitted.to_dict()
+    assert (channel["name"], channel["model"]) == ("gz", fitted.to_dict())
     np.testing.assert_allclose(channel["parameters"][0]["errors"], al.plan(fitted, 100.0).errors[0])
     assert "not taken into account: " in run(tmp_path / "first.npz").stdout
 
