@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from scipy.stats import f as fisher
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.comparison.change import holm
@@ -40,25 +40,19 @@ def pair():
     return simulated(QNBK, 1), simulated(QNBK, 2, n=8192)
 
 
-def test_one_theta_for_all_adds_the_likelihoods(pair):
+def test_likelihoods_of_records_add_and_hypotheses_cost(pair):
     both = joint(pair, "QNBKR")
     for theta in (both.chosen.theta + 1e-3 * both.chosen.theta.max(), both.chosen.theta * 1.7 + 1e-12):
         parts = sum(part.value(theta) for part in both.parts)
         assert tied(both.parts).value(theta) == pytest.approx(parts, rel=1e-12)
-
-
-def test_a_hypothesis_is_never_better_than_its_separate_models(pair):
-    both = joint(pair, "QNBKR")
+    # a hypothesis is never better than its separate models
     for i in range(len(both.symbols)):
         contrast = Contrast(both, i)
         at = [contrast.excess(phi) for phi in (0.2, math.pi / 4, 1.2)]
         assert min(at) >= 0
         if 0 < contrast.ratio < math.inf:
             assert contrast.excess(math.atan(contrast.ratio)) == pytest.approx(0, abs=1e-3)
-
-
-def test_terms_that_are_not_there_take_no_direction_with_them(pair):
-    both = joint(pair, "QNBKR")
+    # terms that are not there take no direction with them
     only_n = np.array([s == "N" for s in both.symbols])
     part = reduced(both.parts[0], only_n)
     theta = np.array([both.chosen.theta[1]])
@@ -174,8 +168,7 @@ def test_averaging_times_of_unlike_rates():
     np.testing.assert_allclose(first / 99.87, second / 100.0, rtol=0.005)
     with pytest.raises(al.DataError, match="no averaging time in common"):
         shared_factors([simulated(NK, 1, n=100), simulated(NK, 2, n=300, rate=0.5)], "oadev", "octave")
-    with pytest.raises(al.UsageError, match="oadev, ohdev"):
-        shared_factors([a, b], "mtie", "octave")
+    refused(al.UsageError, "oadev, ohdev", lambda: shared_factors([a, b], "mtie", "octave"))
 
 
 def test_a_change_is_found_and_named():
@@ -210,7 +203,7 @@ def test_limits_of_a_ratio_of_ramps_hold_the_share_that_they_state(level):
     first = NormalMixture(np.array([1.0, -1.3]) * -2.0, np.array([0.01, 0.4]), np.array([0.99, 0.01]))
     second = NormalMixture(np.array([1.0, 4.0]), np.array([0.02, 0.1]), np.array([0.7, 0.3]))
     low, high = RampContrast(first, second).limits(level)
-    shares = sorted(second.minus(first, ratio).below for ratio in (low, high))
+    shares = sorted(second.minus(first, ratio).below(0.0) for ratio in (low, high))
     assert low < high
     assert shares == pytest.approx([(1 - level) / 2, (1 + level) / 2], abs=1e-5)
 
@@ -311,8 +304,7 @@ def test_channels_are_paired_by_name_or_in_order():
     in_order = al.compare(al.Recording((x, y)), al.Recording((u, v)))
     assert [pair.name for pair in in_order] == ["x / u", "y / v"]
     assert (in_order["x / u"]["N"].outcome, in_order.verdict.count("\n")) == ("no change", 1)
-    with pytest.raises(al.UsageError, match="cannot be paired"):
-        al.compare(al.Recording((x, y)), u)
+    refused(al.UsageError, "cannot be paired", lambda: al.compare(al.Recording((x, y)), u))
     study = al.analyze(x)
     assert al.compare(study, u).pairs[0].test.p == al.compare(x, u).pairs[0].test.p
 
@@ -339,16 +331,11 @@ def test_what_cannot_be_compared(other, words):
 
 
 def test_wrong_usage():
-    with pytest.raises(al.UsageError, match="'whittle', not 'ls'"):
-        al.compare(noisy(), noisy(seed=2), al.Recipe(method="ls"))
-    with pytest.raises(al.UsageError, match="takes a record or samples, not 3"):
-        al.compare(noisy(), 3)
-    with pytest.raises(al.UsageError, match="only be compared with a fit"):
-        al.compare(noisy(), al.identify(noisy(seed=2)))
-    with pytest.raises(al.UsageError, match="'Z' was not compared"):
-        al.compare(noisy(), noisy(seed=2))["Z"]
-    with pytest.raises(al.UsageError, match="between 0 and 1"):
-        al.compare(noisy(), noisy(seed=2))["N"].interval(2)
+    refused(al.UsageError, "'whittle', not 'ls'", lambda: al.compare(noisy(), noisy(seed=2), al.Recipe(method="ls")))
+    refused(al.UsageError, "takes a record or samples, not 3", lambda: al.compare(noisy(), 3))
+    refused(al.UsageError, "only be compared with a fit", lambda: al.compare(noisy(), al.identify(noisy(seed=2))))
+    refused(al.UsageError, "'Z' was not compared", lambda: al.compare(noisy(), noisy(seed=2))["Z"])
+    refused(al.UsageError, "between 0 and 1", lambda: al.compare(noisy(), noisy(seed=2))["N"].interval(2))
 
 
 def test_a_fit_with_a_term_that_the_other_lacks():

@@ -42,9 +42,6 @@ def test_an_amplitude_that_grows_is_a_row_and_in_the_verdict():
     assert "Sine at 12 Hz +" in found.verdict
     again = al.from_dict(json.loads(json.dumps(found.to_dict())))
     assert again.verdict == pickle.loads(pickle.dumps(found)).verdict == found.verdict
-
-
-def test_equal_amplitudes_have_not_changed():
     (line,) = lines(al.compare(simulated(3, hum(90)), simulated(4, hum(90))))
     assert line.outcome == "no change"
 

@@ -25,16 +25,13 @@ def folded(power, averaged):
 
 
 @rows("cutoff", [0.03, 0.16, 0.4, 0.8])
-@rows(
-    ("name", "power", "averaged"),
-    [
-        ("rc", lambda x, c: 1 / (1 + (x / c) ** 2), False),
-        ("butterworth", lambda x, c: 1 / (1 + (x / c) ** 4), False),
-        ("averaged rc", lambda x, c: 1 / (1 + (x / c) ** 2), True),
-        ("average", lambda x, c: np.sinc(0.443 * x / c) ** 2, False),
-        ("bartlett", lambda x, c: np.sinc(0.3189 * x / c) ** 4, False),
-    ],
-)
+@rows("name, power, averaged", [
+    ("rc", lambda x, c: 1 / (1 + (x / c) ** 2), False),
+    ("butterworth", lambda x, c: 1 / (1 + (x / c) ** 4), False),
+    ("averaged rc", lambda x, c: 1 / (1 + (x / c) ** 2), True),
+    ("average", lambda x, c: np.sinc(0.443 * x / c) ** 2, False),
+    ("bartlett", lambda x, c: np.sinc(0.3189 * x / c) ** 4, False),
+])  # fmt: skip
 def test_a_gain_is_the_sum_over_the_images(name, power, averaged, cutoff):
     if name in ("average", "bartlett") and cutoff > 0.3:
         pytest.skip("shorter than a sample, or nearly")

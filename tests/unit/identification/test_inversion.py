@@ -22,16 +22,13 @@ def ratios_of(symbols, variance, m):
     return RatioLimits(moments.columns, moments.products, variance, theta, error)
 
 
-def test_the_derivatives_are_those_of_the_cost():
+def test_the_derivatives_are_those_of_the_cost_and_its_minimum_lies_where_the_curve_is():
     ratios = ratios_of("NBK", [1.0, 0.09, 1e-4], tuple(2 ** np.arange(11)))
     theta = 1.1 * ratios.start + 0.3 * ratios.error
     h = 1e-4 * ratios.error
     numeric = [(ratios.cost(theta + d)[0] - ratios.cost(theta - d)[0]) / 2 for d in np.diag(h)]
     np.testing.assert_allclose(ratios.cost(theta)[1] * h, numeric, rtol=1e-5)
-
-
-def test_a_minimum_lies_where_the_curve_is_expected():
-    ratios = ratios_of("NBK", [1.0, 0.09, 1e-4], tuple(2 ** np.arange(11)))
+    # a minimum lies where the curve is expected
     theta, least = ratios.best
     assert np.all(np.abs(theta - ratios.start) < ratios.error)
     assert all(ratios.excess(i, np.sqrt(theta[i])) == pytest.approx(0, abs=1e-6) for i in range(3))

@@ -110,13 +110,10 @@ def test_a_start_where_nothing_makes_noise_is_left():
     assert not theta.any()
 
 
-@rows(
-    ("row", "b", "a"),
-    [
-        ("rc", [0.4], [1, -0.6]), ("bilinear 2", *butter(2, 1 / 3)), ("bilinear 1", *butter(1, 0.2)),
-        ("average", np.ones(4) / 4, [1.0]),
-    ],
-)  # fmt: skip
+@rows("row, b, a", [
+    ("rc", [0.4], [1, -0.6]), ("bilinear 2", *butter(2, 1 / 3)), ("bilinear 1", *butter(1, 0.2)),
+    ("average", np.ones(4) / 4, [1.0]),
+])  # fmt: skip
 def test_the_filter_is_that_of_an_exhaustive_search(row, b, a):
     """Every cut-off of a fine grid, each likelihood made anew."""
     seen = filtered(b, a)

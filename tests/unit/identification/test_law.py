@@ -61,22 +61,16 @@ def record_model():
     return al.Model((al.N(1, "deg/sqrt(h)"),))
 
 
-def test_limits_of_what_is_absent_begin_at_zero():
+def test_what_is_absent_has_a_median_and_claims_nothing_and_what_cannot_be_seen_has_none():
     absent = al.identify(al.simulate(MODEL, 3000, 1.0, rng=np.random.default_rng(1)))["Q"]
     low, high = absent.interval(0.95)
     assert low == 0
     assert 0 < absent.median < high
-
-
-def test_the_median_of_an_absent_term_is_told_and_claims_nothing():
     record = al.simulate(MODEL, 500, 1.0, rng=np.random.default_rng(3))
     e = al.identify(record)["B"]
     assert e.value is None
     assert not e.claimed
     assert 0 < e.median < e.interval(0.95)[1]
-
-
-def test_a_term_that_cannot_be_seen_has_no_median():
     record = al.simulate(al.sensor("mems"), 20_000, 100.0, rng=np.random.default_rng(4))
     fit = al.identify(record, band=(0, 5))
     assert (fit["Q"].status, fit["Q"].median) == ("not observable", None)

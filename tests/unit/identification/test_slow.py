@@ -92,7 +92,7 @@ def test_kurtosis_as_a_normal_deviate():
         assert _normal(kurtosis(x), n) == pytest.approx(kurtosistest(x).statistic, rel=1e-6, abs=1e-9)
 
 
-def test_the_size_of_a_burst_in_white_noise():
+def test_the_size_of_a_burst_in_white_noise_and_outliers_are_none():
     """A window over it sees a burst of its own length whole."""
     u = np.random.default_rng(1).standard_normal(2**15).astype(np.float32)
     sigma = 0.01
@@ -102,13 +102,9 @@ def test_the_size_of_a_burst_in_white_noise():
     assert found.weight > 1
     assert (found.length, found.jump) == (pytest.approx(256, rel=0.5), pytest.approx(0.8 * sigma, rel=0.25))
     assert (found.largest, jumps(u[:4000], white, RATE)) == (pytest.approx(8128, abs=100), None)
-
-
-def test_outliers_are_no_jumps():
     u = np.random.default_rng(1).standard_normal(2**15).astype(np.float32)
-    u[8000:8004] += 60
-    white = al.Model((al.N(0.001, "rad/sqrt(s)"),))
-    assert jumps(u, white, RATE) is None
+    u[8000:8004] += 60  # outliers
+    assert jumps(u, al.Model((al.N(0.001, "rad/sqrt(s)"),)), RATE) is None
 
 
 # --- records -------------------------------------------------------------------------------------------------------
