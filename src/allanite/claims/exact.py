@@ -277,19 +277,15 @@ def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
         settled, subset = form.settled((*held, *beside)), form.having((*held, *beside))
         for i, term in enumerate(form.terms[: form.claimed]):
             best, low, high = (scale * v if i == sensor.timed else v for v in form.ratio(settled, held[i], count.term))
-            yield replace(
-                channel, quantity=term.symbol, claimed=term.value, found=best * term.value,
-                unit=sensor.signal.sheet[term.row.power], ratio=best, low=low, high=high,
-                outcome=count.outcome(low, high),
-            )  # fmt: skip
+            yield replace(channel, quantity=term.symbol, claimed=term.value, found=best * term.value,
+                          unit=sensor.signal.sheet[term.row.power], ratio=best, low=low, high=high,
+                          outcome=count.outcome(low, high))  # fmt: skip
         for term in (t for t in axis.model if t.row.waveform is not None):
             yield _estimated(axis.channel, term, count)
         for i in beside:
             other = form.terms[i]
-            yield replace(
-                channel, quantity=other.symbol, found=other.value * math.sqrt(float(subset.theta[i])),
-                unit=sensor.signal.sheet[other.row.power], outcome=UNCLAIMED,
-            )  # fmt: skip
+            yield replace(channel, quantity=other.symbol, found=other.value * math.sqrt(float(subset.theta[i])),
+                          unit=sensor.signal.sheet[other.row.power], outcome=UNCLAIMED)  # fmt: skip
         yield curve_row(axis.channel, axis.model, axis.model, count.channel, count.outcome, settled=axis.settled)
         yield from _distribution(axis, channel, count)
 
@@ -307,10 +303,8 @@ def _time(sensor: Sensor, column: int, count: Counts) -> tuple[CheckedTerm, int]
     low, high = inside(times, excess, count.time)
     best = float(times[excess.argmin()])
     names = ", ".join(axis.channel.record.name for axis in sensor.axes)
-    row = CheckedTerm(
-        names, sensor.signal, "T", claimed, best, "s", best / claimed, low / claimed, high / claimed,
-        AGREES if low <= claimed <= high else DIFFERS,
-    )  # fmt: skip
+    row = CheckedTerm(names, sensor.signal, "T", claimed, best, "s", best / claimed, low / claimed, high / claimed,
+                      AGREES if low <= claimed <= high else DIFFERS)  # fmt: skip
     nearest = [i for i, t in enumerate(forms[0].terms) if t.shape and math.isclose(t.shape[0], best)]
     return row, nearest[0]
 

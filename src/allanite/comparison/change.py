@@ -175,7 +175,5 @@ def told(change: Change) -> str:
         return say("{coefficient} has changed its sign", coefficient=change.symbol)
     if not (math.isfinite(low) and math.isfinite(high)):
         return join(" ", (change.label, f"{change.percent:+.3g} %"))
-    return say(
-        "{coefficient} {percent:+.3g} % ({low:+.3g} to {high:+.3g} %)",
-        coefficient=change.label, percent=change.percent, low=low, high=high,
-    )  # fmt: skip
+    return say("{coefficient} {percent:+.3g} % ({low:+.3g} to {high:+.3g} %)",
+               coefficient=change.label, percent=change.percent, low=low, high=high)  # fmt: skip

@@ -147,13 +147,9 @@ def joint(
     shapes = shapes or {}
     for record in records:
         if record.size < SHORTEST:
-            short = say_count(
-                record.size,
-                "{name!r} has {count} sample; noise coefficients need at least {least}",
-                "{name!r} has {count} samples; noise coefficients need at least {least}",
-                name=record.name,
-                least=SHORTEST,
-            )
+            short = say_count(record.size, "{name!r} has {count} sample; noise coefficients need at least {least}",
+                              "{name!r} has {count} samples; noise coefficients need at least {least}",
+                              name=record.name, least=SHORTEST)  # fmt: skip
             raise DataError(short)
     plain = [s for s in symbols if not TERMS[s].parameters]
     shaped = [s for s in symbols if s in shapes]
@@ -192,18 +188,15 @@ def part_of(
     for start, end in (mask for other in filter(None, scopes) for mask in (*other.masks, *other.disturbed)):
         inside &= (last < start) | (first > end)
     if inside.sum() < FEWEST:
-        raise DataError(
-            say_count(
-                int(inside.sum()),
-                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz, where no "
-                "vibration hides the noise, one of them has {count} bin of the spectrum, fewer than {fewest}; record "
-                "longer, at rest, or at more similar rates",
-                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz, where no "
-                "vibration hides the noise, one of them has {count} bins of the spectrum, fewer than {fewest}; record "
-                "longer, at rest, or at more similar rates",
-                low=low, high=high, fewest=FEWEST,
-            )
-        )  # fmt: skip
+        raise DataError(say_count(int(inside.sum()),
+                                  "the common frequency band of the records is too narrow: from {low:.3g} to "
+                                  "{high:.3g} Hz, where no vibration hides the noise, one of them has {count} bin "
+                                  "of the spectrum, fewer than {fewest}; record longer, at rest, or at more similar "
+                                  "rates",
+                                  "the common frequency band of the records is too narrow: from {low:.3g} to "
+                                  "{high:.3g} Hz, where no vibration hides the noise, one of them has {count} bins "
+                                  "of the spectrum, fewer than {fewest}; record longer, at rest, or at more similar "
+                                  "rates", low=low, high=high, fewest=FEWEST))  # fmt: skip
     part = whole.only(inside)
     size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])  # of squares, in SI
     return replace(part, S=part.S * size, W=part.W * size)
@@ -225,20 +218,11 @@ def common_band(
         bands = [(1 / (2 * r.duration), r.rate / 2) for r in records]
         spans = join(", ", [say("{low:.3g} to {high:.3g} Hz", low=start, high=end) for start, end in bands])
         if band is not None:
-            raise DataError(
-                say(
-                    "the records have no frequency band in common within {low:g} to {high:g} Hz: they cover {spans}; "
-                    "record longer, or at more similar rates",
-                    low=band[0], high=band[1], spans=spans,
-                )
-            )  # fmt: skip
-        raise DataError(
-            say(
-                "the records have no frequency band in common: they cover {spans}; record longer, or at more similar "
-                "rates",
-                spans=spans,
-            )
-        )
+            raise DataError(say("the records have no frequency band in common within {low:g} to {high:g} Hz: they "
+                                "cover {spans}; record longer, or at more similar rates",
+                                low=band[0], high=band[1], spans=spans))  # fmt: skip
+        raise DataError(say("the records have no frequency band in common: they cover {spans}; record longer, or at "
+                            "more similar rates", spans=spans))  # fmt: skip
     return low, high
 
 

@@ -109,11 +109,10 @@ def compare_channels(
     if len(recording) == 1:
         raise UsageError(
             f"there is only one channel, {recording[0].name!r}; "
-            + spelled(
-                "give a second file, more channels, or --part to compare its beginning with the rest",
-                "give a second recording, more channels, or use truncation to compare its beginning with the rest",
-            )
-        )
+            + spelled("give a second file, more channels, or --part to compare its beginning with the rest",
+                      "give a second recording, more channels, or use truncation to compare its beginning with the "
+                      "rest")
+        )  # fmt: skip
     sources = SourceSet((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
     if len(recording) == 2:
         return _compare(sources, recipe, rng=rng, progress=progress)

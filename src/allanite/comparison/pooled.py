@@ -215,11 +215,9 @@ def _of_two(level: float) -> str:
     from scipy.special import chdtri
 
     low, high = (1 / math.sqrt(chdtri(1, p)) for p in ((1 - level) / 2, (1 + level) / 2))
-    return say(
-        "limits of a common coefficient hold if both runs have the same noise: two runs give the scatter between runs "
-        "with one degree of freedom, and the true one is {low:.2f} to {high:.2g} times as large ({share:g} %)",
-        low=low, high=high, share=100 * level,
-    )  # fmt: skip
+    return say("limits of a common coefficient hold if both runs have the same noise: two runs give the scatter "
+               "between runs with one degree of freedom, and the true one is {low:.2f} to {high:.2g} times as large "
+               "({share:g} %)", low=low, high=high, share=100 * level)  # fmt: skip
 
 
 def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
@@ -235,13 +233,10 @@ def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
             errors = [standard_error(subset, i) / (2 * theta) for subset in common]
             between = float(np.sqrt([part[column] / theta for part in alone]).std(ddof=1))
             within = float(np.sqrt(np.mean(np.square(errors))))
-        yield PooledTerm(
-            symbol,
-            together.signal,
-            value=math.sqrt(together.chosen.theta[i]), limits=Remembered(partial(together.limits, i)),
-            runs=tuple(fit[symbol] for fit in fits), between=between, within=within, statistic=statistic,
-            dof=len(fits) - 1, p=p, adjusted=p,
-        )  # fmt: skip
+        yield PooledTerm(symbol, together.signal,
+                         value=math.sqrt(together.chosen.theta[i]), limits=Remembered(partial(together.limits, i)),
+                         runs=tuple(fit[symbol] for fit in fits), between=between, within=within, statistic=statistic,
+                         dof=len(fits) - 1, p=p, adjusted=p)  # fmt: skip
 
 
 def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:

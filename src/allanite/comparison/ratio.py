@@ -155,11 +155,6 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
     if not fits.any():
         reach = [(row.step / r.rate, row.largest(r.size) / r.rate) for r in records]
         spans = join(", ", [say("{low:.3g} to {high:.3g} s", low=least, high=most) for least, most in reach])
-        raise DataError(
-            say(
-                "the records have no averaging time in common: {statistic} covers {spans}",
-                statistic=row.name,
-                spans=spans,
-            )
-        )
+        raise DataError(say("the records have no averaging time in common: {statistic} covers {spans}",
+                            statistic=row.name, spans=spans))  # fmt: skip
     return [m[fits] for m in steps]

@@ -196,15 +196,11 @@ class Joined:
     def alerts(self) -> tuple[str, ...]:
         """What must stand beside the numbers: models that do not explain their records, and what was done."""
         doubts = (
-            say(
-                "record {number}: {doubt}; a difference in what the model omits may appear as a change of one of its "
-                "terms",
-                number=i,
-                doubt=doubt,
-            )
+            say("record {number}: {doubt}; a difference in what the model omits may appear as a change of one of "
+                "its terms", number=i, doubt=doubt)
             for i, noise in enumerate(self.noises, 1)
             for doubt in noise.doubts
-        )
+        )  # fmt: skip
         return (*doubts, *self.notes)
 
 
@@ -230,14 +226,11 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     shapes = _common_shapes(fits)
     quiet = [without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
     notes += [
-        say(
-            "record {number}: sinusoids were removed, at {frequencies} Hz",
-            number=i,
-            frequencies=", ".join(f"{line.frequency:.6g}" for line in fit.lines),
-        )
+        say("record {number}: sinusoids were removed, at {frequencies} Hz", number=i,
+            frequencies=", ".join(f"{line.frequency:.6g}" for line in fit.lines))
         for i, fit in enumerate(fits, 1)
         if fit.lines
-    ]
+    ]  # fmt: skip
     both = joint(quiet, shown, asked_band(recipe), shapes=shapes, scopes=[fit.scope for fit in fits])
     notes += [
         say("{term} is compared with a common shape: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
@@ -259,11 +252,8 @@ def _demand_different(records: Sequence[Record]) -> None:
             if len(other.values) == len(record.values) and np.array_equal(
                 other.values, record.values, equal_nan=other.values.dtype.kind == "f"
             ):
-                alike = say(
-                    "records {first} and {second} have identical samples; there is nothing to compare",
-                    first=i + 1,
-                    second=j + 1,
-                )
+                alike = say("records {first} and {second} have identical samples; there is nothing to compare",
+                            first=i + 1, second=j + 1)  # fmt: skip
                 raise DataError(alike)
 
 

@@ -211,11 +211,8 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     studies = [s for s in (source if isinstance(source, (list, tuple)) else (source,)) if isinstance(s, Study)]
     recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, {})
     rejected = dict.fromkeys(chain((axis.name for axis in doubts), *(study.rejected for study in studies)))
-    return Export(
-        target.name, suffix, text, binary, entries, stated, (*notes, *target.notes),
-        (*alerts_of(kept, doubts, studies), *warned),
-        tuple(rejected), recipe, provenance,
-    )  # fmt: skip
+    return Export(target.name, suffix, text, binary, entries, stated, (*notes, *target.notes),
+                  (*alerts_of(kept, doubts, studies), *warned), tuple(rejected), recipe, provenance)  # fmt: skip
 
 
 def _axes(source: Source, how: How) -> tuple[Axis, ...]:

@@ -99,10 +99,8 @@ def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: 
     absent = [sensor for sensor in target.sensors if sensor not in groups]
     if absent:
         given = ", ".join(f"{axis.label} ({axis.sensor})" for axis in axes)
-        remedy = spelled(
-            "add a file with it, or its noise: --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'",
-            "pass a list with a result or a model of it as well",
-        )
+        remedy = spelled("add a file with it, or its noise: --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'",
+                         "pass a list with a result or a model of it as well")  # fmt: skip
         names = " and ".join(f"an {sensor}" if sensor[0] == "a" else f"a {sensor}" for sensor in absent)
         raise DataError(f"{target.name} needs {names}, and there is only {given}: {remedy}")
 
@@ -142,10 +140,9 @@ def _value(field: TargetField, one: AxisCoefficient, rate: float, inflate: float
     least, most = field.span
     if least <= value <= most:
         return value, remark
-    return least if value < least else most, say(
-        "{value:.4g} is outside of what is accepted, {least:g} to {most:g}; {remark}",
-        value=value, least=least, most=most, remark=remark,
-    )  # fmt: skip
+    return least if value < least else most, say("{value:.4g} is outside of what is accepted, {least:g} to "
+                                                 "{most:g}; {remark}",
+                                                 value=value, least=least, most=most, remark=remark)  # fmt: skip
 
 
 def demand_how(target: Target, how: How) -> None:

@@ -102,10 +102,8 @@ def temperature_parameters(study: CompensationStudy, target: str, *, instance: i
     suffix, layout = next(iter(row.forms.items()))
     content = Content(tuple(head), tuple(entries.values()), (), None)
     text = replace(layout, start=tuple(dict.fromkeys(enable)))(content)
-    return Export(
-        row.name, suffix, text, entries=content.entries, notes=(*notes, *row.notes), alerts=alerts,
-        rejected=study.rejected, recipe=study.choices(), provenance=study.provenance,
-    )  # fmt: skip
+    return Export(row.name, suffix, text, entries=content.entries, notes=(*notes, *row.notes), alerts=alerts,
+                  rejected=study.rejected, recipe=study.choices(), provenance=study.provenance)  # fmt: skip
 
 
 @dataclass(frozen=True)

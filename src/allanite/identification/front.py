@@ -183,10 +183,8 @@ def started(  # noqa: PLR0913 - each is a choice of its own
             search = row.begin(robust.marked(readable, outlying), symbols, **options)
         if not outlying.at.size:
             return Started(search)
-        note = say(
-            "{outliers}: excluded from the fit ({option} includes them)",
-            outliers=outlying.words(readable), option=spelled("--outliers keep", "outliers='keep'"),
-        )  # fmt: skip
+        note = say("{outliers}: excluded from the fit ({option} includes them)",
+                   outliers=outlying.words(readable), option=spelled("--outliers keep", "outliers='keep'"))  # fmt: skip
         return Started(search, (note,))
     with one_thread():
         return Started(row.begin(readable, symbols, **options))

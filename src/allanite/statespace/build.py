@@ -124,11 +124,9 @@ class StepMatrices:
     def then(self, other: "StepMatrices") -> "StepMatrices":
         """These steps, and then those."""
         A, c = other.A, other.c
-        return StepMatrices(
-            A=A @ self.A, c=self.c + c @ self.A, Qww=A @ self.Qww @ A.T + other.Qww,
-            Qwn=A @ (self.Qww @ c + self.Qwn) + other.Qwn,
-            qnn=float(self.qnn + c @ self.Qww @ c + 2 * c @ self.Qwn + other.qnn),
-        )  # fmt: skip
+        return StepMatrices(A=A @ self.A, c=self.c + c @ self.A, Qww=A @ self.Qww @ A.T + other.Qww,
+                            Qwn=A @ (self.Qww @ c + self.Qwn) + other.Qwn,
+                            qnn=float(self.qnn + c @ self.Qww @ c + 2 * c @ self.Qwn + other.qnn))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -211,14 +211,12 @@ def _factors(low: float, high: float, rate: float) -> IntArray:
 def _notes(blocks: list[Block], fitted: MarkovSum | None, tau: tuple[float, float], turn_on: float) -> Iterator[str]:
     if fitted is not None:
         k = int((fitted.sizes > 0).sum())
-        yield say_count(
-            k,
-            "flicker is approximated by {count} Gauss-Markov process, within {ripple:.2g} % of its Allan deviation "
-            "from {low:g} to {high:g} s; below, its power is too small, and beyond, the bias drifts no further",
-            "flicker is approximated by {count} Gauss-Markov processes, within {ripple:.2g} % of its Allan deviation "
-            "from {low:g} to {high:g} s; below, its power is too small, and beyond, the bias drifts no further",
-            ripple=100 * fitted.ripple, low=tau[0], high=tau[1],
-        )  # fmt: skip
+        yield say_count(k, "flicker is approximated by {count} Gauss-Markov process, within {ripple:.2g} % of its "
+                        "Allan deviation from {low:g} to {high:g} s; below, its power is too small, and beyond, the "
+                        "bias drifts no further",
+                        "flicker is approximated by {count} Gauss-Markov processes, within {ripple:.2g} % of its "
+                        "Allan deviation from {low:g} to {high:g} s; below, its power is too small, and beyond, the "
+                        "bias drifts no further", ripple=100 * fitted.ripple, low=tau[0], high=tau[1])  # fmt: skip
     yield from dict.fromkeys(block.note for block in blocks if block.note)
     if not turn_on:
         yield say("the turn-on bias is not part of the noise: it is 0 in P0 unless given (turn_on)")

@@ -48,11 +48,9 @@ class MeasuredCurve:
 
 def measured(fit: Fit, record: Record) -> MeasuredCurve:
     """The deviation of a record; a point of which the joints over gaps leave nothing contradicts nothing."""
-    return MeasuredCurve(
-        deviation(record, "oadev", taus="octave", noise=None),
-        lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
-        lambda: measured(fit, marked(record, outliers(record))),
-    )
+    return MeasuredCurve(deviation(record, "oadev", taus="octave", noise=None),
+                         lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
+                         lambda: measured(fit, marked(record, outliers(record))))  # fmt: skip
 
 
 def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
@@ -85,15 +83,11 @@ def _above(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     upper = limited.upper(1 - FALSE / inside.sum()) if above.any() else np.empty(0)
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
     return {
-        symbol: say(
-            "at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times the "
-            "upper limit of the measured one",
-            tau=curve.tau[above][ratio.argmax()],
-            excess=ratio.max(),
-        )
+        symbol: say("at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times "
+                    "the upper limit of the measured one", tau=curve.tau[above][ratio.argmax()], excess=ratio.max())
         for symbol, ratio in excess.items()
         if (ratio > 1).any()
-    }
+    }  # fmt: skip
 
 
 def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
@@ -129,11 +123,9 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
         far &= np.isin(curve.m, limited.m)
         excess = np.sqrt(np.maximum(limited.interval(1 - 2 * FALSE / inside.sum())[0] ** 2 - other[far], 0)) / most[far]
         if excess.max() > 1:
-            reasons[e.symbol] = say(
-                "at {tau:.3g} s the measured curve falls as white noise of at least {excess:.3g} times its upper limit",
-                tau=curve.tau[far][excess.argmax()],
-                excess=STRICT * excess.max(),
-            )
+            reasons[e.symbol] = say("at {tau:.3g} s the measured curve falls as white noise of at least "
+                                    "{excess:.3g} times its upper limit", tau=curve.tau[far][excess.argmax()],
+                                    excess=STRICT * excess.max())  # fmt: skip
     return reasons
 
 
@@ -194,14 +186,12 @@ def not_rounding(fit: Fit, record: Record) -> dict[str, str]:
     angle = step if record.kind == "angle" else step / record.rate
     most = ROUNDED * angle / math.sqrt(12)
     return {
-        e.symbol: say(
-            "it is {ratio:.3g} times what the steps of the samples can cause: noise that rises near half the sampling "
-            "rate, of vibration, differentiation or interpolation",
-            ratio=ROUNDED * e.value / most,
-        )
+        e.symbol: say("it is {ratio:.3g} times what the steps of the samples can cause: noise that rises near half "
+                      "the sampling rate, of vibration, differentiation or interpolation",
+                      ratio=ROUNDED * e.value / most)
         for e in fit
         if TERMS[e.symbol].edge and e.claimed and e.value is not None and e.value > most
-    }
+    }  # fmt: skip
 
 
 def _alone(estimate: Estimate, curve: Curve) -> FloatArray | None:

@@ -32,10 +32,8 @@ def reasons(
         return []
     steps = rounding_of(record)
     if steps.sparse:  # the samples are steps of a quantizer without sufficient dither
-        how = say(
-            "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
-            size=steps.step * (record.scale or 1.0), unit=record.unit, noise=steps.noise,
-        )  # fmt: skip
+        how = say("steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
+                  size=steps.step * (record.scale or 1.0), unit=record.unit, noise=steps.noise)  # fmt: skip
         what = say(
             "quantization errors are not white: {details}", details=join(", ", filter(None, (steps.counted, how)))
         )
@@ -60,27 +58,22 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     spans = (say("from {start:.6g} s to {end:.6g} s", start=start, end=end) for start, end in loud)
     return Finding(
         "level",
-        say(
-            "the noise level changes by a factor of {ratio:.3g} between eighths of the record, and is highest {spans}",
-            ratio=check.value,
-            spans=join(", ", spans),
-        ),
+        say("the noise level changes by a factor of {ratio:.3g} between eighths of the record, and is highest "
+            "{spans}", ratio=check.value, spans=join(", ", spans)),
         say("one set of coefficients describes neither part")
         if different
         else say("the coefficients are those of the average"),
         say("analyze the parts separately ({choice})", choice=longest_without(loud, (float(time[0]), float(time[-1])))),
         (float(time[odd]), float(time[odd + 1])),
         fatal=different,
-    )
+    )  # fmt: skip
 
 
 def _fast(near: Check, tails: Check, record: Record, fit: Fit, *, kept: bool) -> Iterator[Finding]:
     """The findings about the fast noise: heavy tails, and neighbours that correlate."""
     if not tails.passed and tails.value > TAILED:
-        what = say(
-            "the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or intermittent noise",
-            kurtosis=tails.value,
-        )
+        what = say("the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or "
+                   "intermittent noise", kurtosis=tails.value)  # fmt: skip
         effect = say("the coefficients are valid; the intervals of the fast noise are widened for them")
         cure = say("exclude the outliers ({option})", option=spelled("--outliers mark", "prepare.mark_outliers"))
         yield Finding("heavy tails", what, effect, cure if kept and outlying(record).at.size > 0 else "")
@@ -180,13 +173,9 @@ def _lines(spectrum: BinnedSpectrum, used: BoolArray, m: FloatArray, rest: Float
     where = ", ".join(f"{f:.3g}" for f in spectrum.frequency(spectrum.peak_at[used][best]))
     share = float(peak[standing_out].sum() / (power * count).sum())
     return [
-        say(
-            "narrow peaks at {frequencies} Hz (their maxima alone contain {share:.2g} % of the power): vibration, "
-            "sway or interference",
-            frequencies=where,
-            share=100 * share,
-        )
-    ]
+        say("narrow peaks at {frequencies} Hz (their maxima alone contain {share:.2g} % of the power): vibration, "
+            "sway or interference", frequencies=where, share=100 * share)
+    ]  # fmt: skip
 
 
 def _roll_off(spectrum: BinnedSpectrum, used: BoolArray) -> list[str]:
@@ -203,13 +192,9 @@ def _roll_off(spectrum: BinnedSpectrum, used: BoolArray) -> list[str]:
     if top > 0.8 * middle:
         return []
     return [
-        say(
-            "the spectrum rolls off: towards {frequency:g} Hz it falls to {level:.2g} of its level at a tenth of that "
-            "frequency (a filter in the sensor or logger)",
-            frequency=spectrum.rate / 2,
-            level=top / middle,
-        )
-    ]
+        say("the spectrum rolls off: towards {frequency:g} Hz it falls to {level:.2g} of its level at a tenth of "
+            "that frequency (a filter in the sensor or logger)", frequency=spectrum.rate / 2, level=top / middle)
+    ]  # fmt: skip
 
 
 def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
@@ -230,8 +215,6 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
         else say("a filter, or a term that does not belong in the model")
     )
     return [
-        say(
-            "from {low:.3g} to {high:.3g} Hz the power is {ratio:.3g} times that of the model: {cause}",
-            low=bounds[first], high=bounds[last + 1], ratio=mean, cause=what,
-        )
+        say("from {low:.3g} to {high:.3g} Hz the power is {ratio:.3g} times that of the model: {cause}",
+            low=bounds[first], high=bounds[last + 1], ratio=mean, cause=what)
     ]  # fmt: skip

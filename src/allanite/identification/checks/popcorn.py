@@ -156,12 +156,9 @@ def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], F
         remedy = join("; ", (remedy, part))
     size = abs(convert(found.jump, signal.unit, unit))
     count = max(found.at.size, 1)
-    what = say(
-        "the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} of about "
-        "{length:.2g} s in {duration:.4g} s",
-        size=size, unit=unit, middle=middle, count=count, length=2 * half, duration=ends[-1],
-    )  # fmt: skip
-    harm = say(
-        "popcorn noise is not one of the terms: it contributes to B, K and GM, and their intervals are too narrow"
-    )
+    what = say("the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} "
+               "of about {length:.2g} s in {duration:.4g} s",
+               size=size, unit=unit, middle=middle, count=count, length=2 * half, duration=ends[-1])  # fmt: skip
+    harm = say("popcorn noise is not one of the terms: it contributes to B, K and GM, and their intervals are too "
+               "narrow")  # fmt: skip
     return [Finding("popcorn", what, harm, remedy, (max(0.0, middle - half), middle + half), fatal=True)]

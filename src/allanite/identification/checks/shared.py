@@ -90,13 +90,10 @@ def _finding(names: Sequence[str], correlations: FloatArray, count: int, how: Ph
     if not pairs:
         return None
     i, j = divmod(int(size.argmax()), len(names))
-    what = say_count(
-        pairs,
-        "the residuals of {channel} and {other} are correlated {how} ({correlation:+.2g})",
-        "the residuals of {count} pairs of channels are correlated {how}, most of all those of {channel} and {other} "
-        "({correlation:+.2g})",
-        channel=names[i], other=names[j], how=how, correlation=correlations[i, j],
-    )  # fmt: skip
+    what = say_count(pairs, "the residuals of {channel} and {other} are correlated {how} ({correlation:+.2g})",
+                     "the residuals of {count} pairs of channels are correlated {how}, most of all those of "
+                     "{channel} and {other} ({correlation:+.2g})",
+                     channel=names[i], other=names[j], how=how, correlation=correlations[i, j])  # fmt: skip
     remedy = say("look for vibration, temperature, or a common supply, clock or reference")
     return Finding("shared", what, say("their noises are not independent"), remedy)
 

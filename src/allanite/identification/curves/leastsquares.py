@@ -193,10 +193,8 @@ def drift(allan: Curve, hadamard: Curve, *, fitted: bool) -> list[str]:
                 "random walk besides it; a single record can be that low by chance",
                 found=ratio, size=np.sqrt(2 * (a - 2 * h)) / tau, unit=allan.unit)
         ]  # fmt: skip
-    conclusion = say(
-        "a Hadamard deviation below the Allan deviation is no proof of a drift (a random walk alone gives 0.707, "
-        "flicker 0.90), only a ratio below 0.707 requires a ramp"
-    )
+    conclusion = say("a Hadamard deviation below the Allan deviation is no proof of a drift (a random walk alone "
+                     "gives 0.707, flicker 0.90), only a ratio below 0.707 requires a ramp")  # fmt: skip
     if fitted:
         conclusion = say("{said}, and the R of the fit is no evidence of a ramp", said=conclusion)
     negative = say("2 (AVAR - 2 HVAR) / tau^2 is negative, so that R there is 0")

@@ -67,11 +67,9 @@ class Likelihood(Portable):
         """The likelihood of some of the bins; a direction of which they hold nothing is dropped."""
         UU, Uc = self.UU[bins], self.Uc[bins]
         held = np.einsum("bii->i", UU) > 0
-        return Likelihood(
-            S=self.S[bins], power=self.power[bins], count=self.count[bins], UU=UU[:, held][:, :, held],
-            Uc=Uc[:, held], W=self.W[held], flat=self.flat[held],
-            added=self.added if isinstance(self.added, float) else self.added[bins],
-        )  # fmt: skip
+        return Likelihood(S=self.S[bins], power=self.power[bins], count=self.count[bins], UU=UU[:, held][:, :, held],
+                          Uc=Uc[:, held], W=self.W[held], flat=self.flat[held],
+                          added=self.added if isinstance(self.added, float) else self.added[bins])  # fmt: skip
 
     def behind(self, gain: FloatArray, mean: float, edges: FloatArray | float = 0.0) -> "Likelihood":
         """The likelihood if a filter of this power gain, shape (bins,), stands before the samples.

@@ -252,14 +252,10 @@ class BinnedSpectrum(Portable):
             raise UsageError(f"a band is two frequencies in Hz, low < high, not {low:g},{high:g}", choice="band")
         inside = (self.frequency(self.first) >= low) & (self.frequency(self.first + self.count - 1) <= high)
         if inside.sum() < FEWEST:
-            raise DataError(
-                say(
-                    "the band {low:g} to {high:g} Hz contains {bins} of the spectrum, fewer than {fewest}; the "
-                    "spectrum extends from {least:.3g} to {most:g} Hz",
-                    low=low, high=high, bins=say_count(int(inside.sum()), "{count} bin", "{count} bins"),
-                    fewest=FEWEST, least=self.rate / (2 * self.size), most=self.rate / 2,
-                )
-            )  # fmt: skip
+            raise DataError(say("the band {low:g} to {high:g} Hz contains {bins} of the spectrum, fewer than "
+                                "{fewest}; the spectrum extends from {least:.3g} to {most:g} Hz",
+                                low=low, high=high, bins=say_count(int(inside.sum()), "{count} bin", "{count} bins"),
+                                fewest=FEWEST, least=self.rate / (2 * self.size), most=self.rate / 2))  # fmt: skip
         return np.asarray(inside)
 
 

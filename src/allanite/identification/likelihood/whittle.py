@@ -63,10 +63,8 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
 def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
     UU, Uc = directions_of(spectrum, bool(part.flat.any()), more)
     at = np.full(len(more), np.count_nonzero(~part.flat))
-    wider = replace(
-        part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
-        flat=np.insert(part.flat, at, True),
-    )  # fmt: skip
+    wider = replace(part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
+                    flat=np.insert(part.flat, at, True))  # fmt: skip
     return wider.trusted(part.count / wider.count)
 
 

@@ -52,11 +52,9 @@ def scope_of(
     high = spectrum.first[last] + spectrum.count[last] - 0.5
     band = asked or (low, spectrum.rate / 2 if last == used.size - 1 else float(spectrum.frequency(high)))
     misfit, within = misfit_of(answer)
-    return Scope(
-        choice=choice, band=band, masks=masks, filter=low_pass(answer), misfit=misfit, within=within,
-        frequency=spectrum.frequency(spectrum.first + (spectrum.count - 1) / 2), level=level, remarks=(),
-        disturbed=disturbed(f),
-    )  # fmt: skip
+    return Scope(choice=choice, band=band, masks=masks, filter=low_pass(answer), misfit=misfit, within=within,
+                 frequency=spectrum.frequency(spectrum.first + (spectrum.count - 1) / 2), level=level, remarks=(),
+                 disturbed=disturbed(f))  # fmt: skip
 
 
 def bare_power(answer: Answer) -> FloatArray:
@@ -90,10 +88,8 @@ def low_pass(answer: Answer) -> LowPass | None:
     low, high = (quantile_of(w / w.sum(), centre, spread, p) for p in (0.025, 0.975))
     rate, widest = answer.scale.rate, FILTERS[part.label].widest
     c = part.shape[0]
-    return LowPass(
-        part.label, FILTERS[part.label].title, c * rate, min(math.exp(low), c) * rate,
-        max(math.exp(min(high, math.log(widest))), c) * rate, rate,
-    )  # fmt: skip
+    return LowPass(part.label, FILTERS[part.label].title, c * rate, min(math.exp(low), c) * rate,
+                   max(math.exp(min(high, math.log(widest))), c) * rate, rate)  # fmt: skip
 
 
 def _cutoff(e: Entry) -> tuple[float, float]:
@@ -183,10 +179,8 @@ def _words(answer: Answer, f: Fitted, part: Part) -> str:  # noqa: PLR0911 - one
     if part.name == "floor":
         return say("white noise behind the filter")
     if part.name == "resonance":
-        return say(
-            "vibration at {frequency:.3g} Hz (quality {quality:.2g})",
-            frequency=part.shape[0] * rate / (2 * math.pi), quality=part.shape[1],
-        )  # fmt: skip
+        return say("vibration at {frequency:.3g} Hz (quality {quality:.2g})",
+                   frequency=part.shape[0] * rate / (2 * math.pi), quality=part.shape[1])  # fmt: skip
     if part.name == "noise":
         term = Term(part.label, 0.0, answer.scale.signal, answer.scale.shape(part.label, part.shape))
         return say("{term} with {shape}", term=TERMS[part.label].title, shape=term.shape_words)
@@ -243,22 +237,14 @@ def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
     if not claimed and weight >= CLAIMED and slow:
         likely = [s for s in names if _weight_of(answer, s) > 1 - CLAIMED]
         if likely:
-            notes.append(
-                say(
-                    "the bias drifts, but the record does not decide between {terms}: a longer record would",
-                    terms=join(", ", [f"{s} ({title_of(s, scale.signal)})" for s in likely]),
-                )
-            )
+            notes.append(say("the bias drifts, but the record does not decide between {terms}: a longer record would",
+                             terms=join(", ", [f"{s} ({title_of(s, scale.signal)})" for s in likely])))  # fmt: skip
     walk = next((s for s in slow if TERMS[s].slope > 0), None)
     if walk and walk in estimates and estimates[walk].claimed and "GM" not in frame.asked:
         least = least_time_constant(answer, frame.powers.index(walk))
         if least is not None:
-            notes.append(
-                say(
-                    "{walk} may as well be Gauss-Markov noise with a time constant of more than {time:.2g} s",
-                    walk=walk, time=least / scale.rate,
-                )
-            )  # fmt: skip
+            notes.append(say("{walk} may as well be Gauss-Markov noise with a time constant of more than {time:.2g} "
+                             "s", walk=walk, time=least / scale.rate))  # fmt: skip
     return notes
 
 

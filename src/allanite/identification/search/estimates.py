@@ -299,10 +299,8 @@ def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
     if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
     ramps = [(w, _ramp_law(f, answer, size)) for w, f in _heaviest(answer)]
-    ramp = NormalMixture(
-        np.concatenate([r.centre for _, r in ramps]), np.concatenate([r.spread for _, r in ramps]),
-        np.concatenate([w * r.weight for w, r in ramps]),
-    )  # fmt: skip
+    ramp = NormalMixture(np.concatenate([r.centre for _, r in ramps]), np.concatenate([r.spread for _, r in ramps]),
+                         np.concatenate([w * r.weight for w, r in ramps]))  # fmt: skip
     value, error = ramp.value, ramp.error
     limits, upper = Remembered(ramp), Remembered(ramp.upper)
     low, high = limits(0.95)
@@ -363,10 +361,8 @@ def observable(estimate: Estimate, band: tuple[float, float], half: float, *, fi
     if edge and not estimate.claimed and filtered:
         reason = say("the filter hides the frequencies where it would be visible")
     elif edge and band[1] < SHOWS_ANGLE * half:
-        reason = say(
-            "the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
-            frequency=band[1],
-        )
+        reason = say("the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
+                     frequency=band[1])  # fmt: skip
     elif band[0] > 0 and not estimate.claimed and estimate.upper in (None, 0.0, math.inf):
         reason = say(
             "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible", frequency=band[0]

@@ -290,16 +290,14 @@ def _concluded(
         findings.append(crowded_finding())
     model = _model(estimates, answer)
     deterministic_terms = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
-    return Fit(
-        estimates=tuple(estimates.values()), method="whittle", signal=answer.scale.signal, name=name,
-        model=Model((*model, *(line.term for line in taken))), goodness=_goodness(answer, taken),
-        correlation=_correlation(list(estimates), answer.shown),
-        notes=(*(f.what for f in findings), *notes_of(answer, estimates)), lines=taken,
-        rivals=Remembered(partial(alternatives, answer)),
-        nodes=Remembered(partial(answer.nodes, deterministic_terms)), scope=scope, findings=tuple(findings),
-        warm_up=warm.term if warm else None, components=components_of(answer),
-        cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None,
-    )  # fmt: skip
+    return Fit(estimates=tuple(estimates.values()), method="whittle", signal=answer.scale.signal, name=name,
+               model=Model((*model, *(line.term for line in taken))), goodness=_goodness(answer, taken),
+               correlation=_correlation(list(estimates), answer.shown),
+               notes=(*(f.what for f in findings), *notes_of(answer, estimates)), lines=taken,
+               rivals=Remembered(partial(alternatives, answer)),
+               nodes=Remembered(partial(answer.nodes, deterministic_terms)), scope=scope, findings=tuple(findings),
+               warm_up=warm.term if warm else None, components=components_of(answer),
+               cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None)  # fmt: skip
 
 
 def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, Estimate]:

@@ -103,26 +103,18 @@ class WarmUp(Portable):
         size, error = (convert(value, signal.unit, unit) for value in self.size)
         usable, cut = self.until <= USABLE * self.duration, self.f.frame.spectrum.cut
         remedy = (
-            say(
-                "cut it off ({option})",
-                option=spelled(f"--from {cut + self.until:g}", f"prepare.trim(recording, {cut + self.until:g})"),
-            )
+            say("cut it off ({option})",
+                option=spelled(f"--from {cut + self.until:g}", f"prepare.trim(recording, {cut + self.until:g})"))
             if usable
             else (
-                say(
-                    "record again, starting at least {seconds:.3g} s after switching on: too little would remain if it "
-                    "were cut off",
-                    seconds=self.until,
-                )
+                say("record again, starting at least {seconds:.3g} s after switching on: too little would remain if "
+                    "it were cut off", seconds=self.until)
             )
-        )
+        )  # fmt: skip
         return Finding(
             "warm-up",
-            say(
-                "the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with "
-                "a time constant of {tau:.3g} s",
-                size=size, error=error, unit=unit, tau=self.tau,
-            ),
+            say("the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with "
+                "a time constant of {tau:.3g} s", size=size, error=error, unit=unit, tau=self.tau),
             say("the coefficients are those of the noise without it; K and R are less certain"),
             remedy,
             (cut, cut + min(self.until, self.duration)),
@@ -174,10 +166,8 @@ def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estima
     error = law.error_of(value)
     status = "identified" if error <= WEAK * abs(value) else "weak"
     limits = Remembered(law)
-    return Estimate(
-        symbol, signal, value, error, status, law.upper(0.95), "whittle", limits, limits, value,
-        shape=(warm.tau,), shape_limits=Remembered(along),
-    )  # fmt: skip
+    return Estimate(symbol, signal, value, error, status, law.upper(0.95), "whittle", limits, limits, value,
+                    shape=(warm.tau,), shape_limits=Remembered(along))  # fmt: skip
 
 
 def steps_finding(answer: Answer, f: Fitted) -> Finding:
@@ -195,23 +185,17 @@ def steps_finding(answer: Answer, f: Fitted) -> Finding:
         "steps",
         say("the bias steps: {steps}", steps=join(", ", each)),
         say("the coefficients are those of the noise between the steps"),
-        say(
-            "analyze the parts between the steps ({choice})",
-            choice=longest_without(zip(time - apart, time + apart, strict=True), span),
-        ),
+        say("analyze the parts between the steps ({choice})",
+            choice=longest_without(zip(time - apart, time + apart, strict=True), span)),
         (float(time[0]), float(time[0])),
-    )
+    )  # fmt: skip
 
 
 def hidden_finding() -> Finding:
     """The finding that vibration, or what nothing describes, leaves no frequency to the noise of the sensor."""
-    return Finding(
-        "vibration",
-        say("vibration has more power than the white noise of the sensor at all frequencies"),
-        say("what it leaves of the noise cannot be checked"),
-        say("record at rest, on a quiet base"),
-        fatal=True,
-    )
+    return Finding("vibration", say("vibration has more power than the white noise of the sensor at all frequencies"),
+                   say("what it leaves of the noise cannot be checked"), say("record at rest, on a quiet base"),
+                   fatal=True)  # fmt: skip
 
 
 def crowded_finding() -> Finding:
@@ -244,10 +228,8 @@ def exponent_finding(answer: Answer, f: Fitted) -> Finding:
         begins = say("below {frequency:.2g} Hz", frequency=min(corner, scale.rate / 2))
     return Finding(
         "flicker exponent",
-        say(
-            "{where} the power spectral density falls as f^-{exponent:.2f} ({low:.2f} to {high:.2f}), not as f^-1",
-            where=begins, exponent=a, low=low, high=high,
-        ),
+        say("{where} the power spectral density falls as f^-{exponent:.2f} ({low:.2f} to {high:.2f}), not as f^-1",
+            where=begins, exponent=a, low=low, high=high),
         harm,
         say("read the noise at the averaging times of interest off the Allan deviation"),
     )  # fmt: skip
