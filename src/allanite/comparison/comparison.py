@@ -83,30 +83,17 @@ class Ratios(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pair(ComparedChannel):
-    """One channel before and after.
-
-    Attributes
-    ----------
-    changes : tuple of Change
-        One a term.
-    ratios : Ratios or None
-    whole : Fit or None
-        Fit of the record of which both are parts, in a study of truncation.
-    paired : bool
-        Whether both hold the same noise, and are compared sample by sample.
-    name, test, band, fits, explained, grades, records, alerts, refusal, alpha
-        See `ComparedChannel`. Where only fits were at hand there is no test, and there are no records.
-    """
+    """One channel before and after; where only fits were at hand there is no test, and there are no records."""
 
     _keys: ClassVar = {"changes": "terms"}
     _also = ("verdict", "changed")
 
     fits: tuple[Fit, Fit] | None = None  # type: ignore[assignment]
     records: tuple[Record | Header, Record | Header] | None = None  # type: ignore[assignment]
-    changes: tuple[Change, ...] = ()
+    changes: tuple[Change, ...] = ()  # one a term
     ratios: Ratios | None = None
-    whole: Fit | None = None
-    paired: bool = False
+    whole: Fit | None = None  # fit of the record of which both are parts, in a study of truncation
+    paired: bool = False  # whether both hold the same noise, and are compared sample by sample
 
     def __getitem__(self, symbol: str) -> Change:
         return of_symbol(self.changes, symbol, "compared")
@@ -199,17 +186,7 @@ class Pair(ComparedChannel):
 
 @dataclass(frozen=True, repr=False)
 class ComparisonSettings(ComparisonChoices, Value):
-    """What is held against what.
-
-    Attributes
-    ----------
-    against : tuple of str, optional
-        Channels of the second recording that are compared with those of the first.
-    part : float, optional
-        Length of the beginning of one recording that is held against the rest, s.
-    pool : bool
-        Whether two recordings are pooled, not compared.
-    """
+    """What is held against what: channels of the second recording, the beginning of one, s, or all as a pool."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -86,34 +86,17 @@ class PooledTerm(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PooledChannel(ComparedChannel):
-    """One channel of all runs.
-
-    Attributes
-    ----------
-    terms : tuple of PooledTerm
-    curve : Curve or None
-        Variances averaged by their degrees of freedom, which add up.
-    curves : tuple of Curve
-        Curves of each run, at the same averaging times.
-    p : array, shape (k,)
-        p-value of equal variances at each averaging time (Bartlett's test with the degrees of freedom).
-    apart : dict
-        Outlying runs with the adjusted p, in the order in which they were removed.
-    rest : float
-        p of one common model for the runs that are left.
-    name, test, band, fits, explained, grades, records, alerts, refusal, alpha
-        See `ComparedChannel`.
-    """
+    """One channel of all runs."""
 
     _keys: ClassVar = {"rest": "p_rest"}
     _also = ("verdict",)
 
     terms: tuple[PooledTerm, ...] = ()
-    curve: Curve | None = None
-    curves: tuple[Curve, ...] = ()
-    p: FloatArray | None = None
-    apart: dict[str, float] = field(default_factory=dict)
-    rest: float = 1.0
+    curve: Curve | None = None  # variances averaged by their degrees of freedom, which add up
+    curves: tuple[Curve, ...] = ()  # of each run, at the same averaging times
+    p: FloatArray | None = None  # shape (k,); of equal variances at each averaging time, by Bartlett's test
+    apart: dict[str, float] = field(default_factory=dict)  # outlying runs with the adjusted p, as they were removed
+    rest: float = 1.0  # p of one common model for the runs that are left
 
     def __getitem__(self, symbol: str) -> PooledTerm:
         return of_symbol(self.terms, symbol, "pooled")

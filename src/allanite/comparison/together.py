@@ -58,18 +58,9 @@ def of_symbol(found: Sequence[OfTerm], symbol: str, done: str) -> OfTerm:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Together(Job[Compared]):
-    """A result for each channel of several recordings.
+    """A result for each channel of several recordings; ``source 2`` and so on are the other recordings."""
 
-    Attributes
-    ----------
-    channels : tuple
-    names : tuple of str
-        Names of the recordings.
-    recipe, findings, notes, provenance
-        As for `Job`; ``source 2`` and so on are the other recordings.
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # of the recordings
 
     @property
     def level(self) -> float:

@@ -29,8 +29,7 @@ from allanite.statistics import expected
 
 from .choice import COVER
 from .content import Axis
-from .outage import Outages
-from .stated_noise import AxisNoise
+from .stated_noise import AxisNoise, Outages
 from .target import Target
 
 WIDEST = 8.0

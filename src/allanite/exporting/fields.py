@@ -20,29 +20,9 @@ INFLATED, SIZED = 1e6, 1e15
 
 @dataclass(frozen=True)
 class How(ExportChoices):
-    """Choices of an export.
+    """Choices of an export; see `allanite.export`."""
 
-    Attributes
-    ----------
-    axis : str
-        A name in `POLICIES`.
-    inflate : float
-    rate : float or None
-        Sampling rate, Hz, of fits and models that do not know it.
-    filter_rate : float or None
-        Rate of the filter's steps, Hz, if it is neither the target's own nor the sampling rate.
-    unexplained : bool
-        Whether coefficients are used although no model explains the record.
-    cover : (low, high), bool, optional
-        Averaging times, s, between which the noise is covered; True: from 1 s to what the record resolves; None: where
-        a filter would be over-confident.
-    from_curve : bool
-        Whether upper bounds read off the measured curve are used where there are no coefficients.
-    partial : bool
-        Whether fields may be missing that the target needs.
-    """
-
-    partial: bool = False
+    partial: bool = False  # whether fields may be missing that the target needs
 
     @property
     def span(self) -> tuple[float, float] | None:

@@ -13,7 +13,7 @@ from tests.rows import paired, rows
 import allanite as al
 from allanite.cli import main
 from allanite.exporting.cover import SETTLED
-from allanite.exporting.outage import Outages
+from allanite.exporting.stated_noise import Outages
 
 GYRO = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")
 NOISES = {
