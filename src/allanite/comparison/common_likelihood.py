@@ -25,7 +25,7 @@ from allanite.core.units import Signal
 from allanite.core.validity import Scope
 from allanite.identification.likelihood.law import AKAIKE, Subset, law, select, subsets, traces
 from allanite.identification.likelihood.likelihood import Likelihood
-from allanite.identification.likelihood.spectrum import FEWEST, BinnedSpectrum, spectrum
+from allanite.identification.likelihood.spectrum import FEWEST_BINS, BinnedSpectrum, spectrum
 from allanite.identification.likelihood.whittle import column, gain_of, likelihood
 from allanite.phrases.phrase import join, say, say_count, spelled
 from allanite.terms import TERMS
@@ -187,7 +187,7 @@ def part_of(
     inside = (first > low) & (last <= high * (1 + 1e-9))
     for start, end in (mask for other in filter(None, scopes) for mask in (*other.masks, *other.disturbed)):
         inside &= (last < start) | (first > end)
-    if inside.sum() < FEWEST:
+    if inside.sum() < FEWEST_BINS:
         raise DataError(say_count(int(inside.sum()),
                                   "the common frequency band of the records is too narrow: from {low:.3g} to "
                                   "{high:.3g} Hz, where no vibration hides the noise, one of them has {count} bin "
@@ -196,7 +196,7 @@ def part_of(
                                   "the common frequency band of the records is too narrow: from {low:.3g} to "
                                   "{high:.3g} Hz, where no vibration hides the noise, one of them has {count} bins "
                                   "of the spectrum, fewer than {fewest}; record longer, at rest, or at more similar "
-                                  "rates", low=low, high=high, fewest=FEWEST))  # fmt: skip
+                                  "rates", low=low, high=high, fewest=FEWEST_BINS))  # fmt: skip
     part = whole.only(inside)
     size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])  # of squares, in SI
     return replace(part, S=part.S * size, W=part.W * size)

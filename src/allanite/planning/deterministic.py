@@ -13,10 +13,10 @@ from allanite.identification.likelihood.spectrum import SINGLE
 from allanite.prepare.gaps import whole
 from allanite.terms import NoiseTerm, ramp_coefficients
 
-STEP = 1.001
+TIME_STEP = 1.001
 """Factor on the time constant by which the waveform is differentiated."""
 
-NODES = 200
+MIXING_NODES = 200
 """Nodes of Gauss's rule for the covariance of two coefficients."""
 
 LOWEST = SINGLE
@@ -47,7 +47,7 @@ def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
 
     is the correlation of the two cosines at the distance u. It is zero for white noise and for random walks.
     """
-    v, weight = np.polynomial.legendre.leggauss(NODES)
+    v, weight = np.polynomial.legendre.leggauss(MIXING_NODES)
     v, weight = (v + 1) / 2, weight / 2
     u = v**2  # a logarithm at u = 0 becomes smooth
     k = np.arange(1.0, block + 1)
@@ -69,7 +69,7 @@ def transient_errors(t: Term, noise: Sequence[Term], n: int, rate: float) -> tup
         assert wave is not None  # noqa: S101 - a warm-up has one
         return np.asarray(t.value * dct(wave(n), norm="ortho")[1:] / scale)
 
-    slopes = np.stack((seen(1.0), (seen(STEP) - seen(1 / STEP)) / (2 * math.log(STEP))))
+    slopes = np.stack((seen(1.0), (seen(TIME_STEP) - seen(1 / TIME_STEP)) / (2 * math.log(TIME_STEP))))
     information = slopes @ slopes.T
     if not np.linalg.det(information) > 0:
         return math.inf, math.inf

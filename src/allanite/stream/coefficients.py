@@ -23,7 +23,7 @@ from allanite.core.model import ModelLike, model_of
 from allanite.core.record import SHORTEST
 from allanite.core.validity import Band, demand_band
 from allanite.identification.likelihood.spectrum import (
-    ROUNDING,
+    ROUNDING_SHARE,
     SINGLE,
     BinnedSpectrum,
     edges_of,
@@ -213,7 +213,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     whole = Gaps(n * width, gaps.at * width, gaps.lost * width, gaps.shut)
     return BinnedSpectrum(
         size=n * width, rate=stream.like.rate, first=first, count=count,
-        power=np.maximum(power, ROUNDING * float(power.mean())), peak=np.append(peak, none),
+        power=np.maximum(power, ROUNDING_SHARE * float(power.mean())), peak=np.append(peak, none),
         peak_at=np.append(peak_at, upper.first).astype(np.int64),
         even=np.append(even, none), odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
         unit_factor=stream.like.rate_factor, times=(left + 0.5) * width, pieces=ladder,

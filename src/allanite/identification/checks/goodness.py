@@ -16,7 +16,7 @@ from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.rounding import rounding_of
 from allanite.prepare.view import stretches
 
-UNSTEADY, TAILED, KIN = 1.2, 0.1, 0.02
+UNSTEADY, HEAVY_TAILS, KIN = 1.2, 0.1, 0.02
 """Ratio of levels, excess kurtosis and correlation above which a failed check matters."""
 
 DIFFERENT = 1.5
@@ -71,7 +71,7 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
 
 def _fast(near: Check, tails: Check, record: Record, fit: Fit, *, kept: bool) -> Iterator[Finding]:
     """The findings about the fast noise: heavy tails, and neighbours that correlate."""
-    if not tails.passed and tails.value > TAILED:
+    if not tails.passed and tails.value > HEAVY_TAILS:
         what = say("the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or "
                    "intermittent noise", kurtosis=tails.value)  # fmt: skip
         effect = say("the coefficients are valid; the intervals of the fast noise are widened for them")
@@ -88,10 +88,10 @@ def _fast(near: Check, tails: Check, record: Record, fit: Fit, *, kept: bool) ->
         )
 
 
-FALSE_LINE = 0.01
+FALSE_PEAK = 0.01
 """Probability that a record of noise alone shows a line."""
 
-LEAST = 1e-12
+LEAST_RATIO = 1e-12
 """Power over the model's that a sentence states at least: of a model far from the record it may come out negative."""
 
 
@@ -164,7 +164,7 @@ def _lines(spectrum: BinnedSpectrum, used: BoolArray, m: FloatArray, rest: Float
     power, count = spectrum.power[used], spectrum.count[used]
     peak = np.where(count == 1, rest, spectrum.peak[used])
     around = np.median(surroundings(power), axis=1)
-    threshold = float(ndtri(0.5 * FALSE_LINE / count.sum())) ** 2
+    threshold = float(ndtri(0.5 * FALSE_PEAK / count.sum())) ** 2
     standing_out = peak > threshold * np.maximum(around, m)
     if not standing_out.any():
         return []
@@ -208,7 +208,7 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
         first -= 1
     while last < z.size - 1 and strong[last + 1]:
         last += 1
-    mean = math.exp(float(np.log(np.maximum(ratio[first : last + 1], LEAST)).mean()))
+    mean = math.exp(float(np.log(np.maximum(ratio[first : last + 1], LEAST_RATIO)).mean()))
     what = (
         say("motion, sway, vibration or a missing term")
         if mean > 1

@@ -21,19 +21,19 @@ from allanite.prepare.gaps import whole
 
 from .whitening import deviations
 
-FINEST, MOST = 8, 1 << 17
+FINEST_BLOCK, MAX_BLOCKS = 8, 1 << 17
 """Number of samples per block, and the number of blocks above which blocks become longer."""
 
-SHORTEST, LONGEST, GROWTH = 4, 1 / 16, math.sqrt(2)
+SHORTEST_WINDOW, LONGEST_WINDOW, WINDOW_GROWTH = 4, 1 / 16, math.sqrt(2)
 """Windows: blocks in the shortest, share of the record of the longest, ratio of successive lengths."""
 
-FEWEST = 512
+FEWEST_BLOCKS = 512
 """Number of blocks needed to detect tails."""
 
-TAILED = 2.9
+TAILED_DEVIATE = 2.9
 """Normal deviate of the excess kurtosis for detection: the maximum over windows exceeds it in 1 of 500 records."""
 
-CHANCE = 0.012
+CHANCE_OF_JUMP = 0.012
 """The same for the expected number of larger scores; windows overlap, so that it is not a probability."""
 
 QUIET = 0.25
@@ -45,11 +45,11 @@ DENSE = 16
 MEDIAN = 0.4549
 """Median of the square of a normal deviate."""
 
-SEEN = 3.5
+JUMP_DEVIATE = 3.5
 """Standard deviations from which a score is counted as a jump."""
 
 
-HARMLESS = 0.05
+HARMLESS_SHARE = 0.05
 """Share of the variance of the scores below which jumps do not affect the coefficients."""
 
 
@@ -75,7 +75,7 @@ class Jumps:
     @property
     def weight(self) -> float:
         """Significance relative to the threshold; 1 and above is reported."""
-        return max(self.deviate / TAILED, math.log(max(self.chance, 1e-300)) / math.log(CHANCE))
+        return max(self.deviate / TAILED_DEVIATE, math.log(max(self.chance, 1e-300)) / math.log(CHANCE_OF_JUMP))
 
 
 def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
@@ -85,9 +85,9 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     """
     from scipy.fft import dct, idct
 
-    block = max(FINEST, -(-u.size // MOST))
+    block = max(FINEST_BLOCK, -(-u.size // MAX_BLOCKS))
     blocks = u.size // block
-    if blocks < FEWEST:
+    if blocks < FEWEST_BLOCKS:
         return None
     # sums over blocks of the record weighed by the inverse of its covariance
     means = (u[: blocks * block].reshape(blocks, block) @ np.full(block, 1 / block, dtype=np.float32)).astype(
@@ -98,8 +98,8 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     c[0] = 0.0
     c[1:] *= np.interp(np.arange(1, blocks), k, 1 / deviation)
     total = np.concatenate(([0.0], np.cumsum(block * idct(c, norm="ortho", overwrite_x=True))))
-    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
-    lengths = [round(SHORTEST * GROWTH**i) for i in range(count)]
+    count = int(math.log(blocks * LONGEST_WINDOW / SHORTEST_WINDOW, WINDOW_GROWTH)) + 1
+    lengths = [round(SHORTEST_WINDOW * WINDOW_GROWTH**i) for i in range(count)]
     chances = 2 * sum(blocks / length for length in lengths)
     candidates = [_scored(total, length, block, chances) for length in lengths]
     best = max(candidates, key=lambda one: one.weight)
@@ -117,7 +117,7 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
     largest = math.sqrt(float(square[most]) / variance)
     density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
     quiet = float(np.median(square)) / MEDIAN  # bursts increase the variance, but hardly this
-    at = np.flatnonzero(square > SEEN**2 * quiet)
+    at = np.flatnonzero(square > JUMP_DEVIATE**2 * quiet)
     # middles of the runs that stand out; those no more than a length apart are one
     runs = np.split(at, np.flatnonzero(np.diff(at) > length // step) + 1)
     middles = np.array([(run[0] + run[-1]) // 2 for run in runs if run.size], dtype=at.dtype)
@@ -141,7 +141,7 @@ def _normal(kurtosis: float, n: float) -> float:
 
 def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], FloatArray]) -> list[Finding]:
     """The finding about jumps; `seconds` gives the times of samples of the series."""
-    if found is None or found.weight < 1 or found.share < HARMLESS:
+    if found is None or found.weight < 1 or found.share < HARMLESS_SHARE:
         return []
     unit = signal.sheet[0]
     ends = seconds(np.concatenate(([0], found.at, [found.size])))

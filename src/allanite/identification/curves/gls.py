@@ -23,14 +23,14 @@ from .inversion import Inverted, RatioLimits
 from .leastsquares import Moments, iterated, whitened
 from .reading import blind, columns, early, plain, result, rows_of, signal_of, unit_model
 
-REACH = 0.25
+LONGEST_SHARE = 0.25
 """Share of the record up to which averaging times are read; half of the longest one where that is more.
 
 There Theo1 has about as many degrees of freedom as the Allan variance at a quarter of the record. Farther out
 the limits hold the truth less often, and what is gained are coefficients that remain unknown (docs/methods.md).
 """
 
-SLOW = 3
+INTEGRATED_TERMS = 3
 """Terms of the longest memory that are integrated over to obtain the limits of each other."""
 
 CLAIM = 4.0
@@ -96,7 +96,7 @@ def octaves(curve: Curve) -> IntArray:
 
 def reach(curve: Curve) -> float:
     """Share of the record up to which averaging times are read."""
-    return max(REACH, STATISTICS[curve.statistic].longest / 2)
+    return max(LONGEST_SHARE, STATISTICS[curve.statistic].longest / 2)
 
 
 def _read_from(curve: Curve, which: IntArray) -> str:
@@ -127,7 +127,7 @@ def _estimates(
     theta, covariance = fit
     error = standard_errors(moments.columns, variance, covariance)
     observed = [i for i in range(len(symbols)) if isfinite(error[i])]
-    slow = sorted(observed, key=lambda i: TERMS[symbols[i]].slope)[-SLOW:]
+    slow = sorted(observed, key=lambda i: TERMS[symbols[i]].slope)[-INTEGRATED_TERMS:]
     ratios = RatioLimits(moments.columns, moments.products, variance, theta, error, tuple(slow))
     estimates = []
     for i, (symbol, square, spread) in enumerate(zip(symbols, theta.tolist(), error.tolist(), strict=True)):

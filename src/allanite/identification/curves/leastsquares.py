@@ -26,7 +26,7 @@ PAIR = ("oadev", "ohdev")
 WALK_RATIO = 0.5
 """Hadamard over Allan variance of a rate random walk; only a ramp gives less."""
 
-ROUNDS = 8
+MAX_REWEIGHTINGS = 8
 """Iterations of the fit and the covariance under it; three to five suffice."""
 
 
@@ -138,7 +138,7 @@ def iterated(moments: Moments, variance: FloatArray) -> tuple[FloatArray, FloatA
     X = moments.columns
     theta = solve(X, variance, np.diag(variance**2))
     covariance = _scatter(moments, theta)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_REWEIGHTINGS):
         before, theta = theta, solve(X, variance, covariance)
         covariance = _scatter(moments, theta)
         if np.allclose(X * theta, X * before, rtol=1e-6, atol=1e-6 * variance.min()):

@@ -16,7 +16,7 @@ from allanite.terms import TERMS
 
 from .reading import early, result, signal_of
 
-NEAR = 0.25
+NEAR_SLOPE = 0.25
 """Difference between slopes up to which the curve is attributed to a term; slopes of terms differ by 0.5."""
 
 
@@ -28,7 +28,7 @@ def slopes(curve: Curve, symbols: Sequence[str]) -> Fit:
         at = int(np.argmin(np.abs(local - slope)))
         far = say("{symbol}: no part of the curve has slope {slope:+g}, the nearest is {nearest:+.2f}; the value is "
                   "no evidence of the term", symbol=symbol, slope=slope, nearest=local[at])  # fmt: skip
-        return np.array([at]), far if abs(local[at] - slope) > NEAR else ""
+        return np.array([at]), far if abs(local[at] - slope) > NEAR_SLOPE else ""
 
     return _through(curve, symbols, "slopes", nearest)
 
@@ -90,7 +90,7 @@ def within(curve: Curve, symbol: str, low: float, high: float) -> IntArray:
 def stretch(curve: Curve, slope: float) -> IntArray:
     """Indices of the longest run of points, up to a tenth of the record, between which the curve is so steep."""
     local = local_slopes(curve, int(early(curve, 0.1).sum()))
-    near = np.concatenate(([False], np.abs(local - slope) <= NEAR, [False]))
+    near = np.concatenate(([False], np.abs(local - slope) <= NEAR_SLOPE, [False]))
     starts, ends = np.flatnonzero(near[1:] & ~near[:-1]), np.flatnonzero(~near[1:] & near[:-1])
     if not starts.size:
         return np.empty(0, np.int64)

@@ -212,22 +212,22 @@ def _covariance(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> F
 AKAIKE = 2.0
 """Penalty of a term in 2 L."""
 
-HELD = 0.98
+HEAVY_SHARE = 0.98
 """Share of all weight that the subsets have which are looked at: the heaviest."""
 
-REACH = 16.0
+PROFILE_END = 16.0
 """Excess of 2 L at which a profile ends."""
 
-GROWTH = 1.2
+STEP_GROWTH = 1.2
 """Ratio of successive steps along a profile; the first is half a standard error."""
 
-STEPS = 200
+MAX_STEPS = 200
 """Along a profile to either side, at most."""
 
-POINTS = 1001
+LAW_POINTS = 1001
 """Number of values of the coefficient at which a law is tabulated."""
 
-FAR = 9.0
+BEYOND_PROFILE = 9.0
 """Standard deviations: beyond the end of a profile."""
 
 
@@ -266,7 +266,7 @@ class Trace(Portable):
 
     def at(self, root: FloatArray) -> FloatArray:
         """Signed roots of the excess in between."""
-        return np.interp(root, self.root, self.deviate, left=-FAR, right=FAR)
+        return np.interp(root, self.root, self.deviate, left=-BEYOND_PROFILE, right=BEYOND_PROFILE)
 
 
 def traced(subset: Subset, which: int) -> Trace:
@@ -282,14 +282,14 @@ def traced(subset: Subset, which: int) -> Trace:
     sides = []
     for sign in (-1.0, 1.0):
         at, step, theta, side = best, first, subset.theta, []
-        for _ in range(STEPS):
+        for _ in range(MAX_STEPS):
             if at <= 0 and sign < 0:
                 break
-            at, step = max(at + sign * step, 0.0), step * GROWTH
+            at, step = max(at + sign * step, 0.0), step * STEP_GROWTH
             theta, least = subset.likelihood.minimise(subset.free, theta, (which, at**2))
             excess = 2 * (least - subset.value)
-            side.append((at, sign * min(math.sqrt(max(excess, 0.0)), FAR)))
-            if excess > REACH:
+            side.append((at, sign * min(math.sqrt(max(excess, 0.0)), BEYOND_PROFILE)))
+            if excess > PROFILE_END:
                 break
         sides.append(side)
     root, deviate = zip(*reversed(sides[0]), (best, 0.0), *sides[1], strict=True)
@@ -303,7 +303,7 @@ def traces(fitted: Sequence[Subset], which: int, penalties: Iterable[FloatArray]
     for penalty in penalties:
         weight = _weights(having, penalty)
         order = np.argsort(-weight)
-        heavy[order[: np.searchsorted(np.cumsum(weight[order]), HELD) + 1]] = True
+        heavy[order[: np.searchsorted(np.cumsum(weight[order]), HEAVY_SHARE) + 1]] = True
     return [traced(subset, which) for subset, weighs in zip(having, heavy, strict=True) if weighs]
 
 
@@ -322,7 +322,7 @@ def law(along: Sequence[Trace], penalty: FloatArray) -> Law:
 
     weight = _weights([trace.subset for trace in along], penalty)
     low, high = min(trace.root[0] for trace in along), max(trace.root[-1] for trace in along)
-    root = np.linspace(low, high, POINTS)
+    root = np.linspace(low, high, LAW_POINTS)
     density = weight @ [np.exp(-0.5 * trace.at(root) ** 2) for trace in along]
     below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
     zero = weight @ [float(ndtr(trace.at(np.zeros(1))[0])) for trace in along]

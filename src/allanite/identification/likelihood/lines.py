@@ -17,13 +17,13 @@ FALSE_LINE = 0.01
 SCREEN = 0.1
 """The same for the look at the cosine transform, which only decides whether the periodogram is worth its time."""
 
-LOWEST = 4
+LOWEST_LINE = 4
 """Periods in the record that a sinusoid must have to be distinguished from a slow noise."""
 
-MOST = 12
+MAX_LINES = 12
 """Number of peaks above which they are a hump of the spectrum rather than sinusoids; none is then removed."""
 
-ROUNDS = 4
+LINE_ROUNDS = 4
 """Periodograms: the sides of a strong line hide weak ones."""
 
 BLOCKS = 2048
@@ -74,7 +74,7 @@ def suspected(seen: BinnedSpectrum, level: FloatArray, used: BoolArray) -> bool:
     from scipy.special import ndtri
 
     threshold = float(ndtri(0.5 * SCREEN / seen.count.sum())) ** 2
-    return bool((used & (seen.first >= 2 * LOWEST) & (seen.peak > threshold * level)).any())
+    return bool((used & (seen.first >= 2 * LOWEST_LINE) & (seen.peak > threshold * level)).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +102,7 @@ class Periodogram:
                 near = self.power[max(k - round(COMPANY), 0) : k + round(COMPANY) + 1]
                 if self.power[k] > threshold * max(float(np.median(near)) / math.log(2), 1.0):
                     kept.append(k)
-            if len(kept) == MOST:
+            if len(kept) == MAX_LINES:
                 break
         return np.array(kept, dtype=np.int64)
 
@@ -153,10 +153,10 @@ def waves_of(
     waves: list[Wave] = []
     n = y.size
     f = np.arange(n // 2 + 1) / n
-    used = (f * n >= LOWEST) & (f >= band[0]) & (f <= band[1]) & (f < 0.5 - 2 / n)
-    for _ in range(ROUNDS):
+    used = (f * n >= LOWEST_LINE) & (f >= band[0]) & (f <= band[1]) & (f < 0.5 - 2 / n)
+    for _ in range(LINE_ROUNDS):
         power = periodogram(y, seen, level)
-        peaks = power.peaks(used)[: MOST - len(waves)]
+        peaks = power.peaks(used)[: MAX_LINES - len(waves)]
         if not peaks.size:
             break
         new = [power.wave(int(k)) for k in peaks]
@@ -164,7 +164,7 @@ def waves_of(
             y -= wave.values(n)
         waves += new
     f = np.array([wave.frequency for wave in waves])
-    steady = (np.sum(np.abs(f[:, None] - f) * n < COMPANY, axis=1) <= NEIGHBOURS) & (f.size < MOST)
+    steady = (np.sum(np.abs(f[:, None] - f) * n < COMPANY, axis=1) <= NEIGHBOURS) & (f.size < MAX_LINES)
     for i in np.flatnonzero(~steady):
         y += waves[i].values(n)
     return [waves[i] for i in np.flatnonzero(steady)], y

@@ -48,7 +48,7 @@ def edges_of(n: int) -> IntArray:
 LONG_RECORD = 1 << 20
 """Points from which the cache does not hold a transform."""
 
-SHORT = 1 << 16
+SHORT_TRANSFORM = 1 << 16
 """Points up to which a transform of any size is fast enough."""
 
 PRIME = 256
@@ -97,7 +97,7 @@ def easy_size(n: int) -> int:
     def easy(size: int) -> bool:
         return bool(_rows(size)) if size >= LONG_RECORD else pow(math.factorial(PRIME), size.bit_length(), size) == 0
 
-    return n if n < SHORT else next(size for size in range(n, 0, -1) if easy(size))
+    return n if n < SHORT_TRANSFORM else next(size for size in range(n, 0, -1) if easy(size))
 
 
 def _rows(n: int) -> int:
@@ -109,19 +109,19 @@ def _rows(n: int) -> int:
     return next((P for P in range(math.isqrt(half), least, -1) if half % P == 0), 0)
 
 
-BLOCKS = 4096
+WARM_UP_BLOCKS = 4096
 """Blocks of samples in which a warm-up with gaps is taken."""
 
-LOWEST = 8
+DRIFT_COEFFICIENTS = 8
 """Coefficients that tell of the drift, which is the same in all pieces, and of a ramp."""
 
-FEWEST = 24
+FEWEST_BINS = 24
 """Bins that a fit needs."""
 
 LONG_GAP, MAX_LONG_GAPS = 0.05, 8
 """Share of the samples that a long gap lost at least; number of long gaps, at most."""
 
-ROUNDING = (4 * float(np.finfo(np.float64).eps)) ** 2
+ROUNDING_SHARE = (4 * float(np.finfo(np.float64).eps)) ** 2
 """Share of the mean power that rounding leaves in a bin: one of a periodic record without noise may else have none."""
 
 
@@ -218,7 +218,7 @@ class BinnedSpectrum(Portable):
         count = self.count.astype(np.float64)
         if self.pieces is not None:
             low = self.pieces.low
-            count[LOWEST:low] *= self.pieces.even
+            count[DRIFT_COEFFICIENTS:low] *= self.pieces.even
             count[low:] = self.pieces.told[low:]
         return count
 
@@ -236,11 +236,11 @@ class BinnedSpectrum(Portable):
         for low, high in masks:
             above, below = self.frequency(self.first + self.count - 1) > low, self.frequency(self.first) < high
             used &= ~(above & below)
-        if used.sum() < FEWEST:
+        if used.sum() < FEWEST_BINS:
             raise DataError(
                 say(
                     "the masks leave {bins} of the spectrum, fewer than {fewest}: leave out less",
-                    bins=say_count(int(used.sum()), "{count} bin", "{count} bins"), fewest=FEWEST,
+                    bins=say_count(int(used.sum()), "{count} bin", "{count} bins"), fewest=FEWEST_BINS,
                 )
             )  # fmt: skip
         return used
@@ -251,11 +251,11 @@ class BinnedSpectrum(Portable):
         if not 0 <= low < high:
             raise UsageError(f"a band is two frequencies in Hz, low < high, not {low:g},{high:g}", choice="band")
         inside = (self.frequency(self.first) >= low) & (self.frequency(self.first + self.count - 1) <= high)
-        if inside.sum() < FEWEST:
+        if inside.sum() < FEWEST_BINS:
             raise DataError(say("the band {low:g} to {high:g} Hz contains {bins} of the spectrum, fewer than "
                                 "{fewest}; the spectrum extends from {least:.3g} to {most:g} Hz",
                                 low=low, high=high, bins=say_count(int(inside.sum()), "{count} bin", "{count} bins"),
-                                fewest=FEWEST, least=self.rate / (2 * self.size), most=self.rate / 2))  # fmt: skip
+                                fewest=FEWEST_BINS, least=self.rate / (2 * self.size), most=self.rate / 2))  # fmt: skip
         return np.asarray(inside)
 
 
@@ -281,7 +281,7 @@ def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
         gaps = gaps_between(places)
     n = y.size
     ramp = transformed(places) if places is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
-    blocks = min(n, BLOCKS)
+    blocks = min(n, WARM_UP_BLOCKS)
     middle = ((np.arange(blocks) + 0.5) * (n / blocks)).astype(np.int64)
     times = np.empty(0) if places is None else places[middle].astype(np.float64)
     c = cosine_transform(y, 0.0 if places is not None else slope)
@@ -290,12 +290,12 @@ def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
     power, peak, peak_at, even, odd = binned(c, edges)
     if not power.max() > 0:
         raise DataError(say("{channel!r} never changes: there is no noise to identify", channel=record.name))
-    if slope and power.mean() < ROUNDING * most**2:
+    if slope and power.mean() < ROUNDING_SHARE * most**2:
         raise DataError(say("{channel!r} is a straight line: there is no noise to identify", channel=record.name))
     if how is not None and above:
         for values, better in zip((power, peak), above, strict=True):
             values[how.low :] = better[how.low :]
-    np.maximum(power, ROUNDING * float(power.mean()), out=power)
+    np.maximum(power, ROUNDING_SHARE * float(power.mean()), out=power)
     first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
     return BinnedSpectrum(
         n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how,

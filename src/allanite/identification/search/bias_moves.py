@@ -14,7 +14,7 @@ from .frame import LOW, Frame
 from .local import Local
 from .state import State
 
-PLACES, FINE = 512, 61
+PLACES, FINE_PLACES = 512, 61
 """Places at which a step is looked for, and places between the neighbours of the best."""
 
 WARM_UPS = 11
@@ -54,7 +54,7 @@ def steps(at: Local) -> Iterator[State]:
         D = D - D @ Q @ Q.T
         gain = (D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)
         best = float(places[int(gain.argmax())])
-        places = best + apart * np.linspace(-1, 1, FINE + 2)[1:-1]
+        places = best + apart * np.linspace(-1, 1, FINE_PLACES + 2)[1:-1]
         places = places[(places > 1) & (places < frame.size - 1)]
     if at.able(float(gain.max()), COMPONENTS["step"].cost(frame.size)):
         yield state.having(Part("step", "", (best,)))

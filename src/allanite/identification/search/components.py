@@ -57,7 +57,7 @@ what it leaves open."""
 PERIODS = 32
 """Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
 
-HIGHEST = 3.1
+HIGHEST_RESONANCE = 3.1
 """Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
 
 EXPONENTS = (0.7, 1.6)
@@ -234,7 +234,7 @@ def _resonance_slope(frame: Frame, part: Part) -> FloatArray:
 
 def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
     quality = (QUALITIES[0], BROAD) if part.shape[1] < BROAD else (BROAD, QUALITIES[1])
-    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), quality]
+    return [(2 * np.pi * PERIODS / frame.size, HIGHEST_RESONANCE), quality]
 
 
 def _filter_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:

@@ -23,13 +23,13 @@ from .frame import Frame
 from .laws import Entry, law_of, weights_of
 from .refining import refined
 
-VISIBLE = 2.0
+VISIBLE_DEVIATE = 2.0
 """Standard deviations by which a factor must differ from 1 to be said."""
 
 LOUD = 0.5
 """Share of the power from which vibration, or what nothing describes, hides the terms."""
 
-ENDS = 3.84
+RISE_AT_LIMITS = 3.84
 """Rise of the value at the 95 % limits."""
 
 
@@ -106,7 +106,7 @@ def misfit_of(answer: Answer) -> tuple[float, float]:
     if not factors or weights_of(answer.entries).get("factor", 0.0) < CLAIMED:
         return 0.0, 0.0
     u, error = factor_of(f)
-    beyond = np.maximum(np.abs(u) - VISIBLE * error, 0.0)
+    beyond = np.maximum(np.abs(u) - VISIBLE_DEVIATE * error, 0.0)
     return max(p.shape[2] for p in factors), float(np.expm1(min(beyond.max(), 20.0)))
 
 
@@ -162,7 +162,7 @@ def _span(f: Fitted, part: Part) -> tuple[float, float]:
         return centre * (1 - min(half, 0.9)), min(centre * (1 + half), rate / 2)
     if part.name == "factor":
         u, error = factor_of(f)
-        runs = _runs(f.frame, np.abs(u) > VISIBLE * error)
+        runs = _runs(f.frame, np.abs(u) > VISIBLE_DEVIATE * error)
         return (min(a for a, _ in runs), max(b for _, b in runs)) if runs else (0.0, rate / 2)
     if part.name == "filter":
         return part.shape[0] * rate, max(rate / 2, part.shape[0] * rate)
@@ -198,7 +198,7 @@ def _factor_words(f: Fitted) -> str:
     u, error = factor_of(f)
     spans = []
     for sign in (1, -1):
-        for a, b in _runs(f.frame, sign * u > VISIBLE * error):
+        for a, b in _runs(f.frame, sign * u > VISIBLE_DEVIATE * error):
             first = f.frame.spectrum.frequency(f.frame.centre)
             inside = (first >= a) & (first <= b)
             at = float(np.max(sign * u[inside])) * sign
@@ -268,7 +268,9 @@ def least_time_constant(answer: Answer, walk: int) -> float | None:
     with_walk = refined(fitted(frame, f.state, None, f, f.v), 2).value
     times = np.geomspace(LONGEST_MARKOV * frame.size, 30.0, 24)
     values = [fitted(frame, f.state.having(Part("noise", "GM", (T,))), free).value for T in times.tolist()]
-    return min((T for T, value in zip(times.tolist(), values, strict=True) if value < with_walk + ENDS), default=None)
+    return min(
+        (T for T, value in zip(times.tolist(), values, strict=True) if value < with_walk + RISE_AT_LIMITS), default=None
+    )
 
 
 def lost_freedom(f: Fitted, cell: IntArray, cells: int) -> float:

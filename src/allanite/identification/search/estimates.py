@@ -26,13 +26,13 @@ from .search import Searched
 TWO_SIDED = 1.96
 """Standard errors from an estimate to its 95 % limits."""
 
-NODES, PRIOR = 12, 0.0
+PROFILE_NODES, PRIOR = 12, 0.0
 """Models along the profile of the slowest noise, at most, and the power of the coefficient in its prior."""
 
 STATES = 3
 """States over which a ramp is averaged, the heaviest."""
 
-LEAST = 1e-3
+LEAST_NODE_WEIGHT = 1e-3
 """Weight of a model, over that of the heaviest, below which it is omitted."""
 
 BEGUN = 0.5
@@ -129,10 +129,14 @@ class Answer(Portable):
 
     def nodes(self, beside: tuple[Term, ...]) -> Averaged:
         """Models along the profile of that noise, all terms free, with what stands `beside` it."""
-        thetas, weight = ThetaProfile(self.everything, self.slowest).weighted(NODES, PRIOR)
+        thetas, weight = ThetaProfile(self.everything, self.slowest).weighted(PROFILE_NODES, PRIOR)
         along = [(*self.scale.terms(_with_sizes(self.full, theta)), *beside) for theta in thetas]
         # beside resonances and white noise behind a filter none of the terms need be there
-        kept = [(Model(t), float(w)) for t, w in zip(along, weight, strict=True) if t and w > LEAST * weight.max()]
+        kept = [
+            (Model(t), float(w))
+            for t, w in zip(along, weight, strict=True)
+            if t and w > LEAST_NODE_WEIGHT * weight.max()
+        ]
         kept = kept or [(Model((*self.scale.terms(self.shown), *beside)), 1.0)]
         return averaged([m for m, _ in kept], [w for _, w in kept])
 
@@ -256,13 +260,13 @@ def profile_ends(f: Fitted, part: Part, which: int, drop: float) -> tuple[float,
         start = fitted(f.frame, with_values(best.state, moved), None, best, best.v)
         return refined(start, 4, held=held, settled=EXACT).value - best.value - drop
 
-    return _end(excess, x[at], -1.0, math.log(SHORTEST)), _end(excess, x[at], 1.0, math.log(f.frame.size))
+    return _end(excess, x[at], -1.0, math.log(LEAST_SHAPE)), _end(excess, x[at], 1.0, math.log(f.frame.size))
 
 
 EXACT = 1e-3
 """Gain in 2 L that ends the rounds of scoring where limits are read off: 0.1 % of a standard error."""
 
-SHORTEST = 1e-4
+LEAST_SHAPE = 1e-4
 """Value of a shape, samples or radians a sample, at which its lower limit is given up."""
 
 

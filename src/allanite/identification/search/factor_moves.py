@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from .components import COMPONENTS, FACTORS, SIZES, Part
-from .factors import SLOW
+from .factors import SLOWEST_OCTAVE
 from .fitting import Fitted, factor_basis, fitted
 from .local import CANDIDATES, FAR, Local
 from .refining import refined
@@ -14,7 +14,7 @@ from .state import State
 FACTOR_SIZES = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28, 2.56])
 """Sizes of a factor that are tried, RMS of the logarithm of the power."""
 
-SHORT, LEAST_EVIDENCE = 4.0, 1.5
+SHORT_OF_PRICE, LEAST_EVIDENCE = 4.0, 1.5
 """Evidence for a factor, in 2 L, from which it is fitted: so much below its price, where it weighs e^-1 of the state
 without it, and at least so much, as a factor of no size has none."""
 
@@ -41,7 +41,7 @@ def factors(at: Local) -> Iterator[State | Fitted]:
             t2 = FACTOR_SIZES[:, None] ** 2
             gain = (t2 * y / (1 + t2 * size)).sum(axis=1) - np.log1p(t2 * size).sum(axis=1)
             best = int(gain.argmax())
-            if gain[best] > max(FACTORS[place[0]] - SHORT, LEAST_EVIDENCE):
+            if gain[best] > max(FACTORS[place[0]] - SHORT_OF_PRICE, LEAST_EVIDENCE):
                 ranked.append((float(gain[best]) - FACTORS[place[0]], place, float(FACTOR_SIZES[best])))
     ranked.sort(key=lambda each: -each[0])
     if not ranked:
@@ -80,7 +80,7 @@ def places_beside(part: Part, top: float) -> Iterator[Part]:
     if part.label == "all":
         return
     for a, b in ((low - step, high), (low + step, high), (low, high - step), (low, high + step)):
-        if ("above" in part.label and b != high) or a < SLOW:
+        if ("above" in part.label and b != high) or a < SLOWEST_OCTAVE:
             continue
         if 0 <= a < b - 1 and b <= top + 1e-9 and (a <= top - 1e-9):
             yield part._replace(shape=(a, b, size))

@@ -28,7 +28,7 @@ from allanite.terms import TERMS, WHITE
 
 from .factors import Splines
 
-POINTS, MOST_POINTS = 0.11, 16
+POINTS_OVER_QUALITY, MOST_POINTS = 0.11, 16
 """Frequencies in a bin of 1/16 octave at which the power of a resonance is computed, over its quality, and at most."""
 
 LOW = 64
@@ -224,9 +224,9 @@ class Frame(Portable):
     def cosines(self, quality: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cosines at the frequencies of a resonance, at twice these, and squares of the sine, shape (bins, points).
 
-        The mean over a bin of a peak that is as wide as `POINTS` says has an error below 0.1 %.
+        The mean over a bin of a peak that is as wide as `POINTS_OVER_QUALITY` says has an error below 0.1 %.
         """
-        points = next((k for k in (1, 2, 4, 8) if k > POINTS * quality), MOST_POINTS)
+        points = next((k for k in (1, 2, 4, 8) if k > POINTS_OVER_QUALITY * quality), MOST_POINTS)
 
         def computed() -> tuple[FloatArray, FloatArray, FloatArray]:
             inside = (np.arange(points) + 0.5) / points

@@ -57,7 +57,7 @@ SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
 MOST_ASKED = 2
 """Terms with a shape that are looked for together."""
 
-SHOWN = 1e-3
+LEAST_SHOWN = 1e-3
 """Weight of a model from which it takes part in the expected power that is tested."""
 
 
@@ -335,7 +335,7 @@ def _correlation(shown: Sequence[str], f: Fitted) -> FloatArray:
 def _goodness(answer: Answer, taken: tuple[Line, ...]) -> Goodness:
     """Goodness of fit, once, of the averaged model: it refuses, and it never chooses."""
     f = answer.best
-    heavy = [e for e in answer.entries if e.weight > SHOWN]
+    heavy = [e for e in answer.entries if e.weight > LEAST_SHOWN]
     m = np.sum([e.weight * e.f.m for e in heavy], axis=0) / sum(e.weight for e in heavy)
     power = f.completed[0][: m.size]
     cell, bounds = cells_of(f.frame.spectrum, f.frame.used)

@@ -26,7 +26,7 @@ from .local import REACH
 from .refining import resized
 from .search import Searched
 
-HELD = 0.985
+TRACED_SHARE = 0.985
 """Share of all weight that the entries have whose profiles are traced: the heaviest."""
 
 LEAST_WEIGHT = 1e-4
@@ -38,7 +38,7 @@ MEMBERS = 8
 POINTS = 1001
 """Values of a coefficient at which its law is tabulated."""
 
-FAR = 5.0
+FARTHEST_DEVIATE = 5.0
 """Deviates to which a profile is continued."""
 
 WIDEST = 30.0
@@ -182,14 +182,14 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
     if not chosen or weight <= 0:
         return None
     cumulative = np.cumsum([e.weight / weight for e in chosen])
-    heavy = chosen[: int(np.searchsorted(cumulative, HELD)) + 1]
+    heavy = chosen[: int(np.searchsorted(cumulative, TRACED_SHARE)) + 1]
     profiles = [_profile(e.f, which) for e in heavy]
     low, high = min(r[0] for r, _ in profiles), max(r[-1] for r, _ in profiles)
     root = np.linspace(low, high, POINTS)
     density, parts = np.zeros(POINTS), []
     share = sum(e.weight for e in heavy)
     for e, (r, d) in zip(heavy, profiles, strict=True):
-        deviate = np.interp(root, r, d, left=-2 * FAR, right=2 * FAR)
+        deviate = np.interp(root, r, d, left=-2 * FARTHEST_DEVIATE, right=2 * FARTHEST_DEVIATE)
         own = np.exp(-0.5 * deviate**2)
         density += e.weight / share * own / max(own.sum(), 1e-300)  # its own weight, however wide it is
         parts.append((e.weight / share, math.sqrt(max(float(e.f.theta[which]), 0.0)), e.f))
@@ -198,21 +198,21 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
 
 
 def _profile(f: Fitted, which: int) -> tuple[FloatArray, FloatArray]:
-    """Values of the root and their signed deviates, the shapes unknown, continued to `FAR` but not below zero."""
+    """Values of the root and their signed deviates, the shapes unknown, continued as far as `FARTHEST_DEVIATE`, above zero."""
     trace = traced(Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta)), which)
     root, deviate = trace.root, trace.deviate / stretch(f, which)
     if root.size < 2:
-        return np.array([0.0, max(2 * root[0], 1e-300)]), np.array([0.0, FAR])
+        return np.array([0.0, max(2 * root[0], 1e-300)]), np.array([0.0, FARTHEST_DEVIATE])
     ends = []
     for i, j, sign in ((0, 1, -1.0), (-1, -2, 1.0)):
         slope = abs(root[i] - root[j]) / max(abs(deviate[i] - deviate[j]), 1e-3)
-        ends.append(root[i] + sign * slope * max(FAR - abs(deviate[i]), 0.0))
+        ends.append(root[i] + sign * slope * max(FARTHEST_DEVIATE - abs(deviate[i]), 0.0))
     low, high = max(ends[0], 0.0), ends[1]
     if low < root[0]:
         slope = (root[1] - root[0]) / max(deviate[1] - deviate[0], 1e-3)
         root, deviate = np.append(low, root), np.append(deviate[0] - (root[0] - low) / max(slope, 1e-300), deviate)
     if high > root[-1]:
-        root, deviate = np.append(root, high), np.append(deviate, max(FAR, deviate[-1]))
+        root, deviate = np.append(root, high), np.append(deviate, max(FARTHEST_DEVIATE, deviate[-1]))
     return root, deviate
 
 

@@ -27,7 +27,7 @@ FAR = 60.0
 CANDIDATES = 3
 """Candidates of a row that are fitted, at most."""
 
-CHANCE = 6.0
+MISFIT_DEVIATE = 6.0
 """Standard deviations of a bin's power above which a residual is a misfit."""
 
 
@@ -41,7 +41,7 @@ class Local:
     def over(self) -> FloatArray:
         """Residuals; those beyond chance count by their logarithm: far from a fit their squares would decide."""
         r = self.f.residual
-        return np.where(np.abs(r) * np.sqrt(self.h) > CHANCE, self.logs, r)
+        return np.where(np.abs(r) * np.sqrt(self.h) > MISFIT_DEVIATE, self.logs, r)
 
     @cached_property
     def logs(self) -> FloatArray:

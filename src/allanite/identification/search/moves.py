@@ -29,7 +29,7 @@ from .state import State
 PER_DECADE = 4
 """Time constants a decade that are tried."""
 
-QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)
+TRIED_QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)
 """Qualities with which resonances are looked for."""
 
 MISSED = 40.0
@@ -177,7 +177,7 @@ def peaks(at: Local) -> list[tuple[float, Part]]:
         return []
     parts = [
         Part("resonance", label, (float(np.pi / frame.size * frame.centre[i]), q))
-        for i in places for q in QUALITIES for label in ("flat", "high-pass")
+        for i in places for q in TRIED_QUALITIES for label in ("flat", "high-pass")
     ]  # fmt: skip
     power = COMPONENTS["resonance"].power
     assert power is not None  # noqa: S101 - its row has one

@@ -31,10 +31,10 @@ HARMLESS = 2.0
 USABLE = 0.75
 """Share of the record that may be cut off."""
 
-REACH = 12.0
+HIGHEST_RISE = 12.0
 """Rise of the value up to which time constants of a warm-up are looked at."""
 
-NODES = 24
+TIME_CONSTANTS = 24
 """Time constants over which the size of a warm-up is averaged."""
 
 
@@ -149,8 +149,8 @@ class WarmUpProfile(Portable):
     @cached_property
     def size(self) -> NormalMixture:
         """The law of the size: normal at a time constant, averaged over these."""
-        low, high = self.ends(REACH)
-        nodes = [self.warm.at(tau) for tau in np.geomspace(low, high, NODES).tolist()]
+        low, high = self.ends(HIGHEST_RISE)
+        nodes = [self.warm.at(tau) for tau in np.geomspace(low, high, TIME_CONSTANTS).tolist()]
         excess, amplitude, error = np.array(nodes).T
         weight: FloatArray = np.exp(-0.5 * (excess - excess.min()))
         return NormalMixture(-amplitude, error, weight / weight.sum())
