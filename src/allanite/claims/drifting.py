@@ -84,11 +84,11 @@ def drift(
     return drift_of([_read(source, recipe or Recipe()) for source in sources], settings)
 
 
-def _read(one: Any, recipe: Recipe) -> Any:
+def _read(source: Any, recipe: Recipe) -> Any:
     """A source; recordings are analyzed."""
-    if isinstance(one, Record | Recording):
-        return analyze(one, recipe)
-    return load([str(one)], recipe, ())[0] if isinstance(one, (str, PurePath)) else one
+    if isinstance(source, Record | Recording):
+        return analyze(source, recipe)
+    return load([str(source)], recipe, ())[0] if isinstance(source, (str, PurePath)) else source
 
 
 def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:

@@ -120,18 +120,18 @@ def form_of(record: Record, model: Model, fit: Fit, times: FloatArray) -> Form:
     return Form(tuple(every[i] for i in order), moved, len(claimed))
 
 
-def _with_ramp(part: Likelihood, seen: BinnedSpectrum, term: Term) -> Likelihood:
+def _with_ramp(part: Likelihood, bins: BinnedSpectrum, term: Term) -> Likelihood:
     """A likelihood whose ramp, its last direction, has a size that is drawn at random: one more term beside the others.
 
     Its squared coefficient, over that of `term`, then gains in 2 L as a random walk does, which may be in its place.
     """
     ramp = np.arange(part.flat.size) == part.flat.size - 1
-    slope = seen.slope * ramp  # what was subtracted before comes back
+    slope = bins.slope * ramp  # what was subtracted before comes back
     squares = (part.UU @ slope) @ slope + 2 * part.Uc @ slope
     return replace(
         part,
         S=np.column_stack((part.S, np.zeros(part.power.size))),
-        W=np.column_stack((part.W, ramp * (term.value / (seen.rate * seen.unit_factor)) ** 2)),
+        W=np.column_stack((part.W, ramp * (term.value / (bins.rate * bins.unit_factor)) ** 2)),
         power=part.power + squares / part.count, Uc=part.Uc + part.UU @ slope, flat=part.flat & ~ramp,
     )  # fmt: skip
 

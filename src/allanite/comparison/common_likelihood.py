@@ -169,7 +169,7 @@ def joint(
 
 def part_of(
     whole: Likelihood,
-    seen: BinnedSpectrum,
+    bins: BinnedSpectrum,
     noise: Sequence[str],
     scope: Scope | None,
     *,
@@ -178,12 +178,12 @@ def part_of(
 ) -> Likelihood:
     """The likelihood of one record behind its filter, within the band and outside all masks, in SI."""
     if scope and scope.filter:
-        gain = gain_of(scope.filter.row, scope.filter.cutoff / seen.rate, seen)
-        whole = whole.behind(gain, float(gain @ seen.count / seen.count.sum()))
+        gain = gain_of(scope.filter.row, scope.filter.cutoff / bins.rate, bins)
+        whole = whole.behind(gain, float(gain @ bins.count / bins.count.sum()))
     low, high = band
     # coefficient k represents frequencies from k - 1/2 to k + 1/2
-    half = seen.rate / (4 * seen.size)
-    first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
+    half = bins.rate / (4 * bins.size)
+    first, last = bins.frequency(bins.first) + half, bins.frequency(bins.first + bins.count - 1)
     inside = (first > low) & (last <= high * (1 + 1e-9))
     for start, end in (mask for other in filter(None, scopes) for mask in (*other.masks, *other.disturbed)):
         inside &= (last < start) | (first > end)
@@ -198,7 +198,7 @@ def part_of(
                                   "of the spectrum, fewer than {fewest}; record longer, at rest, or at more similar "
                                   "rates", low=low, high=high, fewest=FEWEST_BINS))  # fmt: skip
     part = whole.only(inside)
-    size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])  # of squares, in SI
+    size = np.array([(bins.rate ** TERMS[s].power / bins.unit_factor) ** 2 for s in noise])  # of squares, in SI
     return replace(part, S=part.S * size, W=part.W * size)
 
 

@@ -168,10 +168,12 @@ class Pool(Together[PooledChannel]):
         return f"{len(self.names)} runs: {self.verdict}"
 
 
-def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator") -> PooledChannel:
+def pool_records(
+    inspected: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator"
+) -> PooledChannel:
     """What the records of several runs have in common."""
     alpha = alpha_of(recipe.level)
-    joined = join_records(seen.records, recipe)
+    joined = join_records(inspected.records, recipe)
     _, curves = shared_curves(joined.records, joined.fits, recipe.statistic, recipe.taus)
     edf, variance = (np.array(values) for values in zip(*((c.edf, c.variance) for c in curves), strict=True))
     whole = edf.sum(axis=0)
@@ -184,12 +186,12 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
     terms = [*_noise_terms(joined.joint, joined.fits), *_ramp_terms(joined.joint, joined.fits)]
     adjusted = holm([term.p for term in terms])
     return PooledChannel(
-        seen.name,
+        inspected.name,
         test=test, terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
         curve=curve, curves=curves, p=bartlett(variance, edf), apart=apart,
         rest=(homogeneity(rest, rng) if apart else test).p, fits=joined.fits, explained=joined.explained,
-        grades=joined.grades, records=seen.records, band=joined.joint.band,
-        alerts=(*joined.alerts, *seen.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])), alpha=alpha,
+        grades=joined.grades, records=inspected.records, band=joined.joint.band,
+        alerts=(*joined.alerts, *inspected.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])), alpha=alpha,
     )  # fmt: skip
 
 

@@ -35,9 +35,9 @@ class ComparedChannel(Value):
     alpha: float = 0.05  # the p up to which a difference is called one
 
     @classmethod
-    def refused(cls, seen: Inspected, why: str) -> Self:
+    def refused(cls, channel: Inspected, why: str) -> Self:
         """A channel without a result."""
-        return cls(seen.name, records=seen.records, alerts=seen.alerts, refusal=why)
+        return cls(channel.name, records=channel.records, alerts=channel.alerts, refusal=why)
 
     @property
     def verdict(self) -> str:
@@ -48,12 +48,12 @@ class ComparedChannel(Value):
         return f"{self.name!r}: {self.verdict}"
 
 
-def of_symbol(found: Sequence[OfTerm], symbol: str, done: str) -> OfTerm:
+def of_symbol(results: Sequence[OfTerm], symbol: str, done: str) -> OfTerm:
     """The one of that symbol; where there is none, an error says what was `done` instead."""
-    for result in found:
+    for result in results:
         if result.symbol == symbol:
             return result
-    raise UsageError(f"{symbol!r} was not {done}; terms: {', '.join(result.symbol for result in found)}")
+    raise UsageError(f"{symbol!r} was not {done}; terms: {', '.join(result.symbol for result in results)}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -148,11 +148,11 @@ LONGEST = 365 * 86400.0
 """Length, s, beyond which none is named."""
 
 
-def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
+def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
     """What has changed between two records."""
-    records = cast(tuple[Record, Record], seen.records)
+    records = cast(tuple[Record, Record], channel.records)
     joined = join_records(records, recipe)
-    both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *seen.alerts)
+    both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *channel.alerts)
     contrasts: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
     ramps = ramp_law(both, 0), ramp_law(both, 1)
     if ramps[0] is not None and ramps[1] is not None:
@@ -179,7 +179,7 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
     except DataError as error:
         alerts = (*alerts, str(error))
     return Pair(
-        seen.name,
+        channel.name,
         test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng), changes=changes, ratios=ratios,
         band=both.band, fits=(first, second), explained=joined.explained, grades=joined.grades, records=records,
         alerts=alerts, alpha=alpha_of(recipe.level), paired=alike > ALIKE,

@@ -120,20 +120,20 @@ class AxisCoefficient:
     covers: bool = False
 
 
-def worst(found: Found) -> Found:
+def worst(coefs: Found) -> Found:
     """The largest; a limit only if no axis has a value."""
-    return (max(_identified(found), key=lambda c: c.value),)
+    return (max(_identified(coefs), key=lambda c: c.value),)
 
 
-def median(found: Found) -> Found:
+def median(coefs: Found) -> Found:
     """That of the axis in the middle; of two, the larger."""
-    known = _identified(found)
+    known = _identified(coefs)
     middle = statistics.median_high(c.value for c in known)
     return (next(c for c in known if c.value == middle),)
 
 
-def _identified(found: Found) -> Found:
-    return tuple(c for c in found if not c.limit) or found
+def _identified(coefs: Found) -> Found:
+    return tuple(c for c in coefs if not c.limit) or coefs
 
 
 POLICIES: dict[str, Callable[[Found], Found]] = {

@@ -85,38 +85,38 @@ def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: 
         raise DataError(f"{target.name} needs {names}, and there is only {given}: {remedy}")
 
 
-def _entry(field: TargetField, found: Found, group: Sequence[Axis], target: Target, how: How) -> Entry:
+def _entry(field: TargetField, coefs: Found, group: Sequence[Axis], target: Target, how: How) -> Entry:
     rates = {axis.name: target.rate(axis.rate, how.filter_rate) for axis in group}
     if field.rate or (target.rated and not how.partial):
         for rate in rates.values():
             demand_rate(target, rate)
-    pairs = [_value(field, c, rates[c.channel] or 1.0, how.inflate) for c in found]
+    pairs = [_value(field, c, rates[c.channel] or 1.0, how.inflate) for c in coefs]
     values, remarks = zip(*pairs, strict=True)
-    each = (join(" ", (c.channel, remark)) for c, remark in zip(found, remarks, strict=True))
+    each = (join(" ", (c.channel, remark)) for c, remark in zip(coefs, remarks, strict=True))
     return Entry(
         field.name, field.sensor, field.section, field.unit, field.formula, values,
-        tuple(c.channel for c in found if c.channel), join("; ", remarks[:1] if len(set(remarks)) == 1 else each),
-        not any(c.limit for c in found), all(c.covers for c in found),
+        tuple(c.channel for c in coefs if c.channel), join("; ", remarks[:1] if len(set(remarks)) == 1 else each),
+        not any(c.limit for c in coefs), all(c.covers for c in coefs),
     )  # fmt: skip
 
 
-def _value(field: TargetField, one: AxisCoefficient, rate: float, inflate: float) -> tuple[float, str]:
+def _value(field: TargetField, coef: AxisCoefficient, rate: float, inflate: float) -> tuple[float, str]:
     """The value of a field, and the remark on it."""
     if not field.term:
-        known = one.note and not one.limit
-        time = say("correlation time of {process}", process=one.note) if known else say("correlation time")
-        return field.value(1.0, rate, one.time), time
-    parts = [one.note] if one.note else []
-    if one.limit:
+        known = coef.note and not coef.limit
+        time = say("correlation time of {process}", process=coef.note) if known else say("correlation time")
+        return field.value(1.0, rate, coef.time), time
+    parts = [coef.note] if coef.note else []
+    if coef.limit:
         parts.append(say("this is its 95 % upper limit"))
-    elif math.isfinite(one.low) and math.isfinite(one.high):
-        low, high = (field.value(limit, rate, one.time) for limit in (one.low, one.high))
-        parts.append(say("{level:g} %: {low:.4g} to {high:.4g}", level=100 * one.level, low=low, high=high))
-    elif one.given or not one.note:
-        parts.append(say("given") if one.given else say("no interval"))
+    elif math.isfinite(coef.low) and math.isfinite(coef.high):
+        low, high = (field.value(limit, rate, coef.time) for limit in (coef.low, coef.high))
+        parts.append(say("{level:g} %: {low:.4g} to {high:.4g}", level=100 * coef.level, low=low, high=high))
+    elif coef.given or not coef.note:
+        parts.append(say("given") if coef.given else say("no interval"))
     if inflate != 1:
         parts.append(say("value inflated by {factor:g}", factor=inflate))
-    remark, value = join(", ", parts), field.value(one.value * inflate, rate, one.time)
+    remark, value = join(", ", parts), field.value(coef.value * inflate, rate, coef.time)
     least, most = field.span
     if least <= value <= most:
         return value, remark

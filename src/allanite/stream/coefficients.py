@@ -128,7 +128,7 @@ def search_in(
     if stream.size < SHORTEST:
         raise DataError(say("{count} samples are {too_few}", count=stream.size, too_few=FEW))
     seen = spectrum_of(stream, detrend=deterministic(symbols))
-    return pending_of(seen, (stream.like.name, stream.like.signal), symbols, band, masks=masks, rival=terms == "auto")
+    return pending_of(seen, stream.like, symbols, band, masks=masks, rival=terms == "auto")
 
 
 @dataclass(frozen=True, eq=False)

@@ -104,9 +104,11 @@ def cells_of(spectrum: BinnedSpectrum, used: BoolArray) -> tuple[IntArray, Float
 
 def goodness(
     spectrum: BinnedSpectrum,
-    powers: tuple[FloatArray, FloatArray, FloatArray],
     used: BoolArray,
     *,
+    power: FloatArray,
+    m: FloatArray,
+    count: FloatArray,
     lost: float,
     loud: BoolArray,
     taken: tuple[Line, ...] = (),
@@ -115,13 +117,12 @@ def goodness(
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate
     is z, and the sum of z^2 over the cells is chi-square with the number of cells less what sizes and shapes take of
-    them, `lost`, and a half. `powers` are observed and expected power and the count of the bins `used`, given the loose
-    directions. In bins that are `loud` with the peaks of vibration no narrow peaks are looked for; `taken` are
-    sinusoids removed before.
+    them, `lost`, and a half. `power`, `m` and `count` are observed and expected power and the count of the bins `used`,
+    given the loose directions. In bins that are `loud` with the peaks of vibration no narrow peaks are looked for;
+    `taken` are sinusoids removed before.
     """
     from scipy.special import chdtrc
 
-    power, m, count = powers
     cell, bounds = cells_of(spectrum, used)
     edges = spectrum.frequency(bounds)
     nu, total = (np.bincount(cell, w, edges.size - 1).astype(np.float64) for w in (count, count * power / m))

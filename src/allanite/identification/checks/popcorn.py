@@ -139,13 +139,13 @@ def _normal(kurtosis: float, n: float) -> float:
     return float((1 - 2 / (9 * A) - np.cbrt((1 - 2 / A) / (1 + x * math.sqrt(2 / (A - 4))))) / math.sqrt(2 / (9 * A)))
 
 
-def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], FloatArray]) -> list[Finding]:
+def popcorn(burst: Jumps | None, signal: Signal, seconds: Callable[[IntArray], FloatArray]) -> list[Finding]:
     """The finding about jumps; `seconds` gives the times of samples of the series."""
-    if found is None or found.weight < 1 or found.share < HARMLESS_SHARE:
+    if burst is None or burst.weight < 1 or burst.share < HARMLESS_SHARE:
         return []
     unit = signal.sheet[0]
-    ends = seconds(np.concatenate(([0], found.at, [found.size])))
-    middle, half = float(seconds(np.array([found.largest]))[0]), float(found.length / 2 * ends[-1] / found.size)
+    ends = seconds(np.concatenate(([0], burst.at, [burst.size])))
+    middle, half = float(seconds(np.array([burst.largest]))[0]), float(burst.length / 2 * ends[-1] / burst.size)
     free = np.diff(ends)
     longest = int(free.argmax())
     first = math.ceil(ends[longest] + (2 * half if longest else 0))
@@ -154,8 +154,8 @@ def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], F
     if last - first >= QUIET * ends[-1]:
         part = say("a part without them: {selection}", selection=between(first, last))
         remedy = join("; ", (remedy, part))
-    size = abs(convert(found.jump, signal.unit, unit))
-    count = max(found.at.size, 1)
+    size = abs(convert(burst.jump, signal.unit, unit))
+    count = max(burst.at.size, 1)
     what = say("the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} "
                "of about {length:.2g} s in {duration:.4g} s",
                size=size, unit=unit, middle=middle, count=count, length=2 * half, duration=ends[-1])  # fmt: skip

@@ -75,7 +75,7 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
         notes.append(
             say("the record has gaps: the covariance is that of a complete record, scaled by the missing windows")
         )
-    estimates = _estimates(symbols, moments, variance, (theta, covariance), signal)
+    estimates = _estimates(symbols, moments, variance, theta=theta, covariance=covariance, signal=signal)
     notes.append(_goodness(moments.columns, variance, theta, covariance))
     notes += [
         say("{symbol} is given without its sign, which a curve does not determine", symbol=e.symbol)
@@ -122,9 +122,14 @@ def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance
 
 
 def _estimates(
-    symbols: Sequence[str], moments: Moments, variance: FloatArray, fit: tuple[FloatArray, FloatArray], signal: Signal
+    symbols: Sequence[str],
+    moments: Moments,
+    variance: FloatArray,
+    *,
+    theta: FloatArray,
+    covariance: FloatArray,
+    signal: Signal,
 ) -> list[Estimate]:
-    theta, covariance = fit
     error = standard_errors(moments.columns, variance, covariance)
     observed = [i for i in range(len(symbols)) if isfinite(error[i])]
     slow = sorted(observed, key=lambda i: TERMS[symbols[i]].slope)[-INTEGRATED_TERMS:]

@@ -62,19 +62,19 @@ def _turns(frequency: float, n: int) -> tuple[NDArray[np.complex128], NDArray[np
     return inner, np.exp(2j * np.pi * frequency * length * np.arange(-(-n // length)))
 
 
-def levels(seen: BinnedSpectrum, m: FloatArray) -> FloatArray:
+def levels(bins: BinnedSpectrum, m: FloatArray) -> FloatArray:
     """Power that noise has in each bin, shape (bins,): the model's, unless its surroundings say otherwise."""
-    around = np.median(surroundings(seen.power), axis=1)
-    many = surroundings(seen.count).sum(axis=1)
+    around = np.median(surroundings(bins.power), axis=1)
+    many = surroundings(bins.count).sum(axis=1)
     return np.asarray(np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around)))
 
 
-def suspected(seen: BinnedSpectrum, level: FloatArray, used: BoolArray) -> bool:
+def suspected(bins: BinnedSpectrum, level: FloatArray, used: BoolArray) -> bool:
     """Whether a coefficient of the cosine transform stands out."""
     from scipy.special import ndtri
 
-    threshold = float(ndtri(0.5 * SCREEN / seen.count.sum())) ** 2
-    return bool((used & (seen.first >= 2 * LOWEST_LINE) & (seen.peak > threshold * level)).any())
+    threshold = float(ndtri(0.5 * SCREEN / bins.count.sum())) ** 2
+    return bool((used & (bins.first >= 2 * LOWEST_LINE) & (bins.peak > threshold * level)).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +126,7 @@ class Periodogram:
         return Wave((k + best) / n, abs(turned), float(np.angle(turned)), error)
 
 
-def periodogram(y: FloatArray, seen: BinnedSpectrum, level: FloatArray) -> Periodogram:
+def periodogram(y: FloatArray, bins: BinnedSpectrum, level: FloatArray) -> Periodogram:
     """Periodogram of samples without their mean, NaN if missing, and the noise level in the bins of their spectrum."""
     from scipy.fft import rfft
 
@@ -136,8 +136,8 @@ def periodogram(y: FloatArray, seen: BinnedSpectrum, level: FloatArray) -> Perio
     weighted = np.where(window > 0, y, 0.0) * window
     square = float(window @ window)
     # coefficient k of the cosine transform of `seen.size` samples is at k / (2 size) periods a sample
-    at = np.arange(n // 2 + 1) * (2.0 * seen.size / n)
-    everywhere = level[np.clip(np.searchsorted(seen.first, at, side="right") - 1, 0, level.size - 1)]
+    at = np.arange(n // 2 + 1) * (2.0 * bins.size / n)
+    everywhere = level[np.clip(np.searchsorted(bins.first, at, side="right") - 1, 0, level.size - 1)]
     power = np.abs(rfft(weighted)) ** 2 / (square * everywhere)
     return Periodogram(power, weighted, float(window.sum()), square, everywhere)
 

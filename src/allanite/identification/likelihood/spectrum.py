@@ -310,25 +310,25 @@ def _rounding(record: Record) -> float:
     return grid(record.values[np.isfinite(record.values)])[1] ** 2 / 12
 
 
-def transformed(left: IntArray) -> FloatArray:
+def transformed(places: IntArray) -> FloatArray:
     """The lowest coefficients of a ramp with gaps."""
-    return cosine_transform(left - left.mean())[1 : SINGLE + 1]
+    return cosine_transform(places - places.mean())[1 : SINGLE + 1]
 
 
-def slope_of(y: FloatArray, left: IntArray | None) -> float:
+def slope_of(y: FloatArray, places: IntArray | None) -> float:
     """The slope of y between the means of its first and last thirds, in the unit per sample.
 
     Near enough that a strong ramp, less this one, does not leak upwards.
     """
     third = y.size // 3
-    apart = y.size - third if left is None else float(left[-third:].mean() - left[:third].mean())
+    apart = y.size - third if places is None else float(places[-third:].mean() - places[:third].mean())
     return float(y[-third:].mean() - y[:third].mean()) / apart
 
 
-def less_slope(y: FloatArray, left: IntArray) -> float:
+def less_slope(y: FloatArray, places: IntArray) -> float:
     """Take the ramp of `slope_of` out of y, and return its slope."""
-    slope = slope_of(y, left)
-    y -= slope * (left - left.mean())
+    slope = slope_of(y, places)
+    y -= slope * (places - places.mean())
     return slope
 
 

@@ -10,14 +10,15 @@ criterion: what is not claimed takes part in the laws of the others.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
+from allanite.identification.likelihood.whittle import column
 from allanite.terms import TERMS
 
 from .frame import LOWEST_CUTOFF, Frame
@@ -161,11 +162,6 @@ def _noise_slope(frame: Frame, part: Part) -> FloatArray:
 
 def power_law(frame: Frame, part: Part) -> FloatArray:
     """Power of noise of density f^-a behind the averaging over each sample."""
-    from dataclasses import replace
-    from functools import partial
-
-    from allanite.identification.likelihood.whittle import column
-
     assert frame.flicker is not None  # noqa: S101 - the part stands in its place
     row = replace(TERMS[frame.powers[frame.flicker]], dct=partial(_power_law, a=part.shape[0]))
     return frame.remembered(("exponent", part.shape), lambda: column(row, frame.spectrum)[frame.used])

@@ -21,6 +21,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.whittle import step_power
 
 from .components import ANGLE, BEHIND, COMPONENTS, STEP, Part
 from .frame import Frame, leak
@@ -242,8 +243,6 @@ def fitted(
 
 def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray | None = None) -> Likelihood:
     """Steps have known power above the lowest coefficients, once their sizes are known."""
-    from allanite.identification.likelihood.whittle import step_power
-
     steps = state.of("step")
     if not steps or theta is None:
         return part

@@ -15,7 +15,6 @@ from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.record import Record
-from allanite.core.units import Signal
 from allanite.core.validity import Band, Finding, Scope
 from allanite.identification.checks.goodness import cells_of, goodness
 from allanite.identification.likelihood.law import correlation
@@ -117,8 +116,7 @@ def pending(
     if rounding_of(record).sparse:
         # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
         moves = tuple(move for move in moves_for(band, rival=rival) if move is not resonances)
-    channel = record.name, record.signal
-    return pending_of(bins, channel, symbols, band, masks=masks, rival=rival, taken=taken, moves=moves)
+    return pending_of(bins, record, symbols, band, masks=masks, rival=rival, taken=taken, moves=moves)
 
 
 def deterministic(symbols: Sequence[str]) -> bool:
@@ -135,7 +133,7 @@ def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
 
 def pending_of(
     bins: BinnedSpectrum,
-    channel: tuple[str, Signal],
+    like: Record,
     symbols: Sequence[str],
     band: Band = "auto",
     *,
@@ -144,13 +142,12 @@ def pending_of(
     taken: tuple[Line, ...] = (),
     moves: Sequence[Move] | None = None,
 ) -> Pending:
-    """The search in a spectrum, of a channel of this name and signal; `taken` are sinusoids removed before."""
-    name, signal = channel
+    """The search in the spectrum of a record, or of a stream of such; `taken` are sinusoids removed before."""
     bins = bins.near_one()  # so that no unit and no size of a record changes a digit
     result = searched(bins, symbols, band, masks, rival=rival, moves=moves)
-    scale = Scale(signal, bins.rate, bins.unit_factor, bins.slope)
+    scale = Scale(like.signal, bins.rate, bins.unit_factor, bins.slope)
     automatic = band == "auto" and rival and not masks and moves is None
-    return Pending(result, scale, tuple(symbols), name, band, masks, automatic, taken)
+    return Pending(result, scale, tuple(symbols), like.name, band, masks, automatic, taken)
 
 
 def searched(
@@ -340,8 +337,9 @@ def _goodness(answer: Answer, taken: tuple[Line, ...]) -> Goodness:
     power = f.completed[0][: m.size]
     cell, bounds = cells_of(f.frame.spectrum, f.frame.used)
     lost = lost_freedom(f, cell, bounds.size - 1)
-    powers = power, m, f.trusted.count
-    return goodness(f.frame.spectrum, powers, f.frame.used, lost=lost, loud=loud_in(f), taken=taken)
+    return goodness(
+        f.frame.spectrum, f.frame.used, power=power, m=m, count=f.trusted.count, lost=lost, loud=loud_in(f), taken=taken
+    )
 
 
 def alternatives(answer: Answer) -> tuple[Alternative, ...]:

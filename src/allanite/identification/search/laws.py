@@ -198,7 +198,7 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
 
 
 def _profile(f: Fitted, which: int) -> tuple[FloatArray, FloatArray]:
-    """Values of the root and their signed deviates, the shapes unknown, continued as far as `FARTHEST_DEVIATE`, above zero."""
+    """Values of the root, signed deviates with unknown shapes, continued as far as `FARTHEST_DEVIATE`, above zero."""
     trace = traced(Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta)), which)
     root, deviate = trace.root, trace.deviate / stretch(f, which)
     if root.size < 2:

@@ -213,10 +213,10 @@ def resonances(at: Local) -> Iterator[State]:
         )
 
 
-def _apart(one: Part, other: Part) -> bool:
+def _apart(part: Part, other: Part) -> bool:
     """Whether two resonances differ."""
-    ratio = one.shape[1] / other.shape[1]
-    return abs(math.log(one.shape[0] / other.shape[0])) > 0.08 or not 1 / 3 < ratio < 3
+    ratio = part.shape[1] / other.shape[1]
+    return abs(math.log(part.shape[0] / other.shape[0])) > 0.08 or not 1 / 3 < ratio < 3
 
 
 MOVES: tuple[Move, ...] = (less, exchanged, floors, steps, warm_ups, markov, exponents, resonances, filters)
