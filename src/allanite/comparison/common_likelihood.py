@@ -127,7 +127,7 @@ class Joint(Portable):
     def limits(self, which: int, level: float) -> tuple[float, float]:
         """Limits of a common coefficient, SI."""
         penalty = np.full(len(self.symbols), AKAIKE)
-        return law(traces(self.fitted, which, [penalty]), penalty).limits(level)
+        return law(traces(self.fitted, which, penalty), penalty).limits(level)
 
     def only(self, columns: BoolArray) -> tuple[Likelihood, ...]:
         """The parts with some of the terms."""

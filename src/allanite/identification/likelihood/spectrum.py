@@ -208,8 +208,8 @@ class BinnedSpectrum(Portable):
         return np.concatenate([x for x, _ in rules]), np.concatenate([w for _, w in rules]), starts
 
     @cached_property
-    def known(self) -> dict[tuple[str, tuple[float, ...]], FloatArray]:
-        """Columns that were made before, by symbol and shape."""
+    def known(self) -> dict[str, FloatArray]:
+        """Columns that were made before, by symbol."""
         return {}
 
     @cached_property

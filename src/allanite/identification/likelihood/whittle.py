@@ -142,12 +142,11 @@ def column(row: NoiseTerm, spectrum: BinnedSpectrum) -> FloatArray:
     return np.asarray(mean)
 
 
-def table_column(symbol: str, spectrum: BinnedSpectrum, shape: tuple[float, ...] = ()) -> FloatArray:
-    """The same of a row of `TERMS`, in its own shape (in samples) or another one; it is made once."""
-    if (symbol, shape) not in spectrum.known:
-        row = TERMS[symbol]
-        spectrum.known[symbol, shape] = column(row.shaped(shape, 1.0) if shape and row.shaped else row, spectrum)
-    return spectrum.known[symbol, shape]
+def table_column(symbol: str, spectrum: BinnedSpectrum) -> FloatArray:
+    """The same of a row of `TERMS`; it is made once."""
+    if symbol not in spectrum.known:
+        spectrum.known[symbol] = column(TERMS[symbol], spectrum)
+    return spectrum.known[symbol]
 
 
 def gain_of(row: str, cutoff: float, spectrum: BinnedSpectrum) -> FloatArray:

@@ -26,8 +26,8 @@ from .fitting import Fitted, fitted
 from .local import CANDIDATES, FAR, Local, Move
 from .state import State
 
-PER_DECADE = 4
-"""Time constants a decade that are tried."""
+PER_DECADE, PROMISING = 4, 2
+"""Time constants a decade that are tried, and how many of them are fitted."""
 
 TRIED_QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)
 """Qualities with which resonances are looked for."""
@@ -116,17 +116,17 @@ def _acting(f: Fitted) -> FloatArray:
     return np.asarray(f.likelihood.S[:, 0] / np.maximum(bare, 1e-300) / f.m)
 
 
-def _promising(at: Local, parts: list[Part], C: FloatArray, *, signed: bool = False, most: int = 2) -> Iterator[State]:
+def _promising(at: Local, parts: list[Part], C: FloatArray) -> Iterator[State]:
     """The best parts by one step; by a fit of each where that is no guide."""
-    state, gain = at.f.state, at.gains(C, signed=signed)
+    state, gain = at.f.state, at.gains(C)
     able = [i for i in np.argsort(-gain) if at.able(float(gain[i]), cost_of(parts[i], at.f.frame))]
     if not able:
         return
     if gain[able[0]] > FAR:
         tries = [fitted(at.f.frame, state.having(part), None, None) for part in parts]
-        yield from (f.state for f in sorted(tries, key=lambda f: f.value)[:most])
+        yield from (f.state for f in sorted(tries, key=lambda f: f.value)[:PROMISING])
         return
-    for i in able[:most]:
+    for i in able[:PROMISING]:
         yield state.having(parts[i])
 
 

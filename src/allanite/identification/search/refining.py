@@ -21,17 +21,13 @@ DAMPING = 1e-3
 """Share of its information that is added to a shape's, at first."""
 
 
-def refined(
-    f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None, settled: float = SETTLED
-) -> Fitted:
+def refined(f: Fitted, rounds: int = ROUNDS, *, held: BoolArray | None = None, settled: float = SETTLED) -> Fitted:
     """The best shapes near those of a fit: Fisher scoring of sizes and shapes together, with step halving.
 
-    With `only` of its last shapes alone; `held` shapes stay as they are, shape (values,).
+    `held` shapes stay as they are, shape (values,).
     """
     x = values_of(f.state)
     moving = np.ones(x.size + f.v.size, dtype=bool)
-    if only:
-        moving[: x.size - only] = False
     if held is not None:
         moving[: x.size] &= ~held
     low, high = bounds_of(f.frame, f.state)
