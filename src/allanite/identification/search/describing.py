@@ -1,6 +1,7 @@
 """What a fit says besides its numbers: the filter, vibration and undescribed power in it, and rivals of its terms."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -212,40 +213,44 @@ def _factor_words(f: Fitted) -> str:
 
 def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
     """Two explanations of one record, and which terms others could replace."""
-    notes: list[str] = []
+    return [*_two_explanations(answer, estimates), *_undecided(answer, estimates), *_no_walk(answer, estimates)]
+
+
+def _two_explanations(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
     frame, scale = answer.result.frame, answer.scale
-    for symbol, e in estimates.items():
-        if symbol not in frame.powers or not e.claimed:
-            continue
+    for symbol in (s for s, e in estimates.items() if s in frame.powers and e.claimed):
         law = law_of(answer.entries, frame.powers.index(symbol))
         if law is not None and law.modes:
             unit = scale.signal.sheet[TERMS[symbol].power]
             size = coefficient_factor(symbol, unit, scale.signal)
-            values = [scale.coefficient(symbol, root) / size for root in law.modes]
-            notes.append(
-                say(
-                    "{symbol}: two explanations of the record, {first} or {second} {unit}; a longer record would "
-                    "decide",
-                    symbol=symbol, first=f"{values[0]:.3g}", second=f"{values[1]:.3g}", unit=unit,
-                )
-            )  # fmt: skip
+            first, second = (f"{scale.coefficient(symbol, root) / size:.3g}" for root in law.modes)
+            yield say("{symbol}: two explanations of the record, {first} or {second} {unit}; a longer record would "
+                      "decide", symbol=symbol, first=first, second=second, unit=unit)  # fmt: skip
+
+
+def _undecided(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
+    """That something drifts, but none of the terms that do is claimed."""
+    frame = answer.result.frame
     slow = [frame.powers[i] for i in np.flatnonzero(frame.slow)]
-    names = [s for s in (*slow, "GM") if s in estimates or s == "GM"]
-    claimed = any(estimates[s].claimed for s in names if s in estimates)
+    names = [s for s in slow if s in estimates] + ["GM"]
     drifting = (e.f.theta[: len(frame.powers)][frame.slow].any() or e.f.state.of("noise") for e in answer.entries)
     weight = sum(e.weight for e, drifts in zip(answer.entries, drifting, strict=True) if drifts)
-    if not claimed and weight >= CLAIMED and slow:
-        likely = [s for s in names if _weight_of(answer, s) > 1 - CLAIMED]
-        if likely:
-            notes.append(say("the bias drifts, but the record does not decide between {terms}: a longer record would",
-                             terms=join(", ", [f"{s} ({title_of(s, scale.signal)})" for s in likely])))  # fmt: skip
-    walk = next((s for s in slow if TERMS[s].slope > 0), None)
+    likely = [s for s in names if _weight_of(answer, s) > 1 - CLAIMED]
+    if slow and likely and weight >= CLAIMED and not any(estimates[s].claimed for s in names if s in estimates):
+        yield say("the bias drifts, but the record does not decide between {terms}: a longer record would",
+                  terms=join(", ", [f"{s} ({title_of(s, answer.scale.signal)})" for s in likely]))  # fmt: skip
+
+
+def _no_walk(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
+    """That a random walk may as well be slow Gauss-Markov noise."""
+    frame = answer.result.frame
+    walks = (s for s, slow in zip(frame.powers, frame.slow.tolist(), strict=True) if slow and TERMS[s].slope > 0)
+    walk = next(walks, None)
     if walk and walk in estimates and estimates[walk].claimed and "GM" not in frame.asked:
         least = least_time_constant(answer, frame.powers.index(walk))
         if least is not None:
-            notes.append(say("{walk} may as well be Gauss-Markov noise with a time constant of more than {time:.2g} "
-                             "s", walk=walk, time=least / scale.rate))  # fmt: skip
-    return notes
+            yield say("{walk} may as well be Gauss-Markov noise with a time constant of more than {time:.2g} s",
+                      walk=walk, time=least / answer.scale.rate)  # fmt: skip
 
 
 def _weight_of(answer: Answer, symbol: str) -> float:

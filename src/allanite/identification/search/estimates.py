@@ -19,7 +19,7 @@ from allanite.terms import TERMS
 
 from .components import CLAIMED, Part
 from .fitting import Fitted, fitted, place_of, values_of, with_values
-from .laws import Entry, Law, column_of, law_of
+from .laws import Entry, Law, column_of, law_of, noise_part
 from .refining import refined, resized
 from .search import Searched
 
@@ -195,12 +195,9 @@ def law_of_term(symbol: str, answer: Answer) -> tuple[Law | None, tuple[float, .
     return law_of([Entry(f, 1.0)], column_of(f, label, number) or 0), _shape_in(f, label, number), False
 
 
-def _part_in(f: Fitted, label: str, number: int) -> Part:
-    return [p for p in f.state.of("noise") if p.label == label][number]
-
-
 def _shape_in(f: Fitted, label: str, number: int) -> tuple[float, ...]:
-    return _part_in(f, label, number).shape
+    part = noise_part(f, label, number)
+    return part.shape if part else ()
 
 
 def noise_estimate(symbol: str, answer: Answer) -> Estimate:
@@ -224,7 +221,7 @@ def noise_estimate(symbol: str, answer: Answer) -> Estimate:
         return plain
     f = next(f for _, _, f in law.parts)
     parts = f.state.of("noise")
-    own = next(p for p in parts if p.shape == shape) if any(p.shape == shape for p in parts) else parts[0]
+    own = next((part for part in parts if part.shape == shape), parts[0])
     ends = Remembered(ShapeLimits(f, own, scale, symbol))
     return replace(plain, shape=scale.shape(symbol, own.shape), shape_limits=ends)
 

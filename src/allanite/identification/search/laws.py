@@ -20,8 +20,8 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.law import Subset, traced
 
-from .components import CLAIMED, COMPONENTS
-from .fitting import Fitted, admissible, sizes_inside
+from .components import CLAIMED, COMPONENTS, Part
+from .fitting import Fitted, admissible, column_of_part
 from .local import REACH
 from .refining import resized
 from .search import Searched
@@ -225,15 +225,13 @@ def weights_of(entries: Sequence[Entry]) -> dict[str, float]:
     }
 
 
+def noise_part(f: Fitted, symbol: str, number: int = 0) -> Part | None:
+    """The `number`-th noise of a symbol in a fit by its time constant; None if there are not so many."""
+    parts = [part for part in f.state.of("noise") if part.label == symbol]
+    return parts[number] if number < len(parts) else None
+
+
 def column_of(f: Fitted, symbol: str, number: int = 0) -> int | None:
-    """The place of the size of a noise term with a shape in a fit: the `number`-th of its symbol by time constant."""
-    at = len(f.frame.powers)
-    for part in f.state:
-        if COMPONENTS[part.name].inside:
-            if part.name == "noise" and part.label == symbol:
-                if number == 0:
-                    return at
-                number -= 1
-            at += 1
-    assert at == sizes_inside(f.frame, f.state)  # noqa: S101
-    return None
+    """The place of its size."""
+    part = noise_part(f, symbol, number)
+    return None if part is None else column_of_part(f.state, f.frame, part)
