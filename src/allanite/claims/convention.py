@@ -12,9 +12,8 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.study.results import Channel, Study
 
-from .claim import ClaimedNoise
+from .claim import SETTINGS, ClaimedNoise
 from .result import Cause, CheckedTerm
-from .settings import SETTINGS
 
 NAN = math.nan
 

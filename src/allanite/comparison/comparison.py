@@ -17,8 +17,7 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import duration, join, say, say_count
 from allanite.study.settings import ComparisonChoices
 
-from .change import Change, holm, told
-from .together import ComparedChannel, Together, of_symbol
+from .change import Change, ComparedChannel, Together, holm, of_symbol, told
 
 SECOND = 5.0
 """Factor of the p of curves: with it the share of equal records that are called different stays that of the test."""

@@ -24,13 +24,12 @@ from allanite.study.channels import Inspected
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
-from .change import alpha_of, holm
+from .change import ComparedChannel, Together, alpha_of, holm, of_symbol
 from .common_likelihood import Joint, least
 from .contrast import chi_square, homogeneity, outlying, spread
 from .ramps import CommonRamp, ramp_law
 from .ratio import shared_curves
 from .sources import join_records
-from .together import ComparedChannel, Together, of_symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)

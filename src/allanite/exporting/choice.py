@@ -51,16 +51,9 @@ def _of_channel(channel: Channel, level: float, known: Mapping[str, str]) -> Ite
     fit, doubts = channel.noise.fit, channel.noise.doubts
     alerts = (*channel.noise.omitted, *(alert for alert in channel.alerts if alert not in doubts))
     yield Axis(
-        channel.record.name,
-        fit,
-        channel.record.rate,
-        join("; ", doubts) if doubts else "",
-        channel.readings,
-        level,
-        alerts,
-        next((curve for curve in channel.curves if curve.statistic in ALLAN), None),
-        known,
-    )
+        channel.record.name, fit, channel.record.rate, join("; ", doubts) if doubts else "", channel.readings, level,
+        alerts, next((curve for curve in channel.curves if curve.statistic in ALLAN), None), known,
+    )  # fmt: skip
 
 
 @axes_of.register
@@ -137,13 +130,9 @@ def _identified(coefs: Found) -> Found:
 
 
 POLICIES: dict[str, Callable[[Found], Found]] = {
-    "worst": worst,
-    "median": median,
-    "each": lambda found: found,
-    "x": lambda found: found,
-    "y": lambda found: found,
+    "worst": worst, "median": median, "each": lambda found: found, "x": lambda found: found, "y": lambda found: found,
     "z": lambda found: found,
-}
+}  # fmt: skip
 """Axis policy: how the values of the axes become the value of a field."""
 
 

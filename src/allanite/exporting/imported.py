@@ -107,16 +107,14 @@ class Explanation(Value):
         rows = [row_of_file(self.target)] if self.target else list(EXPORTS.values())
         return [
             {
-                "name": row.name,
-                "title": row.title,
+                "name": row.name, "title": row.title,
                 "fields": [
                     {"name": f.full, "sensor": f.sensor, "unit": f.unit, "formula": f.formula} for f in row.fields
                 ],
-                "notes": list(row.notes),
-                "source": row.source,
+                "notes": list(row.notes), "source": row.source,
             }
             for row in rows
-        ]
+        ]  # fmt: skip
 
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"

@@ -6,8 +6,7 @@ import pytest
 from tests.rows import paired, refused, rows
 
 import allanite as al
-from allanite.claims.claim import claim_of
-from allanite.claims.settings import settings_in
+from allanite.claims.claim import claim_of, settings_in
 from allanite.core.errors import DataError, UsageError
 from allanite.exporting.exports import EXPORTS
 

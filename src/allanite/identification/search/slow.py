@@ -193,20 +193,19 @@ def steps_finding(answer: Answer, f: Fitted) -> Finding:
 
 def hidden_finding() -> Finding:
     """The finding that vibration, or what nothing describes, leaves no frequency to the noise of the sensor."""
-    return Finding("vibration", say("vibration has more power than the white noise of the sensor at all frequencies"),
-                   say("what it leaves of the noise cannot be checked"), say("record at rest, on a quiet base"),
-                   fatal=True)  # fmt: skip
+    return _vibration(say("vibration has more power than the white noise of the sensor at all frequencies"))
 
 
 def crowded_finding() -> Finding:
     """The finding that a record has as many vibrations as are looked for, so that more may stand in the terms."""
-    return Finding(
-        "vibration",
-        say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES),
-        say("what it leaves of the noise cannot be checked"),
-        say("record at rest, on a quiet base"),
-        fatal=True,
+    return _vibration(
+        say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES)
     )
+
+
+def _vibration(what: str) -> Finding:
+    harm = say("what it leaves of the noise cannot be checked")
+    return Finding("vibration", what, harm, say("record at rest, on a quiet base"), fatal=True)
 
 
 def exponent_finding(answer: Answer, f: Fitted) -> Finding:
