@@ -83,7 +83,7 @@ class LeastSquares:
     method: str
     read: Callable[[Curve, Sequence[str]], tuple[FloatArray, FloatArray, str]]
     squares: Callable[[FloatArray, FloatArray], FloatArray]
-    noted: bool = True  # whether it is said which points were read
+    noted: bool = True  # whether a note names the points that were read
     many: bool = True  # whether as many points as terms are needed before any is read
 
     def __call__(self, curve: Curve, symbols: Sequence[str]) -> Fit:

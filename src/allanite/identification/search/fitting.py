@@ -109,7 +109,7 @@ class Fitted(Portable):
 
     @cached_property
     def covariance(self) -> FloatArray:
-        """Covariance of what the information is of; what the record does not tell apart shares it."""
+        """Covariance of what the information is of; what the record does not distinguish shares it."""
         H, _ = self.information
         size = np.sqrt(np.maximum(np.diag(H), 1e-300))
         units = np.outer(size, size)
