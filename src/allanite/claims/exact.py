@@ -324,14 +324,9 @@ def _estimated(channel: Channel, term: Term, count: Counts) -> CheckedTerm:
 
 
 def curve_row(
-    channel: Channel,
-    claimed: Model,
-    supposed: Model | Fit,
-    alpha: float,
-    judge: Callable[[float, float], str],
-    *,
+    channel: Channel, claimed: Model, supposed: Model | Fit, alpha: float, judge: Callable[[float, float], str], *,
     settled: float = 0.0,
-) -> CheckedTerm:
+) -> CheckedTerm:  # fmt: skip
     """The Allan deviation where it is farthest from the claimed one, all octaves from the time `settled` on considered.
 
     Its intervals are those under the noise that is `supposed`; `judge` says what limits of the ratio mean.

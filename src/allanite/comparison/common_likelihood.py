@@ -135,13 +135,9 @@ class Joint(Portable):
 
 
 def joint(
-    records: Sequence[Record],
-    symbols: Sequence[str],
-    band: tuple[float, float] | None = None,
-    *,
-    shapes: Mapping[str, Shape] | None = None,
-    scopes: Sequence[Scope | None] = (),
-) -> Joint:
+    records: Sequence[Record], symbols: Sequence[str], band: tuple[float, float] | None = None, *,
+    shapes: Mapping[str, Shape] | None = None, scopes: Sequence[Scope | None] = (),
+) -> Joint:  # fmt: skip
     """The likelihoods of records in the band of frequencies that all of them have."""
     demand_one_kind(records)
     shapes = shapes or {}
@@ -168,14 +164,9 @@ def joint(
 
 
 def part_of(
-    whole: Likelihood,
-    bins: BinnedSpectrum,
-    noise: Sequence[str],
-    scope: Scope | None,
-    *,
-    band: tuple[float, float],
+    whole: Likelihood, bins: BinnedSpectrum, noise: Sequence[str], scope: Scope | None, *, band: tuple[float, float],
     scopes: Sequence[Scope | None],
-) -> Likelihood:
+) -> Likelihood:  # fmt: skip
     """The likelihood of one record behind its filter, within the band and outside all masks, in SI."""
     if scope and scope.filter:
         gain = gain_of(scope.filter.row, scope.filter.cutoff / bins.rate, bins)

@@ -94,12 +94,9 @@ def compare(
 
 
 def compare_channels(
-    source: Source,
-    recipe: Recipe | None = None,
-    *,
-    rng: "np.random.Generator | None" = None,
+    source: Source, recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
-) -> Comparison | Pool:
+) -> Comparison | Pool:  # fmt: skip
     """The channels of one recording, held against each other: a comparison of two, a pool of more.
 
     Parameters, errors and result are those of `compare` and `pool`.
@@ -234,13 +231,9 @@ def _ready(recipe: Recipe | None, choices: Mapping[str, Any] | None = None) -> R
 
 
 def _compare(
-    sources: SourceSet,
-    recipe: Recipe,
-    settings: ComparisonSettings | None = None,
-    *,
-    rng: "np.random.Generator | None",
-    progress: Progress | None,
-) -> Comparison:
+    sources: SourceSet, recipe: Recipe, settings: ComparisonSettings | None = None, *,
+    rng: "np.random.Generator | None", progress: Progress | None,
+) -> Comparison:  # fmt: skip
     kind = partial(Comparison, settings=settings or ComparisonSettings())
     work = partial(compare_records, recipe=recipe, rng=rng or np.random.default_rng(1))
     return run_together(kind, sources, recipe, work, Pair.refused, progress=progress)

@@ -54,15 +54,9 @@ class SourceSet:
 
 
 def run_together(
-    kind: Callable[..., Result],
-    sources: SourceSet,
-    recipe: Recipe,
-    work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any],
-    *,
-    doing: str = "comparing",
-    progress: Progress | None = None,
-) -> Result:
+    kind: Callable[..., Result], sources: SourceSet, recipe: Recipe, work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any], *, doing: str = "comparing", progress: Progress | None = None,
+) -> Result:  # fmt: skip
     """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one.
 
     `kind` makes the result of the fields of `Together`.
@@ -76,12 +70,9 @@ def run_together(
 
 
 def open_sources(
-    sources: Sequence[Source | Job[Any]],
-    recipe: Recipe,
-    *,
-    against: Sequence[str] | None = None,
+    sources: Sequence[Source | Job[Any]], recipe: Recipe, *, against: Sequence[str] | None = None,
     progress: Progress | None = None,
-) -> SourceSet:
+) -> SourceSet:  # fmt: skip
     """Open each source and pair the channels; those of the last one may be named, and are then taken in order."""
     last = recipe if against is None else replace(recipe, channels=tuple(against))
     recipes = [*[recipe] * (len(sources) - 1), last]

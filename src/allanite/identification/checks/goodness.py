@@ -103,16 +103,9 @@ def cells_of(spectrum: BinnedSpectrum, used: BoolArray) -> tuple[IntArray, Float
 
 
 def goodness(
-    spectrum: BinnedSpectrum,
-    used: BoolArray,
-    *,
-    power: FloatArray,
-    m: FloatArray,
-    count: FloatArray,
-    lost: float,
-    loud: BoolArray,
-    taken: tuple[Line, ...] = (),
-) -> Goodness:
+    spectrum: BinnedSpectrum, used: BoolArray, *, power: FloatArray, m: FloatArray, count: FloatArray, lost: float,
+    loud: BoolArray, taken: tuple[Line, ...] = (),
+) -> Goodness:  # fmt: skip
     """Cell-wise goodness of fit.
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate

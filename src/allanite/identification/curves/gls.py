@@ -122,14 +122,9 @@ def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance
 
 
 def _estimates(
-    symbols: Sequence[str],
-    moments: Moments,
-    variance: FloatArray,
-    *,
-    theta: FloatArray,
-    covariance: FloatArray,
+    symbols: Sequence[str], moments: Moments, variance: FloatArray, *, theta: FloatArray, covariance: FloatArray,
     signal: Signal,
-) -> list[Estimate]:
+) -> list[Estimate]:  # fmt: skip
     error = standard_errors(moments.columns, variance, covariance)
     observed = [i for i in range(len(symbols)) if isfinite(error[i])]
     slow = sorted(observed, key=lambda i: TERMS[symbols[i]].slope)[-INTEGRATED_TERMS:]

@@ -345,12 +345,9 @@ def _begins(answer: Answer, slope: float) -> bool:
 
 
 def _absent(
-    symbol: str,
-    scale: Scale,
-    upper: Callable[[float], float],
-    limits: Callable[[float], tuple[float, float]],
+    symbol: str, scale: Scale, upper: Callable[[float], float], limits: Callable[[float], tuple[float, float]],
     median: float | None = None,
-) -> Estimate:
+) -> Estimate:  # fmt: skip
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
     return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
 

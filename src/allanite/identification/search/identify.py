@@ -97,14 +97,9 @@ def whittle(record: Record, symbols: Sequence[str], band: Band = "auto", **optio
 
 
 def pending(
-    record: Record,
-    symbols: Sequence[str],
-    band: Band = "auto",
-    *,
-    masks: Sequence[tuple[float, float]] = (),
-    lines: bool = True,
-    rival: bool = False,
-) -> Pending:
+    record: Record, symbols: Sequence[str], band: Band = "auto", *, masks: Sequence[tuple[float, float]] = (),
+    lines: bool = True, rival: bool = False,
+) -> Pending:  # fmt: skip
     """The search in a record without its sinusoids."""
     why = refusal(record)
     if why:
@@ -132,16 +127,10 @@ def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
 
 
 def pending_of(
-    bins: BinnedSpectrum,
-    like: Record,
-    symbols: Sequence[str],
-    band: Band = "auto",
-    *,
-    masks: Sequence[tuple[float, float]] = (),
-    rival: bool = False,
-    taken: tuple[Line, ...] = (),
+    bins: BinnedSpectrum, like: Record, symbols: Sequence[str], band: Band = "auto", *,
+    masks: Sequence[tuple[float, float]] = (), rival: bool = False, taken: tuple[Line, ...] = (),
     moves: Sequence[Move] | None = None,
-) -> Pending:
+) -> Pending:  # fmt: skip
     """The search in the spectrum of a record, or of a stream of such; `taken` are sinusoids removed before."""
     bins = bins.near_one()  # so that no unit and no size of a record changes a digit
     result = searched(bins, symbols, band, masks, rival=rival, moves=moves)
@@ -151,14 +140,9 @@ def pending_of(
 
 
 def searched(
-    bins: BinnedSpectrum,
-    symbols: Sequence[str],
-    band: Band,
-    masks: Sequence[tuple[float, float]] = (),
-    *,
-    rival: bool,
-    moves: Sequence[Move] | None = None,
-) -> Searched:
+    bins: BinnedSpectrum, symbols: Sequence[str], band: Band, masks: Sequence[tuple[float, float]] = (), *,
+    rival: bool, moves: Sequence[Move] | None = None,
+) -> Searched:  # fmt: skip
     """The search in a spectrum for what a user asked for."""
     choice, asked = _frequencies(band)
     frame = frame_of(bins, [s for s in symbols if TERMS[s].scatters], bins.read(asked, masks))
