@@ -41,6 +41,12 @@ def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
     return c / root, root, Q
 
 
+def _gains(D: FloatArray, y: FloatArray, Q: FloatArray) -> FloatArray:
+    """Gains of directions, shape (k, coefficients), beside what is loose."""
+    D = D - D @ Q @ Q.T
+    return np.asarray((D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9))
+
+
 def steps(at: Local) -> Iterator[State]:
     """One more step of the bias, where it gains most beside those of the state and a ramp."""
     frame, state = at.f.frame, at.f.state
@@ -51,8 +57,7 @@ def steps(at: Local) -> Iterator[State]:
     places, gain = apart * np.arange(1, PLACES + 1), np.zeros(1)
     for _ in range(2):
         D = step_coefficients(frame.size, places)[:, : y.size] / root
-        D = D - D @ Q @ Q.T
-        gain = (D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)
+        gain = _gains(D, y, Q)
         best = float(places[int(gain.argmax())])
         places = best + apart * np.linspace(-1, 1, FINE_PLACES + 2)[1:-1]
         places = places[(places > 1) & (places < frame.size - 1)]
@@ -87,19 +92,17 @@ def warm_ups(at: Local) -> Iterator[State]:
     frame, state = at.f.frame, at.f.state
     if not frame.able_to_warm_up:
         return
-    n, own, steps_ = frame.size, state.of("warm-up"), state.of("step")
-    if steps_ and not own:  # steps near the start, that fall like a warm-up
-        bare = state.lacking(*steps_)
-        tries = [(fitted(frame, bare.having(part)).value, i) for i, part in enumerate(warm_ups_of(frame))]
-        yield _tuned_warm_up(at.f, bare, warm_ups_of(frame)[min(tries)[1]])
+    own, loose, parts = state.of("warm-up"), state.of("step"), warm_ups_of(frame)
+    if loose and not own:  # steps near the start, that fall like a warm-up
+        bare = state.lacking(*loose)
+        values = [fitted(frame, bare.having(part)).value for part in parts]
+        yield _tuned_warm_up(at.f, bare, parts[values.index(min(values))])
     rest = state.lacking(*own)
     if own:
         yield _tuned_warm_up(at.f, rest, own[0])
         return
     y, root, Q = _lowest(at)
-    taus = n * np.geomspace(1 / 100, LONGEST_WARM_UP / INSIDE, WARM_UPS)
-    D = np.array([_both(warm_up_direction(frame.spectrum, float(tau)))[: y.size] for tau in taus]) / root
-    D = D - D @ Q @ Q.T
-    gain = (D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)
-    if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(n)):
-        yield _tuned_warm_up(at.f, rest, Part("warm-up", "", (float(taus[int(gain.argmax())]),)))
+    D = np.array([_both(warm_up_direction(frame.spectrum, part.shape[0]))[: y.size] for part in parts]) / root
+    gain = _gains(D, y, Q)
+    if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(frame.size)):
+        yield _tuned_warm_up(at.f, rest, parts[int(gain.argmax())])

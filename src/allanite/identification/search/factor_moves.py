@@ -4,6 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from allanite.core.arrays import FloatArray
+
 from .components import COMPONENTS, FACTORS, SIZES, Part
 from .factors import SLOWEST_OCTAVE
 from .fitting import Fitted, factor_basis, fitted
@@ -61,8 +63,13 @@ def _raised(at: Local, part: Part) -> Fitted:
     """The fit beside a factor that begins where it fits the logarithms of the residuals best."""
     state = at.f.state.having(part)
     A = factor_basis(at.f.frame, state) * (at.f.inside / at.f.m)[:, None]
-    v = np.linalg.solve(np.eye(A.shape[1]) + (A * at.h[: A.shape[0], None]).T @ A, A.T @ (at.h[: A.shape[0]] * at.logs))
-    return fitted(at.f.frame, state, v=np.asarray(v, dtype=np.float64))
+    return fitted(at.f.frame, state, v=nearest(A, at.h[: A.shape[0]], at.logs))
+
+
+def nearest(A: FloatArray, h: FloatArray, u: FloatArray) -> FloatArray:
+    """Coefficients v ~ N(0, 1) with A v as near to u as they allow, h being half the counts."""
+    v = np.linalg.solve(np.eye(A.shape[1]) + (A * h[:, None]).T @ A, A.T @ (h * u))
+    return np.asarray(v, dtype=np.float64)
 
 
 def neighbours(part: Part) -> Iterator[Part]:
