@@ -83,3 +83,9 @@ def _fresh(fixtures, k, patch):
         if name in fresh:
             fresh[name].readouterr()
     return fresh
+
+
+def refused(error, match, call):
+    """Check that a call is refused with an error whose message matches."""
+    with pytest.raises(error, match=match):
+        call()

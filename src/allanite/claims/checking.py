@@ -103,9 +103,9 @@ def check(
     with one_thread():
         terms = tuple(_checked(study, of_rate, first.bound, tolerance))
     if not terms:
-        there = ", ".join(dict.fromkeys(channel.record.signal.sensor for channel in study))
+        sensors = ", ".join(dict.fromkeys(channel.record.signal.sensor for channel in study))
         raise DataError(say("{claim} claims nothing of the channels of this record ({sensors})",
-                            claim=first.title, sensors=there))  # fmt: skip
+                            claim=first.title, sensors=sensors))  # fmt: skip
     known = {f.name: getattr(study, f.name) for f in fields(Study)}
     return ClaimCheck(**known, claim=first, terms=terms, causes=causes_of(study, first, terms), tolerance=tolerance)
 
@@ -145,16 +145,16 @@ def _bounds(study: Study, claims: dict[float, ClaimedNoise], alpha: float, toler
 
 def _bounded(channel: Channel, limit: Limit, level: float, tolerance: float) -> CheckedTerm:
     """A number that is an upper bound, held against what was identified."""
-    seen, most, record = seen_of(channel, limit.symbol, level), limit.maximum, channel.record
-    row = CheckedTerm(record.name, record.signal, limit.symbol, most, seen.value, limit.unit, reason=seen.reason)
-    if seen.value is None:
-        if seen.upper is None:
+    reading, most, record = seen_of(channel, limit.symbol, level), limit.maximum, channel.record
+    row = CheckedTerm(record.name, record.signal, limit.symbol, most, reading.value, limit.unit, reason=reading.reason)
+    if reading.value is None:
+        if reading.upper is None:
             return replace(row, outcome=NOT_SHOWN)
-        outcome = AGREES if seen.upper <= most * (1 + tolerance) else NOT_SHOWN
-        return replace(row, low=0.0, high=seen.upper / most, outcome=outcome,
-                       reason=seen.reason or say("not identified"))  # fmt: skip
-    low, high = (seen.low, seen.high) if math.isfinite(seen.low) else (seen.value, seen.value)
+        outcome = AGREES if reading.upper <= most * (1 + tolerance) else NOT_SHOWN
+        return replace(row, low=0.0, high=reading.upper / most, outcome=outcome,
+                       reason=reading.reason or say("not identified"))  # fmt: skip
+    low, high = (reading.low, reading.high) if math.isfinite(reading.low) else (reading.value, reading.value)
     outcome = (
         EXCEEDS if low > most * (1 + tolerance) else NOT_SHOWN if limit.judge == "upper" and high > most else AGREES
     )
-    return replace(row, ratio=seen.value / most, low=low / most, high=high / most, outcome=outcome)
+    return replace(row, ratio=reading.value / most, low=low / most, high=high / most, outcome=outcome)

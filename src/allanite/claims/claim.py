@@ -1,6 +1,8 @@
-"""ClaimedNoise: the noise that a configuration, a data sheet, a limits file or a model states."""
+"""ClaimedNoise: the noise that a configuration, a data sheet, a limits file or a model states, and its settings."""
 
+import math
 import os
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,6 +16,7 @@ from allanite.core.files import reason
 from allanite.core.model import Model, Term
 from allanite.core.plain import Value
 from allanite.core.units import Signal
+from allanite.core.validity import SETTLED
 from allanite.exporting.exports import EXPORTS, target_named
 from allanite.exporting.imported import Imported, models_of, noise_in, numbers, section_of
 from allanite.exporting.target import Target
@@ -21,7 +24,76 @@ from allanite.phrases.phrase import join, say, spelled
 from allanite.planning.datasheets import claimed
 from allanite.terms import TERMS
 
-from .settings import ClaimedSetting, settings_in
+CUTOFF, RATE = SETTINGS = "cutoff", "rate"
+"""What may be claimed beside noise."""
+
+ITEM = re.compile(
+    r"(?:(?P<sensor>gyro|accel)\w*\s+)?"
+    r"(?:(?P<cutoff>low-?\s?pass|bandwidth|dlpf|cut-?off)|(?:output |sampling )?rate|odr)"
+    r"(?:\s+at|\s*[:=])?\s+(?P<value>[0-9.]+(?:e[+-]?\d+)?)\s*(?P<kilo>k?)hz",
+    re.IGNORECASE,
+)
+"""A setting: ``lowpass 42 Hz``, ``gyro bandwidth 250 Hz``, ``output rate 1 kHz``."""
+
+
+@dataclass(frozen=True, repr=False)
+class ClaimedSetting(Value):
+    """A setting that is claimed."""
+
+    # the -3 dB frequency of a low-pass filter, or the samples of the sensor in a second. One of "cutoff", "rate".
+    quantity: str
+    value: float  # Hz
+    sensor: str = ""  # beginning of the name of the kind of sensor; empty for all
+
+    def holds_for(self, signal: Signal) -> bool:
+        """Whether it is a setting of this kind of sensor."""
+        return signal.sensor.startswith(self.sensor)
+
+    @property
+    def settled(self) -> float:
+        """Averaging time, s, from which a filter does not lower the deviation any more."""
+        return SETTLED / self.value if self.quantity == CUTOFF else 0.0
+
+    def words(self) -> str:
+        """As it is written: ``gyro lowpass 42 Hz``."""
+        name = {CUTOFF: "lowpass", RATE: "rate"}[self.quantity]
+        return f"{self.sensor} {name} {self.value:g} Hz".strip()
+
+    def _summary(self) -> str:
+        return self.words()
+
+
+def settings_in(text: str) -> tuple[tuple[ClaimedSetting, ...], str]:
+    """The settings among the parts of a text, which commas and semicolons separate, and the text without them.
+
+    Examples
+    --------
+    >>> settings_in("N 0.3 deg/sqrt(h), lowpass 42 Hz; 100 ug/sqrt(Hz)")
+    ((<ClaimedSetting lowpass 42 Hz>,), 'N 0.3 deg/sqrt(h); 100 ug/sqrt(Hz)')
+    """
+    settings, groups = list[ClaimedSetting](), []
+    for group in text.split(";"):
+        kept = []
+        for part in group.split(","):
+            item = ITEM.fullmatch(part.strip())
+            if item is None:
+                kept.append(part)
+                continue
+            value = _number(item["value"]) * (1000 if item["kilo"] else 1)
+            settings.append(ClaimedSetting(CUTOFF if item["cutoff"] else RATE, value, (item["sensor"] or "").lower()))
+        groups.append(",".join(kept))
+    return tuple(settings), ";".join(group for group in groups if group.strip()).strip()
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < math.inf:
+        raise UsageError(f"a frequency must be a positive number of Hz, not {shown(text)}", choice="claims")
+    return value
+
 
 SUFFIXES = {suffix for row in EXPORTS.values() for suffix in row.forms} | {".yml", ".xml", ".toml", ".txt", ".cfg"}
 """Suffixes of files of claims: a text with one of them is a path, also where there is no such file."""
@@ -90,8 +162,8 @@ class ClaimedNoise(Value):
         return ", ".join(filter(None, (self.source, *(s.words() for s in self.settings))))
 
     def _summary(self) -> str:
-        said = [str(self.limits)] if self.limits is not None else list(map(str, self.models))
-        return f"of {self.title}: {join('; ', said)}" if said else f"of {self.title}"
+        texts = [str(self.limits)] if self.limits is not None else list(map(str, self.models))
+        return f"of {self.title}: {join('; ', texts)}" if texts else f"of {self.title}"
 
 
 @public
@@ -158,10 +230,10 @@ def _of_file(path: str, origin: str | None, rate: float | None) -> ClaimedNoise:
         text = Path(path).read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path!r} cannot be read: {reason(error)}") from None
-    found = noise_in(text, target_named(origin), rate, path) if origin else recognized(text, rate, path)
-    if not found.models:
-        raise DataError(f"{path!r} has no value above 0 in the fields of {found.target}: it claims no noise")
-    return ClaimedNoise(path, found.target, found.simulated, rate=found.rate)
+    noise = noise_in(text, target_named(origin), rate, path) if origin else recognized(text, rate, path)
+    if not noise.models:
+        raise DataError(f"{path!r} has no value above 0 in the fields of {noise.target}: it claims no noise")
+    return ClaimedNoise(path, noise.target, noise.simulated, rate=noise.rate)
 
 
 def _limited(limits: Specification) -> Iterator[Model]:
@@ -180,22 +252,22 @@ def recognized(text: str, rate: float | None = None, name: str = "the text") -> 
     if not most:
         known = ", ".join(row.name for row in EXPORTS.values() if row.fields)
         raise DataError(f"{name!r} has no field of a known target; these are known: {known}")
-    found, refused = list[Imported](), list[AllaniteError]()
+    readings, refused = list[Imported](), list[AllaniteError]()
     for row in (EXPORTS[target] for target, count in counts.items() if count == most):
         try:
-            found.append(noise_in(text, row, rate, name))
+            readings.append(noise_in(text, row, rate, name))
         except UsageError as error:
             refused.append(error)
     if refused:
         raise refused[0]
-    if any(other.simulated != found[0].simulated for other in found[1:]):
-        names = [imported.target for imported in found]
+    if any(other.simulated != readings[0].simulated for other in readings[1:]):
+        names = [imported.target for imported in readings]
         wanted = spelled(f"--claims-from {names[0]}", f"origin={names[0]!r}")
         raise UsageError(
             say("{name!r} may be a file of {targets}, whose fields mean different things: name its target, {option}",
                 name=name, targets=join(" or ", names), option=wanted)
         )  # fmt: skip
-    return found[0]
+    return readings[0]
 
 
 def _fields(text: str, target: Target) -> int:

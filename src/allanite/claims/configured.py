@@ -14,8 +14,8 @@ from allanite.prepare.resampled import held_rate
 from allanite.prepare.view import View
 from allanite.study.results import Channel, Study
 
+from .claim import CUTOFF, ClaimedSetting
 from .result import DIFFERS, NOT_SHOWN, CheckedTerm, fit_of
-from .settings import CUTOFF, ClaimedSetting
 
 HIGHEST = 0.45
 """Share of the sampling rate above which a cut-off is not decided on: near half of it the images of what a filter

@@ -12,9 +12,8 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.study.results import Channel, Study
 
-from .claim import ClaimedNoise
+from .claim import SETTINGS, ClaimedNoise
 from .result import Cause, CheckedTerm
-from .settings import SETTINGS
 
 NAN = math.nan
 
@@ -119,7 +118,7 @@ def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convent
     >>> [name for name, _ in explaining(0.09, 0.11, Place("N", 1e-4, 100.0))]
     ['1/sqrt(rate)', '1/9.81']
     """
-    found = list[tuple[float, str, Convention]]()
+    fitting = list[tuple[float, str, Convention]]()
     for row in CONVENTIONS:
         if place.symbol not in row.symbols and (row.symbols or place.symbol == "T"):
             continue
@@ -128,8 +127,8 @@ def explaining(low: float, high: float, place: Place) -> list[tuple[str, Convent
             : 1 + row.inverse
         ]:
             if low <= value <= high:
-                found.append((_distance(value, low, high), name, row))
-    return [(name, row) for _, name, row in sorted(found, key=lambda one: one[0])]
+                fitting.append((_distance(value, low, high), name, row))
+    return [(name, row) for _, name, row in sorted(fitting, key=lambda one: one[0])]
 
 
 def _distance(value: float, low: float, high: float) -> float:
@@ -181,16 +180,17 @@ def causes_of(study: Study, claim: ClaimedNoise, terms: Sequence[CheckedTerm]) -
     against = [row for row in terms if row.contradicts and row.quantity in SETTINGS]
     terms = [row for row in terms if row.quantity not in SETTINGS]
     light = {row.channel for row in terms if row.quantity == "kurtosis" and row.contradicts}
-    found = list[Cause]()
+    causes = list[Cause]()
     for _, rows in groupby(sorted(terms, key=lambda row: row.signal.name), key=lambda row: row.signal.name):
-        found += _of_sensor(study, claim, [row for row in rows if row.contradicts], light)
-    named = {name for cause in found if any("rand()" in said for said in cause.sentences) for name in cause.channels}
+        causes += _of_sensor(study, claim, [row for row in rows if row.contradicts], light)
+    by_rand = [cause for cause in causes if any("rand()" in sentence for sentence in cause.sentences)]
+    named = {name for cause in by_rand for name in cause.channels}
     rest = tuple(row.channel for row in terms if row.quantity == "kurtosis" and row.channel in light - named)
     if rest:
-        found.append(_trace(rest, "kurtosis", say("the samples are uniform: rand() instead of randn()")))
+        causes.append(_trace(rest, "kurtosis", say("the samples are uniform: rand() instead of randn()")))
     told = dict.fromkeys((row.quantity, row.reason) for row in against)
-    found += [_trace(tuple(r.channel for r in against if (r.quantity, r.reason) == each), *each) for each in told]
-    return (*found, *_half(study, light))
+    causes += [_trace(tuple(r.channel for r in against if (r.quantity, r.reason) == each), *each) for each in told]
+    return (*causes, *_half(study, light))
 
 
 def _of_sensor(study: Study, claim: ClaimedNoise, wrong: list[CheckedTerm], light: set[str]) -> list[Cause]:
@@ -200,10 +200,10 @@ def _of_sensor(study: Study, claim: ClaimedNoise, wrong: list[CheckedTerm], ligh
     numbers = [row for row in wrong if row.claimed and row.quantity not in ("curve", *known)]
     numbers.sort(key=lambda row: row.quantity)
     groups = [list(rows) for _, rows in groupby(numbers, key=lambda row: row.quantity)]
-    found = [_factor(study, claim, rows, uniform={row.channel for row in rows} <= light) for rows in groups]
+    causes = [_factor(study, claim, rows, uniform={row.channel for row in rows} <= light) for rows in groups]
     # what explains one quantity, and may explain the others, explains all
-    shared = set.intersection(*(set(cause.names) for cause in found)) if found else set()
-    return [*([driven] if driven else []), *(cause.only(shared) if shared - {""} else cause for cause in found)]
+    shared = set.intersection(*(set(cause.names) for cause in causes)) if causes else set()
+    return [*([driven] if driven else []), *(cause.only(shared) if shared - {""} else cause for cause in causes)]
 
 
 def _trace(channels: tuple[str, ...], quantity: str, sentence: str) -> Cause:
@@ -259,25 +259,25 @@ def _rise(channel: Channel, term: Term) -> float:
         return NAN
     rates = record.rate_values * record.rate_factor
     part, step = rates.size // 10, 1 / record.rate
-    seen = float(np.nanmean(rates[-part:]) - np.nanmean(rates[:part]))
+    change = float(np.nanmean(rates[-part:]) - np.nanmean(rates[:part]))
     t = np.arange(rates.size) * step
     if term.symbol == "K":
         mean = t * (0.5 * term.value / math.sqrt(step))
     else:
         T = term.shape[0]
         mean = -np.expm1(-t / T) * (0.5 * term.value * math.sqrt(2 / T) * T / math.sqrt(step))
-    return seen / float(mean[-part:].mean() - mean[:part].mean())
+    return change / float(mean[-part:].mean() - mean[:part].mean())
 
 
 def _half(study: Study, light: set[str]) -> Iterator[Cause]:
     """Channels of uniform samples whose mean is that of rand(): sqrt(3) standard deviations."""
-    found = []
+    names = []
     for channel in study:
         record = channel.record
         if record.name in light and isinstance(record, Record):
             rates = record.rate_values
             fast = np.nanstd(np.diff(rates)) / math.sqrt(2)  # and the mean before the bias has drifted
-            found += [record.name] if abs(np.nanmean(rates[:FIRST]) / fast / math.sqrt(3) - 1) < NEAR else []
-    if found:
-        yield _trace(tuple(found), "mean", say("the mean is not zero, but half the width of the distribution, as that "
+            names += [record.name] if abs(np.nanmean(rates[:FIRST]) / fast / math.sqrt(3) - 1) < NEAR else []
+    if names:
+        yield _trace(tuple(names), "mean", say("the mean is not zero, but half the width of the distribution, as that "
                                                "of rand() between 0 and 1"))  # fmt: skip

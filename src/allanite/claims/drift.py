@@ -87,7 +87,7 @@ class _AxisDrift:
     variance: FloatArray
 
     @cached_property
-    def found(self) -> FloatArray:
+    def identified(self) -> FloatArray:
         """Whether a cause is no upper limit, shape (causes, 1)."""
         return np.array([[not cause.limit] for cause in self.causes], dtype=np.float64)
 
@@ -125,10 +125,10 @@ def worst_axis(axes: Sequence[DriftAxis], path: DriftPath, settings: DriftSettin
         causes = [cause for cause in axis.causes if not (path.coupled and cause.name == SCALE)]
         of = [cause.variance(settings.response(path), times, settings.averaged, axis.rate) for cause in causes]
         each.append(_AxisDrift(axis, causes, np.array(of).reshape(len(causes), times.size)))
-    known = np.array([(one.variance * one.found).sum(axis=0) for one in each])
-    every = np.array([one.variance.sum(axis=0) for one in each])
+    known = np.array([(drift.variance * drift.identified).sum(axis=0) for drift in each])
+    every = np.array([drift.variance.sum(axis=0) for drift in each])
     which = (known if known.any() else every).argmax(axis=0)
-    below, above = (np.array([one.squares(end) for one in each]) for end in ("low", "high"))
+    below, above = (np.array([drift.squares(end) for drift in each]) for end in ("low", "high"))
     most = known + np.sqrt(above + (every - known) ** 2)
     chosen = which, np.arange(times.size)
     shares: dict[tuple[str, tuple[float, ...], bool], DriftShare] = {}
@@ -256,15 +256,18 @@ class Drift(Value):
         """
         demand_name("quantity", name, self.quantities)
         at = np.asarray(times, dtype=np.float64)
-        found = list(filter(None, (self._worst(path, at) for path in self.settings.paths if path.quantity == name)))
-        shares = [share for worst in found for share in worst.shares]
+        paths = [path for path in self.settings.paths if path.quantity == name]
+        worst_axes = list(filter(None, (self._worst(path, at) for path in paths)))
+        shares = [share for worst in worst_axes for share in worst.shares]
         known = [share for share in shares if not share.cause.limit]
         nothing = np.zeros_like(at)
         total = sum((share.variance for share in known), nothing)
-        below, above = (np.sqrt(sum((getattr(worst, end) for worst in found), nothing)) for end in ("below", "above"))
+        below, above = (
+            np.sqrt(sum((getattr(worst, end) for worst in worst_axes), nothing)) for end in ("below", "above")
+        )
         if not any(math.isfinite(share.cause.high) for share in known):
             below = above = np.full_like(at, math.nan)
-        most = sum((worst.most for worst in found), nothing)
+        most = sum((worst.most for worst in worst_axes), nothing)
         return DriftCourse(
             name, at, np.sqrt(total), np.sqrt(np.maximum(total - below, 0)), np.sqrt(total + above), np.sqrt(most),
             tuple(shares),
@@ -278,15 +281,15 @@ class Drift(Value):
     @property
     def allowed(self) -> list[dict[str, Any]]:
         """What every requirement allows, as plain data."""
-        found = []
+        requirements = []
         for need in self.settings.requirements:
             terms = [
                 {"sensor": t.sensor, "name": t.name, "alone": t.alone, "shared": t.shared, "found": t.found,
                  "unit": t.signal.si[t.power]}
                 for t in self.allowing(need)
             ]  # fmt: skip
-            found.append({"require": need.text, "drift": self.reached(need), "terms": terms})
-        return found
+            requirements.append({"require": need.text, "drift": self.reached(need), "terms": terms})
+        return requirements
 
     def reached(self, need: Requirement) -> float | None:
         """The drift at the time of a requirement, SI; None if nothing is known."""
@@ -295,11 +298,11 @@ class Drift(Value):
     @property
     def exceeded(self) -> list[str]:
         """Which requirements are not kept, in sentences."""
-        found = ((need, self.reached(need)) for need in self.settings.requirements)
+        drifts = ((need, self.reached(need)) for need in self.settings.requirements)
         return [
             say("{quantity} {size:.3g} {unit}, required: {text}", quantity=need.quantity,
                 size=reached / convert(1.0, need.unit, QUANTITIES[need.quantity].si), unit=need.unit, text=need.text)
-            for need, reached in found if reached is not None and not reached <= need.limit  # nor where it is NaN
+            for need, reached in drifts if reached is not None and not reached <= need.limit  # nor where it is NaN
         ]  # fmt: skip
 
     def allowing(self, need: Requirement) -> Iterator[AllowedTerm]:
@@ -311,18 +314,18 @@ class Drift(Value):
         count = len(paths) * (len(PLANNED) + 1)
         for path in paths:
             worst, signal = self._worst(path, at), path.signal
-            found = {s.cause.name: s.cause for s in worst.shares if not s.cause.limit} if worst else {}
+            causes = {s.cause.name: s.cause for s in worst.shares if not s.cause.limit} if worst else {}
             for name in (*PLANNED, TURN_ON):
                 unit = DriftCause(name, Term(name, 1.0, signal)) if name in PLANNED else DriftCause(name, bias=1.0)
-                one = math.sqrt(unit.variance(settings.response(path), at, settings.averaged, None)[0])
-                cause, alone = found.get(name), need.limit / one if one else math.inf
+                unit_size = math.sqrt(unit.variance(settings.response(path), at, settings.averaged, None)[0])
+                cause, alone = causes.get(name), need.limit / unit_size if unit_size else math.inf
                 known = None if cause is None else cause.term.value if cause.term else cause.bias
                 yield AllowedTerm(path.sensor, name, signal, alone, alone / count**0.5, known)
 
     @property
     def results(self) -> list[dict[str, Any]]:
         """The quantities at the times, as plain data."""
-        found = []
+        quantities = []
         for course in (self[name] for name in self.quantities):
             shares = [
                 {"sensor": s.sensor, "channels": list(s.channels), "name": s.cause.name, "limit": s.cause.limit,
@@ -330,8 +333,10 @@ class Drift(Value):
                 for s in course.shares
             ]  # fmt: skip
             numbers = {key: plain(getattr(course, key)) for key in ("times", "sigma", "low", "high", "most")}
-            found.append({"quantity": course.name, "unit": QUANTITIES[course.name].si, **numbers, "causes": shares})
-        return found
+            quantities.append(
+                {"quantity": course.name, "unit": QUANTITIES[course.name].si, **numbers, "causes": shares}
+            )
+        return quantities
 
     def rows(self) -> tuple[list[str], list[list[Any]]]:
         """Headings and rows: the total and each cause of each quantity at each time, and its share of the variance."""

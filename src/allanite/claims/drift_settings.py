@@ -150,8 +150,8 @@ class DriftSettings(DriftChoices, Value):
         if self.calibration is not None and not 0 <= self.calibration <= LONGEST:
             raise UsageError(f"a time of calibration must be from 0 to {LONGEST:g} s, not {given(self.calibration)}")
         if not 0 <= self.scale_factor < LARGE:
-            said = f"an error of the scale factor is a share below {LARGE:g}, not {self.scale_factor:g}"
-            raise UsageError(f"{said}; did you mean {self.scale_factor:g}%?" if self.scale_factor > 0 else said)
+            refusal = f"an error of the scale factor is a share below {LARGE:g}, not {self.scale_factor:g}"
+            raise UsageError(f"{refusal}; did you mean {self.scale_factor:g}%?" if self.scale_factor > 0 else refusal)
         if bool(self.scale_factor) != bool(self.maneuver):
             raise UsageError(
                 "an error of the scale factor acts on a maneuver: give both, e.g. "
@@ -204,11 +204,11 @@ class DriftSettings(DriftChoices, Value):
 
     def bias(self, sensor: str) -> float:
         """Standard deviation of the turn-on bias, SI."""
-        found = (self._size(text, "a turn-on bias", "3 deg/h", (0,)) for text in self.turn_on)
-        return math.hypot(*(size for of, size, _ in found if of == sensor))
+        sizes = (self._size(text, "a turn-on bias", "3 deg/h", (0,)) for text in self.turn_on)
+        return math.hypot(*(size for of, size, _ in sizes if of == sensor))
 
     def scaled(self, sensor: str) -> tuple[float, float]:
         """Errors that the scale factor makes of the motion: of the rate and of its integral, SI."""
-        found = [self._size(text, "a maneuver", "90 deg", (0, 1)) for text in self.maneuver]
-        rate, integral = (sum(s for of, s, p in found if of == sensor and p == power) for power in (0, 1))
+        sizes = [self._size(text, "a maneuver", "90 deg", (0, 1)) for text in self.maneuver]
+        rate, integral = (sum(s for of, s, p in sizes if of == sensor and p == power) for power in (0, 1))
         return self.scale_factor * rate, self.scale_factor * integral

@@ -81,14 +81,14 @@ def drift(
     """
     settings = replace(settings or DriftSettings(), **choices)
     sources = list(source) if isinstance(source, (list, tuple)) else [] if source is None else [source]
-    return drift_of([_read(one, recipe or Recipe()) for one in sources], settings)
+    return drift_of([_read(source, recipe or Recipe()) for source in sources], settings)
 
 
-def _read(one: Any, recipe: Recipe) -> Any:
+def _read(source: Any, recipe: Recipe) -> Any:
     """A source; recordings are analyzed."""
-    if isinstance(one, Record | Recording):
-        return analyze(one, recipe)
-    return load([str(one)], recipe, ())[0] if isinstance(one, (str, PurePath)) else one
+    if isinstance(source, Record | Recording):
+        return analyze(source, recipe)
+    return load([str(source)], recipe, ())[0] if isinstance(source, (str, PurePath)) else source
 
 
 def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
@@ -102,10 +102,10 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
                 + spelled("--require '1 deg in 10 min'", "require=['1 deg in 10 min']")
             )
         return Drift((), settings, provenance=provenance_of())
-    found = list(axes_of([getattr(one, "models", one) for one in sources]))
-    inertial = [bounded(axis, asked=settings.from_curve) for axis in found if axis.fit.signal.inertial]
-    if found and not inertial:
-        names = ", ".join(f"{axis.label!r} ({axis.sensor})" for axis in found)
+    drift_axes = list(axes_of([getattr(source, "models", source) for source in sources]))
+    inertial = [bounded(axis, asked=settings.from_curve) for axis in drift_axes if axis.fit.signal.inertial]
+    if drift_axes and not inertial:
+        names = ", ".join(f"{axis.label!r} ({axis.sensor})" for axis in drift_axes)
         raise DataError(f"heading, velocity and position drift with gyros and accelerometers, not with {names}")
     kept = usable(inertial, How(unexplained=settings.unexplained))
     axes = tuple(axis for axis in (_axis(axis, settings) for axis in kept) if axis.causes)
@@ -113,11 +113,13 @@ def drift_of(sources: Sequence[Any], settings: DriftSettings) -> Drift:
         names = ", ".join(axis.label for axis in kept)
         raise DataError(say("nothing in the noise of {names} makes it drift: all coefficients are 0, or it is a "
                             "warm-up, which depends on when it was switched on", names=names))  # fmt: skip
-    studies = [one for one in sources if isinstance(one, Study)]
-    left = [axis for axis in inertial if axis not in kept]
-    alerts = alerts_of([replace(axis, alerts=()) for axis in kept], left, [])
+    studies = [study for study in sources if isinstance(study, Study)]
+    omitted = [axis for axis in inertial if axis not in kept]
+    alerts = alerts_of([replace(axis, alerts=()) for axis in kept], omitted, [])
     notes = [*alerts_of([replace(axis, doubt="") for axis in kept], [], studies), *_unknown(kept)]
-    rejected = dict.fromkeys([*(axis.name for axis in left), *(name for study in studies for name in study.rejected)])
+    rejected = dict.fromkeys(
+        [*(axis.name for axis in omitted), *(name for study in studies for name in study.rejected)]
+    )
     recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, provenance_of())
     return Drift(axes, settings, tuple(alerts), tuple(notes), tuple(rejected), recipe, provenance)
 

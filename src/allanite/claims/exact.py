@@ -78,14 +78,14 @@ class Form:
         A coefficient is not negative, so that its gain in 2 L is zero for half of all records without it.
         """
         others = [i for i in range(self.claimed, len(self.terms)) if not self.terms[i].shape]
-        found, value = tuple[int, ...](), self.having(held).value
+        beside, value = tuple[int, ...](), self.having(held).value
         for count in range(1, len(others) + 1):
             values = {more: self.having((*held, *more)).value for more in combinations(others, count)}
             best = min(values, key=values.__getitem__)
             if 2 * (value - values[best]) <= quantile(1 - alpha / len(others)) ** 2:
                 break
-            found, value = best, values[best]
-        return found
+            beside, value = best, values[best]
+        return beside
 
 
 def form_of(record: Record, model: Model, fit: Fit, times: FloatArray) -> Form:
@@ -97,13 +97,13 @@ def form_of(record: Record, model: Model, fit: Fit, times: FloatArray) -> Form:
     first = next((t for t in claimed if t.shape), None)
     shaped = [t for t in claimed if t.shape]
     shaped += [replace(first, shape=(float(time), *first.shape[1:])) for time in times] if first else []
-    seen = spectrum(record, detrend=True)
-    whole = likelihood(seen, [*(t.symbol for t in plain), RAMP])
+    bins = spectrum(record, detrend=True)
+    whole = likelihood(bins, [*(t.symbol for t in plain), RAMP])
     warm = next((t for t in model if t.row.transient), None)
     if warm is not None:
-        whole = with_warm_up(whole, seen, np.ones_like(seen.first, dtype=bool), warm.shape[0] * record.rate)
+        whole = with_warm_up(whole, bins, np.ones_like(bins.first, dtype=bool), warm.shape[0] * record.rate)
     for term in shaped:
-        whole = whole.with_more(column(term.sampled(record.rate), seen))
+        whole = whole.with_more(column(term.sampled(record.rate), bins))
     scope, lines = fit.scope, [line.frequency for line in fit.lines]
     lines += [t.shape[0] for t in model if not t.row.scatters and not t.row.transient]
     if scope is not None and lines:
@@ -111,31 +111,29 @@ def form_of(record: Record, model: Model, fit: Fit, times: FloatArray) -> Form:
         scope = replace(scope, masks=(*scope.masks, *((line - near, line + near) for line in lines)))
     every = [*plain, *shaped]
     band = common_band([record], None, [scope])
-    part = part_of(whole, seen, [t.symbol for t in every], scope, band=band, scopes=[scope])
+    part = part_of(whole, bins, [t.symbol for t in every], scope, band=band, scopes=[scope])
     if part.flat.any() and not model.drifts:
-        ramp = Term(RAMP, abs(seen.slope) * seen.rate * seen.unit_factor or 1.0, record.signal)
-        part, every = _with_ramp(part, seen, ramp), [*every, ramp]
+        ramp = Term(RAMP, abs(bins.slope) * bins.rate * bins.unit_factor or 1.0, record.signal)
+        part, every = _with_ramp(part, bins, ramp), [*every, ramp]
     order = sorted(range(len(every)), key=lambda i: every[i] not in claimed)
     moved = replace(part, S=part.S[:, order], W=part.W[:, order])
     return Form(tuple(every[i] for i in order), moved, len(claimed))
 
 
-def _with_ramp(part: Likelihood, seen: BinnedSpectrum, term: Term) -> Likelihood:
+def _with_ramp(part: Likelihood, bins: BinnedSpectrum, term: Term) -> Likelihood:
     """A likelihood whose ramp, its last direction, has a size that is drawn at random: one more term beside the others.
 
     Its squared coefficient, over that of `term`, then gains in 2 L as a random walk does, which may be in its place.
     """
     ramp = np.arange(part.flat.size) == part.flat.size - 1
-    slope = seen.slope * ramp  # what was subtracted before comes back
+    slope = bins.slope * ramp  # what was subtracted before comes back
     squares = (part.UU @ slope) @ slope + 2 * part.Uc @ slope
     return replace(
         part,
         S=np.column_stack((part.S, np.zeros(part.power.size))),
-        W=np.column_stack((part.W, ramp * (term.value / (seen.rate * seen.unit_factor)) ** 2)),
-        power=part.power + squares / part.count,
-        Uc=part.Uc + part.UU @ slope,
-        flat=part.flat & ~ramp,
-    )
+        W=np.column_stack((part.W, ramp * (term.value / (bins.rate * bins.unit_factor)) ** 2)),
+        power=part.power + squares / part.count, Uc=part.Uc + part.UU @ slope, flat=part.flat & ~ramp,
+    )  # fmt: skip
 
 
 def time_excess(forms: Sequence[Form], which: int) -> tuple[FloatArray, FloatArray]:
@@ -249,14 +247,14 @@ class Counts:
 
 def by_sensor(study: Study, claims: dict[float, ClaimedNoise]) -> list[Sensor]:
     """The kinds of sensors of which something is claimed, by sampling rate of the claims."""
-    found: dict[str, list[AxisCheck]] = {}
+    by_name: dict[str, list[AxisCheck]] = {}
     for channel in study:
         claim, signal = claims[channel.record.rate], channel.record.signal
         model = claim.of(signal)
         if model is not None:
             settled = max((s.settled for s in claim.settings if s.holds_for(signal)), default=0.0)
-            found.setdefault(signal.name, []).append(AxisCheck(channel, model, settled))
-    return [Sensor(axes[0].model.signal, tuple(axes)) for axes in found.values()]
+            by_name.setdefault(signal.name, []).append(AxisCheck(channel, model, settled))
+    return [Sensor(axes[0].model.signal, tuple(axes)) for axes in by_name.values()]
 
 
 def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
@@ -275,23 +273,19 @@ def exact_rows(sensor: Sensor, count: Counts) -> Iterator[CheckedTerm]:
                 yield _estimated(axis.channel, term, count)
             continue
         held = [column if i == sensor.timed and column is not None else i for i in range(form.claimed)]
-        found = form.beside(held, count.channel)
-        settled, subset = form.settled((*held, *found)), form.having((*held, *found))
+        beside = form.beside(held, count.channel)
+        settled, subset = form.settled((*held, *beside)), form.having((*held, *beside))
         for i, term in enumerate(form.terms[: form.claimed]):
             best, low, high = (scale * v if i == sensor.timed else v for v in form.ratio(settled, held[i], count.term))
-            yield replace(
-                channel, quantity=term.symbol, claimed=term.value, found=best * term.value,
-                unit=sensor.signal.sheet[term.row.power], ratio=best, low=low, high=high,
-                outcome=count.outcome(low, high),
-            )  # fmt: skip
+            yield replace(channel, quantity=term.symbol, claimed=term.value, found=best * term.value,
+                          unit=sensor.signal.sheet[term.row.power], ratio=best, low=low, high=high,
+                          outcome=count.outcome(low, high))  # fmt: skip
         for term in (t for t in axis.model if t.row.waveform is not None):
             yield _estimated(axis.channel, term, count)
-        for i in found:
+        for i in beside:
             other = form.terms[i]
-            yield replace(
-                channel, quantity=other.symbol, found=other.value * math.sqrt(float(subset.theta[i])),
-                unit=sensor.signal.sheet[other.row.power], outcome=UNCLAIMED,
-            )  # fmt: skip
+            yield replace(channel, quantity=other.symbol, found=other.value * math.sqrt(float(subset.theta[i])),
+                          unit=sensor.signal.sheet[other.row.power], outcome=UNCLAIMED)  # fmt: skip
         yield curve_row(axis.channel, axis.model, axis.model, count.channel, count.outcome, settled=axis.settled)
         yield from _distribution(axis, channel, count)
 
@@ -309,37 +303,30 @@ def _time(sensor: Sensor, column: int, count: Counts) -> tuple[CheckedTerm, int]
     low, high = inside(times, excess, count.time)
     best = float(times[excess.argmin()])
     names = ", ".join(axis.channel.record.name for axis in sensor.axes)
-    row = CheckedTerm(
-        names, sensor.signal, "T", claimed, best, "s", best / claimed, low / claimed, high / claimed,
-        AGREES if low <= claimed <= high else DIFFERS,
-    )  # fmt: skip
+    row = CheckedTerm(names, sensor.signal, "T", claimed, best, "s", best / claimed, low / claimed, high / claimed,
+                      AGREES if low <= claimed <= high else DIFFERS)  # fmt: skip
     nearest = [i for i, t in enumerate(forms[0].terms) if t.shape and math.isclose(t.shape[0], best)]
     return row, nearest[0]
 
 
 def _estimated(channel: Channel, term: Term, count: Counts) -> CheckedTerm:
     """A coefficient held against the identified noise: of a ramp, or where only sums of the record are kept."""
-    seen = seen_of(channel, term.symbol, 1 - count.term)
+    reading = seen_of(channel, term.symbol, 1 - count.term)
     unit = channel.record.signal.sheet[term.row.power]
-    row = CheckedTerm(channel.record.name, channel.record.signal, term.symbol, term.value, seen.value, unit,
-                      reason=seen.reason)  # fmt: skip
-    low, high = (0.0, seen.upper) if seen.value is None and seen.upper else (seen.low, seen.high)
+    row = CheckedTerm(channel.record.name, channel.record.signal, term.symbol, term.value, reading.value, unit,
+                      reason=reading.reason)  # fmt: skip
+    low, high = (0.0, reading.upper) if reading.value is None and reading.upper else (reading.low, reading.high)
     if high is None or not math.isfinite(high):
-        return replace(row, outcome=NOT_SHOWN, reason=seen.reason or say("no interval"))
+        return replace(row, outcome=NOT_SHOWN, reason=reading.reason or say("no interval"))
     size = abs(term.value)
-    ratio = 0.0 if seen.value is None else seen.value / size
+    ratio = 0.0 if reading.value is None else reading.value / size
     return replace(row, ratio=ratio, low=low / size, high=high / size, outcome=count.outcome(low / size, high / size))
 
 
 def curve_row(
-    channel: Channel,
-    claimed: Model,
-    supposed: Model | Fit,
-    alpha: float,
-    judge: Callable[[float, float], str],
-    *,
+    channel: Channel, claimed: Model, supposed: Model | Fit, alpha: float, judge: Callable[[float, float], str], *,
     settled: float = 0.0,
-) -> CheckedTerm:
+) -> CheckedTerm:  # fmt: skip
     """The Allan deviation where it is farthest from the claimed one, all octaves from the time `settled` on considered.
 
     Its intervals are those under the noise that is `supposed`; `judge` says what limits of the ratio mean.
@@ -349,7 +336,7 @@ def curve_row(
     curve = deviation(record, "oadev", taus="octave", noise=supposed)
     factor, expected = unit_of(curve.unit).factor, claimed_deviation(claimed, curve)
     low, high = (limit / expected for limit in curve.interval(1 - alpha / curve.tau.size))
-    outcomes = [judge(float(one), float(other)) for one, other in zip(low, high, strict=True)]
+    outcomes = [judge(least, most) for least, most in zip(low.tolist(), high.tolist(), strict=True)]
     outside = np.maximum(low, 1 / high)
     outcomes = [o if tau >= settled else AGREES for o, tau in zip(outcomes, curve.tau, strict=True)]
     outside = np.where(curve.tau >= settled, outside, outside - 2 * outside.max())
@@ -363,8 +350,8 @@ def curve_row(
 
 def _distribution(axis: AxisCheck, row: CheckedTerm, count: Counts) -> Iterator[CheckedTerm]:
     """The excess kurtosis of the residuals, if it was computed: light tails are those of no Gaussian noise."""
-    left = axis.channel.residuals
-    tails = next((check for check in left.checks if check.name == "kurtosis"), None) if left else None
+    residuals = axis.channel.residuals
+    tails = next((check for check in residuals.checks if check.name == "kurtosis"), None) if residuals else None
     if tails is not None:
         light = tails.value < LIGHT and tails.p < count.channel
         yield replace(row, quantity="kurtosis", claimed=0.0, found=tails.value, outcome=DIFFERS if light else AGREES,

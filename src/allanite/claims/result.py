@@ -91,7 +91,7 @@ class Cause(Value):
     def only(self, names: Container[str]) -> "Cause":
         """The cause with some of its factors."""
         kept = [pair for pair in zip(self.names, self.sentences, strict=True) if pair[0] in names]
-        return replace(self, names=tuple(name for name, _ in kept), sentences=tuple(said for _, said in kept))
+        return replace(self, names=tuple(name for name, _ in kept), sentences=tuple(sentence for _, sentence in kept))
 
     @property
     def words(self) -> str:
@@ -100,12 +100,12 @@ class Cause(Value):
         if math.isnan(self.factor):
             return join("; ", named)
         if math.isinf(self.factor) or math.isinf(self.high):
-            said = say("{term} is more than {factor:.3g} times the claimed", term=self.quantity, factor=self.low)
+            words = say("{term} is more than {factor:.3g} times the claimed", term=self.quantity, factor=self.low)
         elif self.low <= 0:
-            said = say("{term} is less than {factor:.3g} times the claimed", term=self.quantity, factor=self.high)
+            words = say("{term} is less than {factor:.3g} times the claimed", term=self.quantity, factor=self.high)
         else:
-            said = say("{term} is {factor:.4g} times the claimed", term=self.quantity, factor=self.factor)
-        return join(": ", (said, join("; ", filter(None, named)) or say("no convention explains it")))
+            words = say("{term} is {factor:.4g} times the claimed", term=self.quantity, factor=self.factor)
+        return join(": ", (words, join("; ", filter(None, named)) or say("no convention explains it")))
 
     def _summary(self) -> str:
         return f"{', '.join(self.channels)}: {self.words}"

@@ -18,6 +18,14 @@ from allanite.terms import TERMS
 if TYPE_CHECKING:
     from .ramps import LineContrast
 
+from typing import Self, TypeVar
+
+from allanite.core.errors import UsageError
+from allanite.core.plain import Header
+from allanite.core.record import Record
+from allanite.study.channels import Inspected
+from allanite.study.job import Job
+
 Limits = Callable[[float], tuple[float, float]]
 
 RESOLVED = 2.0
@@ -152,33 +160,99 @@ def changes_of(
     """The change of each coefficient, by symbol, and of each sinusoid, from what contrasts it: ratio, p and limits."""
     signal, alpha = fits[0].signal, alpha_of(level)
     adjusted = iter(holm([contrast.p for contrast in (*contrasts.values(), *lines)]))
-    found = [
+    changes = [
         Change(s, signal, fits[0][s], fits[1][s], c.ratio, c.p, next(adjusted), Remembered(c.limits), alpha)
         for s, c in contrasts.items()
     ]
     for c in lines:
         first, second = (amplitude.estimate(c.frequency, signal) for amplitude in (c.first, c.second))
         p = next(adjusted)
-        found.append(Change("Sine", signal, first, second, c.ratio, c.p, p, Remembered(c.limits), alpha, c.frequency))
-    return tuple(found)
+        changes.append(Change("Sine", signal, first, second, c.ratio, c.p, p, Remembered(c.limits), alpha, c.frequency))
+    return tuple(changes)
 
 
 def told(change: Change) -> str:
     """A significant change in a few words: ``N -6.29 % (-6.46 to -6.12 %)``."""
     low, high = change.interval(1 - change.alpha)
-    found = [e.value is not None for e in (change.before, change.after)]
-    if found == [False, True]:
+    valued = [e.value is not None for e in (change.before, change.after)]
+    if valued == [False, True]:
         return say("{coefficient} is detected only in the second record", coefficient=change.label)
-    if found == [True, False] and change.frequency is None:
+    if valued == [True, False] and change.frequency is None:
         return say("{coefficient} is detected only in the first record", coefficient=change.label)
     if TERMS[change.symbol].waveform is not None and change.ratio < 0:
         return say("{coefficient} has changed its sign", coefficient=change.symbol)
     if not (math.isfinite(low) and math.isfinite(high)):
         return join(" ", (change.label, f"{change.percent:+.3g} %"))
-    return say(
-        "{coefficient} {percent:+.3g} % ({low:+.3g} to {high:+.3g} %)",
-        coefficient=change.label,
-        percent=change.percent,
-        low=low,
-        high=high,
-    )
+    return say("{coefficient} {percent:+.3g} % ({low:+.3g} to {high:+.3g} %)",
+               coefficient=change.label, percent=change.percent, low=low, high=high)  # fmt: skip
+
+
+Compared = TypeVar("Compared", bound="ComparedChannel")
+OfTerm = TypeVar("OfTerm", bound=Any)
+"""A result for one coefficient: it has a symbol."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ComparedChannel(Value):
+    """One channel of several recordings; `refusal` says why it has no result."""
+
+    name: str  # name of the channel; of all if they differ
+    test: Homogeneity | None = None  # the likelihood ratio of one common model against one for each record
+    fits: tuple[Fit, ...] = ()
+    explained: tuple[bool, ...] = ()  # whether each fit explains its record
+    grades: tuple[str, ...] = ()  # how well, as text
+    records: tuple[Record | Header, ...] = ()  # only the header of each where the result was stored
+    band: tuple[float, float] | None = None  # frequencies that were compared, Hz
+    alerts: tuple[str, ...] = ()  # what must stand beside the numbers
+    refusal: str = ""
+    alpha: float = 0.05  # the p up to which a difference is called one
+
+    @classmethod
+    def refused(cls, channel: Inspected, why: str) -> Self:
+        """A channel without a result."""
+        return cls(channel.name, records=channel.records, alerts=channel.alerts, refusal=why)
+
+    @property
+    def verdict(self) -> str:
+        """What was found, in a sentence or two."""
+        raise NotImplementedError
+
+    def _summary(self) -> str:
+        return f"{self.name!r}: {self.verdict}"
+
+
+def of_symbol(results: Sequence[OfTerm], symbol: str, done: str) -> OfTerm:
+    """The one of that symbol; where there is none, an error says what was `done` instead."""
+    for result in results:
+        if result.symbol == symbol:
+            return result
+    raise UsageError(f"{symbol!r} was not {done}; terms: {', '.join(result.symbol for result in results)}")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Together(Job[Compared]):
+    """A result for each channel of several recordings; ``source 2`` and so on are the other recordings."""
+
+    names: tuple[str, ...]  # of the recordings
+
+    @property
+    def level(self) -> float:
+        """Confidence level of all limits."""
+        return self.recipe.level
+
+    @property
+    def verdict(self) -> str:
+        """The verdicts, a line a channel."""
+        many = len(self.channels) > 1
+        return join("\n", [join(": ", (c.name, c.verdict)) if many else c.verdict for c in self.channels])
+
+    def _explained(self, channel: Any) -> bool:
+        """Whether a model explains each record of a channel."""
+        return all(channel.explained)
+
+    def choices(self) -> dict[str, Any]:
+        """The recipe that was actually used, as plain data."""
+        return self.recipe.to_dict()
+
+    def _around(self, level: float, channels: list[Any]) -> dict[str, Any]:
+        return super()._around(level, channels) | {"verdict": self.verdict}

@@ -25,7 +25,7 @@ from allanite.core.units import Signal
 from allanite.core.validity import Scope
 from allanite.identification.likelihood.law import AKAIKE, Subset, law, select, subsets, traces
 from allanite.identification.likelihood.likelihood import Likelihood
-from allanite.identification.likelihood.spectrum import FEWEST, BinnedSpectrum, spectrum
+from allanite.identification.likelihood.spectrum import FEWEST_BINS, BinnedSpectrum, spectrum
 from allanite.identification.likelihood.whittle import column, gain_of, likelihood
 from allanite.phrases.phrase import join, say, say_count, spelled
 from allanite.terms import TERMS
@@ -40,12 +40,8 @@ def reduced(part: Likelihood, columns: BoolArray) -> Likelihood:
     kept = part.flat | W.any(axis=1)
     return replace(
         part,
-        S=part.S[:, columns],
-        UU=part.UU[:, kept][:, :, kept],
-        Uc=part.Uc[:, kept],
-        W=W[kept],
-        flat=part.flat[kept],
-    )
+        S=part.S[:, columns], UU=part.UU[:, kept][:, :, kept], Uc=part.Uc[:, kept], W=W[kept], flat=part.flat[kept],
+    )  # fmt: skip
 
 
 def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) -> Likelihood:
@@ -59,20 +55,17 @@ def tied(parts: Sequence[Likelihood], maps: Sequence[FloatArray] | None = None) 
         UU[here, own, own], Uc[here, own] = part.UU, part.Uc
     return Likelihood(
         S=np.concatenate([part.S @ H for part, H in zip(parts, maps, strict=True)]),
-        power=np.concatenate([part.power for part in parts]),
-        count=np.concatenate([part.count for part in parts]),
-        UU=UU,
-        Uc=Uc,
-        W=np.concatenate([part.W @ H for part, H in zip(parts, maps, strict=True)]),
+        power=np.concatenate([part.power for part in parts]), count=np.concatenate([part.count for part in parts]),
+        UU=UU, Uc=Uc, W=np.concatenate([part.W @ H for part, H in zip(parts, maps, strict=True)]),
         flat=np.concatenate([part.flat for part in parts]),
-    )
+    )  # fmt: skip
 
 
 def least(parts: Sequence[Likelihood], start: FloatArray | None = None) -> tuple[list[FloatArray], float]:
     """Theta of each part by itself, and the sum of the minima of L."""
     free = np.ones(parts[0].S.shape[1], dtype=bool)
-    found = [part.minimise(free, start) for part in parts]
-    return [theta for theta, _ in found], sum(value for _, value in found)
+    minima = [part.minimise(free, start) for part in parts]
+    return [theta for theta, _ in minima], sum(value for _, value in minima)
 
 
 def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Likelihood:
@@ -83,10 +76,10 @@ def drawn(part: Likelihood, theta: FloatArray, rng: "np.random.Generator") -> Li
     """
     m = part.expectation(theta)
     value, vector = np.linalg.eigh(part.UU)
-    there = value > RANK * np.maximum(value.max(axis=1, initial=0.0), 1e-300)[:, None]
-    F = vector * np.sqrt(np.where(there, value, 0.0))[:, None, :]
-    z = rng.standard_normal(there.shape) * np.sqrt(m)[:, None] * there
-    rest = np.maximum(part.count - there.sum(axis=1), 0.0)
+    spanned = value > RANK * np.maximum(value.max(axis=1, initial=0.0), 1e-300)[:, None]
+    F = vector * np.sqrt(np.where(spanned, value, 0.0))[:, None, :]
+    z = rng.standard_normal(spanned.shape) * np.sqrt(m)[:, None] * spanned
+    rest = np.maximum(part.count - spanned.sum(axis=1), 0.0)
     squares = (z**2).sum(axis=1) + m * 2 * rng.standard_gamma(rest / 2)
     eta = np.where(part.flat, 0.0, np.sqrt(part.W @ theta)) * rng.standard_normal(part.flat.size)
     Uc = np.einsum("bij,bj->bi", F, z)
@@ -106,7 +99,7 @@ class Joint(Portable):
 
     symbols: tuple[str, ...]  # the noise terms: the columns
     parts: tuple[Likelihood, ...]
-    seen: tuple[BinnedSpectrum, ...]  # the spectrum of each part
+    spectra: tuple[BinnedSpectrum, ...]  # the spectrum of each part
     signal: Signal
     band: tuple[float, float]  # the frequencies that every part has, Hz
     # the shape of each term that has one, SI: the same in all records
@@ -134,7 +127,7 @@ class Joint(Portable):
     def limits(self, which: int, level: float) -> tuple[float, float]:
         """Limits of a common coefficient, SI."""
         penalty = np.full(len(self.symbols), AKAIKE)
-        return law(traces(self.fitted, which, [penalty]), penalty).limits(level)
+        return law(traces(self.fitted, which, penalty), penalty).limits(level)
 
     def only(self, columns: BoolArray) -> tuple[Likelihood, ...]:
         """The parts with some of the terms."""
@@ -142,79 +135,61 @@ class Joint(Portable):
 
 
 def joint(
-    records: Sequence[Record],
-    symbols: Sequence[str],
-    band: tuple[float, float] | None = None,
-    *,
-    shapes: Mapping[str, Shape] | None = None,
-    scopes: Sequence[Scope | None] = (),
-) -> Joint:
+    records: Sequence[Record], symbols: Sequence[str], band: tuple[float, float] | None = None, *,
+    shapes: Mapping[str, Shape] | None = None, scopes: Sequence[Scope | None] = (),
+) -> Joint:  # fmt: skip
     """The likelihoods of records in the band of frequencies that all of them have."""
     demand_one_kind(records)
     shapes = shapes or {}
     for record in records:
         if record.size < SHORTEST:
-            short = say_count(
-                record.size,
-                "{name!r} has {count} sample; noise coefficients need at least {least}",
-                "{name!r} has {count} samples; noise coefficients need at least {least}",
-                name=record.name,
-                least=SHORTEST,
-            )
+            short = say_count(record.size, "{name!r} has {count} sample; noise coefficients need at least {least}",
+                              "{name!r} has {count} samples; noise coefficients need at least {least}",
+                              name=record.name, least=SHORTEST)  # fmt: skip
             raise DataError(short)
     plain = [s for s in symbols if not TERMS[s].parameters]
     shaped = [s for s in symbols if s in shapes]
     quiet = [s for s in plain if TERMS[s].waveform is None]
     noise = (*quiet, *shaped)
-    seen = tuple(spectrum(record, detrend=len(quiet) < len(plain)) for record in records)
+    spectra = tuple(spectrum(record, detrend=len(quiet) < len(plain)) for record in records)
     band, scopes = common_band(records, band, scopes), scopes or [None] * len(records)
-    wholes = [likelihood(found, plain) for found in seen]
+    wholes = [likelihood(bins, plain) for bins in spectra]
     for symbol in shaped:
-        one = Term(symbol, 1.0, records[0].signal, shapes[symbol])
-        every = zip(wholes, records, seen, strict=True)
-        wholes = [whole.with_more(column(one.sampled(record.rate), found)) for whole, record, found in every]
-    own = zip(wholes, seen, scopes, strict=True)
-    parts = tuple(part_of(whole, found, noise, scope, band=band, scopes=scopes) for whole, found, scope in own)
-    return Joint(noise, parts, seen, records[0].signal, band, shapes)
+        term = Term(symbol, 1.0, records[0].signal, shapes[symbol])
+        every = zip(wholes, records, spectra, strict=True)
+        wholes = [whole.with_more(column(term.sampled(record.rate), bins)) for whole, record, bins in every]
+    own = zip(wholes, spectra, scopes, strict=True)
+    parts = tuple(part_of(whole, bins, noise, scope, band=band, scopes=scopes) for whole, bins, scope in own)
+    return Joint(noise, parts, spectra, records[0].signal, band, shapes)
 
 
 def part_of(
-    whole: Likelihood,
-    seen: BinnedSpectrum,
-    noise: Sequence[str],
-    scope: Scope | None,
-    *,
-    band: tuple[float, float],
+    whole: Likelihood, bins: BinnedSpectrum, noise: Sequence[str], scope: Scope | None, *, band: tuple[float, float],
     scopes: Sequence[Scope | None],
-) -> Likelihood:
+) -> Likelihood:  # fmt: skip
     """The likelihood of one record behind its filter, within the band and outside all masks, in SI."""
     if scope and scope.filter:
-        gain = gain_of(scope.filter.row, scope.filter.cutoff / seen.rate, seen)
-        whole = whole.behind(gain, float(gain @ seen.count / seen.count.sum()))
+        gain = gain_of(scope.filter.row, scope.filter.cutoff / bins.rate, bins)
+        whole = whole.behind(gain, float(gain @ bins.count / bins.count.sum()))
     low, high = band
     # coefficient k represents frequencies from k - 1/2 to k + 1/2
-    half = seen.rate / (4 * seen.size)
-    first, last = seen.frequency(seen.first) + half, seen.frequency(seen.first + seen.count - 1)
+    half = bins.rate / (4 * bins.size)
+    first, last = bins.frequency(bins.first) + half, bins.frequency(bins.first + bins.count - 1)
     inside = (first > low) & (last <= high * (1 + 1e-9))
     for start, end in (mask for other in filter(None, scopes) for mask in (*other.masks, *other.disturbed)):
         inside &= (last < start) | (first > end)
-    if inside.sum() < FEWEST:
-        raise DataError(
-            say_count(
-                int(inside.sum()),
-                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz, where no "
-                "vibration hides the noise, one of them has {count} bin of the spectrum, fewer than {fewest}; record "
-                "longer, at rest, or at more similar rates",
-                "the common frequency band of the records is too narrow: from {low:.3g} to {high:.3g} Hz, where no "
-                "vibration hides the noise, one of them has {count} bins of the spectrum, fewer than {fewest}; record "
-                "longer, at rest, or at more similar rates",
-                low=low,
-                high=high,
-                fewest=FEWEST,
-            )
-        )
+    if inside.sum() < FEWEST_BINS:
+        raise DataError(say_count(int(inside.sum()),
+                                  "the common frequency band of the records is too narrow: from {low:.3g} to "
+                                  "{high:.3g} Hz, where no vibration hides the noise, one of them has {count} bin "
+                                  "of the spectrum, fewer than {fewest}; record longer, at rest, or at more similar "
+                                  "rates",
+                                  "the common frequency band of the records is too narrow: from {low:.3g} to "
+                                  "{high:.3g} Hz, where no vibration hides the noise, one of them has {count} bins "
+                                  "of the spectrum, fewer than {fewest}; record longer, at rest, or at more similar "
+                                  "rates", low=low, high=high, fewest=FEWEST_BINS))  # fmt: skip
     part = whole.only(inside)
-    size = np.array([(seen.rate ** TERMS[s].power / seen.unit_factor) ** 2 for s in noise])  # of squares, in SI
+    size = np.array([(bins.rate ** TERMS[s].power / bins.unit_factor) ** 2 for s in noise])  # of squares, in SI
     return replace(part, S=part.S * size, W=part.W * size)
 
 
@@ -234,22 +209,11 @@ def common_band(
         bands = [(1 / (2 * r.duration), r.rate / 2) for r in records]
         spans = join(", ", [say("{low:.3g} to {high:.3g} Hz", low=start, high=end) for start, end in bands])
         if band is not None:
-            raise DataError(
-                say(
-                    "the records have no frequency band in common within {low:g} to {high:g} Hz: they cover {spans}; "
-                    "record longer, or at more similar rates",
-                    low=band[0],
-                    high=band[1],
-                    spans=spans,
-                )
-            )
-        raise DataError(
-            say(
-                "the records have no frequency band in common: they cover {spans}; record longer, or at more similar "
-                "rates",
-                spans=spans,
-            )
-        )
+            raise DataError(say("the records have no frequency band in common within {low:g} to {high:g} Hz: they "
+                                "cover {spans}; record longer, or at more similar rates",
+                                low=band[0], high=band[1], spans=spans))  # fmt: skip
+        raise DataError(say("the records have no frequency band in common: they cover {spans}; record longer, or at "
+                            "more similar rates", spans=spans))  # fmt: skip
     return low, high
 
 

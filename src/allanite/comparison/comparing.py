@@ -94,12 +94,9 @@ def compare(
 
 
 def compare_channels(
-    source: Source,
-    recipe: Recipe | None = None,
-    *,
-    rng: "np.random.Generator | None" = None,
+    source: Source, recipe: Recipe | None = None, *, rng: "np.random.Generator | None" = None,
     progress: Progress | None = None,
-) -> Comparison | Pool:
+) -> Comparison | Pool:  # fmt: skip
     """The channels of one recording, held against each other: a comparison of two, a pool of more.
 
     Parameters, errors and result are those of `compare` and `pool`.
@@ -109,11 +106,10 @@ def compare_channels(
     if len(recording) == 1:
         raise UsageError(
             f"there is only one channel, {recording[0].name!r}; "
-            + spelled(
-                "give a second file, more channels, or --part to compare its beginning with the rest",
-                "give a second recording, more channels, or use truncation to compare its beginning with the rest",
-            )
-        )
+            + spelled("give a second file, more channels, or --part to compare its beginning with the rest",
+                      "give a second recording, more channels, or use truncation to compare its beginning with the "
+                      "rest")
+        )  # fmt: skip
     sources = SourceSet((recording,), recording.channels, [(name_both(*recording), tuple(recording))])
     if len(recording) == 2:
         return _compare(sources, recipe, rng=rng, progress=progress)
@@ -214,7 +210,7 @@ def truncation(
     part, rest = trim(recording, None, until), trim(recording, until, None)
     pairs = [(record.name, (part[record.name], rest[record.name])) for record in recording]
     sources = SourceSet((recording,), (say("first {until:g} s", until=until), say("rest")), pairs)
-    found = _compare(sources, recipe, ComparisonSettings(part=until), rng=rng, progress=progress)
+    comparison = _compare(sources, recipe, ComparisonSettings(part=until), rng=rng, progress=progress)
 
     def with_whole(pair: Pair) -> Pair:
         """The pair and the fit of the whole, of the terms that were compared."""
@@ -223,7 +219,7 @@ def truncation(
         doubts = (say("the whole: {doubt}", doubt=doubt) for doubt in whole.doubts)
         return replace(pair, whole=whole.fit, alerts=(*pair.alerts, *doubts))
 
-    return replace(found, channels=tuple(pair if pair.refusal else with_whole(pair) for pair in found))
+    return replace(comparison, channels=tuple(pair if pair.refusal else with_whole(pair) for pair in comparison))
 
 
 def _ready(recipe: Recipe | None, choices: Mapping[str, Any] | None = None) -> Recipe:
@@ -235,13 +231,9 @@ def _ready(recipe: Recipe | None, choices: Mapping[str, Any] | None = None) -> R
 
 
 def _compare(
-    sources: SourceSet,
-    recipe: Recipe,
-    settings: ComparisonSettings | None = None,
-    *,
-    rng: "np.random.Generator | None",
-    progress: Progress | None,
-) -> Comparison:
+    sources: SourceSet, recipe: Recipe, settings: ComparisonSettings | None = None, *,
+    rng: "np.random.Generator | None", progress: Progress | None,
+) -> Comparison:  # fmt: skip
     kind = partial(Comparison, settings=settings or ComparisonSettings())
     work = partial(compare_records, recipe=recipe, rng=rng or np.random.default_rng(1))
     return run_together(kind, sources, recipe, work, Pair.refused, progress=progress)

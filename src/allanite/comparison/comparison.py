@@ -17,8 +17,7 @@ from allanite.core.record import Record
 from allanite.phrases.phrase import duration, join, say, say_count
 from allanite.study.settings import ComparisonChoices
 
-from .change import Change, holm, told
-from .together import ComparedChannel, Together, of_symbol
+from .change import Change, ComparedChannel, Together, holm, of_symbol, told
 
 SECOND = 5.0
 """Factor of the p of curves: with it the share of equal records that are called different stays that of the test."""
@@ -83,30 +82,17 @@ class Ratios(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Pair(ComparedChannel):
-    """One channel before and after.
-
-    Attributes
-    ----------
-    changes : tuple of Change
-        One a term.
-    ratios : Ratios or None
-    whole : Fit or None
-        Fit of the record of which both are parts, in a study of truncation.
-    paired : bool
-        Whether both hold the same noise, and are compared sample by sample.
-    name, test, band, fits, explained, grades, records, alerts, refusal, alpha
-        See `ComparedChannel`. Where only fits were at hand there is no test, and there are no records.
-    """
+    """One channel before and after; where only fits were at hand there is no test, and there are no records."""
 
     _keys: ClassVar = {"changes": "terms"}
     _also = ("verdict", "changed")
 
     fits: tuple[Fit, Fit] | None = None  # type: ignore[assignment]
     records: tuple[Record | Header, Record | Header] | None = None  # type: ignore[assignment]
-    changes: tuple[Change, ...] = ()
+    changes: tuple[Change, ...] = ()  # one a term
     ratios: Ratios | None = None
-    whole: Fit | None = None
-    paired: bool = False
+    whole: Fit | None = None  # fit of the record of which both are parts, in a study of truncation
+    paired: bool = False  # whether both hold the same noise, and are compared sample by sample
 
     def __getitem__(self, symbol: str) -> Change:
         return of_symbol(self.changes, symbol, "compared")
@@ -185,16 +171,12 @@ class Pair(ComparedChannel):
         if self.ratios is None or most is None:
             return ""
         at, p = most
-        return say_count(
-            self.ratios.tau.size,
-            "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for {count} averaging "
-            "time)",
-            "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for {count} averaging "
-            "times)",
-            tau=float(self.ratios.tau[at]),
-            ratio=float(self.ratios.ratio[at]),
-            p=chance(p),
-        )
+        return say_count(self.ratios.tau.size,
+                         "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for "
+                         "{count} averaging time)",
+                         "the curves differ, most at {tau:.4g} s (variance ratio {ratio:.3g}, {p}, adjusted for "
+                         "{count} averaging times)",
+                         tau=float(self.ratios.tau[at]), ratio=float(self.ratios.ratio[at]), p=chance(p))  # fmt: skip
 
     def to_dict(self, level: float = 0.95) -> dict[str, Any]:
         """Plain data."""
@@ -203,17 +185,7 @@ class Pair(ComparedChannel):
 
 @dataclass(frozen=True, repr=False)
 class ComparisonSettings(ComparisonChoices, Value):
-    """What is held against what.
-
-    Attributes
-    ----------
-    against : tuple of str, optional
-        Channels of the second recording that are compared with those of the first.
-    part : float, optional
-        Length of the beginning of one recording that is held against the rest, s.
-    pool : bool
-        Whether two recordings are pooled, not compared.
-    """
+    """What is held against what: channels of the second recording, the beginning of one, s, or all as a pool."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -32,27 +32,25 @@ CLEAR = 1e-4
 """A p by chi-square below which nothing is drawn."""
 
 
-def homogeneity(joint: Joint, rng: "np.random.Generator", *, draws: int = DRAWS) -> Homogeneity:
+def homogeneity(joint: Joint, rng: "np.random.Generator") -> Homogeneity:
     """Test of one common model against a model for each record, of the terms that the common model holds.
 
-    References
-    ----------
-    J. Besag, P. Clifford, Biometrika 78 (1991) 301: sequential Monte Carlo p-values.
+    A sequential Monte Carlo p-value (J. Besag, P. Clifford, Biometrika 78 (1991) 301).
     """
     parts = joint.only(joint.chosen.free)
     theta = joint.chosen.theta[joint.chosen.free]
-    seen = gain(parts, theta)
+    statistic = gain(parts, theta)
     dof = theta.size * (len(parts) - 1)
-    by_table = chi_square(seen, dof)
-    if by_table < CLEAR or draws == 0:
-        return Homogeneity(seen, dof, by_table, 0)
+    by_table = chi_square(statistic, dof)
+    if by_table < CLEAR:
+        return Homogeneity(statistic, dof, by_table, 0)
     reached = 0
-    for count in range(1, draws + 1):
-        reached += gain(tuple(drawn(part, theta, rng) for part in parts), theta) >= seen
+    for count in range(1, DRAWS + 1):
+        reached += gain(tuple(drawn(part, theta, rng) for part in parts), theta) >= statistic
         if reached == ENOUGH:
-            return Homogeneity(seen, dof, reached / count, count)
-    smallest = (reached + 1) / (draws + 1)
-    return Homogeneity(seen, dof, min(smallest, by_table) if reached == 0 else smallest, draws)
+            return Homogeneity(statistic, dof, reached / count, count)
+    smallest = (reached + 1) / (DRAWS + 1)
+    return Homogeneity(statistic, dof, min(smallest, by_table) if reached == 0 else smallest, DRAWS)
 
 
 def gain(parts: tuple[Likelihood, ...], start: FloatArray) -> float:
@@ -153,12 +151,12 @@ def outlying(joint: Joint) -> list[float]:
     parts, theta = joint.only(free), joint.chosen.theta[free]
     whole = np.ones(theta.size, dtype=bool)
     _, together = tied(parts).minimise(whole, theta)
-    found = []
+    chances = []
     for i, part in enumerate(parts):
         _, rest = tied(parts[:i] + parts[i + 1 :]).minimise(whole, theta)
         _, own = part.minimise(whole, theta)
-        found.append(chi_square(max(2 * (together - rest - own), 0.0), theta.size))
-    return found
+        chances.append(chi_square(max(2 * (together - rest - own), 0.0), theta.size))
+    return chances
 
 
 def spread(joint: Joint, which: int) -> tuple[float, float]:
@@ -203,12 +201,8 @@ class IntervalContrast:
     """A coefficient of one fit against that of another, independent one.
 
     The limits recover a variance on either side from each interval, on the scale of logarithms, where the intervals of
-    coefficients above zero are nearly symmetric.
-
-    References
-    ----------
-    A. Donner, G. Y. Zou, Statistical Methods in Medical Research 21 (2012) 347: the method of variance estimates
-    recovery.
+    coefficients above zero are nearly symmetric (A. Donner, G. Y. Zou, Statistical Methods in Medical Research 21
+    (2012) 347).
     """
 
     first: Estimate

@@ -24,13 +24,12 @@ from allanite.study.channels import Inspected
 from allanite.study.recipe import Recipe
 from allanite.terms import TERMS
 
-from .change import alpha_of, holm
+from .change import ComparedChannel, Together, alpha_of, holm, of_symbol
 from .common_likelihood import Joint, least
 from .contrast import chi_square, homogeneity, outlying, spread
 from .ramps import CommonRamp, ramp_law
 from .ratio import shared_curves
 from .sources import join_records
-from .together import ComparedChannel, Together, of_symbol
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -86,34 +85,17 @@ class PooledTerm(Value):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PooledChannel(ComparedChannel):
-    """One channel of all runs.
-
-    Attributes
-    ----------
-    terms : tuple of PooledTerm
-    curve : Curve or None
-        Variances averaged by their degrees of freedom, which add up.
-    curves : tuple of Curve
-        Curves of each run, at the same averaging times.
-    p : array, shape (k,)
-        p-value of equal variances at each averaging time (Bartlett's test with the degrees of freedom).
-    apart : dict
-        Outlying runs with the adjusted p, in the order in which they were removed.
-    rest : float
-        p of one common model for the runs that are left.
-    name, test, band, fits, explained, grades, records, alerts, refusal, alpha
-        See `ComparedChannel`.
-    """
+    """One channel of all runs."""
 
     _keys: ClassVar = {"rest": "p_rest"}
     _also = ("verdict",)
 
     terms: tuple[PooledTerm, ...] = ()
-    curve: Curve | None = None
-    curves: tuple[Curve, ...] = ()
-    p: FloatArray | None = None
-    apart: dict[str, float] = field(default_factory=dict)
-    rest: float = 1.0
+    curve: Curve | None = None  # variances averaged by their degrees of freedom, which add up
+    curves: tuple[Curve, ...] = ()  # of each run, at the same averaging times
+    p: FloatArray | None = None  # shape (k,); of equal variances at each averaging time, by Bartlett's test
+    apart: dict[str, float] = field(default_factory=dict)  # outlying runs with the adjusted p, as they were removed
+    rest: float = 1.0  # p of one common model for the runs that are left
 
     def __getitem__(self, symbol: str) -> PooledTerm:
         return of_symbol(self.terms, symbol, "pooled")
@@ -185,10 +167,12 @@ class Pool(Together[PooledChannel]):
         return f"{len(self.names)} runs: {self.verdict}"
 
 
-def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator") -> PooledChannel:
+def pool_records(
+    inspected: Inspected, names: Sequence[str], recipe: Recipe, rng: "np.random.Generator"
+) -> PooledChannel:
     """What the records of several runs have in common."""
     alpha = alpha_of(recipe.level)
-    joined = join_records(seen.records, recipe)
+    joined = join_records(inspected.records, recipe)
     _, curves = shared_curves(joined.records, joined.fits, recipe.statistic, recipe.taus)
     edf, variance = (np.array(values) for values in zip(*((c.edf, c.variance) for c in curves), strict=True))
     whole = edf.sum(axis=0)
@@ -196,27 +180,18 @@ def pool_records(seen: Inspected, names: Sequence[str], recipe: Recipe, rng: "np
         curves[0], variance=(edf * variance).sum(axis=0) / whole, count=np.sum([c.count for c in curves], axis=0),
         name=say("all runs"), law=PooledLaw(whole), noise=None, history=(),
     )  # fmt: skip
-    apart, left = _apart(joined.joint, names, alpha)
+    apart, rest = _apart(joined.joint, names, alpha)
     test = homogeneity(joined.joint, rng)
     terms = [*_noise_terms(joined.joint, joined.fits), *_ramp_terms(joined.joint, joined.fits)]
     adjusted = holm([term.p for term in terms])
     return PooledChannel(
-        seen.name,
-        test=test,
-        terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
-        curve=curve,
-        curves=curves,
-        p=bartlett(variance, edf),
-        apart=apart,
-        rest=(homogeneity(left, rng) if apart else test).p,
-        fits=joined.fits,
-        explained=joined.explained,
-        grades=joined.grades,
-        records=seen.records,
-        band=joined.joint.band,
-        alerts=(*joined.alerts, *seen.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])),
-        alpha=alpha,
-    )
+        inspected.name,
+        test=test, terms=tuple(replace(term, adjusted=p) for term, p in zip(terms, adjusted, strict=True)),
+        curve=curve, curves=curves, p=bartlett(variance, edf), apart=apart,
+        rest=(homogeneity(rest, rng) if apart else test).p, fits=joined.fits, explained=joined.explained,
+        grades=joined.grades, records=inspected.records, band=joined.joint.band,
+        alerts=(*joined.alerts, *inspected.alerts, *([_of_two(recipe.level)] if len(names) == 2 else [])), alpha=alpha,
+    )  # fmt: skip
 
 
 def _of_two(level: float) -> str:
@@ -224,11 +199,9 @@ def _of_two(level: float) -> str:
     from scipy.special import chdtri
 
     low, high = (1 / math.sqrt(chdtri(1, p)) for p in ((1 - level) / 2, (1 + level) / 2))
-    return say(
-        "limits of a common coefficient hold if both runs have the same noise: two runs give the scatter between runs "
-        "with one degree of freedom, and the true one is {low:.2f} to {high:.2g} times as large ({share:g} %)",
-        low=low, high=high, share=100 * level,
-    )  # fmt: skip
+    return say("limits of a common coefficient hold if both runs have the same noise: two runs give the scatter "
+               "between runs with one degree of freedom, and the true one is {low:.2f} to {high:.2g} times as large "
+               "({share:g} %)", low=low, high=high, share=100 * level)  # fmt: skip
 
 
 def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
@@ -244,19 +217,10 @@ def _noise_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
             errors = [standard_error(subset, i) / (2 * theta) for subset in common]
             between = float(np.sqrt([part[column] / theta for part in alone]).std(ddof=1))
             within = float(np.sqrt(np.mean(np.square(errors))))
-        yield PooledTerm(
-            symbol,
-            together.signal,
-            value=math.sqrt(together.chosen.theta[i]),
-            limits=Remembered(partial(together.limits, i)),
-            runs=tuple(fit[symbol] for fit in fits),
-            between=between,
-            within=within,
-            statistic=statistic,
-            dof=len(fits) - 1,
-            p=p,
-            adjusted=p,
-        )
+        yield PooledTerm(symbol, together.signal,
+                         value=math.sqrt(together.chosen.theta[i]), limits=Remembered(partial(together.limits, i)),
+                         runs=tuple(fit[symbol] for fit in fits), between=between, within=within, statistic=statistic,
+                         dof=len(fits) - 1, p=p, adjusted=p)  # fmt: skip
 
 
 def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
@@ -272,31 +236,25 @@ def _ramp_terms(together: Joint, fits: Sequence[Fit]) -> Iterator[PooledTerm]:
         yield PooledTerm(
             symbol,
             together.signal,
-            value=common.value,
-            limits=Remembered(common.limits),
-            runs=tuple(fit[symbol] for fit in fits),
-            between=float(common.values.std(ddof=1)) / size,
-            within=float(np.sqrt(np.mean(common.errors**2))) / size,
-            statistic=common.chi_square,
-            dof=common.dof,
-            p=p,
-            adjusted=p,
-        )
+            value=common.value, limits=Remembered(common.limits), runs=tuple(fit[symbol] for fit in fits),
+            between=float(common.values.std(ddof=1)) / size, within=float(np.sqrt(np.mean(common.errors**2))) / size,
+            statistic=common.chi_square, dof=common.dof, p=p, adjusted=p,
+        )  # fmt: skip
 
 
 def _apart(together: Joint, names: Sequence[str], alpha: float) -> tuple[dict[str, float], Joint]:
     """Runs that differ from all others, the worst one removed at a time, and what is left."""
     apart: dict[str, float] = {}
-    left = list(range(len(names)))
+    runs = list(range(len(names)))
     rest = together
-    while len(left) > 2:
+    while len(runs) > 2:
         p = holm(outlying(rest))
         worst = int(np.argmin(p))
         if p[worst] > alpha:
             break
-        apart[names[left.pop(worst)]] = p[worst]
+        apart[names[runs.pop(worst)]] = p[worst]
         rest = replace(
-            together, parts=tuple(together.parts[i] for i in left), seen=tuple(together.seen[i] for i in left)
+            together, parts=tuple(together.parts[i] for i in runs), spectra=tuple(together.spectra[i] for i in runs)
         )
     return apart, rest
 

@@ -9,7 +9,7 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
-from allanite.core.limits import Below, quantile
+from allanite.core.limits import Below, NormalMixture, quantile
 from allanite.core.record import Record
 from allanite.core.units import Signal
 from allanite.identification.likelihood.law import Subset, ThetaProfile
@@ -18,68 +18,30 @@ from allanite.terms import TERMS
 from .common_likelihood import Joint
 
 
-@dataclass(frozen=True, eq=False)
-class RampLaw:
-    """A ramp in SI as a mixture of normal laws: one for each strength of the noise of the longest memory.
+def ramp_law(joint: Joint, i: int) -> NormalMixture | None:
+    """The ramp of record i of several, SI; None where the band leaves nothing of it.
 
-    That noise is known from a few powers only; averaging over it gives the wide tails of Student's t.
+    A normal law for each strength of the noise of the longest memory, which is known from a few powers only: averaging
+    over it gives the wide tails of Student's t.
     """
-
-    centre: FloatArray
-    spread: FloatArray
-    weight: FloatArray
-
-    @property
-    def value(self) -> float:
-        """The mean."""
-        return float(self.weight @ self.centre)
-
-    @property
-    def error(self) -> float:
-        """The standard deviation."""
-        return math.sqrt(float(self.weight @ (self.spread**2 + (self.centre - self.value) ** 2)))
-
-    def minus(self, other: "RampLaw", factor: float = 1.0) -> "RampLaw":
-        """The law of this ramp less `factor` times another."""
-        return RampLaw(
-            np.subtract.outer(self.centre, factor * other.centre).ravel(),
-            np.hypot.outer(self.spread, factor * other.spread).ravel(),
-            np.multiply.outer(self.weight, other.weight).ravel(),
-        )
-
-    @property
-    def below(self) -> float:
-        """Probability of less than zero."""
-        from scipy.special import ndtr
-
-        return float(self.weight @ ndtr(-self.centre / self.spread))
-
-    @property
-    def p(self) -> float:
-        """Two-sided probability of zero."""
-        return 2 * min(self.below, 1 - self.below, 0.5)
-
-
-def ramp_law(joint: Joint, i: int) -> RampLaw | None:
-    """The ramp of record i of several; None where the band leaves nothing of it."""
-    part, seen = joint.parts[i], joint.seen[i]
+    part, spectrum = joint.parts[i], joint.spectra[i]
     if not part.flat.any():
         return None
     slope = [np.nan_to_num(TERMS[symbol].slope, nan=-math.inf) for symbol in joint.symbols]
     free = np.ones(part.S.shape[1], dtype=bool)
     thetas, weight = ThetaProfile(Subset(part, free, *part.minimise(free)), int(np.argmax(slope))).weighted()
-    found = [part.directions(theta)[:2] for theta in thetas]
-    size = seen.unit_factor * seen.rate
-    centre = np.array([eta[-1] for eta, _ in found]) + seen.slope
-    return RampLaw(size * centre, size * np.sqrt([V[-1, -1] for _, V in found]), weight)
+    directions = [part.directions(theta)[:2] for theta in thetas]
+    size = spectrum.unit_factor * spectrum.rate
+    centre = np.array([eta[-1] for eta, _ in directions]) + spectrum.slope
+    return NormalMixture(size * centre, size * np.sqrt([V[-1, -1] for _, V in directions]), weight)
 
 
 @dataclass(frozen=True, eq=False)
 class RampContrast:
     """The second ramp against the first."""
 
-    first: RampLaw
-    second: RampLaw
+    first: NormalMixture
+    second: NormalMixture
 
     @property
     def ratio(self) -> float:
@@ -107,7 +69,7 @@ class RampContrast:
         from scipy.optimize import brentq
 
         def off(ratio: float) -> float:
-            return self.second.minus(self.first, ratio).below - share
+            return self.second.minus(self.first, ratio).below(0.0) - share
 
         best = self.ratio
         step = 0.1 * max(abs(best), 1.0)
@@ -120,7 +82,7 @@ class RampContrast:
 class CommonRamp:
     """What the ramps of several records have in common: their mean, weighted by their variances."""
 
-    laws: Sequence[RampLaw]
+    laws: Sequence[NormalMixture]
 
     @property
     def values(self) -> FloatArray:
@@ -230,8 +192,8 @@ def line_contrasts(records: Sequence[Record], fits: Sequence[Fit]) -> Iterator[L
     One that lies beyond the frequencies of the other record is omitted.
     """
     width = WIDTH / min(record.duration for record in records)
-    found = sorted(line.frequency for fit in fits for line in fit.lines)
-    apart = [f for i, f in enumerate(found) if not i or f - found[i - 1] > width]
+    frequencies = sorted(line.frequency for fit in fits for line in fit.lines)
+    apart = [f for i, f in enumerate(frequencies) if not i or f - frequencies[i - 1] > width]
     for frequency in apart:
         if all(AROUND[0] / r.duration < frequency < r.rate / 2 - AROUND[0] / r.duration for r in records):
             first, second = (_amplitude(r, fit, frequency, width) for r, fit in zip(records, fits, strict=True))
@@ -244,9 +206,9 @@ def _amplitude(record: Record, fit: Fit, frequency: float, width: float) -> Ampl
         line = max(near, key=lambda line: line.amplitude)
         return Amplitude(line.amplitude, line.standard_error, True)
     rates = record.rate_values
-    there = np.isfinite(rates)
-    window = np.where(there, np.sin(np.pi * (np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.0)
-    weighted = np.where(there, rates - rates[there].mean(), 0.0) * window
+    finite = np.isfinite(rates)
+    window = np.where(finite, np.sin(np.pi * (np.arange(rates.size) + 0.5) / rates.size) ** 2, 0.0)
+    weighted = np.where(finite, rates - rates[finite].mean(), 0.0) * window
     power = np.abs(np.fft.rfft(weighted)) ** 2
     at = round(frequency * record.duration)
     beside = np.abs(np.arange(power.size) - at)

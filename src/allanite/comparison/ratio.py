@@ -28,7 +28,7 @@ from allanite.statistics.estimator import integrated
 from allanite.statistics.grids import grid_named
 from allanite.statistics.table import CurvePoints, statistic_named
 
-ALIKE = 0.005
+SAME_TIME = 0.005
 """Relative difference up to which two averaging times count as the same."""
 
 HALVINGS, STEPS = 45, 40
@@ -151,15 +151,10 @@ def shared_factors(records: Sequence[Record], statistic: str, taus: str | Sequen
     steps = [np.maximum(np.rint(wanted * r.rate / row.step).astype(np.int64), 1) * row.step for r in records]
     fits = np.ones(wanted.shape, dtype=bool)
     for record, m in zip(records, steps, strict=True):
-        fits &= (np.abs(m / record.rate / wanted - 1) <= ALIKE) & (m <= row.largest(record.size))
+        fits &= (np.abs(m / record.rate / wanted - 1) <= SAME_TIME) & (m <= row.largest(record.size))
     if not fits.any():
         reach = [(row.step / r.rate, row.largest(r.size) / r.rate) for r in records]
         spans = join(", ", [say("{low:.3g} to {high:.3g} s", low=least, high=most) for least, most in reach])
-        raise DataError(
-            say(
-                "the records have no averaging time in common: {statistic} covers {spans}",
-                statistic=row.name,
-                spans=spans,
-            )
-        )
+        raise DataError(say("the records have no averaging time in common: {statistic} covers {spans}",
+                            statistic=row.name, spans=spans))  # fmt: skip
     return [m[fits] for m in steps]

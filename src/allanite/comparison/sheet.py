@@ -89,11 +89,11 @@ def _measured(channel: Channel, claim: Claim, level: float) -> Measured:
         low, high = readings.minimum.interval(level)
         remark = "" if readings.inside else say("upper limit: still falling")
         return Measured(claim, readings.minimum.deviation * scale, low * scale, high * scale, remark)
-    found = next((e for e in channel.fit or () if e.symbol == term.symbol), None)
-    if found is None or found.value is None or not found.valued:
-        return Measured(claim, remark=found.row.name if found else "")
-    low, high = found.interval(level)
-    return Measured(claim, found.value * scale, low * scale, high * scale)
+    estimate = next((e for e in channel.fit or () if e.symbol == term.symbol), None)
+    if estimate is None or estimate.value is None or not estimate.valued:
+        return Measured(claim, remark=estimate.row.name if estimate else "")
+    low, high = estimate.interval(level)
+    return Measured(claim, estimate.value * scale, low * scale, high * scale)
 
 
 @public

@@ -47,20 +47,16 @@ class SourceSet:
             return self.recordings[0].findings
         named = zip(self.names, self.recordings, strict=True)
         return tuple(
-            replace(found, what=join(": ", (name, found.what))) for name, one in named for found in one.findings
+            replace(finding, what=join(": ", (name, finding.what)))
+            for name, recording in named
+            for finding in recording.findings
         )
 
 
 def run_together(
-    kind: Callable[..., Result],
-    sources: SourceSet,
-    recipe: Recipe,
-    work: Callable[[Inspected], Any],
-    refused: Callable[[Inspected, str], Any],
-    *,
-    doing: str = "comparing",
-    progress: Progress | None = None,
-) -> Result:
+    kind: Callable[..., Result], sources: SourceSet, recipe: Recipe, work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any], *, doing: str = "comparing", progress: Progress | None = None,
+) -> Result:  # fmt: skip
     """Do the work on each channel of several recordings, as `allanite.study.channels.run` on those of one.
 
     `kind` makes the result of the fields of `Together`.
@@ -69,17 +65,14 @@ def run_together(
     results = each_channel(
         sources.channels, work, refused, findings=findings, doing=doing, demand=True, progress=progress
     )
-    notes = dict.fromkeys((*(note for one in sources.recordings for note in one.notes), *sources.notes))
+    notes = dict.fromkeys((*(note for recording in sources.recordings for note in recording.notes), *sources.notes))
     return kind(results, recipe, findings, tuple(notes), provenance_of(*sources.recordings), sources.names)
 
 
 def open_sources(
-    sources: Sequence[Source | Job[Any]],
-    recipe: Recipe,
-    *,
-    against: Sequence[str] | None = None,
+    sources: Sequence[Source | Job[Any]], recipe: Recipe, *, against: Sequence[str] | None = None,
     progress: Progress | None = None,
-) -> SourceSet:
+) -> SourceSet:  # fmt: skip
     """Open each source and pair the channels; those of the last one may be named, and are then taken in order."""
     last = recipe if against is None else replace(recipe, channels=tuple(against))
     recipes = [*[recipe] * (len(sources) - 1), last]
@@ -194,15 +187,11 @@ class Joined:
     def alerts(self) -> tuple[str, ...]:
         """What must stand beside the numbers: models that do not explain their records, and what was done."""
         doubts = (
-            say(
-                "record {number}: {doubt}; a difference in what the model omits may appear as a change of one of its "
-                "terms",
-                number=i,
-                doubt=doubt,
-            )
+            say("record {number}: {doubt}; a difference in what the model omits may appear as a change of one of "
+                "its terms", number=i, doubt=doubt)
             for i, noise in enumerate(self.noises, 1)
             for doubt in noise.doubts
-        )
+        )  # fmt: skip
         return (*doubts, *self.notes)
 
 
@@ -216,26 +205,23 @@ def join_records(records: Sequence[Record], recipe: Recipe) -> Joined:
     _demand_different(records)
     notes: list[str] = []
     if recipe.outliers is None:
-        found = [outliers(record) for record in records]
+        outlying = [outliers(record) for record in records]
         notes = [
             say("record {number}: {outliers}: excluded from the comparison", number=i, outliers=some.words(record))
-            for i, (record, some) in enumerate(zip(records, found, strict=True), 1)
+            for i, (record, some) in enumerate(zip(records, outlying, strict=True), 1)
             if some.at.size
         ]
-        records = [marked(record, some) for record, some in zip(records, found, strict=True)]
+        records = [marked(record, some) for record, some in zip(records, outlying, strict=True)]
     noises, shown = _identify_alike(records, replace(recipe, outliers="keep"))
     fits = [noise.fit for noise in noises]
     shapes = _common_shapes(fits)
     quiet = [without_lines(record, fit) for record, fit in zip(records, fits, strict=True)]
     notes += [
-        say(
-            "record {number}: sinusoids were removed, at {frequencies} Hz",
-            number=i,
-            frequencies=", ".join(f"{line.frequency:.6g}" for line in fit.lines),
-        )
+        say("record {number}: sinusoids were removed, at {frequencies} Hz", number=i,
+            frequencies=", ".join(f"{line.frequency:.6g}" for line in fit.lines))
         for i, fit in enumerate(fits, 1)
         if fit.lines
-    ]
+    ]  # fmt: skip
     both = joint(quiet, shown, asked_band(recipe), shapes=shapes, scopes=[fit.scope for fit in fits])
     notes += [
         say("{term} is compared with a common shape: {shape}", term=symbol, shape=both.term(symbol, 1.0).shape_words)
@@ -257,11 +243,8 @@ def _demand_different(records: Sequence[Record]) -> None:
             if len(other.values) == len(record.values) and np.array_equal(
                 other.values, record.values, equal_nan=other.values.dtype.kind == "f"
             ):
-                alike = say(
-                    "records {first} and {second} have identical samples; there is nothing to compare",
-                    first=i + 1,
-                    second=j + 1,
-                )
+                alike = say("records {first} and {second} have identical samples; there is nothing to compare",
+                            first=i + 1, second=j + 1)  # fmt: skip
                 raise DataError(alike)
 
 

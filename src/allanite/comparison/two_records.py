@@ -73,8 +73,8 @@ def _steps(values: FloatArray, m: int) -> FloatArray:
 def _together(records: tuple[Record, Record]) -> tuple[FloatArray, FloatArray]:
     """The rates of both where both are there."""
     first, second = (record.rate_values for record in records)
-    there = np.isfinite(first) & np.isfinite(second)
-    return first[there], second[there]
+    both = np.isfinite(first) & np.isfinite(second)
+    return first[both], second[both]
 
 
 def paired_homogeneity(records: tuple[Record, Record]) -> Homogeneity:
@@ -148,11 +148,11 @@ LONGEST = 365 * 86400.0
 """Length, s, beyond which none is named."""
 
 
-def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
+def compare_records(channel: Inspected, recipe: Recipe, rng: "np.random.Generator") -> Pair:
     """What has changed between two records."""
-    records = cast(tuple[Record, Record], seen.records)
+    records = cast(tuple[Record, Record], channel.records)
     joined = join_records(records, recipe)
-    both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *seen.alerts)
+    both, (first, second), alerts = joined.joint, joined.fits, (*joined.alerts, *channel.alerts)
     contrasts: dict[str, Contrast | RampContrast] = {s: Contrast(both, i) for i, s in enumerate(both.symbols)}
     ramps = ramp_law(both, 0), ramp_law(both, 1)
     if ramps[0] is not None and ramps[1] is not None:
@@ -161,7 +161,7 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
     kept = {e.symbol: contrasts[e.symbol] for e in first if e.symbol in contrasts}
     changes = changes_of(kept, (first, second), recipe.level, tuple(line_contrasts(records, (first, second))))
     each = partly_common(both, both.symbols)
-    largest = {symbol: max(found[symbol] for found in each) for symbol in both.symbols}
+    largest = {symbol: max(sizes[symbol] for sizes in each) for symbol in both.symbols}
     noise = [both.term(symbol, size) for symbol, size in largest.items() if size > 0]
     changes = with_needed(changes, noise, min(r.rate for r in records), min(r.size for r in records))
     alike = resemblance(records)
@@ -179,19 +179,11 @@ def compare_records(seen: Inspected, recipe: Recipe, rng: "np.random.Generator")
     except DataError as error:
         alerts = (*alerts, str(error))
     return Pair(
-        seen.name,
-        test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng),
-        changes=changes,
-        ratios=ratios,
-        band=both.band,
-        fits=(first, second),
-        explained=joined.explained,
-        grades=joined.grades,
-        records=records,
-        alerts=alerts,
-        alpha=alpha_of(recipe.level),
-        paired=alike > ALIKE,
-    )
+        channel.name,
+        test=paired_homogeneity(records) if alike > ALIKE else homogeneity(both, rng), changes=changes, ratios=ratios,
+        band=both.band, fits=(first, second), explained=joined.explained, grades=joined.grades, records=records,
+        alerts=alerts, alpha=alpha_of(recipe.level), paired=alike > ALIKE,
+    )  # fmt: skip
 
 
 def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) -> list[Model]:
@@ -200,12 +192,12 @@ def law_models(both: Joint, fits: tuple[Fit, Fit], changes: Sequence[Change]) ->
     What scatters at the longest averaging times is hardly seen by one record alone.
     """
     apart = [change.symbol for change in changes if change.significant]
-    found = []
+    models = []
     for fit, values in zip(fits, partly_common(both, apart), strict=True):
         noise = [both.term(symbol, value) for symbol, value in values.items() if value > 0]
         ramps = [term for term in fit.model if term.row.waveform is not None and term.row.scatters]
-        found.append(Model((*noise, *ramps)))
-    return found
+        models.append(Model((*noise, *ramps)))
+    return models
 
 
 def ratios_of(

@@ -13,11 +13,25 @@ from .encoding import plain
 from .errors import StoredError, UsageError
 from .limits import Stored, demand_level, demand_stored_rate
 from .model import Model
-from .plain import Value
+from .plain import Portable, Value
 from .units import convert
 
 Law = Callable[[float], tuple[FloatArray, FloatArray, FloatArray]]
 """level -> (equivalent degrees of freedom, lower limit / variance, upper limit / variance)"""
+
+
+@dataclass(frozen=True, eq=False)
+class DerivedLaw(Portable):
+    """The law of the points of a curve, whose numbers `points` makes of those of other laws, one after the other."""
+
+    laws: tuple[Law, ...]
+    points: Callable[[FloatArray], FloatArray] = np.asarray
+
+    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Degrees of freedom and limits over the variance."""
+        each = zip(*(law(level) for law in self.laws), strict=True)
+        edf, low, high = (self.points(np.concatenate(numbers)) for numbers in each)
+        return edf, low, high
 
 
 @dataclass(frozen=True, eq=False, repr=False)

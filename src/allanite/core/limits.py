@@ -5,6 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
+import numpy as np
+
 from .arrays import LARGEST, RATES, FloatArray
 from .errors import UsageError, given, unfit
 from .threads import one_thread
@@ -118,6 +120,65 @@ class Remembered(Generic[T]):
             with one_thread():
                 self.known[at] = self.function(*at)
         return self.known[at]
+
+
+@dataclass(frozen=True, eq=False)
+class NormalMixture:
+    """A law that is a mixture of normal ones."""
+
+    # centre, spread, weight: shape (laws,)
+    centre: FloatArray
+    spread: FloatArray
+    weight: FloatArray
+
+    def __call__(self, level: float) -> tuple[float, float]:
+        """Two-sided limits."""
+        return self.quantile((1 - level) / 2), self.quantile((1 + level) / 2)
+
+    def upper(self, level: float) -> float:
+        """One-sided limit of the size."""
+        return max(abs(limit) for limit in self(2 * level - 1))
+
+    @property
+    def value(self) -> float:
+        """The mean."""
+        return float(self.weight @ self.centre)
+
+    @property
+    def error(self) -> float:
+        """The standard deviation."""
+        return self.error_of(self.value)
+
+    def error_of(self, value: float) -> float:
+        """Root of the mean square of the distance from a value."""
+        return math.sqrt(float(self.weight @ (self.spread**2 + (self.centre - value) ** 2)))
+
+    def below(self, value: float) -> float:
+        """Probability of less than a value."""
+        from scipy.special import ndtr
+
+        return float(self.weight @ ndtr((value - self.centre) / self.spread))
+
+    @property
+    def p(self) -> float:
+        """Two-sided probability of zero."""
+        return min(1.0, 2 * min(self.below(0.0), 1 - self.below(0.0)))
+
+    def quantile(self, p: float) -> float:
+        """The value below which it lies with probability p, by bisection."""
+        low, high = float((self.centre - 40 * self.spread).min()), float((self.centre + 40 * self.spread).max())
+        for _ in range(80):
+            middle = (low + high) / 2
+            low, high = (middle, high) if self.below(middle) < p else (low, middle)
+        return (low + high) / 2
+
+    def minus(self, other: "NormalMixture", factor: float = 1.0) -> "NormalMixture":
+        """The law of the difference from `factor` times another, independent one."""
+        return NormalMixture(
+            np.subtract.outer(self.centre, factor * other.centre).ravel(),
+            np.hypot.outer(self.spread, factor * other.spread).ravel(),
+            np.multiply.outer(self.weight, other.weight).ravel(),
+        )
 
 
 def demand_stored_rate(value: float) -> None:

@@ -71,9 +71,9 @@ def _estimates(axis: Axis, symbols: Iterable[str]) -> dict[str, Estimate]:
         )
     tau, upper = curve.tau, curve.to(signal.unit).interval(axis.level)[1]
     late = tau >= min(ONCE, tau[-1])
-    found = {}
+    limits = {}
     for row in (TERMS[symbol] for symbol in symbols):
         through = upper / (np.sqrt(row.level) * tau**row.slope)
         most = through[late].min() if row.slope >= 0 else through[np.abs(np.log(tau / ONCE)).argmin()]
-        found[row.symbol] = Estimate(row.symbol, signal, None, None, "absent", float(most), READ, reason=BOUND)
-    return found
+        limits[row.symbol] = Estimate(row.symbol, signal, None, None, "absent", float(most), READ, reason=BOUND)
+    return limits

@@ -51,16 +51,9 @@ def _of_channel(channel: Channel, level: float, known: Mapping[str, str]) -> Ite
     fit, doubts = channel.noise.fit, channel.noise.doubts
     alerts = (*channel.noise.omitted, *(alert for alert in channel.alerts if alert not in doubts))
     yield Axis(
-        channel.record.name,
-        fit,
-        channel.record.rate,
-        join("; ", doubts) if doubts else "",
-        channel.readings,
-        level,
-        alerts,
-        next((curve for curve in channel.curves if curve.statistic in ALLAN), None),
-        known,
-    )
+        channel.record.name, fit, channel.record.rate, join("; ", doubts) if doubts else "", channel.readings, level,
+        alerts, next((curve for curve in channel.curves if curve.statistic in ALLAN), None), known,
+    )  # fmt: skip
 
 
 @axes_of.register
@@ -120,30 +113,26 @@ class AxisCoefficient:
     covers: bool = False
 
 
-def worst(found: Found) -> Found:
+def worst(coefs: Found) -> Found:
     """The largest; a limit only if no axis has a value."""
-    return (max(_identified(found), key=lambda c: c.value),)
+    return (max(_identified(coefs), key=lambda c: c.value),)
 
 
-def median(found: Found) -> Found:
+def median(coefs: Found) -> Found:
     """That of the axis in the middle; of two, the larger."""
-    known = _identified(found)
+    known = _identified(coefs)
     middle = statistics.median_high(c.value for c in known)
     return (next(c for c in known if c.value == middle),)
 
 
-def _identified(found: Found) -> Found:
-    return tuple(c for c in found if not c.limit) or found
+def _identified(coefs: Found) -> Found:
+    return tuple(c for c in coefs if not c.limit) or coefs
 
 
 POLICIES: dict[str, Callable[[Found], Found]] = {
-    "worst": worst,
-    "median": median,
-    "each": lambda found: found,
-    "x": lambda found: found,
-    "y": lambda found: found,
+    "worst": worst, "median": median, "each": lambda found: found, "x": lambda found: found, "y": lambda found: found,
     "z": lambda found: found,
-}
+}  # fmt: skip
 """Axis policy: how the values of the axes become the value of a field."""
 
 
@@ -183,19 +172,19 @@ def coefficients(axes: Sequence[Axis], symbol: str, *, markov: bool, unexplained
 
     `markov`: a Gauss-Markov process that was identified may replace a random walk that was not.
     """
-    found: list[AxisCoefficient] = []
+    chosen: list[AxisCoefficient] = []
     reasons: list[str] = []
     for axis in axes:
         e = axis.estimate(symbol)
-        one = None if e is None else _coefficient(axis, e, unexplained=unexplained)
-        if markov and symbol == "K" and (one is None or one.limit):
-            one = _markov(axis) or one
-        if one is None:
+        coefficient = None if e is None else _coefficient(axis, e, unexplained=unexplained)
+        if markov and symbol == "K" and (coefficient is None or coefficient.limit):
+            coefficient = _markov(axis) or coefficient
+        if coefficient is None:
             why = say("not given or not looked for") if e is None else e.words(level=axis.level)
             reasons.append(say("{axis}: {symbol} is {why}", axis=axis.label, symbol=symbol, why=why))
         else:
-            found.append(one)
-    return tuple(found), reasons
+            chosen.append(coefficient)
+    return tuple(chosen), reasons
 
 
 def _coefficient(axis: Axis, e: Estimate, *, unexplained: bool) -> AxisCoefficient | None:

@@ -29,8 +29,7 @@ from allanite.statistics import expected
 
 from .choice import COVER
 from .content import Axis
-from .outage import Outages
-from .stated_noise import AxisNoise
+from .stated_noise import AxisNoise, Outages
 from .target import Target
 
 WIDEST = 8.0
@@ -83,7 +82,7 @@ def covering(target: Target, noises: Sequence[AxisNoise], *, asked: bool) -> Mod
     rest = allan - sum((expected(term, "oadev", tau) for term in kept), np.zeros(tau.shape))
     uncovered = rest - np.multiply.outer(whites**2, expected(white, "oadev", tau))
     fixed = reduce(add, (outages.of(Model(term)) for term in kept), outages.of(Model(white)) * whites**2)
-    found: list[tuple[float, Model]] = []
+    candidates: list[tuple[float, Model]] = []
     for slow in _slow(target, signal, tau):
         slow_allan = expected(slow, "oadev", tau)
         power = np.maximum(np.max(uncovered / slow_allan, axis=1), LEAST * np.min(allan / slow_allan))
@@ -96,8 +95,8 @@ def covering(target: Target, noises: Sequence[AxisNoise], *, asked: bool) -> Mod
         i = int(cost.argmin())
         sizes = np.sqrt(wider[i] * np.array([whites[i] ** 2, power[i], *(term.value**2 for term in kept)])).tolist()
         terms = [replace(term, value=value) for term, value in zip((white, slow, *kept), sizes, strict=True)]
-        found.append((float(cost[i]), Model(tuple(terms))))
-    return min(found, key=lambda pair: pair[0])[1]
+        candidates.append((float(cost[i]), Model(tuple(terms))))
+    return min(candidates, key=lambda pair: pair[0])[1]
 
 
 def _kept(target: Target, noises: Sequence[AxisNoise]) -> tuple[Term, ...]:

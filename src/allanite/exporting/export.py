@@ -1,7 +1,7 @@
 """Export: the file that a target reads, from results or from a given model."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
@@ -10,17 +10,20 @@ from allanite.core.aliases import public
 from allanite.core.choices import SPAN
 from allanite.core.errors import DataError, UsageError
 from allanite.core.files import PathLike, encoded, write
+from allanite.core.fit import Fit
+from allanite.core.kinds import title_of
 from allanite.core.plain import Value
+from allanite.core.validity import graded
+from allanite.core.version import __version__
 from allanite.phrases.phrase import say, spelled
 from allanite.study.results import Study
 
-from .bounds import bounded
+from .bounds import BOUND, READ, bounded
 from .choice import Source, axes_of, demand_policy, selected
 from .content import Axis, Content, Entry, by_sensor
 from .cover import covered
 from .exports import target_named
 from .fields import How, demand_how, fill, usable
-from .provenance import header, left_out
 from .stated_noise import StatedNoise, compared, groups_of, to_cover
 from .target import Target, demand_rate
 
@@ -193,7 +196,7 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     groups = groups_of(kept, how) if target.drifts else []
     stand = covered(target, kept, to_cover(target, kept, groups, how), asked=how.span is not None)
     entries, missing = fill(target, stand, how)
-    stated = tuple(found for group in groups if (found := compared(target, entries, group, how)) is not None)
+    stated = tuple(noise for group in groups if (noise := compared(target, entries, group, how)) is not None)
     if not target.fields:
         kept = tuple(axis for group in by_sensor(kept).values() for axis in selected(group, how.axis))
     rate = next((target.rate(axis.rate, how.filter_rate) for axis in kept), None)
@@ -203,19 +206,16 @@ def exported(target: Target, source: Source, how: How, suffix: str) -> Export:
     notes = (*missing, *left_out(target, stand), *(line for made in stated if made.covers for line in made.words()))
     known = 1 if target.simulates else None  # what it says of filters is none of a simulator's business
     warned = [line for made in stated if made.confident for line in made.words()[:known]]
-    left = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
-    head = (*header(target, kept, how), *notes, *warned, *left)
+    omitted = (f"left out: {axis.name} ({axis.doubt})" for axis in doubts)
+    head = (*header(target, kept, how), *notes, *warned, *omitted)
     made = target.forms[suffix](Content(head, entries, kept, rate, how.inflate))
     binary = isinstance(made, bytes)
     text = base64.b64encode(made).decode() if isinstance(made, bytes) else made
     studies = [s for s in (source if isinstance(source, (list, tuple)) else (source,)) if isinstance(s, Study)]
     recipe, provenance = (studies[0].choices(), studies[0].provenance) if studies else ({}, {})
     rejected = dict.fromkeys(chain((axis.name for axis in doubts), *(study.rejected for study in studies)))
-    return Export(
-        target.name, suffix, text, binary, entries, stated, (*notes, *target.notes),
-        (*alerts_of(kept, doubts, studies), *warned),
-        tuple(rejected), recipe, provenance,
-    )  # fmt: skip
+    return Export(target.name, suffix, text, binary, entries, stated, (*notes, *target.notes),
+                  (*alerts_of(kept, doubts, studies), *warned), tuple(rejected), recipe, provenance)  # fmt: skip
 
 
 def _axes(source: Source, how: How) -> tuple[Axis, ...]:
@@ -238,8 +238,64 @@ def alerts_of(kept: Sequence[Axis], doubts: Sequence[Axis], studies: Sequence[St
     for axis in kept:
         for alert in (*axis.alerts, *([axis.doubt] if axis.doubt else [])):
             alerts.setdefault(alert, []).append(axis.name)
-    found = [str(finding) for study in studies for finding in study.findings]
-    found += [say("{names}: {alert}", names=", ".join(names), alert=alert) for alert, names in alerts.items()]
-    found += [say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) for axis in doubts]
+    remarks = [str(finding) for study in studies for finding in study.findings]
+    remarks += [say("{names}: {alert}", names=", ".join(names), alert=alert) for alert, names in alerts.items()]
+    remarks += [say("{name} is left out: {reason}", name=axis.name, reason=axis.doubt) for axis in doubts]
     refused = [channel for study in studies for channel in study if channel.refusal]
-    return found + [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in refused]
+    return remarks + [say("{name} is left out: {reason}", name=c.record.name, reason=c.refusal) for c in refused]
+
+
+def header(target: Target, axes: Sequence[Axis], how: How) -> Iterator[str]:
+    """The lines of the head, the same for the same input."""
+    yield f"{target.title}, written by allanite {__version__}"
+    for source, digest in dict.fromkeys((a.source.get("source", ""), a.source.get("sha256", "")) for a in axes):
+        yield f"source: {source or 'noise model given'}" + (f", sha256 {digest}" if digest else "")
+    for sensor, group in by_sensor(axes).items():
+        names = ", ".join(axis.name or "given" for axis in group)
+        rates = ", ".join(dict.fromkeys(f"{axis.rate:.9g} Hz" for axis in group if axis.rate))
+        yield f"{sensor}: {names}{f' at {rates}' if rates else ''}"
+        for axis in group:
+            yield from (f"  {axis.label}: {line}" for line in _fitted(axis.fit, axis.doubt))
+            yield from (f"  {axis.label}: warning: {alert}" for alert in axis.alerts)
+    yield f"axis: {how.axis}; inflation: {how.inflate:g}"
+    if target.fields:
+        yield f"values: {time_of(target, axes, how)}"
+    yield from (f"note: {note}" for note in target.notes)
+
+
+def _fitted(fit: Fit, doubt: str) -> Iterator[str]:
+    if fit.method == "given":
+        yield f"{fit.model}"
+        return
+    if fit.method == READ:
+        yield BOUND
+        return
+    scope = fit.scope
+    band = "" if scope is None else f", {scope.band[0]:.4g} to {scope.band[1]:.4g} Hz"
+    grade = f", {graded(fit.validity, scope)}" if fit.validity else ""
+    yield f"method {fit.method}{band}{grade}{f' ({doubt})' if doubt else ''}"
+
+
+def time_of(target: Target, axes: Sequence[Axis], how: How) -> str:
+    """Whether the fields of a target are of continuous or of discrete time, and at which rate."""
+    if not any(field.rate for field in target.fields):
+        return "continuous time (densities), whatever the rate"
+    rates = dict.fromkeys(target.rate(axis.rate, how.filter_rate) for axis in axes)
+    words = ", ".join(f"{rate:.9g} Hz" for rate in rates if rate)
+    return f"discrete time, f = {words}" + (f" (the filter's step of {target.step:g} s)" if target.step else "")
+
+
+def left_out(target: Target, axes: Sequence[Axis]) -> Iterator[str]:
+    """Terms that were identified and for which the target has no field."""
+    if not target.fields:
+        return
+    for axis in axes:
+        terms = {field.term for field in target.fields if field.sensor == axis.sensor}
+        terms |= {"GM"} if target.markov and not any(e.symbol == "K" and e.valued for e in axis.fit) else set()
+        lost = [e for e in axis.fit if e.valued and e.symbol not in terms]
+        for e in lost:
+            name = title_of(e.symbol, e.signal)
+            yield say("{axis}: no field for {symbol} ({name}), {words}",
+                      axis=axis.label, symbol=e.symbol, name=name, words=e.words(level=axis.level))  # fmt: skip
+        for line in axis.fit.lines:
+            yield say("{axis}: no field for the sinusoid at {line}", axis=axis.label, line=line.words())

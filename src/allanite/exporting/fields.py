@@ -20,29 +20,9 @@ INFLATED, SIZED = 1e6, 1e15
 
 @dataclass(frozen=True)
 class How(ExportChoices):
-    """Choices of an export.
+    """Choices of an export; see `allanite.export`."""
 
-    Attributes
-    ----------
-    axis : str
-        A name in `POLICIES`.
-    inflate : float
-    rate : float or None
-        Sampling rate, Hz, of fits and models that do not know it.
-    filter_rate : float or None
-        Rate of the filter's steps, Hz, if it is neither the target's own nor the sampling rate.
-    unexplained : bool
-        Whether coefficients are used although no model explains the record.
-    cover : (low, high), bool, optional
-        Averaging times, s, between which the noise is covered; True: from 1 s to what the record resolves; None: where
-        a filter would be over-confident.
-    from_curve : bool
-        Whether upper bounds read off the measured curve are used where there are no coefficients.
-    partial : bool
-        Whether fields may be missing that the target needs.
-    """
-
-    partial: bool = False
+    partial: bool = False  # whether fields may be missing that the target needs
 
     @property
     def span(self) -> tuple[float, float] | None:
@@ -76,12 +56,14 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, .
         if group is None:
             missing.append(field.absent)
             continue
-        found, reasons = coefficients(group, field.term or "K", markov=target.markov, unexplained=how.unexplained)
-        if found and (how.axis != "each" or len(found) == 3):
-            entries.append(_entry(field, POLICIES[how.axis](found), group, target, how))
+        coefs, reasons = coefficients(group, field.term or "K", markov=target.markov, unexplained=how.unexplained)
+        if coefs and (how.axis != "each" or len(coefs) == 3):
+            entries.append(_entry(field, POLICIES[how.axis](coefs), group, target, how))
             if reasons and field.term:
-                left = join("; ", reasons)
-                missing.append(say("{field} is taken from the other axes ({reasons})", field=field.full, reasons=left))
+                others = join("; ", reasons)
+                missing.append(
+                    say("{field} is taken from the other axes ({reasons})", field=field.full, reasons=others)
+                )
             continue
         why = say("{field} has no value ({reasons})", field=field.full, reasons=join("; ", reasons))
         (fatal if field.needed and not how.partial else missing).append(why)
@@ -96,54 +78,51 @@ def fill(target: Target, axes: Sequence[Axis], how: How) -> tuple[tuple[Entry, .
 def _demand_sensors(target: Target, groups: Mapping[str, Sequence[Axis]], axes: Sequence[Axis]) -> None:
     absent = [sensor for sensor in target.sensors if sensor not in groups]
     if absent:
-        there = ", ".join(f"{axis.label} ({axis.sensor})" for axis in axes)
-        remedy = spelled(
-            "add a file with it, or its noise: --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'",
-            "pass a list with a result or a model of it as well",
-        )
+        given = ", ".join(f"{axis.label} ({axis.sensor})" for axis in axes)
+        remedy = spelled("add a file with it, or its noise: --model 'N 100 ug/sqrt(Hz), K 10 ug/sqrt(h)'",
+                         "pass a list with a result or a model of it as well")  # fmt: skip
         names = " and ".join(f"an {sensor}" if sensor[0] == "a" else f"a {sensor}" for sensor in absent)
-        raise DataError(f"{target.name} needs {names}, and there is only {there}: {remedy}")
+        raise DataError(f"{target.name} needs {names}, and there is only {given}: {remedy}")
 
 
-def _entry(field: TargetField, found: Found, group: Sequence[Axis], target: Target, how: How) -> Entry:
+def _entry(field: TargetField, coefs: Found, group: Sequence[Axis], target: Target, how: How) -> Entry:
     rates = {axis.name: target.rate(axis.rate, how.filter_rate) for axis in group}
     if field.rate or (target.rated and not how.partial):
         for rate in rates.values():
             demand_rate(target, rate)
-    pairs = [_value(field, c, rates[c.channel] or 1.0, how.inflate) for c in found]
+    pairs = [_value(field, c, rates[c.channel] or 1.0, how.inflate) for c in coefs]
     values, remarks = zip(*pairs, strict=True)
-    each = (join(" ", (c.channel, remark)) for c, remark in zip(found, remarks, strict=True))
+    each = (join(" ", (c.channel, remark)) for c, remark in zip(coefs, remarks, strict=True))
     return Entry(
         field.name, field.sensor, field.section, field.unit, field.formula, values,
-        tuple(c.channel for c in found if c.channel), join("; ", remarks[:1] if len(set(remarks)) == 1 else each),
-        not any(c.limit for c in found), all(c.covers for c in found),
+        tuple(c.channel for c in coefs if c.channel), join("; ", remarks[:1] if len(set(remarks)) == 1 else each),
+        not any(c.limit for c in coefs), all(c.covers for c in coefs),
     )  # fmt: skip
 
 
-def _value(field: TargetField, one: AxisCoefficient, rate: float, inflate: float) -> tuple[float, str]:
+def _value(field: TargetField, coef: AxisCoefficient, rate: float, inflate: float) -> tuple[float, str]:
     """The value of a field, and the remark on it."""
     if not field.term:
-        known = one.note and not one.limit
-        time = say("correlation time of {process}", process=one.note) if known else say("correlation time")
-        return field.value(1.0, rate, one.time), time
-    parts = [one.note] if one.note else []
-    if one.limit:
+        known = coef.note and not coef.limit
+        time = say("correlation time of {process}", process=coef.note) if known else say("correlation time")
+        return field.value(1.0, rate, coef.time), time
+    parts = [coef.note] if coef.note else []
+    if coef.limit:
         parts.append(say("this is its 95 % upper limit"))
-    elif math.isfinite(one.low) and math.isfinite(one.high):
-        low, high = (field.value(limit, rate, one.time) for limit in (one.low, one.high))
-        parts.append(say("{level:g} %: {low:.4g} to {high:.4g}", level=100 * one.level, low=low, high=high))
-    elif one.given or not one.note:
-        parts.append(say("given") if one.given else say("no interval"))
+    elif math.isfinite(coef.low) and math.isfinite(coef.high):
+        low, high = (field.value(limit, rate, coef.time) for limit in (coef.low, coef.high))
+        parts.append(say("{level:g} %: {low:.4g} to {high:.4g}", level=100 * coef.level, low=low, high=high))
+    elif coef.given or not coef.note:
+        parts.append(say("given") if coef.given else say("no interval"))
     if inflate != 1:
         parts.append(say("value inflated by {factor:g}", factor=inflate))
-    remark, value = join(", ", parts), field.value(one.value * inflate, rate, one.time)
+    remark, value = join(", ", parts), field.value(coef.value * inflate, rate, coef.time)
     least, most = field.span
     if least <= value <= most:
         return value, remark
-    return least if value < least else most, say(
-        "{value:.4g} is outside of what is accepted, {least:g} to {most:g}; {remark}",
-        value=value, least=least, most=most, remark=remark,
-    )  # fmt: skip
+    return least if value < least else most, say("{value:.4g} is outside of what is accepted, {least:g} to "
+                                                 "{most:g}; {remark}",
+                                                 value=value, least=least, most=most, remark=remark)  # fmt: skip
 
 
 def demand_how(target: Target, how: How) -> None:

@@ -39,11 +39,11 @@ def models_of(texts: Iterable[str]) -> list[Model]:
     >>> [str(model) for model in models_of(["adis16470 accelerometer"])]
     ['N = 0.037 m/s/sqrt(h), B = 19.57 ug']
     """
-    found: dict[str, Model] = {}
+    models: dict[str, Model] = {}
     for model in (model for text in texts for model in _described(text)):
         sensor = model.signal.name
-        found[sensor] = found[sensor] + model if sensor in found else model
-    return list(found.values())
+        models[sensor] = models[sensor] + model if sensor in models else model
+    return list(models.values())
 
 
 def _described(text: str) -> tuple[Model, ...]:
@@ -71,10 +71,10 @@ def load(
     files: Sequence[str], recipe: Recipe, models: Sequence[str], progress: Callable[[str, float], None] | None = None
 ) -> list[Source]:
     """What is to be exported: recordings are analyzed, results in JSON are read, models are taken as they are."""
-    found: list[Source] = []
+    sources: list[Source] = []
     for file in files:
         if not file.endswith(".json"):
-            found.append(analyze(file, recipe, progress=progress))
+            sources.append(analyze(file, recipe, progress=progress))
             continue
         try:
             data = json.loads(Path(file).read_text("utf-8"))
@@ -83,10 +83,10 @@ def load(
         except (ValueError, RecursionError):
             raise DataError(f"{file} is damaged: it is not JSON; write the result again") from None
         try:
-            found.append(from_dict(data))
+            sources.append(from_dict(data))
         except AllaniteError as error:
             raise DataError(f"{file} is no complete result of allanite ({error}); write it again") from None
-    return [*found, *models_of(models)]
+    return [*sources, *models_of(models)]
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,16 +107,14 @@ class Explanation(Value):
         rows = [row_of_file(self.target)] if self.target else list(EXPORTS.values())
         return [
             {
-                "name": row.name,
-                "title": row.title,
+                "name": row.name, "title": row.title,
                 "fields": [
                     {"name": f.full, "sensor": f.sensor, "unit": f.unit, "formula": f.formula} for f in row.fields
                 ],
-                "notes": list(row.notes),
-                "source": row.source,
+                "notes": list(row.notes), "source": row.source,
             }
             for row in rows
-        ]
+        ]  # fmt: skip
 
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
@@ -198,19 +196,19 @@ def read_noise(path: PathLike, target: str, *, rate: float | None = None) -> Imp
 def noise_in(text: str, target: Target, rate: float | None, name: str = "the text") -> Imported:
     """The noise in the text of a file."""
     plain = re.sub(target.comments, "", text)
-    stated = next((found[0] for key in _RATES if target.rated and (found := numbers(plain, key))), None)
+    stated = next((each[0] for key in _RATES if target.rated and (each := numbers(plain, key))), None)
     rate = target.rate(stated or rate, None)
     values = {field: numbers(section_of(plain, field, target), field.name) for field in target.fields}
     if not any(values.values()):
         wanted = ", ".join(field.name for field in target.fields)
         raise DataError(f"{name!r} has none of the fields of {target.name}: {wanted}")
-    if rate is None and any(found and field.rate for field, found in values.items()):
+    if rate is None and any(each and field.rate for field, each in values.items()):
         raise UsageError(
             f"the fields of {target.name} are of discrete time: give the sampling rate, "
             + spelled("--rate HZ", "rate=...")
         )
     # the correlation time of a sensor, or the one that both have in common, s
-    own = {f.sensor: max(found) * unit_of(f.unit).factor for f, found in values.items() if found and not f.term}
+    own = {f.sensor: max(each) * unit_of(f.unit).factor for f, each in values.items() if each and not f.term}
     times = {sensor: own.get(sensor, next(iter(own.values()))) for sensor in _SENSORS} if own else {}
     models = [_model(sensor, values, rate or 1.0, times.get(sensor, LONG)) for sensor in _SENSORS]
     return Imported(target.name, models[0], models[1], rate, times)
@@ -226,7 +224,7 @@ def _correlated(model: Model, time: float) -> Model:
 
 
 def _model(sensor: str, values: dict[TargetField, list[float]], rate: float, time: float) -> Model | None:
-    largest = {f: max(found) for f, found in values.items() if found and f.sensor == sensor and f.term}
+    largest = {f: max(each) for f, each in values.items() if each and f.sensor == sensor and f.term}
     signal = signal_named(sensor)
     terms = [Term(f.term, f.coefficient(size, rate, time), signal) for f, size in largest.items() if size > 0]
     return Model(tuple(terms)) if terms else None
@@ -250,5 +248,5 @@ def numbers(text: str, name: str) -> list[float]:
     >>> numbers("gyr_n: 1.0e-3", "gyr_n"), numbers('{"RandomWalk": [1, 2, 3]}', "RandomWalk")
     ([0.001], [1.0, 2.0, 3.0])
     """
-    found = re.search(rf"(?<![\w]){re.escape(name)}(?![\w.]){_VALUES}", text)
-    return [] if found is None else [float(number) for number in re.findall(_NUMBER, found[1] or found[2])]
+    match = re.search(rf"(?<![\w]){re.escape(name)}(?![\w.]){_VALUES}", text)
+    return [] if match is None else [float(number) for number in re.findall(_NUMBER, match[1] or match[2])]

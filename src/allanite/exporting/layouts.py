@@ -75,13 +75,13 @@ class JsonLayout:
 
     def __call__(self, content: Content) -> str:
         """The file."""
-        found: dict[str, Any] = {}
+        sections: dict[str, Any] = {}
         for section in dict.fromkeys(entry.section for entry in content.entries):
             entries = content.of(section)
             values = {e.name: list(spread(e.values)) if self.each else e.values[0] for e in entries}
-            found[section] = {**values, **dict(self.extra)}
+            sections[section] = {**values, **dict(self.extra)}
         if self.rate:
-            found[self.rate] = content.rate
+            sections[self.rate] = content.rate
         remarks = [f"{entry.section} {entry.name}: {told(entry)}" for entry in content.entries]
-        whole = {self.root: found} if self.root else found
+        whole = {self.root: sections} if self.root else sections
         return json_text({**whole, "comment": [*content.header, *remarks]}, indent=2) + "\n"

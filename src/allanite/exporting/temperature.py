@@ -102,10 +102,8 @@ def temperature_parameters(study: CompensationStudy, target: str, *, instance: i
     suffix, layout = next(iter(row.forms.items()))
     content = Content(tuple(head), tuple(entries.values()), (), None)
     text = replace(layout, start=tuple(dict.fromkeys(enable)))(content)
-    return Export(
-        row.name, suffix, text, entries=content.entries, notes=(*notes, *row.notes), alerts=alerts,
-        rejected=study.rejected, recipe=study.choices(), provenance=study.provenance,
-    )  # fmt: skip
+    return Export(row.name, suffix, text, entries=content.entries, notes=(*notes, *row.notes), alerts=alerts,
+                  rejected=study.rejected, recipe=study.choices(), provenance=study.provenance)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -181,15 +179,15 @@ def _entries(row: ThermalTarget, sensor: str, own: Sequence[_Axis], prefix: str)
     for name, formula, value, remark in limits:
         yield Entry(prefix + name, sensor, "", "degC", formula, (value,), channel, remark)
     axes = {axis.axis: axis for axis in own if axis.sensor == sensor}
-    found = {axis: polynomial(of.regression, row.order, reference) for axis, of in axes.items()}
+    polynomials = {axis: polynomial(of.regression, row.order, reference) for axis, of in axes.items()}
     unit = f"{1 / row.scale:g} {signal_named(sensor).unit}".removeprefix("1 ")
     for power in range(0 if row.constant else 1, row.order + 1):
         per = "" if power == 0 else f"/degC^{power}".removesuffix("^1")
         for axis, spelling in zip(AXES, row.axes, strict=True):
             name = prefix + row.coefficient.format(sensor=row.letters[sensor], power=power, axis=spelling)
             value, names, remark = 0.0, list[str](), say("no effect is shown, or there is no record of this axis")
-            if axis in found:
-                value, error = (float(numbers[power]) * row.scale for numbers in found[axis])
+            if axis in polynomials:
+                value, error = (float(numbers[power]) * row.scale for numbers in polynomials[axis])
                 names = [axes[axis].name]
                 remark = say("standard error {error:.2g}", error=error) if error else say("not in the fit")
             yield Entry(

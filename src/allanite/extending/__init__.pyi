@@ -25,6 +25,7 @@ from allanite.core.files import write as write
 from allanite.core.fit import Fit as Fit
 from allanite.core.fit import chance as chance
 from allanite.core.kinds import KINDS as KINDS
+from allanite.core.limits import NormalMixture as NormalMixture
 from allanite.core.limits import demand_level as demand_level
 from allanite.core.model import Model as Model
 from allanite.core.model import ModelLike as ModelLike

@@ -20,26 +20,9 @@ from allanite.readers.options import FrameLike
 from allanite.statistics import deviation
 from allanite.terms import TERMS
 
-from .curves.allan_hadamard import joint
-from .curves.gls import gls
-from .curves.leastsquares import least_squares, slopes, whole
-from .curves.nonnegative import nnls
-from .curves.piecewise import piecewise
 from .methods import METHODS, symbols_of
-from .search.identify import Pending, pending, whittle
+from .search.identify import Pending
 from .search.pooling import Together, together
-
-FITS: dict[str, Callable[..., Fit]] = {
-    "whittle": whittle,
-    "gls": gls,
-    "joint": joint,
-    "nnls": nnls,
-    "piecewise": piecewise,
-    "ls": least_squares,
-    "curve": whole,
-    "slopes": slopes,
-}
-"""The function of each of the `METHODS`: from a record or a curve, symbols and options to the fit."""
 
 
 class Choices(Sampling, total=False):
@@ -188,26 +171,23 @@ def started(  # noqa: PLR0913 - each is a choice of its own
     row = METHODS[name]
     symbols = symbols_of(terms)
     band = None if band == "auto" and "band" not in row.options else band  # no option was given
-    said = {"band": band, "masks": masks or None, "lines": None if lines else False, "ranges": ranges}
-    options: dict[str, Any] = {key: value for key, value in said.items() if value is not None}
+    given = {"band": band, "masks": masks or None, "lines": None if lines else False, "ranges": ranges}
+    options: dict[str, Any] = {key: value for key, value in given.items() if value is not None}
     _demand(name, symbols, options)
     if "rival" in row.options:
         options["rival"] = terms == "auto"
     readable = _source(source, name, statistic)
-    begin: Callable[..., Pending | Fit] = pending if name == "whittle" else FITS[name]
     if outliers == "mark" and isinstance(readable, Record):
-        found = robust.outliers(readable)
+        outlying = robust.outliers(readable)
         with one_thread():
-            search = begin(robust.marked(readable, found), symbols, **options)
-        if not found.at.size:
+            search = row.begin(robust.marked(readable, outlying), symbols, **options)
+        if not outlying.at.size:
             return Started(search)
-        note = say(
-            "{outliers}: excluded from the fit ({option} includes them)",
-            outliers=found.words(readable), option=spelled("--outliers keep", "outliers='keep'"),
-        )  # fmt: skip
+        note = say("{outliers}: excluded from the fit ({option} includes them)",
+                   outliers=outlying.words(readable), option=spelled("--outliers keep", "outliers='keep'"))  # fmt: skip
         return Started(search, (note,))
     with one_thread():
-        return Started(begin(readable, symbols, **options))
+        return Started(row.begin(readable, symbols, **options))
 
 
 def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> None:
@@ -215,11 +195,11 @@ def _demand(name: str, symbols: tuple[str, ...], options: dict[str, Any]) -> Non
     row = METHODS[name]
     for key in options:
         if key not in row.options:
-            have = ", ".join(repr(other) for other, one in METHODS.items() if key in one.options)
+            have = ", ".join(repr(other) for other, method in METHODS.items() if key in method.options)
             raise UsageError(f"{key} is for method {have}, not for {name!r}")
     shaped = [s for s in symbols if TERMS[s].parameters]
     if shaped and not row.shapes:
-        able = ", ".join(repr(other) for other, one in METHODS.items() if one.shapes)
+        able = ", ".join(repr(other) for other, method in METHODS.items() if method.shapes)
         raise UsageError(
             f"method {name!r} estimates coefficients only, and {shaped[0]} ({TERMS[shaped[0]].title}) has shape "
             f"parameters as well: use method {able}"
@@ -237,7 +217,7 @@ def _source(source: Record | Curve, name: str, statistic: str | None) -> Record 
         return source
     wanted = statistic or (source.statistic if isinstance(source, Curve) else row.statistic)
     if wanted not in row.allowed:
-        others = [other for other, one in METHODS.items() if wanted in one.allowed]
+        others = [other for other, method in METHODS.items() if wanted in method.allowed]
         able = f" (methods that fit {wanted}: {', '.join(others)})" if others else ""
         raise UsageError(f"method {name!r} fits {', '.join(row.allowed)}, not {wanted}{able}")
     if isinstance(source, Record):

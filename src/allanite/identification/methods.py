@@ -5,12 +5,18 @@ from dataclasses import dataclass
 
 from allanite.core.curve import Curve
 from allanite.core.errors import UsageError
+from allanite.core.fit import Fit
 from allanite.core.names import unknown
 from allanite.core.record import Record
 from allanite.phrases.phrase import say
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
+
+from .curves.gls import gls
+from .curves.leastsquares import joint, least_squares, nnls, whole
+from .curves.slopes import piecewise, slopes
+from .search.identify import Pending, pending
 
 
 @dataclass(frozen=True)
@@ -19,6 +25,7 @@ class Method:
 
     title: str
     takes: type  # whether it needs the record or a curve
+    begin: Callable[..., Pending | Fit]  # from that, symbols and options to the fit, or to a search for it
     # RMS error over the Cramer-Rao bound of the coefficients, smallest and largest, where that bound is at most 12 %,
     # measured with known terms (benchmarks/methods.py)
     efficiency: str
@@ -40,43 +47,44 @@ class Method:
 
 METHODS: dict[str, Method] = {
     "whittle": Method(
-        say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"), Record,
+        say("Whittle likelihood of binned cosine-transform powers, intervals averaged over models"), Record, pending,
         efficiency=say("0.93 to 1.14 times the Cramer-Rao bound"),
         options=("band", "masks", "lines", "rival"), shapes=True, signed=True, synonyms=("mle", "likelihood"),
     ),
     "gls": Method(
-        say("generalized least squares of a curve with the covariance of its points under the model"), Curve,
+        say("generalized least squares of a curve with the covariance of its points under the model"), Curve, gls,
         efficiency=say("0.96 to 1.19 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.readable and row.overlapped,
     ),
     "joint": Method(
-        say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"), Record,
+        say("non-negative fit of Allan and Hadamard variance together, weighted by degrees of freedom"), Record, joint,
         efficiency=say("0.96 to 1.38 times the Cramer-Rao bound"),
         statistic=say("{first} and {second}", first="oadev", second="ohdev"), taus="octave",
     ),
     "nnls": Method(
         say("non-negative least squares with equal relative weights up to T/10 (for comparison with programs)"),
-        Curve,
+        Curve, nnls,
         efficiency=say("1.11 to 9.73 times the Cramer-Rao bound"),
         statistic="oadev", taus="log", reads=lambda row: row.readable,
     ),
     "piecewise": Method(
-        say("lines of the textbook slopes through ranges of averaging times (for comparison)"), Curve,
+        say("lines of the textbook slopes through ranges of averaging times (for comparison)"), Curve, piecewise,
         efficiency=say("3.91 to 84.9 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.allan, options=("ranges",),
     ),
     "ls": Method(
-        say("unweighted least squares of the Allan variance (for comparison with papers)"), Curve,
+        say("unweighted least squares of the Allan variance (for comparison with papers)"), Curve, least_squares,
         efficiency=say("1.13 to 151 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),
     "curve": Method(
-        say("unweighted non-negative least squares of the whole curve as drawn (for comparison with papers)"), Curve,
+        say("unweighted non-negative least squares of the whole curve as drawn (for comparison with papers)"),
+        Curve, whole,
         efficiency=say("1.06 to 56.2 times the Cramer-Rao bound"),
         statistic="oadev", taus="log", reads=lambda row: row.allan or bool(row.parts), synonyms=("whole",),
     ),
     "slopes": Method(
-        say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve,
+        say("lines of the textbook slopes on the Allan deviation (for comparison)"), Curve, slopes,
         efficiency=say("1.85 to 65100 times the Cramer-Rao bound"),
         statistic="oadev", taus="octave", reads=lambda row: row.allan,
     ),

@@ -1,10 +1,8 @@
 """The Cramer-Rao bound of the coefficients of a model, without simulation."""
 
 import math
-import operator
-from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import reduce
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,15 +11,23 @@ from allanite.core.arrays import FloatArray
 from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, Term, usable_model
 from allanite.core.plain import Value
+from allanite.identification.checks.whitening import deviations
+from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.spectrum import SINGLE, BinnedSpectrum, edges_of
+from allanite.identification.likelihood.whittle import column, directions_of
 from allanite.phrases.phrase import join
-from allanite.terms import TERMS
+from allanite.prepare.gaps import whole
+from allanite.terms import TERMS, NoiseTerm, ramp_coefficients
 from allanite.terms.row import Parameter
 
-from .information import CoefficientGrid, Information, InformationPart, shape_parts
-from .transient import transient_errors
-
-MOST = 2**53
+MAX_SAMPLES = 2**53
 """Samples, at most: more are not told from each other in floating point."""
+
+STEP = 1.001
+"""Factor on the shape of a term by which its expected power is differentiated."""
+
+RESOLVED = 1e-13
+"""Eigenvalue of the scaled information, at least: below it are the rounding errors of the sums."""
 
 AUTO = "".join(symbol for symbol, row in TERMS.items() if row.automatic)
 """The default terms of `identify`."""
@@ -119,34 +125,73 @@ def bound(
     n, rate = size_and_rate(size, rate, duration)
     if n < 8:
         raise UsageError(f"a bound needs at least 8 samples, not {n}")
-    if n > MOST:
-        raise UsageError(f"{n:.3g} samples are too many for a bound; at most {MOST:.3g} are possible")
+    if n > MAX_SAMPLES:
+        raise UsageError(f"{n:.3g} samples are too many for a bound; at most {MAX_SAMPLES:.3g} are possible")
     noise = [t for t in model if t.row.waveform is None and t.value]
     if not noise:
         raise UsageError(f"{model} has no noise; without noise everything is known exactly")
     beside = _beside(model, terms)
     unknown = (model.drifts or any(t.row.waveform is not None for t in beside)) if ramp is None else ramp
-    grid = CoefficientGrid(n)
-    own = [InformationPart.of(t, rate, grid) for t in noise]
-    parts = [part for t, itself in zip(noise, own, strict=True) for part in (itself, *shape_parts(t, rate, grid))]
-    others = [InformationPart.of(t, rate, grid) for t in beside if t.row.waveform is None]
-    found = Information(grid, reduce(operator.add, own), ramp=unknown)
-    # relative standard errors of the coefficients: half of those of their squares
-    information = found.matrix([*parts, *others])
+    likelihood, theta = _expected(noise, [t for t in beside if t.row.waveform is None], n, rate, ramp=unknown)
+    errors = _errors(likelihood.information(theta))[: sum(1 + len(t.row.parameters) for t in noise)]
+    relative = dict(zip(_names(noise, model), errors, strict=True))
+    ramp_size = ramp_error(noise, n, rate, _edge(likelihood, theta)) if unknown else None
+    relative |= dict(_deterministic(model, noise, ramp_size, n, rate))
+    slope = None if ramp_size is None else ramp_size * rate
+    return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope)
+
+
+def _expected(
+    noise: Sequence[Term], beside: Sequence[Term], n: int, rate: float, *, ramp: bool
+) -> tuple[Likelihood, FloatArray]:
+    """The likelihood of a record that is not there yet, and theta: 1 for each term, 0 for what stands beside them.
+
+    Behind the column of a term come those of the changes with the logarithm of each of its parameters, halved: the
+    other columns are of squares of coefficients, whose errors are halved.
+    """
+    edges, none = edges_of(n), np.zeros(0)
+    first, nothing = edges[:-1], np.zeros(edges.size - 1)
+    spectrum = BinnedSpectrum(
+        n, rate, first, np.diff(edges), nothing, nothing, first, nothing, nothing,
+        ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n), 0.0, whole(n), 1.0, none,
+    )  # fmt: skip
+    UU, Uc = directions_of(spectrum, ramp)
+    flat = np.arange(UU.shape[1]) >= 2
+
+    def power(t: Term) -> FloatArray:
+        """Expected power of a term in the bins, and behind them the variance along each direction."""
+        row = t.sampled(rate)
+        return t.power(rate) * np.append(column(row, spectrum), np.where(flat, 0.0, 2 * (row.edge + row.ends)))
+
+    columns, theta = [], []
+    for t in noise:
+        moved = ((i, x * STEP, x / STEP) for i, x in enumerate(t.shape))
+        shapes = [[replace(t, shape=(*t.shape[:i], x, *t.shape[i + 1 :])) for x in both] for i, *both in moved]
+        columns += [power(t), *((power(more) - power(less)) / (4 * math.log(STEP)) for more, less in shapes)]
+        theta += [1.0] + [0.0] * len(shapes)
+    columns += [power(t) for t in beside]
+    S, W = np.split(np.column_stack(columns), [first.size])
+    return Likelihood(S, nothing, spectrum.told, UU, Uc, W, flat), np.array(theta + [0.0] * len(beside))
+
+
+def _edge(likelihood: Likelihood, theta: FloatArray) -> float:
+    """Variance of the odd half of both ends, given the coefficients above the lowest ones."""
+    variance = float(likelihood.W[1] @ theta)
+    told = likelihood.UU[SINGLE:, 1, 1] / likelihood.expectation(theta)[SINGLE:]
+    return variance / (1 + variance * float(told.sum()))
+
+
+def _errors(information: FloatArray) -> FloatArray:
+    """Relative standard errors of coefficients, half of those of their squares; infinite where nothing tells of one."""
     scale = np.sqrt(np.diag(information))
-    scaled = information / np.where(scale > 0, scale, math.nan) / np.where(scale > 0, scale, math.nan)[:, None]
-    values, vectors = np.linalg.eigh(np.where(np.isfinite(scaled), scaled, np.eye(scale.size)))
-    known = values > 1e-13  # below that are the rounding errors of the sums
+    size = np.where(scale > 0, scale, 1.0)
+    values, vectors = np.linalg.eigh(
+        np.where(scale * scale[:, None] > 0, information / size / size[:, None], np.eye(size.size))
+    )
+    known = values > RESOLVED
     variance = (vectors[:, known] ** 2 / values[known]).sum(axis=1)
     lost = (vectors[:, ~known] ** 2).sum(axis=1) > 1e-12
-    errors = np.where(lost | (scale == 0), math.inf, np.sqrt(variance) / np.where(scale > 0, 2 * scale, 1.0))[
-        : len(parts)
-    ]
-    relative = dict(zip(_names(noise, model), errors, strict=True))
-    ramp_error = found.ramp if unknown else None
-    relative |= dict(_deterministic(model, noise, ramp_error, n, rate))
-    slope = None if ramp_error is None else ramp_error * rate
-    return Bound(model, n, rate, tuple(relative), np.array(list(relative.values())), slope)
+    return np.where(lost | (scale == 0), math.inf, np.sqrt(variance) / (2 * size))
 
 
 def _beside(model: Model, terms: str) -> list[Term]:
@@ -195,14 +240,78 @@ def _deterministic(
             yield from zip(_names([t], model), transient_errors(t, noise, n, rate), strict=True)
         elif t.row.periodic:
             frequency, duration = t.shape[0], n / rate
-            seen = abs(frequency - rate * round(frequency / rate))  # sampling folds it
+            folded = abs(frequency - rate * round(frequency / rate))  # sampling folds it
             amplitude = abs(t.value * np.sinc(frequency / rate))
             errors = math.inf, math.inf
-            if seen * duration >= 1 and amplitude:  # else there is no whole period
+            if folded * duration >= 1 and amplitude:  # else there is no whole period
                 random = Model(tuple(part for part in model if part.row.waveform is None))
-                density = float(random.spectrum(np.array([seen]), 1 / rate)[0])
+                density = float(random.spectrum(np.array([folded]), 1 / rate)[0])
                 relative = math.sqrt(2 * density / duration) / amplitude
                 errors = relative, math.sqrt(6 * density / duration**3) / (math.pi * amplitude * frequency)
             yield from zip(_names([t], model)[:2], errors, strict=True)
         elif ramp is not None and t.row.waveform is not None:
             yield name_of(t, model), ramp / abs(t.value * rate**t.row.power) if t.value else math.inf
+
+
+TIME_STEP = 1.001
+"""Factor on the time constant by which the waveform is differentiated."""
+
+MIXING_NODES = 200
+"""Nodes of Gauss's rule for the covariance of two coefficients."""
+
+LOWEST = SINGLE
+"""Coefficients of the cosine transform that tell of a ramp, whose power falls as k^-4."""
+
+
+def ramp_error(noise: Sequence[Term], n: int, rate: float, edge: float) -> float:
+    """Standard error of a ramp beside known noise and an unknown bias, in the unit of the rate per sample.
+
+    `edge` is the variance of what quantization does at both ends of the record, as far as higher coefficients leave it.
+    """
+    k = np.arange(1.0, min(LOWEST, n - 1) + 1)
+    end = np.sqrt(2 / n) * np.cos(np.pi / (2 * n) * k) * (k % 2)  # the odd half of both ends
+    covariance = edge * np.outer(end, end)
+    for t in noise:
+        row = t.sampled(rate)
+        covariance += t.power(rate) * (np.diag(row.dct(k, n)) + mixing(row, k.size, n))
+    size, ramp = np.sqrt(np.diag(covariance)), ramp_coefficients(k, n)
+    return float((ramp / size @ np.linalg.solve(covariance / np.outer(size, size), ramp / size)) ** -0.5)
+
+
+def mixing(row: NoiseTerm, block: int, n: int) -> FloatArray:
+    """Covariance of the coefficients 1 .. block of n rates, except for its diagonal, shape (block, block).
+
+    With c(h) = D''(h) / 2 the covariance of rates, ``2 n int_0^1 A_kl(u) c(n u) du`` for k, l of equal parity, where
+
+        A_kl(u) = (2 / pi) (k sin(pi k u) - l sin(pi l u)) / (l^2 - k^2)
+
+    is the correlation of the two cosines at the distance u. It is zero for white noise and for random walks.
+    """
+    v, weight = np.polynomial.legendre.leggauss(MIXING_NODES)
+    v, weight = (v + 1) / 2, weight / 2
+    u = v**2  # a logarithm at u = 0 becomes smooth
+    k = np.arange(1.0, block + 1)
+    waves = k * (np.sin(math.pi * np.outer(u, k)).T @ (2 * v * weight * row.derivative(2, n * u)))
+    apart = k[None, :] ** 2 - k[:, None] ** 2
+    both = (np.subtract.outer(k, k) % 2 == 0) & (apart != 0)
+    return np.where(both, n * 2 / math.pi * (waves[:, None] - waves[None, :]) / np.where(both, apart, 1.0), 0.0)
+
+
+def transient_errors(t: Term, noise: Sequence[Term], n: int, rate: float) -> tuple[float, ...]:
+    """Relative standard errors of size and time constant beside known noise and an unknown bias."""
+    from scipy.fft import dct
+
+    at, deviation = deviations(Model(tuple(noise)), whole(n), rate)
+    scale = np.interp(np.arange(1.0, n), at, deviation)
+
+    def seen(factor: float) -> FloatArray:
+        wave = replace(t, shape=(t.shape[0] * factor,)).sampled(rate).waveform
+        assert wave is not None  # noqa: S101 - a warm-up has one
+        return np.asarray(t.value * dct(wave(n), norm="ortho")[1:] / scale)
+
+    slopes = np.stack((seen(1.0), (seen(TIME_STEP) - seen(1 / TIME_STEP)) / (2 * math.log(TIME_STEP))))
+    information = slopes @ slopes.T
+    if not np.linalg.det(information) > 0:
+        return math.inf, math.inf
+    size, time = np.sqrt(np.diag(np.linalg.inv(information))).tolist()
+    return size, time

@@ -122,16 +122,16 @@ class DataSheet(Value):
         Typical values are preferred to maxima, quantities are tried in the order of `QUANTITIES`, and of several axes,
         ranges or modes the largest value is used.
         """
-        order, found = list(QUANTITIES), dict[str, Claim]()
+        order, claims = list(QUANTITIES), dict[str, Claim]()
         mine = [claim for claim in self.claims if claim.sensor == sensor and claim.term is not None]
         for claim in sorted(mine, key=lambda c: (c.limit == "maximum", order.index(c.quantity), -c.value)):
-            found.setdefault(QUANTITIES[claim.quantity].symbol, claim)
+            claims.setdefault(QUANTITIES[claim.quantity].symbol, claim)
         symbols = dict.fromkeys(how.symbol for how in QUANTITIES.values())
-        return tuple(found[symbol] for symbol in symbols if symbol in found)
+        return tuple(claims[symbol] for symbol in symbols if symbol in claims)
 
     def model(self, sensor: str) -> Model | None:
         """The noise of a sensor: N and B, where they are printed; None if nothing is."""
-        terms = [found for claim in self.used(sensor) if (found := claim.term) is not None]
+        terms = [term for claim in self.used(sensor) if (term := claim.term) is not None]
         return Model(terms) if terms else None
 
 
@@ -183,10 +183,10 @@ def claimed(text: str) -> tuple[Model, ...]:
     """
     name, _, sensor = text.strip().rpartition(" ") if text.strip().endswith(SENSOR_TYPES) else (text, "", "")
     sheet = data_sheet_named(name)
-    found = tuple(filter(None, (sheet.model(sensor),))) if sensor else sheet.models
-    if not found:
+    models = tuple(filter(None, (sheet.model(sensor),))) if sensor else sheet.models
+    if not models:
         raise UsageError(f"the data sheet of the {sheet.name} says nothing of the noise of its {sensor or 'sensors'}")
-    return found
+    return models
 
 
 SENSORS: dict[str, str] = {

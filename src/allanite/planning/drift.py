@@ -156,11 +156,11 @@ def _sum(response: Response, t: float, window: float, D: Callable[[FloatArray], 
     whole, r = p.whole, p.bias / window if window else 0.0
     end, last, before = D(np.array([t, window, t + window])).tolist()
     inner = D(p.h)
-    found = -0.5 * p.pairs @ inner - at * (p.recent @ inner)
-    found += (whole + r) * (at * end + p.early @ inner)
+    variance = -0.5 * p.pairs @ inner - at * (p.recent @ inner)
+    variance += (whole + r) * (at * end + p.early @ inner)
     if window:
-        found += r * ((whole + r) * last - at * before - p.early @ D(p.h + window))
-    return max(float(found), 0.0)
+        variance += r * ((whole + r) * last - at * before - p.early @ D(p.h + window))
+    return max(float(variance), 0.0)
 
 
 def _sinusoid(response: Response, t: float, window: float, w: float) -> float:
@@ -180,7 +180,7 @@ def _moment(k: int, u: complex, t: float | FloatArray) -> NDArray[np.complex128]
     if not u:
         return np.asarray(near)
     whole = np.exp(z)
-    found = (whole - 1) / u
+    integral = (whole - 1) / u
     for j in range(1, k + 1):
-        found = (t**j * whole - j * found) / u
-    return np.where(np.abs(z) < SMALL, near, found)
+        integral = (t**j * whole - j * integral) / u
+    return np.where(np.abs(z) < SMALL, near, integral)

@@ -105,13 +105,13 @@ def term_checks(truth: Model, fits: Sequence[Fit], least: Bound, level: float) -
     """The check of each term that was looked for, then of each time constant that was found."""
     true, duration = compared(truth), least.size / least.rate
     for symbol in sought(fits):
-        seen = [_seen(symbol, fit, true.get(symbol), duration) for fit in fits]
-        values, intervals, claimed = zip(*seen, strict=True)
+        triples = [_seen(symbol, fit, true.get(symbol), duration) for fit in fits]
+        values, intervals, claimed = zip(*triples, strict=True)
         limits = np.array([(math.nan, math.nan) if interval is None else interval(level) for interval in intervals])
         own = true.get(symbol) or Term(symbol, 0.0, truth.signal)
         known = least[symbol] if own.value else math.nan
-        found = np.array(values), limits[:, 0], limits[:, 1], np.array(claimed)
-        yield TermCheck(symbol, own.signal, own.value, known, *found)
+        columns = np.array(values), limits[:, 0], limits[:, 1], np.array(claimed)
+        yield TermCheck(symbol, own.signal, own.value, known, *columns)
     for t in true.values():
         for i in range(max((len(e.shape) for fit in fits for e in fit if _shaped(e, t)), default=0)):
             yield _shape_check(t, i, fits, level, least)
@@ -136,11 +136,11 @@ def _shaped(e: Estimate, true: Term) -> bool:
 def _shape_check(true: Term, which: int, fits: Sequence[Fit], level: float, least: Bound) -> TermCheck:
     """A time constant: of the records in which its term was found."""
     name = join(" ", (true.symbol, parameter_title(true.row.parameters[which])))
-    found = [next((e for e in fit if _shaped(e, true)), None) for fit in fits]
+    estimates = [next((e for e in fit if _shaped(e, true)), None) for fit in fits]
     nothing = (math.nan, math.nan)
-    limits = np.array([e.shape_limits(level)[which] if e and e.shape_limits else nothing for e in found])
-    value = np.array([e.shape[which] if e else math.nan for e in found])
-    claimed = np.array([e is not None for e in found])
+    limits = np.array([e.shape_limits(level)[which] if e and e.shape_limits else nothing for e in estimates])
+    value = np.array([e.shape[which] if e else math.nan for e in estimates])
+    claimed = np.array([e is not None for e in estimates])
     return TermCheck(name, true.signal, true.shape[which], least[name], value, limits[:, 0], limits[:, 1], claimed)
 
 
@@ -236,27 +236,21 @@ class SelfCheck(Value):
         """
         sentences: list[str] = []
         for c in self.terms:
-            found, error = c.found
+            share, error = c.found
             # what is measured, its limit, and on which side of it (1: above, -1: below) it is wrong
             judged = [(say("coverage"), c.coverage, coverage, -1)]
             if c.truth:
                 size, its = c.bias
                 judged.append((say("bias of the estimate"), (abs(size), its), bias, 1))
-                judged.append((say("missed in"), (1 - found, error), missed, 1))
+                judged.append((say("missed in"), (1 - share, error), missed, 1))
             else:
-                judged.append((say("falsely found in"), (found, error), false, 1))
+                judged.append((say("falsely found in"), (share, error), false, 1))
             sentences += [
-                say(
-                    "{term}: {what} {measured:.3g} +- {error:.2g} %, limit {limit:.3g} %",
-                    term=c.symbol,
-                    what=what,
-                    measured=100 * measured,
-                    error=100 * scatter,
-                    limit=100 * limit,
-                )
+                say("{term}: {what} {measured:.3g} +- {error:.2g} %, limit {limit:.3g} %",
+                    term=c.symbol, what=what, measured=100 * measured, error=100 * scatter, limit=100 * limit)
                 for what, (measured, scatter), limit, sign in judged
                 if sign * (measured - limit) > 2 * scatter
-            ]
+            ]  # fmt: skip
         return sentences
 
 

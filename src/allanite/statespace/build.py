@@ -61,11 +61,11 @@ def flicker_sum(tau: tuple[float, float], *, ripple: float = 0.02, order: int | 
     if not ripple > 0:
         raise UsageError(f"the ripple must be above 0, not {ripple!r}")
     for k in range(1, MOST + 1) if order is None else (order,):
-        found = _best_span(low, high, k)
-        if order is not None or found.ripple <= ripple:
-            return found
+        span = _best_span(low, high, k)
+        if order is not None or span.ripple <= ripple:
+            return span
     raise UsageError(
-        f"{MOST} processes leave a ripple of {100 * found.ripple:.2g} % between {low:g} and {high:g} s; allow a "
+        f"{MOST} processes leave a ripple of {100 * span.ripple:.2g} % between {low:g} and {high:g} s; allow a "
         "larger ripple, or use a shorter range"
     )
 
@@ -98,10 +98,10 @@ def _best_span(low: float, high: float, k: int) -> MarkovSum:
         return fitted(0.0)
     # beyond the range a process helps little; within it, at most so far that the two ends meet
     limit = 0.45 * math.log(high / low)
-    found = minimize_scalar(
+    best = minimize_scalar(
         lambda x: fitted(float(x)).ripple, bounds=(-min(limit, 2.0), 2.0), method="bounded", options={"xatol": 0.01}
     )
-    return fitted(float(found.x))
+    return fitted(float(best.x))
 
 
 def allan_variance(tau: FloatArray, T: float) -> FloatArray:
@@ -124,13 +124,9 @@ class StepMatrices:
     def then(self, other: "StepMatrices") -> "StepMatrices":
         """These steps, and then those."""
         A, c = other.A, other.c
-        return StepMatrices(
-            A=A @ self.A,
-            c=self.c + c @ self.A,
-            Qww=A @ self.Qww @ A.T + other.Qww,
-            Qwn=A @ (self.Qww @ c + self.Qwn) + other.Qwn,
-            qnn=float(self.qnn + c @ self.Qww @ c + 2 * c @ self.Qwn + other.qnn),
-        )
+        return StepMatrices(A=A @ self.A, c=self.c + c @ self.A, Qww=A @ self.Qww @ A.T + other.Qww,
+                            Qwn=A @ (self.Qww @ c + self.Qwn) + other.Qwn,
+                            qnn=float(self.qnn + c @ self.Qww @ c + 2 * c @ self.Qwn + other.qnn))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,21 +147,21 @@ class Matrices:
         """
         h = self.H[0]
         noise = self.Qd @ h
-        one = StepMatrices(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))
-        found = []
+        single = StepMatrices(self.Phi, h @ self.Phi, self.Qd, noise, float(h @ noise + self.R[0, 0]))
+        powers = []
         for factor in m.tolist():
             # so many steps, by doubling
-            steps, doubled, left = None, one, factor
-            while left:
-                if left & 1:
+            steps, doubled, remaining = None, single, factor
+            while remaining:
+                if remaining & 1:
                     steps = doubled if steps is None else steps.then(doubled)
-                left >>= 1
-                doubled = doubled.then(doubled) if left else doubled
+                remaining >>= 1
+                doubled = doubled.then(doubled) if remaining else doubled
             assert steps is not None  # noqa: S101 - the factor is at least 1
             start = steps.c @ (steps.A - np.eye(len(self.P0)))
             variance = start @ self.P0 @ start + steps.c @ steps.Qww @ steps.c - 2 * steps.c @ steps.Qwn + 2 * steps.qnn
-            found.append(variance / (2 * factor**2))
-        return np.array(found)
+            powers.append(variance / (2 * factor**2))
+        return np.array(powers)
 
 
 def equivalent(model: Model, fitted: MarkovSum | None) -> Model:

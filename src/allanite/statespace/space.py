@@ -94,14 +94,14 @@ class StateSpace(Value):
 
     @classmethod
     def _stored(cls, data: dict[str, Any]) -> "StateSpace":
-        found = super()._stored(data)
+        space = super()._stored(data)
         # a list of no rows does not say that it has no columns either
-        square = {n: getattr(found, n) for n in ("Phi", "Qd", "P0", "F", "Qc")}
+        square = {n: getattr(space, n) for n in ("Phi", "Qd", "P0", "F", "Qc")}
         orders = {n: math.isqrt(matrix.size) for n, matrix in square.items()}
         if any(matrix.size != orders[n] ** 2 for n, matrix in square.items()):
             raise StoredError("a matrix is not square")
         square = {n: matrix.reshape((orders[n], orders[n])) for n, matrix in square.items()}
-        return replace(found, H=found.H.reshape(1, -1), **square)
+        return replace(space, H=space.H.reshape(1, -1), **square)
 
     def _summary(self) -> str:
         return f"{', '.join(self.states) or 'no states'} at {self.rate:g} Hz: {self.model}"
@@ -181,18 +181,11 @@ def state_space(
     F, Qc = continuous(blocks)
     return StateSpace(
         **vars(built),
-        F=F,
-        Qc=Qc,
-        states=tuple(name for name, _ in names),
-        units=tuple(model.signal.si[power] for _, power in names),
-        rate=float(rate),
-        measurement=chosen,
-        model=model,
-        equivalent=replaced,
-        tau=(low, high),
-        ripple=float(np.abs(off).max()),
+        F=F, Qc=Qc, states=tuple(name for name, _ in names),
+        units=tuple(model.signal.si[power] for _, power in names), rate=float(rate), measurement=chosen, model=model,
+        equivalent=replaced, tau=(low, high), ripple=float(np.abs(off).max()),
         notes=tuple(_notes(every, fitted, (low, high), turn_on)),
-    )
+    )  # fmt: skip
 
 
 def _chosen(measurement: str, blocks: list[Block], white: FloatArray, how: tuple[Model, float, float]) -> str:
@@ -218,16 +211,12 @@ def _factors(low: float, high: float, rate: float) -> IntArray:
 def _notes(blocks: list[Block], fitted: MarkovSum | None, tau: tuple[float, float], turn_on: float) -> Iterator[str]:
     if fitted is not None:
         k = int((fitted.sizes > 0).sum())
-        yield say_count(
-            k,
-            "flicker is approximated by {count} Gauss-Markov process, within {ripple:.2g} % of its Allan deviation "
-            "from {low:g} to {high:g} s; below, its power is too small, and beyond, the bias drifts no further",
-            "flicker is approximated by {count} Gauss-Markov processes, within {ripple:.2g} % of its Allan deviation "
-            "from {low:g} to {high:g} s; below, its power is too small, and beyond, the bias drifts no further",
-            ripple=100 * fitted.ripple,
-            low=tau[0],
-            high=tau[1],
-        )
+        yield say_count(k, "flicker is approximated by {count} Gauss-Markov process, within {ripple:.2g} % of its "
+                        "Allan deviation from {low:g} to {high:g} s; below, its power is too small, and beyond, the "
+                        "bias drifts no further",
+                        "flicker is approximated by {count} Gauss-Markov processes, within {ripple:.2g} % of its "
+                        "Allan deviation from {low:g} to {high:g} s; below, its power is too small, and beyond, the "
+                        "bias drifts no further", ripple=100 * fitted.ripple, low=tau[0], high=tau[1])  # fmt: skip
     yield from dict.fromkeys(block.note for block in blocks if block.note)
     if not turn_on:
         yield say("the turn-on bias is not part of the noise: it is 0 in P0 unless given (turn_on)")

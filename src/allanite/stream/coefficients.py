@@ -14,17 +14,16 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.curve import Curve, Law
+from allanite.core.curve import Curve, DerivedLaw, Law
 from allanite.core.errors import DataError
 from allanite.core.estimate import Averaged
 from allanite.core.fit import Fit
 from allanite.core.limits import Remembered
 from allanite.core.model import ModelLike, model_of
-from allanite.core.plain import Portable
 from allanite.core.record import SHORTEST
 from allanite.core.validity import Band, demand_band
 from allanite.identification.likelihood.spectrum import (
-    ROUNDING,
+    ROUNDING_SHARE,
     SINGLE,
     BinnedSpectrum,
     edges_of,
@@ -95,8 +94,12 @@ def curve_of(stream: "Accumulator", noise: ModelLike | Fit | None) -> Curve:
 
 def law_of(
     row: Statistic, q: IntArray, level: IntArray, seen: tuple[IntArray, float], noise: Averaged | Literal["auto"]
-) -> "StrideLaw":
-    """The law of points from their numbers of windows and the sampling rate, under models."""
+) -> DerivedLaw:
+    """The law of points from their numbers of windows and the sampling rate, under models.
+
+    Windows that start every 2^k samples, of an angle that is taken there only, are the windows at every sample of a
+    record with 2^k times the sample interval, for which everything is known exactly.
+    """
     assert isinstance(noise, Averaged)  # noqa: S101 - `curve_of` takes models only
     count, rate = seen
     per, fixed = row.span
@@ -106,23 +109,7 @@ def law_of(
         here = q[(level == k) & (size == n)]
         points = CurvePoints(row, here, [(n, 1)], n, rate / 2.0**k, 0.5)
         parts.append(AveragedLaw(points, noise, np.ones((len(noise), here.size))))
-    return StrideLaw(tuple(parts))
-
-
-@dataclass(frozen=True, eq=False)
-class StrideLaw(Portable):
-    """The laws of the levels one after the other.
-
-    Windows that start every 2^k samples, of an angle that is taken there only, are the windows at every sample of a
-    record with 2^k times the sample interval, for which everything is known exactly.
-    """
-
-    parts: tuple[Law, ...]
-
-    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Degrees of freedom and limits over the variance; see `Curve`."""
-        edf, low, high = (np.concatenate(each) for each in zip(*(part(level) for part in self.parts), strict=True))
-        return edf, low, high
+    return DerivedLaw(tuple(parts))
 
 
 FULL = 0.5
@@ -141,7 +128,7 @@ def search_in(
     if stream.size < SHORTEST:
         raise DataError(say("{count} samples are {too_few}", count=stream.size, too_few=FEW))
     seen = spectrum_of(stream, detrend=deterministic(symbols))
-    return pending_of(seen, (stream.like.name, stream.like.signal), symbols, band, masks=masks, rival=terms == "auto")
+    return pending_of(seen, stream.like, symbols, band, masks=masks, rival=terms == "auto")
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,7 +213,7 @@ def spectrum_of(stream: "Accumulator", *, detrend: bool) -> BinnedSpectrum:
     whole = Gaps(n * width, gaps.at * width, gaps.lost * width, gaps.shut)
     return BinnedSpectrum(
         size=n * width, rate=stream.like.rate, first=first, count=count,
-        power=np.maximum(power, ROUNDING * float(power.mean())), peak=np.append(peak, none),
+        power=np.maximum(power, ROUNDING_SHARE * float(power.mean())), peak=np.append(peak, none),
         peak_at=np.append(peak_at, upper.first).astype(np.int64),
         even=np.append(even, none), odd=np.append(odd, none), ramp=ramp * wide, slope=slope / wide, gaps=whole,
         unit_factor=stream.like.rate_factor, times=(left + 0.5) * width, pieces=ladder,

@@ -3,16 +3,17 @@
 from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
 from allanite.core.choices import needing_all
-from allanite.core.curve import Curve, Law
+from allanite.core.curve import Curve, DerivedLaw
 from allanite.core.errors import UsageError
 from allanite.core.fit import Fit
-from allanite.core.plain import Header, Portable
+from allanite.core.plain import Header
 from allanite.core.ranges import demand_pieces
 from allanite.core.record import Record
 from allanite.core.validity import Quality
@@ -159,19 +160,6 @@ class Inspected:
         ]
 
 
-@dataclass(frozen=True, eq=False)
-class Some(Portable):
-    """The law of some points of a curve."""
-
-    law: Law
-    at: IntArray
-
-    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Degrees of freedom and limits over the variance; see `Curve`."""
-        edf, low, high = self.law(level)
-        return edf[self.at], low[self.at], high[self.at]
-
-
 def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:
     """The points of a curve that are asked for."""
     if m is None and isinstance(taus, str):
@@ -184,7 +172,7 @@ def chosen(curve: Curve, taus: Taus, m: tuple[int, ...] | None = None) -> Curve:
                 raise UsageError(_not_there(one, curve.m, ""))
         at = np.flatnonzero(np.isin(curve.m, factors))
     parts = {name: getattr(curve, name)[at] for name in ("m", "tau", "variance", "count", "factor")}
-    return replace(curve, **parts, law=None if curve.law is None else Some(curve.law, at))
+    return replace(curve, **parts, law=None if curve.law is None else DerivedLaw((curve.law,), itemgetter(at)))
 
 
 def demand_sums(settings: Any) -> None:

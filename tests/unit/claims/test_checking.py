@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.rows import rows
+from tests.rows import refused, rows
 
 import allanite as al
 from allanite.claims.result import AGREES, CONTRADICTS, DIFFERS, EXCEEDS, NOT_SHOWN, UNCLAIMED
@@ -118,17 +118,14 @@ def test_a_bias_that_is_missing_is_said(recording):
     assert "the bias is not added to the samples" in cause.words
 
 
-@rows(
-    ("claim", "options", "expected"),
-    [
-        ("N 1.5 deg/sqrt(h)", {"at_most": True}, {"N": AGREES, "curve": EXCEEDS}),
-        ("N 1.5 deg/sqrt(h), K 600 deg/h/sqrt(h)", {"at_most": True}, {"N": AGREES, "K": AGREES, "curve": AGREES}),
-        ("N 0.9 deg/sqrt(h), K 600 deg/h/sqrt(h)", {"at_most": True}, {"N": EXCEEDS, "K": AGREES, "curve": EXCEEDS}),
-        ("N 0.97 deg/sqrt(h), K 300 deg/h/sqrt(h)", {"tolerance": 0.1}, {"N": AGREES, "K": AGREES, "curve": AGREES}),
-        ("N 0.97 deg/sqrt(h), K 300 deg/h/sqrt(h)", {"tolerance": 0.0}, {"N": DIFFERS, "K": AGREES}),
-        ("N 1.5 deg/sqrt(h), GM 1 deg/h 20 s", {"at_most": True}, {"GM": NOT_SHOWN}),
-    ],
-)  # fmt: skip
+@rows("claim, options, expected", [
+    ("N 1.5 deg/sqrt(h)", {"at_most": True}, {"N": AGREES, "curve": EXCEEDS}),
+    ("N 1.5 deg/sqrt(h), K 600 deg/h/sqrt(h)", {"at_most": True}, {"N": AGREES, "K": AGREES, "curve": AGREES}),
+    ("N 0.9 deg/sqrt(h), K 600 deg/h/sqrt(h)", {"at_most": True}, {"N": EXCEEDS, "K": AGREES, "curve": EXCEEDS}),
+    ("N 0.97 deg/sqrt(h), K 300 deg/h/sqrt(h)", {"tolerance": 0.1}, {"N": AGREES, "K": AGREES, "curve": AGREES}),
+    ("N 0.97 deg/sqrt(h), K 300 deg/h/sqrt(h)", {"tolerance": 0.0}, {"N": DIFFERS, "K": AGREES}),
+    ("N 1.5 deg/sqrt(h), GM 1 deg/h 20 s", {"at_most": True}, {"GM": NOT_SHOWN}),
+])  # fmt: skip
 def test_bounds_and_tolerance(recording, claim, options, expected):
     found = al.check(recording["gx"], claim, **options)
     assert {key: value for key, value in outcomes(found, "gx").items() if key in expected} == expected
@@ -141,8 +138,7 @@ def test_limits_and_data_sheets_are_held_against_each_channel(recording, tmp_pat
     file.write_text('[limits]\nN = { max = "1.2 deg/sqrt(h)" }\nminimum = { max = "1000 deg/h" }\n[channels.ax]\n'
                     'N = { max = "50 ug/sqrt(Hz)" }\n')  # fmt: skip
     found = al.check(recording, file)
-    assert outcomes(found, "gx") == {"N": AGREES, "minimum": AGREES}
-    assert outcomes(found, "ax") == {"N": EXCEEDS}
+    assert (outcomes(found, "gx"), outcomes(found, "ax")) == ({"N": AGREES, "minimum": AGREES}, {"N": EXCEEDS})
     assert {row.outcome for row in al.check(recording, "adis16470").terms if row.quantity == "N"} == {EXCEEDS}
 
 
@@ -174,15 +170,12 @@ def test_the_correlation_time_is_found():
     assert cause.sentences == ("the correlation time of the other kind of sensor",)
 
 
-@rows(
-    ("draw", "sentence"),
-    [
-        (lambda rng, n: rng.random(n) - 0.5, "rand() instead of randn(): uniform over an interval of length 1"),
-        (lambda rng, n: rng.random(n), "as that of rand() between 0 and 1"),
-        (lambda rng, n: 2 * rng.random(n) - 1, "rand() instead of randn(): uniform from -1 to 1"),
-        (lambda rng, n: 12**0.5 * (rng.random(n) - 0.5), "the samples are uniform: rand() instead of randn()"),
-    ],
-)
+@rows("draw, sentence", [
+    (lambda rng, n: rng.random(n) - 0.5, "rand() instead of randn(): uniform over an interval of length 1"),
+    (lambda rng, n: rng.random(n), "as that of rand() between 0 and 1"),
+    (lambda rng, n: 2 * rng.random(n) - 1, "rand() instead of randn(): uniform from -1 to 1"),
+    (lambda rng, n: 12**0.5 * (rng.random(n) - 0.5), "the samples are uniform: rand() instead of randn()"),
+])  # fmt: skip
 def test_uniform_numbers_are_found(draw, sentence):
     record = al.Record(1e-3 * draw(np.random.default_rng(4), SIZE), RATE, "rad/s", name="gx")
     found = al.check(record, f"N {1e-3 / RATE**0.5} rad/s/sqrt(Hz)")
@@ -198,9 +191,6 @@ def test_a_bias_that_is_driven_by_rand_is_found():
 
 
 def test_what_is_not_there_is_refused(recording):
-    with pytest.raises(DataError, match="claims nothing of the channels"):
-        al.check(recording["ax"], "N 1 deg/sqrt(h)")
-    with pytest.raises(UsageError, match="the tolerance must be"):
-        al.check(recording["ax"], "100 ug/sqrt(Hz)", tolerance=2.0)
-    with pytest.raises(UsageError, match="no data sheet"):
-        al.check(recording["ax"], "nothing")
+    refused(DataError, "claims nothing of the channels", lambda: al.check(recording["ax"], "N 1 deg/sqrt(h)"))
+    refused(UsageError, "the tolerance must be", lambda: al.check(recording["ax"], "100 ug/sqrt(Hz)", tolerance=2.0))
+    refused(UsageError, "no data sheet", lambda: al.check(recording["ax"], "nothing"))

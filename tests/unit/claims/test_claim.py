@@ -1,13 +1,13 @@
-"""What a text, a file or a name claims."""
+"""What a text, a file or a name claims, and the factors that explain why a record misses it."""
 
 import math
 
 import pytest
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
-from allanite.claims.claim import claim_of
-from allanite.claims.settings import settings_in
+from allanite.claims.claim import claim_of, settings_in
+from allanite.claims.convention import CONVENTIONS, NAN, Place, explaining, pooled
 from allanite.core.errors import DataError, UsageError
 from allanite.exporting.exports import EXPORTS
 
@@ -61,10 +61,8 @@ def test_settings_are_taken_out_of_a_text(text, settings, rest):
 def test_a_claim_with_settings_is_read_from_its_own_text():
     claim = claim_of("N 1 deg/sqrt(h); lowpass 42 Hz; 60 ug/sqrt(Hz), gyro rate 0.2 kHz")
     assert [s.words() for s in claim.settings] == ["lowpass 42 Hz", "gyro rate 200 Hz"]
-    assert len(claim.models) == 2
-    assert claim_of(claim.text) == claim
-    with pytest.raises(UsageError, match="a positive number of Hz"):
-        claim_of("lowpass 0 Hz")
+    assert (len(claim.models), claim_of(claim.text)) == (2, claim)
+    refused(UsageError, "a positive number of Hz", lambda: claim_of("lowpass 0 Hz"))
 
 
 def test_correlation_time_makes_a_gauss_markov_bias(tmp_path):
@@ -74,8 +72,7 @@ def test_correlation_time_makes_a_gauss_markov_bias(tmp_path):
         "<gyroscopeBiasCorrelationTime>1000</gyroscopeBiasCorrelationTime>"
     )
     (model,) = claim_of(file).models
-    assert model["N"].value == pytest.approx(1e-4)
-    assert model["GM"].value == pytest.approx(2e-5 * math.sqrt(500))
+    assert (model["N"].value, model["GM"].value) == (pytest.approx(1e-4), pytest.approx(2e-5 * math.sqrt(500)))
     assert model["GM"].shape == (1000.0,)
 
 
@@ -98,8 +95,7 @@ def test_limits_are_bounds(tmp_path):
 ])  # fmt: skip
 def test_a_file_that_says_nothing_is_refused(content, origin, kind, words, tmp_path):
     (tmp_path / "imu.yaml").write_text(content)
-    with pytest.raises(kind, match=words):
-        claim_of(tmp_path / "imu.yaml", origin)
+    refused(kind, words, lambda: claim_of(tmp_path / "imu.yaml", origin))
 
 
 @rows("name", ["adis16470", "ADIS 16470", "adis16470 gyro"])
@@ -118,5 +114,44 @@ def test_data_sheets_are_bounds(name):
     ("3 parsec", UsageError, "unknown unit"),
 ])  # fmt: skip
 def test_what_is_no_claim_is_refused(text, kind, words):
-    with pytest.raises(kind, match=f"(?i){words}"):
-        claim_of(text)
+    refused(kind, f"(?i){words}", lambda: claim_of(text))
+
+
+def place(row, **more):
+    symbol = row.symbols[0] if row.symbols else "N"
+    return Place(symbol, **{"claimed": 2.3e-4, "rate": 128.0, "time": 300.0, "other": 4.1e-3, "uniform": True} | more)
+
+
+@rows("inverse", [False, True])
+@rows("row", CONVENTIONS, ids=lambda row: f"{row.name} {row.symbols[:1]}")
+def test_a_convention_is_named_where_its_factor_lies_in_narrow_limits_and_nowhere_else(row, inverse):
+    where = place(row)
+    factor = row.factor(where)
+    if inverse:
+        factor = 1 / factor if row.inverse else 1.37 * factor
+    low, high = sorted((0.995 * factor, 1.005 * factor))
+    found = [one for _, one in explaining(low, high, where)]
+    assert (row in found) == (not inverse or row.inverse)
+    assert len(found) <= 1 or row.name in ("57.3", "60")
+    assert not explaining(0.99, 1.01, where)
+
+
+@rows("row", CONVENTIONS, ids=lambda row: f"{row.name} {row.symbols[:1]}")
+def test_what_is_not_known_explains_nothing(row):
+    unknown = place(row, claimed=NAN, rate=NAN, time=NAN, other=NAN, uniform=False)
+    factor = row.factor(unknown)
+    wide = [one for _, one in explaining(1e-12, 1e12, unknown)]
+    assert math.isnan(factor) == (row not in wide) or factor < 0
+
+
+def test_several_are_ordered_by_their_distance():
+    assert [name for name, _ in explaining(9, 11, Place("N", 1e-4, 100.0))] == ["sqrt(rate)", "9.81"]
+    assert [name for name, _ in explaining(50, 66, Place("N", 1e-4, 9.0))] == ["57.3", "60"]
+
+
+@rows("limits, low, high", [
+    ([(1.2, 1.6)], 1.2, 1.6), ([(1, 4)] * 4, 2 / math.sqrt(2), 2 * math.sqrt(2)), ([(0, 2), (1, 3)], 1, 2),
+    ([(1, math.inf), (2, 3)], 2, 3), ([(1, 2), (3, 4)], 3, 2),
+])  # fmt: skip
+def test_limits_of_axes_are_pooled_by_their_widths(limits, low, high):
+    assert pooled(limits) == pytest.approx((low, high))

@@ -8,9 +8,9 @@ from scipy.signal import butter, lfilter
 from tests.rows import rows
 
 import allanite as al
+from allanite.claims.claim import settings_in
 from allanite.claims.configured import setting_rows
 from allanite.claims.result import AGREES, DIFFERS, NOT_SHOWN
-from allanite.claims.settings import settings_in
 
 RATE, SIZE, START = 200.0, 12_000, 500
 

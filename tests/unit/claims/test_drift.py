@@ -10,7 +10,7 @@ import re
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import paired, rows
+from tests.rows import paired, refused, rows
 
 import allanite as al
 import drift as script
@@ -80,22 +80,19 @@ def test_terms_that_were_not_found_are_limits(study):
     np.testing.assert_allclose(course.most**2 - course.sigma**2, beyond, rtol=1e-9)
 
 
-@rows(
-    ("choices", "quantity", "expected"),
-    [
-        ({"turn_on": ("10 deg/h",)}, "heading", lambda t: np.radians(10 / 3600) * t),
-        ({"turn_on": ("10 deg/h",)}, "velocity", lambda t: G * np.radians(10 / 3600) * t**2 / 2),
-        ({"turn_on": ("10 deg/h",)}, "position", lambda t: G * np.radians(10 / 3600) * t**3 / 6),
-        ({"turn_on": ("2 mg", "3 mg")}, "position", lambda t: math.hypot(2, 3) * 1e-3 * G * t**2 / 2),
-        ({"turn_on": ("2 mg",), "platform": "level"}, "velocity", lambda t: 2e-3 * G * t),
-        ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "heading", lambda t: 0.01 * math.pi / 2 + 0 * t),
-        ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "attitude", lambda t: 0 * t),
-        ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "velocity", lambda t: 0 * t),
-        ({"scale_factor": 0.01, "maneuver": ("5 deg/s",)}, "heading", lambda t: 0.01 * np.radians(5) * t),
-        ({"scale_factor": 0.01, "maneuver": ("20 m/s",)}, "position", lambda t: 0.2 * t),
-        ({"scale_factor": 0.01, "maneuver": ("2 m/s^2",)}, "position", lambda t: 0.01 * t**2),
-    ],
-)  # fmt: skip
+@rows("choices, quantity, expected", [
+    ({"turn_on": ("10 deg/h",)}, "heading", lambda t: np.radians(10 / 3600) * t),
+    ({"turn_on": ("10 deg/h",)}, "velocity", lambda t: G * np.radians(10 / 3600) * t**2 / 2),
+    ({"turn_on": ("10 deg/h",)}, "position", lambda t: G * np.radians(10 / 3600) * t**3 / 6),
+    ({"turn_on": ("2 mg", "3 mg")}, "position", lambda t: math.hypot(2, 3) * 1e-3 * G * t**2 / 2),
+    ({"turn_on": ("2 mg",), "platform": "level"}, "velocity", lambda t: 2e-3 * G * t),
+    ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "heading", lambda t: 0.01 * math.pi / 2 + 0 * t),
+    ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "attitude", lambda t: 0 * t),
+    ({"scale_factor": 0.01, "maneuver": ("90 deg",)}, "velocity", lambda t: 0 * t),
+    ({"scale_factor": 0.01, "maneuver": ("5 deg/s",)}, "heading", lambda t: 0.01 * np.radians(5) * t),
+    ({"scale_factor": 0.01, "maneuver": ("20 m/s",)}, "position", lambda t: 0.2 * t),
+    ({"scale_factor": 0.01, "maneuver": ("2 m/s^2",)}, "position", lambda t: 0.01 * t**2),
+])  # fmt: skip
 def test_constant_errors(choices, quantity, expected):
     times = np.array([1.0, 60.0, 3600.0])
     tiny = [al.N(1e-15, "rad/sqrt(s)"), al.N(1e-15, "m/s/sqrt(s)")]
@@ -126,28 +123,25 @@ def test_what_is_allowed_just_keeps_the_requirement(text):
     )
 
 
-@rows(
-    ("choices", "words"),
-    [
-        ({"times": ()}, "from 1e-09 to 1e+07 s"),
-        ({"times": (0,)}, "from 1e-09 to 1e+07 s"),
-        ({"times": (1e300,)}, "from 1e-09 to 1e+07 s"),
-        ({"calibration": -1}, "from 0 to 1e+07 s, not -1"),
-        ({"calibration": 1e160}, "from 0 to 1e+07 s, not 1e+160"),
-        ({"require": ("1 m in 1e-30 s",)}, "not '1 m in 1e-30 s'"),
-        ({"scale_factor": 0.5, "maneuver": ("90 deg",)}, "did you mean 0.5%?"),
-        ({"scale_factor": 0.01}, "give both"),
-        ({"maneuver": ("90 deg",)}, "give both"),
-        ({"turn_on": ("10 deg",)}, "'3 deg/h'; 'deg' is not a unit of it"),
-        ({"turn_on": ("fast",)}, "has the form '3 deg/h', not 'fast'"),
-        ({"scale_factor": 0.01, "maneuver": ("3 K",)}, "'90 deg'; 'K' is not a unit of it"),
-        ({"platform": "levl"}, "did you mean level?"),
-        ({"require": ("1 deg",)}, "'1 deg in 10 min' or '100 m in 1 min', not '1 deg'"),
-        ({"require": ("1 deg in soon",)}, "not '1 deg in soon'"),
-        ({"require": ("1 K in 1 s",)}, "an angle, a velocity or a distance"),
-        ({"require": ("attitude 1 m in 1 s",)}, "an angle"),
-    ],
-)  # fmt: skip
+@rows("choices, words", [
+    ({"times": ()}, "from 1e-09 to 1e+07 s"),
+    ({"times": (0,)}, "from 1e-09 to 1e+07 s"),
+    ({"times": (1e300,)}, "from 1e-09 to 1e+07 s"),
+    ({"calibration": -1}, "from 0 to 1e+07 s, not -1"),
+    ({"calibration": 1e160}, "from 0 to 1e+07 s, not 1e+160"),
+    ({"require": ("1 m in 1e-30 s",)}, "not '1 m in 1e-30 s'"),
+    ({"scale_factor": 0.5, "maneuver": ("90 deg",)}, "did you mean 0.5%?"),
+    ({"scale_factor": 0.01}, "give both"),
+    ({"maneuver": ("90 deg",)}, "give both"),
+    ({"turn_on": ("10 deg",)}, "'3 deg/h'; 'deg' is not a unit of it"),
+    ({"turn_on": ("fast",)}, "has the form '3 deg/h', not 'fast'"),
+    ({"scale_factor": 0.01, "maneuver": ("3 K",)}, "'90 deg'; 'K' is not a unit of it"),
+    ({"platform": "levl"}, "did you mean level?"),
+    ({"require": ("1 deg",)}, "'1 deg in 10 min' or '100 m in 1 min', not '1 deg'"),
+    ({"require": ("1 deg in soon",)}, "not '1 deg in soon'"),
+    ({"require": ("1 K in 1 s",)}, "an angle, a velocity or a distance"),
+    ({"require": ("attitude 1 m in 1 s",)}, "an angle"),
+])  # fmt: skip
 def test_choices_that_are_refused(choices, words):
     with pytest.raises(UsageError) as error:
         al.drift(GYRO, **choices)
@@ -162,12 +156,9 @@ def test_one_text_or_number_is_taken_where_several_are():
 
 
 def test_sources_that_are_refused():
-    with pytest.raises(UsageError, match="give the noise"):
-        al.drift()
-    with pytest.raises(DataError, match="drift with gyros and accelerometers, not with"):
-        al.drift(al.N(1, "V/sqrt(Hz)"))
-    with pytest.raises(UsageError, match=r"unknown quantity 'heading'"):
-        al.drift(ACCELEROMETER)["heading"]
+    refused(UsageError, "give the noise", al.drift)
+    refused(DataError, "drift with gyros and accelerometers, not with", lambda: al.drift(al.N(1, "V/sqrt(Hz)")))
+    refused(UsageError, r"unknown quantity 'heading'", lambda: al.drift(ACCELEROMETER)["heading"])
     with pytest.raises(UsageError, match="there is no attitude to require"):
         list(
             al.drift(GYRO, platform="level").allowing(
@@ -178,8 +169,7 @@ def test_sources_that_are_refused():
 
 @rows("model", ["W 1 deg/h 10 s", "N 0 deg/sqrt(h)", "Sine 0 deg/h 3 Hz"])
 def test_noise_that_makes_nothing_drift_is_refused_unless_a_constant_error_does(model):
-    with pytest.raises(DataError, match="nothing in the noise of given gyro"):
-        al.drift(al.Model(model))
+    refused(DataError, "nothing in the noise of given gyro", lambda: al.drift(al.Model(model)))
     alone = al.drift(al.Model(model), turn_on="3 deg/h", calibration=0, times=60)
     assert alone["heading"].to("deg")[0] == pytest.approx(3 / 60)
 

@@ -13,7 +13,7 @@ from tests.rows import paired, rows
 import allanite as al
 from allanite.cli import main
 from allanite.exporting.cover import SETTLED
-from allanite.exporting.outage import Outages
+from allanite.exporting.stated_noise import Outages
 
 GYRO = al.Model("N 0.3 deg/sqrt(h), B 7.2 deg/h")
 NOISES = {
@@ -59,8 +59,7 @@ def test_flicker_is_covered_by_the_closed_form():
 @rows("noise", ["N 0.3 deg/sqrt(h), K 3 deg/h/sqrt(h)"])
 def test_what_has_its_fields_is_left_as_it_is(noise):
     found = covered("kalibr", al.Model(noise))
-    assert str(found.model) == str(al.Model(noise))
-    assert found.actual == pytest.approx(found.best, rel=1e-6)
+    assert (str(found.model), found.actual) == (str(al.Model(noise)), pytest.approx(found.best, rel=1e-6))
 
 
 def test_of_all_that_cover_it_costs_least():

@@ -118,8 +118,7 @@ def test_a_parser_sees_the_same_keys_whatever_the_names(contents, target, suffix
             assert comments[:head] == expected[:head]
             live, comments, names = variables(live, comments[head:])
             seen, expected, _ = variables(plain, remarks[head:])
-            assert live == seen
-            assert len({name.lower() for name in names}) == len(content.axes)
+            assert (live, len({name.lower() for name in names})) == (seen, len(content.axes))
             assert all(re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII) and name not in KEYWORDS for name in names)
         else:
             assert live == plain

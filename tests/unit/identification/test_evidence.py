@@ -134,9 +134,7 @@ def test_resonances_are_described_with_their_skirts():
     for frequency in (0.46, 1.69):
         y = y + 0.7 * quiet.values.std() * resonance(y.size, RATE, frequency, 15, rng)
     fit = al.identify(al.Record(y, RATE, quiet.unit))
-    assert fit.validity == "explained"
-    assert fit.scope.band == (0.0, RATE / 2)
-    assert fit.scope.masks == ()
+    assert (fit.validity, fit.scope.band, fit.scope.masks) == ("explained", (0.0, RATE / 2), ())
     assert all(any(low < frequency < high for low, high in fit.scope.disturbed) for frequency in (0.46, 1.69))
     assert sum(c.name == "resonance" and c.claimed for c in fit.components) == 2
     assert abs(fit["N"].value / truth(WHITE, "N") - 1) < 0.01

@@ -1,4 +1,4 @@
-"""The compiled loops of the likelihood against plain numpy, and its minimum where the model is wrong."""
+"""The compiled loops of the likelihood and the cosine transform against plain numpy, and minima of wrong models."""
 
 import math
 
@@ -8,11 +8,13 @@ from numba import njit
 from scipy.fft import dct
 from scipy.optimize import nnls
 from scipy.signal import butter, lfilter
+from tests import all_but
 from tests.rows import paired, rows
 
 import allanite as al
+from allanite.identification.likelihood import spectrum as transforms
 from allanite.identification.likelihood.filters import FILTERS
-from allanite.identification.likelihood.spectrum import spectrum
+from allanite.identification.likelihood.spectrum import cosine_transform, spectrum
 from allanite.identification.likelihood.whittle import gain_of, likelihood
 from allanite.identification.search.frame import frame_of
 from allanite.identification.search.moves import exchanged, filters, less
@@ -110,15 +112,10 @@ def test_a_start_where_nothing_makes_noise_is_left():
     assert not theta.any()
 
 
-@rows(
-    ("row", "b", "a"),
-    [
-        ("rc", [0.4], [1, -0.6]),
-        ("bilinear 2", *butter(2, 1 / 3)),
-        ("bilinear 1", *butter(1, 0.2)),
-        ("average", np.ones(4) / 4, [1.0]),
-    ],
-)
+@rows("row, b, a", [
+    ("rc", [0.4], [1, -0.6]), ("bilinear 2", *butter(2, 1 / 3)), ("bilinear 1", *butter(1, 0.2)),
+    ("average", np.ones(4) / 4, [1.0]),
+])  # fmt: skip
 def test_the_filter_is_that_of_an_exhaustive_search(row, b, a):
     """Every cut-off of a fine grid, each likelihood made anew."""
     seen = filtered(b, a)
@@ -139,3 +136,25 @@ def test_the_filter_is_that_of_an_exhaustive_search(row, b, a):
     fine = cutoff * np.exp(np.arange(-60, 61) * 2.5e-3)
     fine = fine[fine <= FILTERS[row].widest]
     assert abs(math.log(fine[int(np.argmin([least(row, c) for c in fine]))] / cutoff)) < 5.1e-3
+
+
+FACTORED = [4, 8, 12, 16, 30, 36, 60, 100, 128, 1000, 1024, 7200, 30_030, 131_072, 360_000]
+OTHER = [5, 1001, 1002, 2_000_006]
+
+
+@rows("n", all_but([*FACTORED, *OTHER], [131_072, 360_000, 2_000_006]))
+def test_rows_and_columns_or_no_matrix(n, monkeypatch):
+    monkeypatch.setattr(transforms, "LONG_RECORD", 4)
+    assert (transforms._rows(n) > 0) == (n in FACTORED)
+    y = np.random.default_rng(n).standard_normal(n)
+    np.testing.assert_allclose(cosine_transform(y.copy()), dct(y, norm="ortho"), rtol=0, atol=1e-14)
+    if n in (1000, 1001):
+        expected = dct(y - 0.25 * (np.arange(n) - (n - 1) / 2), norm="ortho")
+        np.testing.assert_allclose(cosine_transform(y.copy(), 0.25), expected, rtol=0, atol=1e-10)
+
+
+def test_a_random_walk_keeps_its_high_frequencies(monkeypatch):
+    monkeypatch.setattr(transforms, "LONG_RECORD", 4)
+    y = np.cumsum(np.random.default_rng(1).standard_normal(360_000))
+    high = slice(180_000, None)
+    np.testing.assert_allclose(cosine_transform(y.copy())[high], dct(y, norm="ortho")[high], rtol=0, atol=1e-10)

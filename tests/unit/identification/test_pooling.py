@@ -16,11 +16,9 @@ from allanite.identification.search.pooling import bases, in_common, together
 RATE, N = 100.0, 0.003
 SIZE = 2**13
 FILTERS = {
-    "rc": [independent.rc(0.3)],
-    "butterworth": [independent.butterworth(0.25)],
-    "average": [independent.average(2)],
+    "rc": [independent.rc(0.3)], "butterworth": [independent.butterworth(0.25)], "average": [independent.average(2)],
     "none": [],
-}
+}  # fmt: skip
 CUTOFF = {"rc": 30.0, "butterworth": 25.0, "average": 25.0}
 
 
@@ -63,8 +61,7 @@ def test_channels_behind_one_filter_say_the_same_of_it(kind, seed):
 @pytest.mark.slow("searches in three records")
 def test_one_that_is_unlike_the_others_is_left_out():
     found = fits(("butterworth", 1), ("butterworth", 2), ("none", 3))
-    assert found[0].scope.filter.cutoff == found[1].scope.filter.cutoff
-    assert found[2].scope.filter is None
+    assert (found[0].scope.filter.cutoff, found[2].scope.filter) == (found[1].scope.filter.cutoff, None)
     assert not any("none 3" in str(note) for note in found[0].notes)
 
 
@@ -93,8 +90,7 @@ def test_the_price_is_paid_once_and_information_adds():
     results = [begun("butterworth", seed).search.result for seed in (1, 2)]
     pool = in_common(results)
     first, second = (pool[j][0] for j in (0, 1))
-    assert first[:4] == second[:4]
-    assert min(first.scores) == pytest.approx(0.0, abs=0.5)
+    assert (first[:4], min(first.scores)) == (second[:4], pytest.approx(0.0, abs=0.5))
     shared = fits(("butterworth", 1), ("butterworth", 2))[0].scope.filter
     own = [np.log(f.scope.filter.high / f.scope.filter.low) for f in (begun("butterworth", s).fit() for s in (1, 2))]
     assert np.log(shared.high / shared.low) < 1.1 * (sum(w**-2 for w in own)) ** -0.5

@@ -92,7 +92,7 @@ def test_kurtosis_as_a_normal_deviate():
         assert _normal(kurtosis(x), n) == pytest.approx(kurtosistest(x).statistic, rel=1e-6, abs=1e-9)
 
 
-def test_the_size_of_a_burst_in_white_noise():
+def test_the_size_of_a_burst_in_white_noise_and_outliers_are_none():
     """A window over it sees a burst of its own length whole."""
     u = np.random.default_rng(1).standard_normal(2**15).astype(np.float32)
     sigma = 0.01
@@ -100,17 +100,11 @@ def test_the_size_of_a_burst_in_white_noise():
     white = al.Model((al.N(sigma * RATE**-0.5, "rad/sqrt(s)"),))
     found = jumps(u, white, RATE)
     assert found.weight > 1
-    assert found.length == pytest.approx(256, rel=0.5)
-    assert found.jump == pytest.approx(0.8 * sigma, rel=0.25)
-    assert found.largest == pytest.approx(8128, abs=100)
-    assert jumps(u[:4000], white, RATE) is None
-
-
-def test_outliers_are_no_jumps():
+    assert (found.length, found.jump) == (pytest.approx(256, rel=0.5), pytest.approx(0.8 * sigma, rel=0.25))
+    assert (found.largest, jumps(u[:4000], white, RATE)) == (pytest.approx(8128, abs=100), None)
     u = np.random.default_rng(1).standard_normal(2**15).astype(np.float32)
-    u[8000:8004] += 60
-    white = al.Model((al.N(0.001, "rad/sqrt(s)"),))
-    assert jumps(u, white, RATE) is None
+    u[8000:8004] += 60  # outliers
+    assert jumps(u, al.Model((al.N(0.001, "rad/sqrt(s)"),)), RATE) is None
 
 
 # --- records -------------------------------------------------------------------------------------------------------
@@ -142,8 +136,7 @@ def test_a_strong_warm_up_is_explained_and_so_is_the_record(seed, terms):
     """Alone and with white noise as the only other term."""
     y = np.random.default_rng(seed).standard_normal(40_000) - 3 * np.exp(-np.arange(40_000) / 4000)
     noise = noise_of(al.Record(y, 20.0, "deg/h"), al.Recipe(terms=terms))
-    assert noise.validity == "approximate"
-    assert noise.fit.scope.until is None
+    assert (noise.validity, noise.fit.scope.until) == ("approximate", None)
     assert all(check.passed for check in noise.residuals.checks)
     assert noise.fit.warm_up.value == pytest.approx(math.radians(3 / 3600), rel=0.05)
     low, high = noise.fit["N"].interval()
@@ -222,8 +215,7 @@ def test_bursts_are_named_with_a_window_without_them():
     left = al.residuals(record, al.identify(record))
     finding = next(f for f in left.findings if f.name == "popcorn")
     size, at = map(float, re.search(r"largest burst, (\S+) deg/h, is at (\S+) s", finding.what).groups())
-    assert size == pytest.approx(15 * 7.2, rel=0.3)
-    assert at == pytest.approx(402.5, abs=2)
+    assert (size, at) == (pytest.approx(15 * 7.2, rel=0.3), pytest.approx(402.5, abs=2))
     assert finding.place[0] < 402.5 < finding.place[1]
     assert not left.explained
     first, last = map(int, re.search(r"trim\(recording, (\d+), (\d+)\)", finding.remedy).groups())

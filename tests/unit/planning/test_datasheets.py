@@ -43,8 +43,7 @@ def test_the_table_has_many_sensors_of_many_makers():
     assert len({sheet.document for sheet in al.DATASHEETS.values()}) >= 25
     assert len({sheet.maker for sheet in al.DATASHEETS.values()}) >= 8
     _, *lines = csv.reader((ROOT / "src/allanite/planning/datasheets.csv").read_text("utf-8").splitlines())
-    assert len(lines) == len(CLAIMS)
-    assert [line[0] for line in lines] == sorted(line[0] for line in lines)
+    assert (len(lines), [line[0] for line in lines]) == (len(CLAIMS), sorted(line[0] for line in lines))
 
 
 def test_every_conversion_of_the_table_is_that_of_its_formula():
@@ -130,9 +129,7 @@ NOISE = Claim("gyro", "rms noise", "Noise", 0.1, "deg/s", place="page 1", bandwi
 ])  # fmt: skip
 def test_one_line_makes_the_coefficient(claims, used):
     sheet = sheet_of(*claims)
-    assert sheet.used("gyro") == (used,)
-    assert sheet.gyro == al.Model((used.term,))
-    assert sheet.accelerometer is None
+    assert (sheet.used("gyro"), sheet.gyro, sheet.accelerometer) == ((used,), al.Model((used.term,)), None)
     assert sheet.models == (sheet.gyro,)
 
 

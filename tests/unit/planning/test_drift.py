@@ -10,27 +10,18 @@ import allanite as al
 from allanite.planning.drift import GRAVITY, RADIUS, drift_variance, flat, schuler
 
 TERMS = {
-    "Q": al.Q(1, "rad"),
-    "N": al.N(1, "rad/sqrt(s)"),
-    "B": al.B(1, "rad/s"),
-    "K": al.K(1, "rad/s^1.5"),
-    "R": al.R(1, "rad/s^2"),
-    "F": al.F(1, "rad"),
-    "GM": al.GM(1, "rad/s", time_constant=5.0),
-    "GMA": al.GMA(1, "rad", time_constant=5.0),
-    "GM2": al.GM2(1, "rad/s", frequency=0.1, damping=0.1),
+    "Q": al.Q(1, "rad"), "N": al.N(1, "rad/sqrt(s)"), "B": al.B(1, "rad/s"), "K": al.K(1, "rad/s^1.5"),
+    "R": al.R(1, "rad/s^2"), "F": al.F(1, "rad"), "GM": al.GM(1, "rad/s", time_constant=5.0),
+    "GMA": al.GMA(1, "rad", time_constant=5.0), "GM2": al.GM2(1, "rad/s", frequency=0.1, damping=0.1),
     "Sine": al.Sine(1, "rad/s", frequency=0.07),
-}
+}  # fmt: skip
 T, TIME = 20.0, 30.0
 W = math.sqrt(GRAVITY / RADIUS)
 KERNELS = {
-    (flat, 0): np.ones_like,
-    (flat, 1): lambda a: a,
-    (flat, 2): lambda a: a**2 / 2,
-    (schuler, 0): lambda a: np.cos(W * a),
-    (schuler, 1): lambda a: np.sin(W * a) / W,
+    (flat, 0): np.ones_like, (flat, 1): lambda a: a, (flat, 2): lambda a: a**2 / 2,
+    (schuler, 0): lambda a: np.cos(W * a), (schuler, 1): lambda a: np.sin(W * a) / W,
     (schuler, 2): lambda a: (1 - np.cos(W * a)) / W**2,
-}
+}  # fmt: skip
 """What a rate of 1 at an age makes of the quantity."""
 
 
@@ -67,29 +58,26 @@ def flicker(t, window):
     return t**2 / math.pi * ((1 + r) ** 2 / r * np.log1p(r) - (1 + r) * np.log(r))
 
 
-@rows(
-    ("symbol", "order", "calibration", "expected"),
-    [
-        ("N", 0, 0.0, lambda t: t),
-        ("N", 1, 0.0, lambda t: t**3 / 3),
-        ("N", 2, 0.0, lambda t: t**5 / 20),
-        ("N", 0, T, lambda t: t + t**2 / T),
-        ("N", 2, T, lambda t: t**5 / 20 + t**6 / 36 / T),
-        ("K", 0, 0.0, lambda t: t**3 / 3),
-        ("K", 1, 0.0, lambda t: t**5 / 20),
-        ("K", 2, 0.0, lambda t: t**7 / 252),
-        ("K", 0, T, lambda t: t**2 * (t + T) / 3),
-        ("R", 0, 0.0, lambda t: t**4 / 4),
-        ("R", 2, 0.0, lambda t: t**8 / 576),
-        ("R", 0, T, lambda t: (t * (t + T) / 2) ** 2),
-        ("Q", 0, 0.0, lambda t: 2 + 0 * t),
-        ("Q", 0, T, lambda t: (1 + t / T) ** 2 + 1 + (t / T) ** 2),
-        ("GM", 0, 0.0, lambda t: 2 * 25 * (t / 5 - 1 + np.exp(-t / 5))),
-        ("Sine", 0, 0.0, lambda t: (1 - np.cos(2 * math.pi * 0.07 * t)) / (2 * math.pi * 0.07) ** 2),
-        ("B", 0, T, lambda t: flicker(t, T)),
-        ("B", 0, 0.0, lambda t: flicker(t, 1.0)),
-    ],
-)  # fmt: skip
+@rows("symbol, order, calibration, expected", [
+    ("N", 0, 0.0, lambda t: t),
+    ("N", 1, 0.0, lambda t: t**3 / 3),
+    ("N", 2, 0.0, lambda t: t**5 / 20),
+    ("N", 0, T, lambda t: t + t**2 / T),
+    ("N", 2, T, lambda t: t**5 / 20 + t**6 / 36 / T),
+    ("K", 0, 0.0, lambda t: t**3 / 3),
+    ("K", 1, 0.0, lambda t: t**5 / 20),
+    ("K", 2, 0.0, lambda t: t**7 / 252),
+    ("K", 0, T, lambda t: t**2 * (t + T) / 3),
+    ("R", 0, 0.0, lambda t: t**4 / 4),
+    ("R", 2, 0.0, lambda t: t**8 / 576),
+    ("R", 0, T, lambda t: (t * (t + T) / 2) ** 2),
+    ("Q", 0, 0.0, lambda t: 2 + 0 * t),
+    ("Q", 0, T, lambda t: (1 + t / T) ** 2 + 1 + (t / T) ** 2),
+    ("GM", 0, 0.0, lambda t: 2 * 25 * (t / 5 - 1 + np.exp(-t / 5))),
+    ("Sine", 0, 0.0, lambda t: (1 - np.cos(2 * math.pi * 0.07 * t)) / (2 * math.pi * 0.07) ** 2),
+    ("B", 0, T, lambda t: flicker(t, T)),
+    ("B", 0, 0.0, lambda t: flicker(t, 1.0)),
+])  # fmt: skip
 def test_closed_forms(symbol, order, calibration, expected):
     t = np.array([0.1, 1.0, 10.0, 60.0, 600.0, 3600.0])
     found = drift_variance(TERMS[symbol], flat(order), t, calibration=calibration)

@@ -1,4 +1,4 @@
-"""The Cramer-Rao bound against dense matrices, plans made of it, and the verb."""
+"""The Cramer-Rao bound against dense matrices, plans made of it, the verb, and properties of statistics."""
 
 import json
 import math
@@ -6,20 +6,20 @@ import math
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rows import rows
+from tests.reference import edf as published
+from tests.rows import refused, rows
 
 import allanite as al
 import bound as script
 from allanite.cli import main
-from allanite.planning import information
-from allanite.planning.information import nodes
+from allanite.core.errors import UsageError
+from allanite.identification.likelihood import spectrum
+from allanite.planning.plan import properties
 
 MODELS = {
-    **al.SENSORS,
-    "NBK": "N 1 rad/sqrt(s), B 0.3 rad/s, K 0.1 rad/s^1.5",
-    "QN": "Q 1 rad, N 0.1 rad/sqrt(s)",
+    **al.SENSORS, "NBK": "N 1 rad/sqrt(s), B 0.3 rad/s, K 0.1 rad/s^1.5", "QN": "Q 1 rad, N 0.1 rad/sqrt(s)",
     "GM": "N 1 rad/sqrt(s), GM 1 rad/s 5 s, K 0.01 rad/s^1.5",
-}
+}  # fmt: skip
 
 
 @rows("name, n, rate, ramp", [
@@ -27,15 +27,15 @@ MODELS = {
     ("QN", 600, 1.0, False), ("GM", 600, 1.0, True),
 ])  # fmt: skip
 def test_the_bound_is_that_of_dense_matrices(name, n, rate, ramp):
-    """To 0.5 % at hundreds of readings; the table has 2048, and 0.2 %."""
+    """At hundreds of readings to 0.5 % where a term can be detected; flicker is taken to correlate no coefficients."""
     model = al.Model(MODELS[name])
     found = al.bound(model, n, rate, ramp=ramp)
     noise = al.Model(tuple(t for t in model if t.row.waveform is None))
     errors, slope = script.dense(noise, n, rate, ramp)
-    close = 5e-3
-    np.testing.assert_allclose(found.errors[: errors.size], errors, rtol=close)
+    off = np.abs(found.errors[: errors.size] / errors - 1)
+    assert (off < np.where(errors < 0.35, 5e-3, 5e-2)).all(), off
     if ramp:
-        assert found.ramp == pytest.approx(slope, rel=close)
+        assert found.ramp == pytest.approx(slope, rel=5e-3)
     else:
         assert found.ramp is None
 
@@ -88,24 +88,20 @@ def test_a_sinusoid_in_white_noise():
 
 
 @rows("n", [10**4, 10**7, 10**11])
-def test_the_nodes_are_enough(monkeypatch, n):
+def test_the_bins_are_enough(monkeypatch, n):
     model = al.sensor("fog") + al.GM(3.0, "deg/h", time_constant=10.0)
     found = al.bound(model, n, 100.0)
-    assert nodes(n)[0].size < 1500
-    monkeypatch.setattr(information, "PER_OCTAVE", 32)
-    monkeypatch.setattr(information, "SINGLE", 256)
-    np.testing.assert_allclose(found.errors, al.bound(model, n, 100.0).errors, rtol=1e-4)
+    assert spectrum.edges_of(n).size < 750
+    monkeypatch.setattr(spectrum, "PER_OCTAVE", 64)
+    np.testing.assert_allclose(found.errors, al.bound(model, n, 100.0).errors, rtol=1e-3)
 
 
 def test_what_cannot_be_seen_is_infinite():
     model = al.N(1.0, "deg/sqrt(h)") + al.Sine(1.0, "deg/h", frequency=1e-4)
     assert al.bound(model, 1000, 10.0)["Sine"] == math.inf
-    with pytest.raises(al.UsageError, match="no noise"):
-        al.bound(al.Sine(1.0, "deg/h", frequency=1.0), 1000, 10.0)
-    with pytest.raises(al.UsageError, match="at least 8"):
-        al.bound(al.N(1.0, "deg/sqrt(h)"), 7, 10.0)
-    with pytest.raises(al.UsageError, match="no bound of 'K'"):
-        _ = al.bound(al.N(1.0, "deg/sqrt(h)"), 70, 10.0)["K"]
+    refused(al.UsageError, "no noise", lambda: al.bound(al.Sine(1.0, "deg/h", frequency=1.0), 1000, 10.0))
+    refused(al.UsageError, "at least 8", lambda: al.bound(al.N(1.0, "deg/sqrt(h)"), 7, 10.0))
+    refused(al.UsageError, "no bound of 'K'", lambda: al.bound(al.N(1.0, "deg/sqrt(h)"), 70, 10.0)["K"])
 
 
 def test_the_length_that_is_needed_gives_the_accuracy():
@@ -123,8 +119,7 @@ def test_a_term_that_is_not_known_to_be_absent_costs_as_much_as_a_tiny_one():
     assert al.bound(noise, n, 1.0, terms="QBKRN")["N"] == pytest.approx(beside, rel=1e-3)
     known = al.bound(noise, n, 1.0)["N"]
     assert known < al.bound(noise, n, 1.0, terms="Q")["N"] < beside
-    with pytest.raises(al.UsageError, match="terms must be 'known', 'auto' or symbols"):
-        al.bound(noise, n, 1.0, terms="X")
+    refused(al.UsageError, "terms must be 'known', 'auto' or symbols", lambda: al.bound(noise, n, 1.0, terms="X"))
 
 
 def test_two_processes_are_told_apart_by_their_time_constants():
@@ -135,8 +130,7 @@ def test_two_processes_are_told_apart_by_their_time_constants():
 
 @rows("wrong", [{"rate": 0.0}, {"rate": 1.0, "accuracy": 0.0}, {"rate": 1.0, "durations": (-1.0,)}])
 def test_a_plan_of_nothing_is_refused(wrong):
-    with pytest.raises(al.UsageError, match=r"above 0|between 1e-09"):
-        al.plan(al.sensor("rlg"), **wrong)
+    refused(al.UsageError, r"above 0|between 1e-09", lambda: al.plan(al.sensor("rlg"), **wrong))
 
 
 def run(*arguments):
@@ -165,8 +159,7 @@ def test_the_verb_plans_from_a_first_recording(tmp_path):
     assert result.exit_code == 0, result.stderr
     (channel,) = json.loads(result.stdout)["channels"]
     fitted = al.identify(record).valid
-    assert channel["name"] == "gz"
-    assert channel["model"] == fitted.to_dict()
+    assert (channel["name"], channel["model"]) == ("gz", fitted.to_dict())
     np.testing.assert_allclose(channel["parameters"][0]["errors"], al.plan(fitted, 100.0).errors[0])
     assert "not taken into account: " in run(tmp_path / "first.npz").stdout
 
@@ -182,3 +175,63 @@ def test_what_the_verb_refuses(arguments, words):
     result = run(*arguments)
     assert result.exit_code == 2
     assert words in result.stderr
+
+
+TABLE_1 = {"Q": (0.09, 0.74, 0.40), "N": (1.00, 0.0, 0.0), "B": (1.87, -1.05, 0.79), "K": (2.70, -1.53, 0.85),
+           "F": (0.14, 0.82, 0.30)}  # fmt: skip
+"""Howe and Tasset (2004), as Tang et al. (2015) quote them: Allan variance / Theo1 = a + b / (0.75 m)^c."""
+
+
+@rows("symbol", TABLE_1)
+def test_the_bias_of_theo1_is_that_of_the_published_fit(symbol):
+    found = properties("theo1", m=[12, 100, 1000])
+    a, b, c = TABLE_1[symbol]
+    fit = a + b / (0.75 * found.m) ** c
+    assert found.ratio[:, found.symbols.index(symbol)] == pytest.approx(fit, rel=0.08 if symbol == "F" else 0.045)
+
+
+def test_degrees_of_freedom_of_theo1_near_the_published_formula():
+    found = properties("theo1", m=[100, 720, 3600])
+    formula = [published.theo1(0, m, 7201) for m in found.m.tolist()]
+    assert found.edf[:, found.symbols.index("N")] == pytest.approx(formula, rel=0.1)
+
+
+def test_a_statistic_of_second_differences_has_no_bias_and_hadamard_is_its_own_target():
+    for name in ("adev", "oadev", "hdev", "ohdev"):
+        assert properties(name, 500).ratio == pytest.approx(1.0)
+
+
+def test_the_scatter_of_simulated_records():
+    found = properties("totdev", 256, m=[64])
+    model = al.Model("N 1 deg/sqrt(h)")
+    draws = [
+        al.deviation(al.simulate(model, 256, 1.0, rng=np.random.default_rng(seed)), "totdev", m=[64], noise=None)
+        for seed in range(400)
+    ]
+    variance = np.array([curve.variance[0] for curve in draws])
+    edf = 2 * variance.mean() ** 2 / variance.var()
+    assert edf == pytest.approx(found.edf[0, found.symbols.index("N")], rel=0.25)
+
+
+def test_averaging_times_or_factors():
+    assert properties("theo1", 1000, taus=[7.5, 75.0]).m.tolist() == [10, 100]
+    assert properties("oadev", 100, taus="decade").m.tolist()[:4] == [1, 2, 4, 10]
+
+
+@rows("name, more, message", [
+    ("mtie", {}, "mtie is not an estimate of the Allan or Hadamard variance"),
+    ("tdev", {}, "tdev is not an estimate"), ("nothing", {}, "unknown statistic 'nothing'"),
+    ("theo1", {"m": [11]}, "must be even"), ("theo1", {"taus": [8.0]}, "is not a multiple of 1.5 s"),
+])  # fmt: skip
+def test_bad_input(name, more, message):
+    with pytest.raises(UsageError, match=message):
+        properties(name, 1000, **more)
+
+
+def test_limits_under_quantization_alone():
+    """Only white angle noise: none of the terms is smooth."""
+    record = al.simulate(al.Model("Q 1 arcsec"), 1000, 1.0, rng=np.random.default_rng(1))
+    curve = al.deviation(record, "theo1", m=[10, 1000], noise=al.Model("Q 1 arcsec"))
+    low, high = curve.interval(0.95)
+    assert (low < curve.deviation).all()
+    assert (curve.deviation < high).all()

@@ -16,15 +16,13 @@ from allanite.terms.powers import angle_noise, integrators
 from allanite.terms.waveforms import oscillator
 
 BLOCKS = {
-    "slow": markov_block(2.0, 1e4, 0.01),
-    "near": markov_block(2.0, 0.05, 0.01),
-    "fast": markov_block(2.0, 0.003, 0.01),
-    "walk": integrators(("bias",), 0.5, density=0.09, start=1.0),
+    "slow": markov_block(2.0, 1e4, 0.01), "near": markov_block(2.0, 0.05, 0.01),
+    "fast": markov_block(2.0, 0.003, 0.01), "walk": integrators(("bias",), 0.5, density=0.09, start=1.0),
     "ramp": joined(
         [integrators(("bias",), 0.5, density=0.09), integrators(("bias", "ramp"), 0.5, density=0.04, start=0.2)]
     ),
     "sine": oscillator(2.0, 0.7, 0.3),
-}
+}  # fmt: skip
 STEP = {"walk": 0.5, "ramp": 0.5, "sine": 0.3}
 
 
@@ -56,14 +54,12 @@ def test_noise_of_the_angle_is_a_difference():
 
 
 EXACT = {
-    "N": "N 1 rad/sqrt(s), K 0 rad/s^1.5",
-    "QK": "Q 0.3 rad, K 0.02 rad/s^1.5",
+    "N": "N 1 rad/sqrt(s), K 0 rad/s^1.5", "QK": "Q 0.3 rad, K 0.02 rad/s^1.5",
     "NKR": "N 1 rad/sqrt(s), K 0.02 rad/s^1.5, R 1e-3 rad/s^2",
-    "GM": "N 0.2 rad/sqrt(s), GM 1 rad/s 3 s, GM 2 rad/s 300 s",
-    "GMA": "N 0.2 rad/sqrt(s), GMA 0.3 rad 3 s",
+    "GM": "N 0.2 rad/sqrt(s), GM 1 rad/s 3 s, GM 2 rad/s 300 s", "GMA": "N 0.2 rad/sqrt(s), GMA 0.3 rad 3 s",
     "Sine": "N 1 rad/sqrt(s), Sine 0.4 rad/s 0.11 Hz",
     "all": "Q 0.3 rad, N 1 rad/sqrt(s), K 0.02 rad/s^1.5, R 1e-3 rad/s^2, GM 1 rad/s 3 s, Sine 0.4 rad/s 0.11 Hz",
-}
+}  # fmt: skip
 
 
 @rows("name, rate", paired(list(EXACT), [1.0, 50.0]))
@@ -153,8 +149,7 @@ def test_the_deviation_from_the_model_is_told():
     assert 0.001 < space.ripple < 0.02
     assert space.measurement == "mean"  # because of Q
     assert len(space.states) == len(space.units) == len(space.Phi) == 8
-    assert (space.units[1], space.units[6]) == ("rad/s^2", "rad")
-    assert space.F.shape == (6, 6)
+    assert ((space.units[1], space.units[6]), space.F.shape) == (("rad/s^2", "rad"), (6, 6))
     assert len(space.notes) == 4
 
 
@@ -202,8 +197,7 @@ def test_the_verb_takes_a_recording(tmp_path):
     result = run(tmp_path / "one.npz", "--tau", "1 s,10 min", "--json", "-", "--plot", tmp_path / "a.svg")
     assert result.exit_code == 0, result.stderr
     (channel,) = json.loads(result.stdout)["channels"]
-    assert channel["name"] == "gz"
-    assert channel["model"] == al.identify(record).valid.to_dict()
+    assert (channel["name"], channel["model"]) == ("gz", al.identify(record).valid.to_dict())
     assert channel["tau"] == [1.0, 600.0]
     assert "measured gz" in (tmp_path / "a.svg").read_text() or (tmp_path / "a.svg").stat().st_size > 10_000
 

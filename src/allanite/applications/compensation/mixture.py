@@ -15,7 +15,17 @@ from typing import Any, Self
 
 import numpy as np
 
-from allanite.extending import TERMS, DataError, FloatArray, Likelihood, Record, Value, likelihood, spectrum
+from allanite.extending import (
+    TERMS,
+    DataError,
+    FloatArray,
+    Likelihood,
+    NormalMixture,
+    Record,
+    Value,
+    likelihood,
+    spectrum,
+)
 
 Stretch = tuple[int, int]
 
@@ -119,25 +129,21 @@ class Mixture(Value):
         """Standard errors, shape (p,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
+    def law(self, which: int) -> NormalMixture:
+        """The law of one coefficient."""
+        return NormalMixture(self.centres[:, which], self.spreads[:, which], self.weights)
+
     def below(self, value: float, which: int) -> float:
         """Probability that a coefficient lies below `value`."""
-        from scipy.special import ndtr
-
-        return float(self.weights @ ndtr((value - self.centres[:, which]) / self.spreads[:, which]))
+        return self.law(which).below(value)
 
     def p(self, which: int) -> float:
         """Probability of a coefficient as far from zero if it is zero, two-sided."""
-        low, high = self.below(0.0, which), 1.0 - self.below(0.0, which)
-        return min(1.0, 2 * min(low, high))
+        return self.law(which).p
 
     def quantile(self, level: float, which: int) -> float:
         """Quantile of a coefficient, by bisection."""
-        reach = 40 * self.spreads[:, which]
-        low, high = float((self.centres[:, which] - reach).min()), float((self.centres[:, which] + reach).max())
-        for _ in range(80):
-            middle = (low + high) / 2
-            low, high = (middle, high) if self.below(middle, which) < level else (low, middle)
-        return (low + high) / 2
+        return self.law(which).quantile(level)
 
     def scaled(self, by: FloatArray, shift: FloatArray) -> "Mixture":
         """The mixture of by * (coefficient + shift)."""

@@ -48,27 +48,25 @@ class MeasuredCurve:
 
 def measured(fit: Fit, record: Record) -> MeasuredCurve:
     """The deviation of a record; a point of which the joints over gaps leave nothing contradicts nothing."""
-    return MeasuredCurve(
-        deviation(record, "oadev", taus="octave", noise=None),
-        lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
-        lambda: measured(fit, marked(record, outliers(record))),
-    )
+    return MeasuredCurve(deviation(record, "oadev", taus="octave", noise=None),
+                         lambda m: deviation(record, "oadev", m=m.tolist(), noise=fit, omit=True),
+                         lambda: measured(fit, marked(record, outliers(record))))  # fmt: skip
 
 
-def contradictions(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
+def contradictions(fit: Fit, curves: MeasuredCurve) -> dict[str, str]:
     """Why the measured curve contradicts coefficients, by symbol.
 
     A single term cannot exceed the whole curve: if the deviation given by the lower limit of a coefficient is larger
     than the upper limit of the measured one, at any averaging time in the scope of the fit, the coefficient is wrong.
     Nor can white noise lie below a curve of its slope.
     """
-    below = _below(fit, seen)
-    return _above(fit, seen) | (_below(fit, seen.marked()) if below and seen.marked else below)
+    below = _below(fit, curves)
+    return _above(fit, curves) | (_below(fit, curves.marked()) if below and curves.marked else below)
 
 
-def _above(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
+def _above(fit: Fit, curves: MeasuredCurve) -> dict[str, str]:
     """Terms that alone exceed the curve."""
-    curve = seen.octaves
+    curve = curves.octaves
     # averaging times at which the terms themselves are measured
     shortest, longest = (0.0, np.inf) if fit.scope is None else fit.scope.times
     inside = np.asarray((curve.tau >= shortest) & (curve.tau <= longest))
@@ -80,28 +78,24 @@ def _above(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     above = inside & np.any([own > curve.deviation for own in alone.values()], axis=0)
     if not above.any():
         return {}
-    limited = seen.limited(curve.m[above])
+    limited = curves.limited(curve.m[above])
     above &= np.isin(curve.m, limited.m)
     upper = limited.upper(1 - FALSE / inside.sum()) if above.any() else np.empty(0)
     excess = {symbol: own[above] / upper for symbol, own in alone.items()}
     return {
-        symbol: say(
-            "at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times the "
-            "upper limit of the measured one",
-            tau=curve.tau[above][ratio.argmax()],
-            excess=ratio.max(),
-        )
+        symbol: say("at {tau:.3g} s this term alone would give an Allan deviation of at least {excess:.3g} times "
+                    "the upper limit of the measured one", tau=curve.tau[above][ratio.argmax()], excess=ratio.max())
         for symbol, ratio in excess.items()
         if (ratio > 1).any()
-    }
+    }  # fmt: skip
 
 
-def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
+def _below(fit: Fit, curves: MeasuredCurve) -> dict[str, str]:
     """White noise whose upper limit lies below the curve where that falls as white noise, less the most of other noise.
 
     Noise that is correlated over a few samples is white noise that a filter changed: it is not subtracted.
     """
-    curve = seen.octaves
+    curve = curves.octaves
     if any(c.name == "resonance" and c.claimed for c in fit.components):  # which has such a slope beyond its period
         return {}
     white = [e for e in fit if TERMS[e.symbol].slope == WHITE and e.limits and _most(e) < math.inf]
@@ -123,17 +117,15 @@ def _below(fit: Fit, seen: MeasuredCurve) -> dict[str, str]:
     for e in white:
         most = STRICT * _most(e) / np.sqrt(curve.tau)
         far = inside & (curve.deviation**2 - other > most**2)
-        limited = seen.limited(curve.m[far]) if far.any() else None
+        limited = curves.limited(curve.m[far]) if far.any() else None
         if limited is None or not limited.m.size:
             continue
         far &= np.isin(curve.m, limited.m)
         excess = np.sqrt(np.maximum(limited.interval(1 - 2 * FALSE / inside.sum())[0] ** 2 - other[far], 0)) / most[far]
         if excess.max() > 1:
-            reasons[e.symbol] = say(
-                "at {tau:.3g} s the measured curve falls as white noise of at least {excess:.3g} times its upper limit",
-                tau=curve.tau[far][excess.argmax()],
-                excess=STRICT * excess.max(),
-            )
+            reasons[e.symbol] = say("at {tau:.3g} s the measured curve falls as white noise of at least "
+                                    "{excess:.3g} times its upper limit", tau=curve.tau[far][excess.argmax()],
+                                    excess=STRICT * excess.max())  # fmt: skip
     return reasons
 
 
@@ -151,14 +143,14 @@ def _memory(estimate: Estimate) -> float:
     return min((v for p, v in zip(parameters, shape, strict=True) if p.time > 0 or not v), default=math.inf)
 
 
-def held(fit: Fit, seen: MeasuredCurve) -> float | None:
+def held(fit: Fit, curves: MeasuredCurve) -> float | None:
     """The longest averaging time, s, at which the deviation of the valid terms agrees with the measured one.
 
     None if it agrees at all within the scope of the fit.
     """
     if fit.valid is None:
         return None
-    curve = seen.octaves
+    curve = curves.octaves
     filtered = fit.scope is not None and fit.scope.filter is not None
     own = _deviation(fit, fit.valid, curve)
     # behind a filter angle noise is less than it was
@@ -168,7 +160,7 @@ def held(fit: Fit, seen: MeasuredCurve) -> float | None:
     agrees = STRICT if struck else AGREES
     holds = np.ones(curve.tau.size, dtype=bool) if fit.scope is None else fit.scope.holds(curve.tau)
     far = holds & ((least > agrees * curve.deviation) | (own < curve.deviation / agrees))
-    limited = seen.limited(curve.m[far]) if far.any() else None
+    limited = curves.limited(curve.m[far]) if far.any() else None
     if limited is None or not limited.m.size:
         return None
     far &= np.isin(curve.m, limited.m)
@@ -194,14 +186,12 @@ def not_rounding(fit: Fit, record: Record) -> dict[str, str]:
     angle = step if record.kind == "angle" else step / record.rate
     most = ROUNDED * angle / math.sqrt(12)
     return {
-        e.symbol: say(
-            "it is {ratio:.3g} times what the steps of the samples can cause: noise that rises near half the sampling "
-            "rate, of vibration, differentiation or interpolation",
-            ratio=ROUNDED * e.value / most,
-        )
+        e.symbol: say("it is {ratio:.3g} times what the steps of the samples can cause: noise that rises near half "
+                      "the sampling rate, of vibration, differentiation or interpolation",
+                      ratio=ROUNDED * e.value / most)
         for e in fit
         if TERMS[e.symbol].edge and e.claimed and e.value is not None and e.value > most
-    }
+    }  # fmt: skip
 
 
 def _alone(estimate: Estimate, curve: Curve) -> FloatArray | None:

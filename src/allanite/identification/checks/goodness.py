@@ -16,7 +16,7 @@ from allanite.prepare.outliers import outliers as outlying
 from allanite.prepare.rounding import rounding_of
 from allanite.prepare.view import stretches
 
-UNSTEADY, TAILED, KIN = 1.2, 0.1, 0.02
+UNSTEADY, HEAVY_TAILS, KIN = 1.2, 0.1, 0.02
 """Ratio of levels, excess kurtosis and correlation above which a failed check matters."""
 
 DIFFERENT = 1.5
@@ -32,10 +32,8 @@ def reasons(
         return []
     steps = rounding_of(record)
     if steps.sparse:  # the samples are steps of a quantizer without sufficient dither
-        how = say(
-            "steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
-            size=steps.step * (record.scale or 1.0), unit=record.unit, noise=steps.noise,
-        )  # fmt: skip
+        how = say("steps of {size:.4g} {unit} (LSB), and the fast noise is {noise:.2g} step",
+                  size=steps.step * (record.scale or 1.0), unit=record.unit, noise=steps.noise)  # fmt: skip
         what = say(
             "quantization errors are not white: {details}", details=join(", ", filter(None, (steps.counted, how)))
         )
@@ -60,27 +58,22 @@ def _unsteady(check: Check, power: FloatArray, time: FloatArray) -> Finding:
     spans = (say("from {start:.6g} s to {end:.6g} s", start=start, end=end) for start, end in loud)
     return Finding(
         "level",
-        say(
-            "the noise level changes by a factor of {ratio:.3g} between eighths of the record, and is highest {spans}",
-            ratio=check.value,
-            spans=join(", ", spans),
-        ),
+        say("the noise level changes by a factor of {ratio:.3g} between eighths of the record, and is highest "
+            "{spans}", ratio=check.value, spans=join(", ", spans)),
         say("one set of coefficients describes neither part")
         if different
         else say("the coefficients are those of the average"),
         say("analyze the parts separately ({choice})", choice=longest_without(loud, (float(time[0]), float(time[-1])))),
         (float(time[odd]), float(time[odd + 1])),
         fatal=different,
-    )
+    )  # fmt: skip
 
 
 def _fast(near: Check, tails: Check, record: Record, fit: Fit, *, kept: bool) -> Iterator[Finding]:
     """The findings about the fast noise: heavy tails, and neighbours that correlate."""
-    if not tails.passed and tails.value > TAILED:
-        what = say(
-            "the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or intermittent noise",
-            kurtosis=tails.value,
-        )
+    if not tails.passed and tails.value > HEAVY_TAILS:
+        what = say("the residuals have heavy tails (excess kurtosis {kurtosis:.3g}): outliers, bursts, or "
+                   "intermittent noise", kurtosis=tails.value)  # fmt: skip
         effect = say("the coefficients are valid; the intervals of the fast noise are widened for them")
         cure = say("exclude the outliers ({option})", option=spelled("--outliers mark", "prepare.mark_outliers"))
         yield Finding("heavy tails", what, effect, cure if kept and outlying(record).at.size > 0 else "")
@@ -95,10 +88,10 @@ def _fast(near: Check, tails: Check, record: Record, fit: Fit, *, kept: bool) ->
         )
 
 
-FALSE_LINE = 0.01
+FALSE_PEAK = 0.01
 """Probability that a record of noise alone shows a line."""
 
-LEAST = 1e-12
+LEAST_RATIO = 1e-12
 """Power over the model's that a sentence states at least: of a model far from the record it may come out negative."""
 
 
@@ -110,25 +103,19 @@ def cells_of(spectrum: BinnedSpectrum, used: BoolArray) -> tuple[IntArray, Float
 
 
 def goodness(
-    spectrum: BinnedSpectrum,
-    powers: tuple[FloatArray, FloatArray, FloatArray],
-    used: BoolArray,
-    *,
-    lost: float,
-    loud: BoolArray,
-    taken: tuple[Line, ...] = (),
-) -> Goodness:
+    spectrum: BinnedSpectrum, used: BoolArray, *, power: FloatArray, m: FloatArray, count: FloatArray, lost: float,
+    loud: BoolArray, taken: tuple[Line, ...] = (),
+) -> Goodness:  # fmt: skip
     """Cell-wise goodness of fit.
 
     In each cell the sum of I/m is chi-square with as many degrees of freedom as it has coefficients; its normal deviate
     is z, and the sum of z^2 over the cells is chi-square with the number of cells less what sizes and shapes take of
-    them, `lost`, and a half. `powers` are observed and expected power and the count of the bins `used`, given the loose
-    directions. In bins that are `loud` with the peaks of vibration no narrow peaks are looked for; `taken` are
-    sinusoids removed before.
+    them, `lost`, and a half. `power`, `m` and `count` are observed and expected power and the count of the bins `used`,
+    given the loose directions. In bins that are `loud` with the peaks of vibration no narrow peaks are looked for;
+    `taken` are sinusoids removed before.
     """
     from scipy.special import chdtrc
 
-    power, m, count = powers
     cell, bounds = cells_of(spectrum, used)
     edges = spectrum.frequency(bounds)
     nu, total = (np.bincount(cell, w, edges.size - 1).astype(np.float64) for w in (count, count * power / m))
@@ -171,22 +158,18 @@ def _lines(spectrum: BinnedSpectrum, used: BoolArray, m: FloatArray, rest: Float
     power, count = spectrum.power[used], spectrum.count[used]
     peak = np.where(count == 1, rest, spectrum.peak[used])
     around = np.median(surroundings(power), axis=1)
-    threshold = float(ndtri(0.5 * FALSE_LINE / count.sum())) ** 2
-    found = peak > threshold * np.maximum(around, m)
-    if not found.any():
+    threshold = float(ndtri(0.5 * FALSE_PEAK / count.sum())) ** 2
+    standing_out = peak > threshold * np.maximum(around, m)
+    if not standing_out.any():
         return []
-    strength = np.where(found, peak / np.maximum(around, m), 0.0)
-    best = np.sort(np.argsort(strength)[::-1][: min(5, int(found.sum()))])
+    strength = np.where(standing_out, peak / np.maximum(around, m), 0.0)
+    best = np.sort(np.argsort(strength)[::-1][: min(5, int(standing_out.sum()))])
     where = ", ".join(f"{f:.3g}" for f in spectrum.frequency(spectrum.peak_at[used][best]))
-    share = float(peak[found].sum() / (power * count).sum())
+    share = float(peak[standing_out].sum() / (power * count).sum())
     return [
-        say(
-            "narrow peaks at {frequencies} Hz (their maxima alone contain {share:.2g} % of the power): vibration, "
-            "sway or interference",
-            frequencies=where,
-            share=100 * share,
-        )
-    ]
+        say("narrow peaks at {frequencies} Hz (their maxima alone contain {share:.2g} % of the power): vibration, "
+            "sway or interference", frequencies=where, share=100 * share)
+    ]  # fmt: skip
 
 
 def _roll_off(spectrum: BinnedSpectrum, used: BoolArray) -> list[str]:
@@ -203,13 +186,9 @@ def _roll_off(spectrum: BinnedSpectrum, used: BoolArray) -> list[str]:
     if top > 0.8 * middle:
         return []
     return [
-        say(
-            "the spectrum rolls off: towards {frequency:g} Hz it falls to {level:.2g} of its level at a tenth of that "
-            "frequency (a filter in the sensor or logger)",
-            frequency=spectrum.rate / 2,
-            level=top / middle,
-        )
-    ]
+        say("the spectrum rolls off: towards {frequency:g} Hz it falls to {level:.2g} of its level at a tenth of "
+            "that frequency (a filter in the sensor or logger)", frequency=spectrum.rate / 2, level=top / middle)
+    ]  # fmt: skip
 
 
 def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
@@ -218,23 +197,18 @@ def _where(bounds: FloatArray, ratio: FloatArray, z: FloatArray) -> list[str]:
     if z[worst] == 0:
         return []
     strong = (np.sign(z) == np.sign(z[worst])) & (np.abs(z) > max(3.0, 0.1 * abs(z[worst])))
-    left = right = worst
-    while left > 0 and strong[left - 1]:
-        left -= 1
-    while right < z.size - 1 and strong[right + 1]:
-        right += 1
-    mean = math.exp(float(np.log(np.maximum(ratio[left : right + 1], LEAST)).mean()))
+    first = last = worst
+    while first > 0 and strong[first - 1]:
+        first -= 1
+    while last < z.size - 1 and strong[last + 1]:
+        last += 1
+    mean = math.exp(float(np.log(np.maximum(ratio[first : last + 1], LEAST_RATIO)).mean()))
     what = (
         say("motion, sway, vibration or a missing term")
         if mean > 1
         else say("a filter, or a term that does not belong in the model")
     )
     return [
-        say(
-            "from {low:.3g} to {high:.3g} Hz the power is {ratio:.3g} times that of the model: {cause}",
-            low=bounds[left],
-            high=bounds[right + 1],
-            ratio=mean,
-            cause=what,
-        )
-    ]
+        say("from {low:.3g} to {high:.3g} Hz the power is {ratio:.3g} times that of the model: {cause}",
+            low=bounds[first], high=bounds[last + 1], ratio=mean, cause=what)
+    ]  # fmt: skip

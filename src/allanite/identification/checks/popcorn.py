@@ -21,19 +21,19 @@ from allanite.prepare.gaps import whole
 
 from .whitening import deviations
 
-FINEST, MOST = 8, 1 << 17
+FINEST_BLOCK, MAX_BLOCKS = 8, 1 << 17
 """Number of samples per block, and the number of blocks above which blocks become longer."""
 
-SHORTEST, LONGEST, GROWTH = 4, 1 / 16, math.sqrt(2)
+SHORTEST_WINDOW, LONGEST_WINDOW, WINDOW_GROWTH = 4, 1 / 16, math.sqrt(2)
 """Windows: blocks in the shortest, share of the record of the longest, ratio of successive lengths."""
 
-FEWEST = 512
+FEWEST_BLOCKS = 512
 """Number of blocks needed to detect tails."""
 
-TAILED = 2.9
+TAILED_DEVIATE = 2.9
 """Normal deviate of the excess kurtosis for detection: the maximum over windows exceeds it in 1 of 500 records."""
 
-CHANCE = 0.012
+CHANCE_OF_JUMP = 0.012
 """The same for the expected number of larger scores; windows overlap, so that it is not a probability."""
 
 QUIET = 0.25
@@ -45,11 +45,11 @@ DENSE = 16
 MEDIAN = 0.4549
 """Median of the square of a normal deviate."""
 
-SEEN = 3.5
+JUMP_DEVIATE = 3.5
 """Standard deviations from which a score is counted as a jump."""
 
 
-HARMLESS = 0.05
+HARMLESS_SHARE = 0.05
 """Share of the variance of the scores below which jumps do not affect the coefficients."""
 
 
@@ -75,7 +75,7 @@ class Jumps:
     @property
     def weight(self) -> float:
         """Significance relative to the threshold; 1 and above is reported."""
-        return max(self.deviate / TAILED, math.log(max(self.chance, 1e-300)) / math.log(CHANCE))
+        return max(self.deviate / TAILED_DEVIATE, math.log(max(self.chance, 1e-300)) / math.log(CHANCE_OF_JUMP))
 
 
 def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
@@ -85,9 +85,9 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     """
     from scipy.fft import dct, idct
 
-    block = max(FINEST, -(-u.size // MOST))
+    block = max(FINEST_BLOCK, -(-u.size // MAX_BLOCKS))
     blocks = u.size // block
-    if blocks < FEWEST:
+    if blocks < FEWEST_BLOCKS:
         return None
     # sums over blocks of the record weighed by the inverse of its covariance
     means = (u[: blocks * block].reshape(blocks, block) @ np.full(block, 1 / block, dtype=np.float32)).astype(
@@ -98,12 +98,12 @@ def jumps(u: NDArray[np.float32], model: Model, rate: float) -> Jumps | None:
     c[0] = 0.0
     c[1:] *= np.interp(np.arange(1, blocks), k, 1 / deviation)
     total = np.concatenate(([0.0], np.cumsum(block * idct(c, norm="ortho", overwrite_x=True))))
-    count = int(math.log(blocks * LONGEST / SHORTEST, GROWTH)) + 1
-    lengths = [round(SHORTEST * GROWTH**i) for i in range(count)]
+    count = int(math.log(blocks * LONGEST_WINDOW / SHORTEST_WINDOW, WINDOW_GROWTH)) + 1
+    lengths = [round(SHORTEST_WINDOW * WINDOW_GROWTH**i) for i in range(count)]
     chances = 2 * sum(blocks / length for length in lengths)
-    found = [_scored(total, length, block, chances) for length in lengths]
-    best = max(found, key=lambda one: one.weight)
-    return None if best is found[0] else best
+    candidates = [_scored(total, length, block, chances) for length in lengths]
+    best = max(candidates, key=lambda one: one.weight)
+    return None if best is candidates[0] else best
 
 
 def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps:
@@ -117,20 +117,15 @@ def _scored(total: FloatArray, length: int, block: int, chances: float) -> Jumps
     largest = math.sqrt(float(square[most]) / variance)
     density = math.exp(-(largest**2) / 2) / math.sqrt(2 * math.pi)
     quiet = float(np.median(square)) / MEDIAN  # bursts increase the variance, but hardly this
-    at = np.flatnonzero(square > SEEN**2 * quiet)
+    at = np.flatnonzero(square > JUMP_DEVIATE**2 * quiet)
     # middles of the runs that stand out; those no more than a length apart are one
     runs = np.split(at, np.flatnonzero(np.diff(at) > length // step) + 1)
     middles = np.array([(run[0] + run[-1]) // 2 for run in runs if run.size], dtype=at.dtype)
     return Jumps(
-        size=(total.size - 1) * block,
-        length=length * block,
-        jump=float(score[most]) / quiet,
-        largest=(2 * most * step + length) * block // 2,
-        deviate=_normal(kurtosis, 1.2 * total.size / length),
-        chance=chances * largest * density,
-        share=1 - quiet / variance,
-        at=(step * middles + length // 2) * block,
-    )
+        size=(total.size - 1) * block, length=length * block, jump=float(score[most]) / quiet,
+        largest=(2 * most * step + length) * block // 2, deviate=_normal(kurtosis, 1.2 * total.size / length),
+        chance=chances * largest * density, share=1 - quiet / variance, at=(step * middles + length // 2) * block,
+    )  # fmt: skip
 
 
 def _normal(kurtosis: float, n: float) -> float:
@@ -144,13 +139,13 @@ def _normal(kurtosis: float, n: float) -> float:
     return float((1 - 2 / (9 * A) - np.cbrt((1 - 2 / A) / (1 + x * math.sqrt(2 / (A - 4))))) / math.sqrt(2 / (9 * A)))
 
 
-def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], FloatArray]) -> list[Finding]:
+def popcorn(burst: Jumps | None, signal: Signal, seconds: Callable[[IntArray], FloatArray]) -> list[Finding]:
     """The finding about jumps; `seconds` gives the times of samples of the series."""
-    if found is None or found.weight < 1 or found.share < HARMLESS:
+    if burst is None or burst.weight < 1 or burst.share < HARMLESS_SHARE:
         return []
     unit = signal.sheet[0]
-    ends = seconds(np.concatenate(([0], found.at, [found.size])))
-    middle, half = float(seconds(np.array([found.largest]))[0]), float(found.length / 2 * ends[-1] / found.size)
+    ends = seconds(np.concatenate(([0], burst.at, [burst.size])))
+    middle, half = float(seconds(np.array([burst.largest]))[0]), float(burst.length / 2 * ends[-1] / burst.size)
     free = np.diff(ends)
     longest = int(free.argmax())
     first = math.ceil(ends[longest] + (2 * half if longest else 0))
@@ -159,14 +154,11 @@ def popcorn(found: Jumps | None, signal: Signal, seconds: Callable[[IntArray], F
     if last - first >= QUIET * ends[-1]:
         part = say("a part without them: {selection}", selection=between(first, last))
         remedy = join("; ", (remedy, part))
-    size = abs(convert(found.jump, signal.unit, unit))
-    count = max(found.at.size, 1)
-    what = say(
-        "the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} of about "
-        "{length:.2g} s in {duration:.4g} s",
-        size=size, unit=unit, middle=middle, count=count, length=2 * half, duration=ends[-1],
-    )  # fmt: skip
-    harm = say(
-        "popcorn noise is not one of the terms: it contributes to B, K and GM, and their intervals are too narrow"
-    )
+    size = abs(convert(burst.jump, signal.unit, unit))
+    count = max(burst.at.size, 1)
+    what = say("the bias jumps: the largest burst, {size:.3g} {unit}, is at {middle:.4g} s, and there are {count} "
+               "of about {length:.2g} s in {duration:.4g} s",
+               size=size, unit=unit, middle=middle, count=count, length=2 * half, duration=ends[-1])  # fmt: skip
+    harm = say("popcorn noise is not one of the terms: it contributes to B, K and GM, and their intervals are too "
+               "narrow")  # fmt: skip
     return [Finding("popcorn", what, harm, remedy, (max(0.0, middle - half), middle + half), fatal=True)]

@@ -72,8 +72,8 @@ def residuals(record: Record, fit: Fit, *, outliers: str = "mark") -> Residuals:
 
 def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> Residuals:
     """The residuals of a record from its whitened series; see `residuals`."""
-    there = _inside(u, memory(fit.model, record.size, record.rate))
-    series = u if there is None else u[there]
+    settled = _inside(u, memory(fit.model, record.size, record.rate))
+    series = u if settled is None else u[settled]
     n = series.size
     if n < SHORTEST:
         none = np.empty(0)
@@ -81,7 +81,7 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
     parts, stretches = (np.linspace(0, n, k + 1).astype(np.int64) for k in (PARTS, min(SHOWN, n // 8)))
 
     def seconds(at: IntArray) -> FloatArray:
-        return np.asarray((at if there is None else there[np.minimum(at, n - 1)]) / record.rate)
+        return np.asarray((at if settled is None else settled[np.minimum(at, n - 1)]) / record.rate)
 
     checks, correlation, power, error = _checks(series, parts)
     expected, observed = _quantiles(series)
@@ -90,25 +90,17 @@ def checked(u: NDArray[np.float32], record: Record, fit: Fit, outliers: str) -> 
     steady = not slow and all(check.passed for check in checks if check.name in ("halves", "eighths"))
     jumping = popcorn(jumps(series, fit.model, record.rate), record.signal, seconds) if steady else []
     return Residuals(
-        name=record.name,
-        rate=record.rate,
-        size=record.size,
-        goodness=fit.goodness,
-        checks=checks,
+        name=record.name, rate=record.rate, size=record.size, goodness=fit.goodness, checks=checks,
         findings=(
             *fit.findings,
             *reasons(record, fit, checks, (power, record.cut + seconds(parts)), kept=outliers == "keep"),
             *jumping,
         ),
-        correlation=correlation,
-        level=np.sqrt(power),
-        level_error=error,
+        correlation=correlation, level=np.sqrt(power), level_error=error,
         time=seconds((stretches[:-1] + stretches[1:]) // 2),
         low=np.minimum.reduceat(series, stretches[:-1]).astype(np.float64),
-        high=np.maximum.reduceat(series, stretches[:-1]).astype(np.float64),
-        expected=expected,
-        observed=observed,
-    )
+        high=np.maximum.reduceat(series, stretches[:-1]).astype(np.float64), expected=expected, observed=observed,
+    )  # fmt: skip
 
 
 def _checks(u: NDArray[np.float32], parts: IntArray) -> tuple[tuple[Check, ...], FloatArray, FloatArray, FloatArray]:
@@ -143,12 +135,12 @@ def _inside(u: NDArray[np.float32], margin: int) -> IntArray | None:
     """Valid residuals at least `margin` samples from an end or a gap; None if all are."""
     if not margin and complete(u):
         return None
-    there = np.flatnonzero(np.isfinite(u))
-    joints = np.concatenate(([0], np.flatnonzero(np.diff(there) > 1) + 1, [there.size]))
-    near = np.zeros(there.size + 1, dtype=np.int64)
+    finite = np.flatnonzero(np.isfinite(u))
+    joints = np.concatenate(([0], np.flatnonzero(np.diff(finite) > 1) + 1, [finite.size]))
+    near = np.zeros(finite.size + 1, dtype=np.int64)
     np.add.at(near, np.maximum(joints - margin, 0), 1)
-    np.add.at(near, np.minimum(joints + margin, there.size), -1)
-    return np.asarray(there[np.cumsum(near[:-1]) == 0])
+    np.add.at(near, np.minimum(joints + margin, finite.size), -1)
+    return np.asarray(finite[np.cumsum(near[:-1]) == 0])
 
 
 def _sums(u: NDArray[np.float32], first: int, last: int) -> list[float]:

@@ -75,11 +75,11 @@ def shared(recording: Recording, fits: Mapping[str, Fit], *, outliers: str = "ma
     means = [np.add.reduceat(u, bounds, dtype=np.float64) for u in series]
     fast, slow = _correlations(series), _correlations(means)
     length = series[0].size / recording[names[0]].rate / STRETCHES
-    found = (
+    pairs = (
         _finding(names, fast, series[0].size, say("sample by sample")),
         _finding(names, slow, STRETCHES, say("in means over {length:.3g} s", length=length)),
     )
-    return Shared(tuple(names), fast, slow, tuple(filter(None, found)))
+    return Shared(tuple(names), fast, slow, tuple(filter(None, pairs)))
 
 
 def _finding(names: Sequence[str], correlations: FloatArray, count: int, how: Phrase) -> Finding | None:
@@ -90,16 +90,10 @@ def _finding(names: Sequence[str], correlations: FloatArray, count: int, how: Ph
     if not pairs:
         return None
     i, j = divmod(int(size.argmax()), len(names))
-    what = say_count(
-        pairs,
-        "the residuals of {channel} and {other} are correlated {how} ({correlation:+.2g})",
-        "the residuals of {count} pairs of channels are correlated {how}, most of all those of {channel} and {other} "
-        "({correlation:+.2g})",
-        channel=names[i],
-        other=names[j],
-        how=how,
-        correlation=correlations[i, j],
-    )
+    what = say_count(pairs, "the residuals of {channel} and {other} are correlated {how} ({correlation:+.2g})",
+                     "the residuals of {count} pairs of channels are correlated {how}, most of all those of "
+                     "{channel} and {other} ({correlation:+.2g})",
+                     channel=names[i], other=names[j], how=how, correlation=correlations[i, j])  # fmt: skip
     remedy = say("look for vibration, temperature, or a common supply, clock or reference")
     return Finding("shared", what, say("their noises are not independent"), remedy)
 

@@ -12,13 +12,13 @@ from allanite.core.errors import UsageError
 from allanite.core.model import Model, ModelLike, model_of
 from allanite.core.record import Record
 from allanite.core.validity import Scope
-from allanite.identification.likelihood.spectrum import SHORT
+from allanite.identification.likelihood.spectrum import SHORT_TRANSFORM
 from allanite.prepare.gaps import Gaps, joined, whole
 
 BLOCK = 64
 """Number of coefficients normalized together where the fit does not read."""
 
-SINGLE, PER_OCTAVE = 64, 32
+SINGLE_NODES, NODES_PER_OCTAVE = 64, 32
 """Number of coefficients whose variance is computed individually, and number per octave beyond, where it is smooth."""
 
 
@@ -61,20 +61,20 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     model = model_of(model)
     if model.signal is not record.signal:
         raise UsageError(f"a model of a {model.signal.name} does not apply to a {record.signal.name}")
-    y, gaps, left = joined(record)
+    y, gaps, kept = joined(record)
     unit = record.rate_factor
     for term in model:
         wave = term.sampled(record.rate).waveform
         if wave is not None:
             shape = wave(record.size)
-            y -= term.value * record.rate**term.row.power / unit * (shape if left is None else shape[left])
+            y -= term.value * record.rate**term.row.power / unit * (shape if kept is None else shape[kept])
     y -= y.mean()
     # slow noise exceeds fast noise by a few thousand at most: single precision halves time and memory
     size = float(np.abs(y).max()) or 1.0
     y /= size
     n = y.size
     # reflected at the end, as the transform supposes it to go on, up to a size whose transform is fast
-    c = np.empty(n if n < SHORT else next_fast_len(n), np.float32)
+    c = np.empty(n if n < SHORT_TRANSFORM else next_fast_len(n), np.float32)
     c[:n], c[n:] = y, y[::-1][: c.size - n]
     del y
     c = dct(c, norm="ortho", overwrite_x=True)
@@ -96,10 +96,10 @@ def whitened(record: Record, model: ModelLike, scope: Scope | None = None) -> ND
     u = idct(c, norm="ortho", overwrite_x=True)[:n]
     for few in range(1, 17):  # the plans that scipy keeps: that of a long record is as large as the record
         dct(np.zeros(few, np.float32))
-    if left is None:
+    if kept is None:
         return np.asarray(u)
     everywhere = np.full(record.size, np.nan, dtype=np.float32)
-    everywhere[left] = u
+    everywhere[kept] = u
     return everywhere
 
 
@@ -115,8 +115,10 @@ def _divide(c: NDArray[np.float32], k: IntArray, deviation: FloatArray, unit: fl
 def deviations(model: Model, gaps: Gaps, rate: float) -> tuple[IntArray, FloatArray]:
     """Some coefficients, the first and the last among them, and their standard deviations in SI."""
     n = gaps.size
-    nodes = SINGLE * 2.0 ** np.arange(0, np.log2(n / SINGLE), 1 / PER_OCTAVE)
-    k = np.unique(np.concatenate((np.arange(1, min(SINGLE, n - 1) + 1), np.rint(nodes).astype(np.int64), [n - 1])))
+    nodes = SINGLE_NODES * 2.0 ** np.arange(0, np.log2(n / SINGLE_NODES), 1 / NODES_PER_OCTAVE)
+    k = np.unique(
+        np.concatenate((np.arange(1, min(SINGLE_NODES, n - 1) + 1), np.rint(nodes).astype(np.int64), [n - 1]))
+    )
     k = k[k < n]
     at = k.astype(np.float64)
     rows = [(t.power(rate), t.sampled(rate)) for t in model]

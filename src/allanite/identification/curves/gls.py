@@ -1,7 +1,6 @@
 """Generalized least squares: the optimal fit of a curve, given its covariance."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, isfinite, sqrt
 
@@ -16,44 +15,26 @@ from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.units import Signal
 from allanite.phrases.phrase import join, say
-from allanite.statistics.moments.moments import covariance_by_term, relative
+from allanite.statistics.moments.moments import covariance_by_term
 from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
 from .inversion import Inverted, RatioLimits
-from .nonnegative import blind, columns, plain, solve, unit_model, whitened
-from .reading import early, result, rows_of, signal_of
+from .leastsquares import Moments, iterated, whitened
+from .reading import blind, columns, early, plain, result, rows_of, signal_of, unit_model
 
-ROUNDS = 8
-"""Iterations of the fit and the covariance under it; three to five suffice."""
-
-REACH = 0.25
+LONGEST_SHARE = 0.25
 """Share of the record up to which averaging times are read; half of the longest one where that is more.
 
 There Theo1 has about as many degrees of freedom as the Allan variance at a quarter of the record. Farther out
 the limits hold the truth less often, and what is gained are coefficients that remain unknown (docs/methods.md).
 """
 
-SLOW = 3
+INTEGRATED_TERMS = 3
 """Terms of the longest memory that are integrated over to obtain the limits of each other."""
 
 CLAIM = 4.0
 """Likelihood ratio of a term against its absence above which it is claimed."""
-
-
-@dataclass(frozen=True)
-class Moments:
-    """Moments of the points of a curve under terms with coefficients of 1: `columns`, shape (k, t), is the expectation.
-
-    `products`, shape (k, k, t, t), is what each pair of terms adds to the covariance.
-    """
-
-    columns: FloatArray
-    products: FloatArray
-
-    def covariance(self, theta: FloatArray) -> FloatArray:
-        """Covariance of the points for squares `theta` of the coefficients, shape (k, k)."""
-        return np.asarray(np.einsum("ijab,a,b", self.products, theta, theta))
 
 
 @lru_cache(maxsize=64)
@@ -62,36 +43,6 @@ def moments_of(names: tuple[str, ...], symbols: tuple[str, ...], m: tuple[int, .
     X = columns(names, symbols, m, size, rate)
     rows = [STATISTICS[name] for name in names]
     return Moments(X, covariance_by_term(rows, unit_model(symbols), np.array(m), size, rate))
-
-
-def variances(name: str, symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
-    """The diagonal of `Moments.products`, 2 E_i E_j r_ij, which is 2 E^2 / EDF of a mixture; the rest is 0."""
-    X = columns([name] * len(m), symbols, m, size, rate)
-    terms = [t.sampled(rate) for t in unit_model(symbols)]
-    found = np.zeros((len(m), len(m), len(symbols), len(symbols)))
-    for i, k in enumerate(m):
-        found[i, i] = 2 * np.outer(X[i], X[i]) * relative(STATISTICS[name], terms, k, [(size, 1)])
-    return found
-
-
-def iterated(moments: Moments, variance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Squares of the coefficients, shape (t,), and the covariance of the points under them, shape (k, k)."""
-    X = moments.columns
-    theta = solve(X, variance, np.diag(variance**2))
-    covariance = _scatter(moments, theta)
-    for _ in range(ROUNDS):
-        before, theta = theta, solve(X, variance, covariance)
-        covariance = _scatter(moments, theta)
-        if np.allclose(X * theta, X * before, rtol=1e-6, atol=1e-6 * variance.min()):
-            break
-    return theta, covariance
-
-
-def _scatter(moments: Moments, theta: FloatArray) -> FloatArray:
-    covariance = moments.covariance(theta)
-    if not np.all(np.diag(covariance) > 0):
-        raise DataError(say("a ramp alone describes the curve best: without noise its accuracy cannot be determined"))
-    return covariance
 
 
 def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
@@ -106,14 +57,8 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
     signal = signal_of(curve, 1)
     which = octaves(curve)
     if which.size < len(symbols):
-        raise DataError(
-            say(
-                "{size} octaves up to {percent:g} % of the record are too few for {count} terms",
-                size=which.size,
-                percent=100 * reach(curve),
-                count=len(symbols),
-            )
-        )
+        raise DataError(say("{size} octaves up to {percent:g} % of the record are too few for {count} terms",
+                            size=which.size, percent=100 * reach(curve), count=len(symbols)))  # fmt: skip
     m, symbols = curve.m[which], tuple(symbols)
     rows = rows_of(curve)
     names = tuple(rows[i].name for i in which.tolist())
@@ -130,7 +75,7 @@ def gls(curve: Curve, symbols: Sequence[str]) -> Fit:
         notes.append(
             say("the record has gaps: the covariance is that of a complete record, scaled by the missing windows")
         )
-    estimates = _estimates(symbols, moments, variance, (theta, covariance), signal)
+    estimates = _estimates(symbols, moments, variance, theta=theta, covariance=covariance, signal=signal)
     notes.append(_goodness(moments.columns, variance, theta, covariance))
     notes += [
         say("{symbol} is given without its sign, which a curve does not determine", symbol=e.symbol)
@@ -151,17 +96,17 @@ def octaves(curve: Curve) -> IntArray:
 
 def reach(curve: Curve) -> float:
     """Share of the record up to which averaging times are read."""
-    return max(REACH, STATISTICS[curve.statistic].longest / 2)
+    return max(LONGEST_SHARE, STATISTICS[curve.statistic].longest / 2)
 
 
 def _read_from(curve: Curve, which: IntArray) -> str:
-    left = int(early(curve, reach(curve)).sum()) - which.size
+    omitted = int(early(curve, reach(curve)).sum()) - which.size
     tau = curve.tau[which]
     read = say("fitted to {count} points of {statistic}, {start:g} to {end:g} s",
                count=which.size, statistic=curve.statistic, start=tau[0], end=tau[-1])  # fmt: skip
-    if not left:
+    if not omitted:
         return read
-    more = say("{count} more between these octaves would add no information and are omitted", count=left)
+    more = say("{count} more between these octaves would add no information and are omitted", count=omitted)
     return join("; ", (read, more))
 
 
@@ -172,21 +117,17 @@ def _goodness(X: FloatArray, variance: FloatArray, theta: FloatArray, covariance
     A, b = whitened(X, variance, covariance)
     square = float(((b - A @ theta) ** 2).sum())
     p = f"p = {chdtrc(freedom, square):.2g}" if freedom else say("no degrees of freedom left for a test")
-    return say(
-        "goodness of fit: chi-square {square:.1f} with {count} degrees of freedom, {p}",
-        square=square,
-        count=freedom,
-        p=p,
-    )
+    return say("goodness of fit: chi-square {square:.1f} with {count} degrees of freedom, {p}",
+               square=square, count=freedom, p=p)  # fmt: skip
 
 
 def _estimates(
-    symbols: Sequence[str], moments: Moments, variance: FloatArray, found: tuple[FloatArray, FloatArray], signal: Signal
-) -> list[Estimate]:
-    theta, covariance = found
+    symbols: Sequence[str], moments: Moments, variance: FloatArray, *, theta: FloatArray, covariance: FloatArray,
+    signal: Signal,
+) -> list[Estimate]:  # fmt: skip
     error = standard_errors(moments.columns, variance, covariance)
-    seen = [i for i in range(len(symbols)) if isfinite(error[i])]
-    slow = sorted(seen, key=lambda i: TERMS[symbols[i]].slope)[-SLOW:]
+    observed = [i for i in range(len(symbols)) if isfinite(error[i])]
+    slow = sorted(observed, key=lambda i: TERMS[symbols[i]].slope)[-INTEGRATED_TERMS:]
     ratios = RatioLimits(moments.columns, moments.products, variance, theta, error, tuple(slow))
     estimates = []
     for i, (symbol, square, spread) in enumerate(zip(symbols, theta.tolist(), error.tolist(), strict=True)):
@@ -206,8 +147,8 @@ def standard_errors(X: FloatArray, variance: FloatArray, covariance: FloatArray)
     """Standard errors of the squares, with every term free, shape (t,); infinite for a term that is not observed."""
     A, _ = whitened(X, variance, covariance)
     size = np.sqrt((A**2).sum(axis=0))
-    seen = size > 0
-    A = A[:, seen] / size[seen]
+    observed = size > 0
+    A = A[:, observed] / size[observed]
     error = np.full(size.shape, inf)
-    error[seen] = np.sqrt(np.diag(np.linalg.inv(A.T @ A))) / size[seen]
+    error[observed] = np.sqrt(np.diag(np.linalg.inv(A.T @ A))) / size[observed]
     return error

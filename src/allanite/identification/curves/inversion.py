@@ -37,10 +37,10 @@ NODES, ENDS = 15, 4.5
 """Values of each slow coefficient at which the likelihood is integrated, and the deviates of the profile at their ends.
 """
 
-STEPS, NEAR = 4, 0.1
+PROFILE_STEPS, LEAST_COST_GAIN = 4, 0.1
 """Steps to profiled terms, at most, and what another must gain in -2 log likelihood."""
 
-FINE = 1001
+FINE_VALUES = 1001
 """Values of a coefficient between which its likelihood ratio is interpolated."""
 
 
@@ -104,9 +104,9 @@ class RatioLimits(Portable):
             value, slopes = self.cost(theta)
             return value, slopes[free] * unit
 
-        found = minimize(cost, theta[free] / unit, jac=True, method="L-BFGS-B", bounds=[(0, None)] * unit.size)
-        theta[free] = found.x * unit
-        return theta, float(found.fun)
+        least = minimize(cost, theta[free] / unit, jac=True, method="L-BFGS-B", bounds=[(0, None)] * unit.size)
+        theta[free] = least.x * unit
+        return theta, float(least.fun)
 
     @cached_property
     def best(self) -> tuple[FloatArray, float]:
@@ -163,31 +163,31 @@ class RatioLimits(Portable):
         cost, theta = np.empty(squares.shape[1]), best.copy()
         for k, square in enumerate(squares.T):
             theta[slow], theta[rest] = square, np.maximum(best[rest] + follow @ (square - best[slow]), 0.0)
-            for _ in range(STEPS):
+            for _ in range(PROFILE_STEPS):
                 cost[k], slopes = self.cost(theta)
                 step = np.maximum(theta[rest] - np.linalg.solve(inner, slopes[rest]), 0.0) - theta[rest]
                 gain = float(-step @ (slopes[rest] + inner @ step / 2))
-                if gain < NEAR:
+                if gain < LEAST_COST_GAIN:
                     break
                 theta[rest] += step
         density = np.asarray(np.exp((cost.min() - cost) / 2)).reshape([NODES] * len(axes))
-        found = {}
+        ratios = {}
         for i, root in axes.items():
             along = density
             for axis, (j, other) in reversed(list(enumerate(axes.items()))):
                 if j != i:  # flat in the square
                     along = np.tensordot(along, other, (axis, 0))
-            found[i] = signed(root, along)
-        return found
+            ratios[i] = signed(root, along)
+        return ratios
 
 
 def signed(root: FloatArray, likelihood: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Values of a coefficient, closer together, and signed roots of their likelihood ratios."""
     from scipy.interpolate import CubicSpline
 
-    value = np.linspace(root[0], root[-1], FINE)
+    value = np.linspace(root[0], root[-1], FINE_VALUES)
     cost = CubicSpline(root, -2 * np.log(np.maximum(likelihood, 1e-300 * likelihood.max())))(value)
-    sign = np.where(np.arange(FINE) < cost.argmin(), -1.0, 1.0)
+    sign = np.where(np.arange(FINE_VALUES) < cost.argmin(), -1.0, 1.0)
     return value, np.maximum.accumulate(sign * np.sqrt(cost - cost.min()))
 
 

@@ -1,90 +1,201 @@
-"""The classical fits of an Allan variance curve, for comparison; none gives intervals or evidence."""
+"""Least squares of a curve's variance: as programs and papers do, and of Allan and Hadamard variance together.
 
-import math
-from collections.abc import Sequence
+The second separates a ramp from a rate random walk.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.curve import Curve
-from allanite.core.estimate import Estimate
+from allanite.core.errors import DataError, UsageError
 from allanite.core.fit import Fit
+from allanite.core.record import Record
 from allanite.phrases.phrase import say
+from allanite.statistics import deviation
+from allanite.statistics.moments.moments import relative
+from allanite.statistics.table import STATISTICS
 from allanite.terms import TERMS
 
-from .nonnegative import solve
-from .reading import reported, result, signal_of
+from .reading import blind, columns, early, plain, reported, result, rows_of, signal_of, textbook, unit_model
+
+PAIR = ("oadev", "ohdev")
+
+WALK_RATIO = 0.5
+"""Hadamard over Allan variance of a rate random walk; only a ramp gives less."""
+
+MAX_REWEIGHTINGS = 8
+"""Iterations of the fit and the covariance under it; three to five suffice."""
 
 
-def least_squares(curve: Curve, symbols: Sequence[str]) -> Fit:
-    """Unweighted least squares of the variance by powers of tau, as in much of the literature.
+def solve(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Squares theta >= 0 that minimize the quadratic form of the residuals, shape (t,)."""
+    from scipy.optimize import nnls as solver
 
-    All points have the same absolute weight, so that the shortest tau dominates: the errors are 2 to 90 times the
-    Cramer-Rao bound. A square may come out negative; this is reported.
-    """
-    signal = signal_of(curve, len(symbols))
-    columns = lines(curve, symbols)
-    size = np.abs(columns).max(axis=0)
-    squares = np.linalg.lstsq(columns / size, curve.variance, rcond=None)[0] / size
-    roots = np.copysign(np.sqrt(np.abs(squares)), squares).tolist()
-    estimates = [
-        Estimate(s, signal, root, None, "reported" if square >= 0 else "negative", None, "ls")
-        for s, root, square in zip(symbols, roots, squares, strict=True)
-    ]
-    notes = [
-        say(
-            "the least-squares fit gives a negative {symbol}^2, which has no physical meaning and shows that "
-            "this fit is unreliable for the other terms, too",
-            symbol=e.symbol,
+    A, b = whitened(X, variance, covariance)
+    size = np.sqrt((A**2).sum(axis=0))
+    size[size == 0] = 1.0
+    return np.asarray(solver(A / size, b)[0] / size)
+
+
+def whitened(X: FloatArray, variance: FloatArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Columns and values in units of independent standard errors."""
+    from scipy.linalg import cholesky, solve_triangular
+
+    L = cholesky(covariance / np.outer(variance, variance), lower=True)
+    A = solve_triangular(L, X / variance[:, None], lower=True)
+    return A, solve_triangular(L, np.ones_like(variance), lower=True)
+
+
+def unbounded(X: FloatArray, variance: FloatArray) -> FloatArray:
+    """Squares of either sign with the least squares of the residuals, shape (t,)."""
+    size = np.abs(X).max(axis=0)
+    return np.asarray(np.linalg.lstsq(X / size, variance, rcond=None)[0] / size)
+
+
+def drawn(curve: Curve, symbols: Sequence[str]) -> tuple[FloatArray, FloatArray, str]:
+    """All points as they are drawn, by the textbook's lines: of a hybrid the variance contains its bias ratio."""
+    note = say("fitted to all {count} points of {statistic}, {start:g} to {end:g} s", count=curve.tau.size,
+               statistic=curve.statistic, start=curve.tau[0], end=curve.tau[-1])  # fmt: skip
+    return curve.variance, textbook(symbols, curve.tau), note
+
+
+def first_tenth(curve: Curve, symbols: Sequence[str]) -> tuple[FloatArray, FloatArray, str]:
+    """Points up to a tenth of the record, beyond which well determined terms only become worse (docs/methods.md)."""
+    which = early(curve, 0.1)
+    count = int(which.sum())
+    if count < len(symbols):
+        raise UsageError(
+            f"{count} points at averaging times up to a tenth of the record are too few for {len(symbols)} terms"
         )
-        for e in estimates
-        if e.status == "negative"
-    ]
-    return result(curve, estimates, "ls", notes=notes)
+    names = [row.name for row, used in zip(rows_of(curve), which.tolist(), strict=True) if used]
+    note = say("fitted to {count} points of {statistic} up to {tau:g} s, a tenth of the record",
+               count=count, statistic=curve.statistic, tau=curve.tau[which][-1])  # fmt: skip
+    return plain(curve)[which], columns(names, symbols, curve.m[which].tolist(), curve.size, curve.rate), note
 
 
-def lines(curve: Curve, symbols: Sequence[str]) -> FloatArray:
-    """The textbook's lines of the Allan variance: of each term with a coefficient of 1 in SI, shape (k, t)."""
-    return np.column_stack([TERMS[s].level * curve.tau ** (2 * TERMS[s].slope) for s in symbols])
+@dataclass(frozen=True)
+class LeastSquares:
+    """A method: its name, which points are read and what each term makes of them, and how the squares follow."""
+
+    method: str
+    read: Callable[[Curve, Sequence[str]], tuple[FloatArray, FloatArray, str]]
+    squares: Callable[[FloatArray, FloatArray], FloatArray]
+    noted: bool = True  # whether a note names the points that were read
+    many: bool = True  # whether as many points as terms are needed before any is read
+
+    def __call__(self, curve: Curve, symbols: Sequence[str]) -> Fit:
+        """The fit of a curve."""
+        signal = signal_of(curve, len(symbols) if self.many else 1)
+        variance, X, note = self.read(curve, symbols)
+        estimates = reported(symbols, self.squares(X, variance), X, signal=signal, method=self.method)
+        negative = [
+            say("the least-squares fit gives a negative {symbol}^2, which has no physical meaning and shows that "
+                "this fit is unreliable for the other terms, too", symbol=e.symbol)
+            for e in estimates if e.status == "negative"
+        ]  # fmt: skip
+        notes = [note] * self.noted + blind(curve.statistic, signal, symbols, X) + negative
+        return result(curve, estimates, self.method, notes=notes)
 
 
-def whole(curve: Curve, symbols: Sequence[str]) -> Fit:
-    """Unweighted least squares of all points of the curve as it is drawn, no square below zero.
+# as in much of the literature: the shortest tau dominates, so that errors are 2 to 90 times the Cramer-Rao bound
+least_squares = LeastSquares("ls", drawn, unbounded, noted=False)
+# the same lines up to averaging times where one or two degrees of freedom are left (Tang, Cheng and Gao, Acta
+# Armamentarii 36, 2015, 1688)
+whole = LeastSquares("curve", drawn, lambda X, variance: solve(X, variance, np.eye(len(X)) * variance.mean() ** 2))
+# as many programs do: the much larger scatter of points at long tau is not taken into account
+nnls = LeastSquares("nnls", first_tenth, lambda X, variance: solve(X, variance, np.diag(variance**2)), many=False)
 
-    The same lines as `least_squares`, at about a hundred averaging times up to the longest of the statistic, where one
-    or two degrees of freedom are left. Of a hybrid the variance contains its bias ratio, as in the papers that
-    recommend it (Tang, Cheng and Gao, Acta Armamentarii 36, 2015, 1688); the lines are those of the Allan variance.
+
+@dataclass(frozen=True)
+class Moments:
+    """Moments of the points of a curve under terms with coefficients of 1: `columns`, shape (k, t), is the expectation.
+
+    `products`, shape (k, k, t, t), is what each pair of terms adds to the covariance.
     """
-    signal = signal_of(curve, len(symbols))
-    columns = lines(curve, symbols)
-    squares = solve(columns, curve.variance, np.eye(curve.tau.size) * curve.variance.mean() ** 2)
-    note = say(
-        "fitted to all {count} points of {statistic}, {start:g} to {end:g} s",
-        count=curve.tau.size, statistic=curve.statistic, start=curve.tau[0], end=curve.tau[-1],
-    )  # fmt: skip
-    return result(curve, reported(symbols, squares, columns, signal=signal, method="curve"), "curve", notes=[note])
+
+    columns: FloatArray
+    products: FloatArray
+
+    def covariance(self, theta: FloatArray) -> FloatArray:
+        """Covariance of the points for squares `theta` of the coefficients, shape (k, k)."""
+        return np.asarray(np.einsum("ijab,a,b", self.products, theta, theta))
 
 
-def slopes(curve: Curve, symbols: Sequence[str]) -> Fit:
-    """Coefficients from lines of the textbook slopes, each through the point where the local slope is closest."""
-    signal = signal_of(curve, 2)
-    log_tau, log_sigma = np.log10(curve.tau), np.log10(curve.deviation)
-    local = np.diff(log_sigma) / np.diff(log_tau)
-    estimates, notes = [], []
-    for symbol in symbols:
-        row = TERMS[symbol]
-        at = int(np.argmin(np.abs(local - row.slope)))
-        intercept = log_sigma[at] - row.slope * log_tau[at]
-        value = float(10.0**intercept) / math.sqrt(row.level)
-        estimates.append(Estimate(symbol, signal, value, None, "reported", None, "slopes"))
-        if abs(local[at] - row.slope) > 0.25:
-            notes.append(
-                say(
-                    "{symbol}: no part of the curve has slope {slope:+g}, the nearest is {nearest:+.2f}; the value is "
-                    "no evidence of the term",
-                    symbol=symbol,
-                    slope=row.slope,
-                    nearest=local[at],
-                )
-            )
-    return result(curve, estimates, "slopes", notes=notes)
+def diagonal_moments(names: Sequence[str], symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> Moments:
+    """Moments with the variances alone, 2 E_i E_j r_ij, which is 2 E^2 / EDF of a mixture; the rest is 0."""
+    X, terms = columns(names, symbols, m, size, rate), [t.sampled(rate) for t in unit_model(symbols)]
+    products = np.zeros((len(m), len(m), len(symbols), len(symbols)))
+    for i, (name, k) in enumerate(zip(names, m, strict=True)):
+        products[i, i] = 2 * np.outer(X[i], X[i]) * relative(STATISTICS[name], terms, k, [(size, 1)])
+    return Moments(X, products)
+
+
+def iterated(moments: Moments, variance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Squares of the coefficients, shape (t,), and the covariance of the points under them, shape (k, k)."""
+    X = moments.columns
+    theta = solve(X, variance, np.diag(variance**2))
+    covariance = _scatter(moments, theta)
+    for _ in range(MAX_REWEIGHTINGS):
+        before, theta = theta, solve(X, variance, covariance)
+        covariance = _scatter(moments, theta)
+        if np.allclose(X * theta, X * before, rtol=1e-6, atol=1e-6 * variance.min()):
+            break
+    return theta, covariance
+
+
+def _scatter(moments: Moments, theta: FloatArray) -> FloatArray:
+    covariance = moments.covariance(theta)
+    if not np.all(np.diag(covariance) > 0):
+        raise DataError(say("a ramp alone describes the curve best: without noise its accuracy cannot be determined"))
+    return covariance
+
+
+def joint(record: Record, symbols: Sequence[str]) -> Fit:
+    """Non-negative squares of the coefficients that fit both variances at once, at octaves up to T/4.
+
+    Each point is weighted by its degrees of freedom under the fit. The points are not independent, so there are no
+    standard errors.
+    """
+    curves = [deviation(record, name, gaps="complete") for name in PAIR]
+    signal = signal_of(curves[0], 1)
+    which = [early(curve, 0.25) for curve in curves]
+    variance = np.concatenate([c.variance[own] for c, own in zip(curves, which, strict=True)])
+    if variance.size < len(symbols) or not np.all(variance > 0):
+        nonzero = np.count_nonzero(variance > 0)
+        raise DataError(say("{nonzero} of {size} points are nonzero; {terms} terms need as many, all nonzero",
+                            nonzero=nonzero, size=variance.size, terms=len(symbols)))  # fmt: skip
+    names = [name for name, own in zip(PAIR, which, strict=True) for _ in range(int(own.sum()))]
+    m = np.concatenate([c.m[own] for c, own in zip(curves, which, strict=True)]).tolist()
+    moments = diagonal_moments(names, symbols, m, record.size, record.rate)
+    theta, _ = iterated(moments, variance)
+    ramp = any(TERMS[s].waveform is not None and v > 0 for s, v in zip(symbols, theta.tolist(), strict=True))
+    notes = [
+        say("fitted to {count} points of {first} and {second}", count=variance.size, first=PAIR[0], second=PAIR[1]),
+        *drift(*curves, fitted=ramp),
+    ]
+    estimates = reported(symbols, theta, moments.columns, signal=signal, method="joint")
+    return result(curves[0], estimates, "joint", notes=notes)
+
+
+def drift(allan: Curve, hadamard: Curve, *, fitted: bool) -> list[str]:
+    """What the two curves say about a ramp, at the largest octave below a tenth of the record."""
+    both = np.intersect1d(allan.m[early(allan, 0.1)], hadamard.m[early(hadamard, 0.1)])[-1]
+    a, h = (float(curve.variance[curve.m == both][0]) for curve in (allan, hadamard))
+    tau = float(both) / allan.rate
+    ratio = say("at {tau:g} s the Hadamard deviation is {ratio:.3f} of the Allan deviation",
+                tau=tau, ratio=np.sqrt(h / a))  # fmt: skip
+    if h < WALK_RATIO * a:
+        return [
+            say("{found}, below the 0.707 of a random walk: a ramp of about {size:.3g} {unit}/s if there is only a "
+                "random walk besides it; a single record can be that low by chance",
+                found=ratio, size=np.sqrt(2 * (a - 2 * h)) / tau, unit=allan.unit)
+        ]  # fmt: skip
+    conclusion = say("a Hadamard deviation below the Allan deviation is no proof of a drift (a random walk alone "
+                     "gives 0.707, flicker 0.90), only a ratio below 0.707 requires a ramp")  # fmt: skip
+    if fitted:
+        conclusion = say("{said}, and the R of the fit is no evidence of a ramp", said=conclusion)
+    negative = say("2 (AVAR - 2 HVAR) / tau^2 is negative, so that R there is 0")
+    return [say("{ratio}; {negative}: {conclusion}", ratio=ratio, negative=negative, conclusion=conclusion)]

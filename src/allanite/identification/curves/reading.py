@@ -1,4 +1,4 @@
-"""What the methods that fit a curve have in common."""
+"""What the methods that fit a curve have in common: its points, what terms are expected to make of them, the fit."""
 
 from collections.abc import Sequence
 
@@ -9,23 +9,24 @@ from allanite.core.curve import Curve
 from allanite.core.errors import DataError, UsageError
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Fit
+from allanite.core.kinds import title_of
 from allanite.core.model import Model, Term
 from allanite.core.units import SIGNALS, Signal
 from allanite.phrases.phrase import join, say
+from allanite.statistics.moments.moments import by_term
 from allanite.statistics.row import Statistic
 from allanite.statistics.table import STATISTICS
+from allanite.terms import TERMS
+
+VISIBLE = 1e-9
+"""Expectation over that of the textbook's line above which a statistic shows a term: less is rounding."""
 
 
 def signal_of(curve: Curve, points: int) -> Signal:
     """The signal of a curve."""
     if curve.tau.size < points or not np.all(curve.variance > 0):
-        raise DataError(
-            say(
-                "this method needs at least {points} points, none of them zero; there are {size}",
-                points=points,
-                size=curve.tau.size,
-            )
-        )
+        raise DataError(say("this method needs at least {points} points, none of them zero; there are {size}",
+                            points=points, size=curve.tau.size))  # fmt: skip
     for signal in SIGNALS:
         if signal.unit == curve.unit:
             return signal
@@ -48,16 +49,51 @@ def early(curve: Curve, share: float) -> BoolArray:
     return np.asarray(curve.tau <= share * curve.size / curve.rate * (1 + 1e-9))
 
 
+def plain(curve: Curve) -> FloatArray:
+    """The variance without a correction of its bias, nor the bias ratio of a hybrid, shape of tau."""
+    return np.asarray(curve.variance / curve.factor)
+
+
+def columns(names: Sequence[str], symbols: Sequence[str], m: Sequence[int], size: int, rate: float) -> FloatArray:
+    """Expected variance of each term with a coefficient of 1 in SI, shape (k, t); 0 if only rounding remains.
+
+    `names` are the statistics of the points.
+    """
+    rows = [STATISTICS[name] for name in names]
+    X = np.array([by_term(row, unit_model(symbols), k, size, rate) for row, k in zip(rows, m, strict=True)])
+    tau = np.array(m) * [row.tau_factor for row in rows] / rate
+    return X * (X / textbook(symbols, tau) > VISIBLE)
+
+
+def textbook(symbols: Sequence[str], tau: FloatArray) -> FloatArray:
+    """The textbook's lines of the Allan variance: of each term with a coefficient of 1 in SI, shape (k, t)."""
+    return np.column_stack([TERMS[s].level * tau ** (2 * TERMS[s].slope) for s in symbols])
+
+
+def unit_model(symbols: Sequence[str]) -> Model:
+    """Every term with a coefficient of 1 in SI; the type of sensor does not affect the numbers."""
+    return Model(tuple(Term(s, 1.0, SIGNALS[0]) for s in symbols))
+
+
+def blind(statistic: str, signal: Signal, symbols: Sequence[str], X: FloatArray) -> list[str]:
+    """Notes about the terms to which a statistic is insensitive."""
+    return [
+        say("{symbol}: {statistic} is insensitive to {term}", symbol=s, statistic=statistic, term=title_of(s, signal))
+        for s, column in zip(symbols, X.T, strict=True)
+        if not column.any()
+    ]
+
+
 def reported(
     symbols: Sequence[str], squares: FloatArray, columns: FloatArray, *, signal: Signal, method: str
 ) -> list[Estimate]:
-    """Roots of squares that are not negative, without evidence for any term; one whose column is empty is absent."""
-    found = zip(symbols, np.sqrt(squares).tolist(), np.abs(columns).max(axis=0) > 0, strict=True)
+    """Roots of squares, with the sign of these, without evidence for any term; one whose column is empty is absent."""
+    roots = np.copysign(np.sqrt(np.abs(squares)), squares).tolist()
     return [
-        Estimate(s, signal, v, None, "reported", None, method)
-        if visible
+        Estimate(s, signal, root, None, "reported" if root >= 0 else "negative", None, method)
+        if shown
         else Estimate(s, signal, None, None, "absent", None, method)
-        for s, v, visible in found
+        for s, root, shown in zip(symbols, roots, np.abs(columns).max(axis=0) > 0, strict=True)
     ]
 
 

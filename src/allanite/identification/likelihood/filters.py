@@ -14,12 +14,12 @@ import numpy as np
 from allanite.core.arrays import FloatArray
 from allanite.phrases.phrase import say
 
-NARROWEST, HIGHEST, HIGHEST_RC = 0.004, 0.5, 1.0
+NARROWEST, HIGHEST_CUTOFF, HIGHEST_RC = 0.004, 0.5, 1.0
 """The lowest and the highest cut-off frequency that is looked for, cycles per sample, and the highest of an RC filter,
 whose images are no more than a ripple of 4 exp(-2 pi cut-off): a record does not show others.
 """
 
-LAGS, LEAST = 1024, 1e-9
+MAX_LAGS, LEAST_GAIN_OF_EDGES = 1024, 1e-9
 """Samples over which a filter correlates, at most; a gain so low that where it is less does not matter."""
 
 TWO, THREE = math.sqrt(2 ** (1 / 2) - 1), math.sqrt(2 ** (1 / 3) - 1)
@@ -37,7 +37,7 @@ class Filter:
     # both in cycles per sample; the frequency is an array. 1 at zero frequency.
     gain: Callable[[FloatArray, float], FloatArray]
     # cut-offs at which the search begins, the highest first: between their ends the cut-off is looked for
-    starts: FloatArray = field(default_factory=lambda: _octaves(HIGHEST))
+    starts: FloatArray = field(default_factory=lambda: _octaves(HIGHEST_CUTOFF))
     whole: bool = False  # whether `starts` are whole numbers of samples, each of which has zeros of its own
 
     def edges(self, cutoff: float) -> float:
@@ -47,12 +47,12 @@ class Filter:
         sin w], r being the autocovariances of the gain S. What it has beyond S has nearly the shape (2/n) cos^2(w/2) of
         noise at the edges. It matters where the filter lets little pass, and is taken from there.
         """
-        w = np.pi / LAGS * np.arange(1, LAGS)
-        gain = self.gain(np.arange(LAGS + 1) / (2 * LAGS), cutoff)
+        w = np.pi / MAX_LAGS * np.arange(1, MAX_LAGS)
+        gain = self.gain(np.arange(MAX_LAGS + 1) / (2 * MAX_LAGS), cutoff)
         r = np.fft.irfft(gain)
-        r[0], r[LAGS:] = 0.0, 0.0
-        lost = np.fft.rfft(r * np.arange(2 * LAGS)).real[1:LAGS] - np.fft.rfft(r).imag[1:LAGS] / np.sin(w)
-        weight = 1 / (gain[1:LAGS] + LEAST) ** 2
+        r[0], r[MAX_LAGS:] = 0.0, 0.0
+        lost = np.fft.rfft(r * np.arange(2 * MAX_LAGS)).real[1:MAX_LAGS] - np.fft.rfft(r).imag[1:MAX_LAGS] / np.sin(w)
+        weight = 1 / (gain[1:MAX_LAGS] + LEAST_GAIN_OF_EDGES) ** 2
         return max(float(-(weight @ lost) / (weight @ np.cos(w / 2) ** 2)), 0.0)
 
     @property
@@ -63,8 +63,8 @@ class Filter:
 
 def _octaves(highest: float) -> FloatArray:
     """Cut-offs an octave apart."""
-    found = highest * 2.0 ** -np.arange(0.0, 8.0)
-    return np.asarray(found[found > NARROWEST])
+    trials = highest * 2.0 ** -np.arange(0.0, 8.0)
+    return np.asarray(trials[trials > NARROWEST])
 
 
 def _sampled_one_pole(f: FloatArray, cutoff: float) -> FloatArray:

@@ -11,14 +11,13 @@ hidden.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray
-from allanite.core.limits import quantile
 from allanite.core.plain import Portable
 
 from .likelihood import Likelihood
@@ -29,65 +28,28 @@ PENALTY = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Subset:
-    """The likelihood's minimum with some of the terms free.
-
-    `constants` are the time constants, in samples, of the Gauss-Markov terms among them, `prior` the share of all that
-    were possible for which those tried beside this stand.
-    """
+    """The likelihood's minimum with some of the terms free."""
 
     likelihood: Likelihood
     free: BoolArray
     theta: FloatArray
     value: float
-    constants: tuple[float, ...] = ()
-    prior: float = 1.0
-
-    @property
-    def aic(self) -> float:
-        """Akaike's criterion: 2 L and two for each number that was fitted."""
-        return 2 * self.value + 2 * (int((self.theta > 0).sum()) + len(self.constants))
 
     @cached_property
     def variances(self) -> FloatArray:
         """Variances of the free thetas, shape (free terms,)."""
-        return _variances(self.likelihood, self.theta, self.free)
-
-    @cached_property
-    def profiled(self) -> float:
-        """2 L at the best size of each loose direction, rather than its integral, whose unit would count.
-
-        Infinite for a direction of which the band shows nothing.
-        """
-        flat = self.likelihood.flat
-        if not flat.any():
-            return 2 * self.value
-        V = self.likelihood.directions(self.theta)[1][np.ix_(flat, flat)]
-        with np.errstate(over="ignore", invalid="ignore"):
-            value = 2 * self.value + float(np.linalg.slogdet(V)[1])
-        return value if math.isfinite(value) else math.inf
+        return np.diag(_covariance(self.likelihood, self.theta, self.free))
 
     def score(self, penalty: float | FloatArray) -> float:
         """2 L + the penalties of the terms."""
         return 2 * self.value + float((penalty * self.free).sum())
 
 
-def subsets(
-    likelihood: Likelihood,
-    *,
-    must: BoolArray | None = None,
-    may: BoolArray | None = None,
-    constants: tuple[float, ...] = (),
-) -> list[Subset]:
-    """Every non-empty subset of the terms, fitted, that holds all that it `must` and no other than it `may`.
-
-    The last one holds all that it may.
-    """
+def subsets(likelihood: Likelihood) -> list[Subset]:
+    """Every non-empty subset of the terms, fitted; the last one holds all of them."""
     p = likelihood.S.shape[1]
-    must = np.zeros(p, dtype=bool) if must is None else must
-    may = np.ones(p, dtype=bool) if may is None else may
     masks = (np.array([bool(code >> i & 1) for i in range(p)]) for code in range(1, 2**p))
-    wanted = [mask for mask in masks if not (must & ~mask).any() and not (mask & ~may).any()]
-    return [Subset(likelihood, free, *likelihood.minimise(free), constants) for free in wanted]
+    return [Subset(likelihood, free, *likelihood.minimise(free)) for free in masks]
 
 
 def select(fitted: list[Subset], penalty: float | FloatArray = PENALTY) -> Subset:
@@ -145,10 +107,6 @@ class ThetaProfile(Portable):
             return math.inf, 0.0, theta
         return 2 * (least - self.subset.value), 2 * float(self.likelihood.gradient(theta)[self.which]), theta
 
-    def excludes_zero(self, level: float = 0.95) -> bool:
-        """Whether theta = 0 lies below the two-sided limits."""
-        return self.lower(quantile((1 + level) / 2) ** 2) > 0
-
     def weighted(self, nodes: int = 32, prior: float = 1.0) -> tuple[list[FloatArray], FloatArray]:
         """All thetas along the profile, with weights of its likelihood times a prior.
 
@@ -183,16 +141,9 @@ class ThetaProfile(Portable):
         return guess
 
 
-def standard_error(subset: Subset, which: int, slope: FloatArray | None = None) -> float:
-    """Standard error of theta[which], from the expected information of the subset's terms.
-
-    `slope` is how the expected power of the bins changes with something else that is unknown too, shape (bins,).
-    """
-    at = int(subset.free[:which].sum())
-    if slope is None:
-        return float(np.sqrt(abs(subset.variances[at])))
-    more = subset.likelihood.with_more(slope)
-    return float(np.sqrt(_variances(more, np.append(subset.theta, 0.0), np.append(subset.free, True))[at]))
+def standard_error(subset: Subset, which: int) -> float:
+    """Standard error of theta[which], from the expected information of the subset's terms."""
+    return float(np.sqrt(abs(subset.variances[int(subset.free[:which].sum())])))
 
 
 def correlation(subset: Subset) -> FloatArray:
@@ -200,10 +151,6 @@ def correlation(subset: Subset) -> FloatArray:
     C = _covariance(subset.likelihood, subset.theta, subset.free)
     size = np.sqrt(np.abs(np.diag(C)))  # see `_covariance`
     return np.asarray(np.clip(C / np.outer(size, size), -1, 1))
-
-
-def _variances(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
-    return np.diag(_covariance(likelihood, theta, free))
 
 
 def _covariance(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> FloatArray:
@@ -217,22 +164,22 @@ def _covariance(likelihood: Likelihood, theta: FloatArray, free: BoolArray) -> F
 AKAIKE = 2.0
 """Penalty of a term in 2 L."""
 
-HELD = 0.98
+HEAVY_SHARE = 0.98
 """Share of all weight that the subsets have which are looked at: the heaviest."""
 
-REACH = 16.0
+PROFILE_END = 16.0
 """Excess of 2 L at which a profile ends."""
 
-GROWTH = 1.2
+STEP_GROWTH = 1.2
 """Ratio of successive steps along a profile; the first is half a standard error."""
 
-STEPS = 200
+MAX_STEPS = 200
 """Along a profile to either side, at most."""
 
-POINTS = 1001
+LAW_POINTS = 1001
 """Number of values of the coefficient at which a law is tabulated."""
 
-FAR = 9.0
+BEYOND_PROFILE = 9.0
 """Standard deviations: beyond the end of a profile."""
 
 
@@ -254,12 +201,6 @@ class Law(Portable):
         tail = (1 - level) / 2
         return 0.0 if self.zero >= tail else self.quantile(tail), self.quantile(1 - tail)
 
-    @property
-    def spread(self) -> float:
-        """Standard deviation."""
-        middle, weight = (self.root[1:] + self.root[:-1]) / 2, np.diff(self.below)
-        return math.sqrt(float(weight @ (middle - weight @ middle) ** 2))
-
 
 @dataclass(frozen=True, eq=False)
 class Trace(Portable):
@@ -271,7 +212,7 @@ class Trace(Portable):
 
     def at(self, root: FloatArray) -> FloatArray:
         """Signed roots of the excess in between."""
-        return np.interp(root, self.root, self.deviate, left=-FAR, right=FAR)
+        return np.interp(root, self.root, self.deviate, left=-BEYOND_PROFILE, right=BEYOND_PROFILE)
 
 
 def traced(subset: Subset, which: int) -> Trace:
@@ -287,37 +228,34 @@ def traced(subset: Subset, which: int) -> Trace:
     sides = []
     for sign in (-1.0, 1.0):
         at, step, theta, side = best, first, subset.theta, []
-        for _ in range(STEPS):
+        for _ in range(MAX_STEPS):
             if at <= 0 and sign < 0:
                 break
-            at, step = max(at + sign * step, 0.0), step * GROWTH
+            at, step = max(at + sign * step, 0.0), step * STEP_GROWTH
             theta, least = subset.likelihood.minimise(subset.free, theta, (which, at**2))
             excess = 2 * (least - subset.value)
-            side.append((at, sign * min(math.sqrt(max(excess, 0.0)), FAR)))
-            if excess > REACH:
+            side.append((at, sign * min(math.sqrt(max(excess, 0.0)), BEYOND_PROFILE)))
+            if excess > PROFILE_END:
                 break
         sides.append(side)
     root, deviate = zip(*reversed(sides[0]), (best, 0.0), *sides[1], strict=True)
     return Trace(subset, np.array(root), np.array(deviate))
 
 
-def traces(fitted: Sequence[Subset], which: int, penalties: Iterable[FloatArray]) -> list[Trace]:
-    """Profiles of the subsets that hold a term and have weight under any of the penalties."""
+def traces(fitted: Sequence[Subset], which: int, penalty: FloatArray) -> list[Trace]:
+    """Profiles of the subsets that hold a term and have weight under the penalties of the terms, shape (p,)."""
     having = [subset for subset in fitted if subset.free[which]]
+    weight = _weights(having, penalty)
+    order = np.argsort(-weight)
     heavy = np.zeros(len(having), dtype=bool)
-    for penalty in penalties:
-        weight = _weights(having, penalty)
-        order = np.argsort(-weight)
-        heavy[order[: np.searchsorted(np.cumsum(weight[order]), HELD) + 1]] = True
-    return [traced(subset, which) for subset, there in zip(having, heavy, strict=True) if there]
+    heavy[order[: np.searchsorted(np.cumsum(weight[order]), HEAVY_SHARE) + 1]] = True
+    return [traced(subset, which) for subset, weighs in zip(having, heavy, strict=True) if weighs]
 
 
 def _weights(fitted: Sequence[Subset], penalty: FloatArray) -> FloatArray:
-    """Weights of subsets; time constants and cut-offs that were tried share the weight of their set of terms."""
-    kinds = [(subset.free.tobytes(), len(subset.constants)) for subset in fitted]
+    """Weights of subsets."""
     score = np.array([subset.score(penalty) for subset in fitted])
-    share = [subset.prior / kinds.count(kind) for subset, kind in zip(fitted, kinds, strict=True)]
-    weight = np.exp(-0.5 * (score - score.min(initial=math.inf))) * share
+    weight = np.exp(-0.5 * (score - score.min(initial=math.inf)))
     return np.asarray(weight / weight.sum())
 
 
@@ -327,36 +265,8 @@ def law(along: Sequence[Trace], penalty: FloatArray) -> Law:
 
     weight = _weights([trace.subset for trace in along], penalty)
     low, high = min(trace.root[0] for trace in along), max(trace.root[-1] for trace in along)
-    root = np.linspace(low, high, POINTS)
+    root = np.linspace(low, high, LAW_POINTS)
     density = weight @ [np.exp(-0.5 * trace.at(root) ** 2) for trace in along]
     below = np.concatenate(([0.0], np.cumsum(density[1:] + density[:-1])))
     zero = weight @ [float(ndtr(trace.at(np.zeros(1))[0])) for trace in along]
     return Law(root, below / below[-1], float(zero))
-
-
-@dataclass(frozen=True, eq=False)
-class RampLimits:
-    """Limits of a signed ramp, in SI, whose law is a mixture of normal laws."""
-
-    centre: FloatArray
-    spread: FloatArray
-    weight: FloatArray
-
-    def __call__(self, level: float) -> tuple[float, float]:
-        """Two-sided limits."""
-        return self.quantile((1 - level) / 2), self.quantile((1 + level) / 2)
-
-    def quantile(self, p: float) -> float:
-        """The value below which the ramp lies with probability p, by bisection."""
-        from scipy.special import ndtr
-
-        low, high = float((self.centre - 40 * self.spread).min()), float((self.centre + 40 * self.spread).max())
-        for _ in range(60):
-            middle = (low + high) / 2
-            below = self.weight @ ndtr((middle - self.centre) / self.spread) < p
-            low, high = (middle, high) if below else (low, middle)
-        return (low + high) / 2
-
-    def upper(self, level: float) -> float:
-        """One-sided limit of the size."""
-        return max(abs(limit) for limit in self(2 * level - 1))

@@ -12,13 +12,22 @@ replaced by its expectation given the data, (c - U eta)^2 + U V U', while each d
 more.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.plain import Portable
+
+
+class PreparedData(NamedTuple):
+    """The data of likelihoods that differ in their columns, as the kernels take them."""
+
+    of: tuple[FloatArray, ...]  # power, count and products of directions of which it is made
+    data: tuple[FloatArray, ...]
+    smooth: FloatArray  # shape (bins,); power of the bins, smoothed and above zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,21 +58,18 @@ class Likelihood(Portable):
     W: FloatArray
     flat: BoolArray
     added: FloatArray | float = 0.0
+    prepared: PreparedData | None = field(default=None, repr=False)  # of likelihoods with the same data
+
+    def __getstate__(self) -> dict[str, Any]:
+        return super().__getstate__() | {"prepared": None}
 
     def only(self, bins: BoolArray) -> "Likelihood":
         """The likelihood of some of the bins; a direction of which they hold nothing is dropped."""
         UU, Uc = self.UU[bins], self.Uc[bins]
         held = np.einsum("bii->i", UU) > 0
-        return Likelihood(
-            S=self.S[bins],
-            power=self.power[bins],
-            count=self.count[bins],
-            UU=UU[:, held][:, :, held],
-            Uc=Uc[:, held],
-            W=self.W[held],
-            flat=self.flat[held],
-            added=self.added if isinstance(self.added, float) else self.added[bins],
-        )
+        return Likelihood(S=self.S[bins], power=self.power[bins], count=self.count[bins], UU=UU[:, held][:, :, held],
+                          Uc=Uc[:, held], W=self.W[held], flat=self.flat[held],
+                          added=self.added if isinstance(self.added, float) else self.added[bins])  # fmt: skip
 
     def behind(self, gain: FloatArray, mean: float, edges: FloatArray | float = 0.0) -> "Likelihood":
         """The likelihood if a filter of this power gain, shape (bins,), stands before the samples.
@@ -72,7 +78,7 @@ class Likelihood(Portable):
         `mean` of its variance, the mean gain over all frequencies; `edges` is what other terms have there, shape (p,).
         A ramp lies far below the cut-off.
         """
-        return self._explained(self.S * gain[:, None], self.W * mean + np.where(self.flat, 0.0, 1.0)[:, None] * edges)
+        return self.explained(self.S * gain[:, None], self.W * mean + np.where(self.flat, 0.0, 1.0)[:, None] * edges)
 
     def trusted(self, share: FloatArray) -> "Likelihood":
         """The likelihood in which only a share of each bin's coefficients counts, shape (bins,).
@@ -81,50 +87,52 @@ class Likelihood(Portable):
         """
         return replace(self, count=self.count * share, UU=self.UU * share[:, None, None], Uc=self.Uc * share[:, None])
 
-    def with_column(self, which: int, S: FloatArray) -> "Likelihood":
-        """The likelihood with another column of the bins for one of the terms."""
-        columns = self.S.copy()
-        columns[:, which] = S
-        return self._explained(columns, self.W)
-
-    def with_last(self, S: FloatArray) -> "Likelihood":
-        """The likelihood with other columns of the bins for the last terms, shape (bins, terms)."""
-        return self._explained(np.column_stack((self.S[:, : -S.shape[1]], S)), self.W)
-
     def with_more(self, S: FloatArray) -> "Likelihood":
         """The likelihood with one more column, of a term that does not know the edges of the record."""
-        return self._explained(np.column_stack((self.S, S)), np.column_stack((self.W, np.zeros(self.W.shape[0]))))
+        return self.explained(np.column_stack((self.S, S)), np.column_stack((self.W, np.zeros(self.W.shape[0]))))
 
-    def _explained(self, S: FloatArray, W: FloatArray) -> "Likelihood":
+    def explained(self, S: FloatArray, W: FloatArray) -> "Likelihood":
         """The same data with other columns."""
-        found = replace(self, S=S, W=W)
-        found.__dict__.update(data=self.data, _smooth=self._smooth)  # made once
-        return found
+        return replace(self, S=S, W=W, prepared=self._prepared)
+
+    def adding(self, added: FloatArray) -> "Likelihood":
+        """The same data with known power beside the columns."""
+        return replace(self, added=added, prepared=self._prepared)
 
     def expectation(self, theta: FloatArray) -> FloatArray:
         """Expected power m of the bins, without the directions."""
         return np.asarray(self.S @ theta + self.added)
 
     @cached_property
+    def _prepared(self) -> PreparedData:
+        same, own = self.prepared, (self.power, self.count, self.UU, self.Uc)
+        if same is not None and all(a is b for a, b in zip(same.of, own, strict=True)):
+            return same
+        UU, Uc = self.UU.transpose(1, 2, 0)[np.ix_(self._order, self._order)], self.Uc.T[self._order]
+        window = np.ones(5)
+        smooth = np.convolve(self.power * self.count, window, "same") / np.convolve(self.count, window, "same")
+        data = self.power, self.count, np.ascontiguousarray(UU), np.ascontiguousarray(Uc)
+        return PreparedData(own, data, np.asarray(np.maximum(smooth, 1e-12 * smooth.max())))
+
+    @property
     def data(self) -> tuple[FloatArray, ...]:
         """Power, count and directions as the kernels take them: bins along the last axis, flat directions first."""
-        UU, Uc = self.UU.transpose(1, 2, 0)[np.ix_(self._order, self._order)], self.Uc.T[self._order]
-        return self.power, self.count, np.ascontiguousarray(UU), np.ascontiguousarray(Uc)
+        return self._prepared.data
 
     @cached_property
     def columns(self) -> FloatArray:
         """S of the bins and then W of the finite directions, shape (p, bins + finite directions)."""
         bins, terms = self.S.shape
-        found = np.empty((terms, bins + np.count_nonzero(~self.flat)))
-        found[:, :bins], found[:, bins:] = self.S.T, self.W[~self.flat].T
-        return found
+        columns = np.empty((terms, bins + np.count_nonzero(~self.flat)))
+        columns[:, :bins], columns[:, bins:] = self.S.T, self.W[~self.flat].T
+        return columns
 
     @cached_property
     def _held(self) -> FloatArray:
         """What is known of the expectation, as the kernels take it; the directions have no part in it."""
-        found = np.zeros(self.columns.shape[1])
-        found[: self.power.size] = self.added
-        return found
+        known = np.zeros(self.columns.shape[1])
+        known[: self.power.size] = self.added
+        return known
 
     @cached_property
     def _order(self) -> IntArray:
@@ -153,10 +161,9 @@ class Likelihood(Portable):
     def _evaluated(self, theta: FloatArray) -> tuple[float, float, tuple[FloatArray, ...]]:
         from allanite.kernels.whittle import evaluated
 
-        found: tuple[float, float, tuple[FloatArray, ...]] = evaluated(
-            np.asarray(theta, dtype=np.float64), self._held, self.columns, self.data
-        )
-        return found
+        theta = np.asarray(theta, dtype=np.float64)
+        result: tuple[float, float, tuple[FloatArray, ...]] = evaluated(theta, self._held, self.columns, self.data)
+        return result
 
     def gradient(self, theta: FloatArray) -> FloatArray:
         """dL/dtheta, shape (p,)."""
@@ -176,43 +183,27 @@ class Likelihood(Portable):
     def minimise(
         self, free: BoolArray, start: FloatArray | None = None, fixed: tuple[int, float] | None = None
     ) -> tuple[FloatArray, float]:
-        """Theta >= 0 at the minimum of L, zero where not `free`; Fisher scoring with step halving.
+        """Theta >= 0 at the minimum of L, zero where not `free`, and L; Fisher scoring with step halving.
 
-        Parameters
-        ----------
-        free : bool array, shape (p,)
-        start : array, shape (p,), optional
-        fixed : (column, theta), optional
-            A term held at a value, whether free or not.
-
-        Returns
-        -------
-        (theta, L)
+        `fixed` is a term that is held at a value of theta, whether free or not.
         """
         theta = np.where(free, self._start(free) if start is None else start, 0.0)
         moving = free.copy()
         if fixed is not None:
             moving[fixed[0]] = False
             theta[fixed[0]] = fixed[1]
-        found, best = self.moved(theta, moving)
+        least, best = self.moved(theta, moving)
         if best == np.inf and start is not None:  # it lies outside: let every free term in
             theta = np.where(moving, np.maximum(theta, self._start(free)), theta)
-            found, best = self.moved(theta, moving)
-        return found, best
+            least, best = self.moved(theta, moving)
+        return least, best
 
     def moved(self, theta: FloatArray, moving: BoolArray) -> tuple[FloatArray, float]:
         """Theta >= 0 at the minimum of L, and L; what is not `moving` is held."""
         from allanite.kernels.whittle import minimise
 
-        found, best = minimise(theta, moving, self._held, self.columns, self.data)
-        return found, float(best)
-
-    @cached_property
-    def _smooth(self) -> FloatArray:
-        """Power of the bins, smoothed and above zero."""
-        window = np.ones(5)
-        smooth = np.convolve(self.power * self.count, window, "same") / np.convolve(self.count, window, "same")
-        return np.asarray(np.maximum(smooth, 1e-12 * smooth.max()))
+        least, best = minimise(theta, moving, self._held, self.columns, self.data)
+        return least, float(best)
 
     def _start(self, free: BoolArray) -> FloatArray:
         """Least squares relative to the smoothed power; no column is left at zero, so that m > 0 everywhere.
@@ -221,10 +212,10 @@ class Likelihood(Portable):
         """
         from allanite.kernels.leastsquares import weighted_nnls
 
-        columns = self.columns[:, : self.power.size]
-        share = (columns / self._smooth).max(axis=1)
+        columns, smooth = self.columns[:, : self.power.size], self._prepared.smooth
+        share = (columns / smooth).max(axis=1)
         theta, shown = np.where(free, 1.0, 0.0), free & (share > 0)
-        weight, start = self.count / self._smooth**2, np.zeros(np.count_nonzero(shown))
-        found = weighted_nnls(columns[shown], self._smooth, weight, start)
-        theta[shown] = np.maximum(found, 1e-3 / share[shown])
+        weight, start = self.count / smooth**2, np.zeros(np.count_nonzero(shown))
+        least = weighted_nnls(columns[shown], smooth, weight, start)
+        theta[shown] = np.maximum(least, 1e-3 / share[shown])
         return theta

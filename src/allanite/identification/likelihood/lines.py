@@ -17,13 +17,13 @@ FALSE_LINE = 0.01
 SCREEN = 0.1
 """The same for the look at the cosine transform, which only decides whether the periodogram is worth its time."""
 
-LOWEST = 4
+LOWEST_LINE = 4
 """Periods in the record that a sinusoid must have to be distinguished from a slow noise."""
 
-MOST = 12
+MAX_LINES = 12
 """Number of peaks above which they are a hump of the spectrum rather than sinusoids; none is then removed."""
 
-ROUNDS = 4
+LINE_ROUNDS = 4
 """Periodograms: the sides of a strong line hide weak ones."""
 
 BLOCKS = 2048
@@ -62,19 +62,19 @@ def _turns(frequency: float, n: int) -> tuple[NDArray[np.complex128], NDArray[np
     return inner, np.exp(2j * np.pi * frequency * length * np.arange(-(-n // length)))
 
 
-def levels(seen: BinnedSpectrum, m: FloatArray) -> FloatArray:
+def levels(bins: BinnedSpectrum, m: FloatArray) -> FloatArray:
     """Power that noise has in each bin, shape (bins,): the model's, unless its surroundings say otherwise."""
-    around = np.median(surroundings(seen.power), axis=1)
-    many = surroundings(seen.count).sum(axis=1)
+    around = np.median(surroundings(bins.power), axis=1)
+    many = surroundings(bins.count).sum(axis=1)
     return np.asarray(np.maximum(around, np.minimum(m, TRUST * (1 + SCATTERED / many) * around)))
 
 
-def suspected(seen: BinnedSpectrum, level: FloatArray, used: BoolArray) -> bool:
+def suspected(bins: BinnedSpectrum, level: FloatArray, used: BoolArray) -> bool:
     """Whether a coefficient of the cosine transform stands out."""
     from scipy.special import ndtri
 
-    threshold = float(ndtri(0.5 * SCREEN / seen.count.sum())) ** 2
-    return bool((used & (seen.first >= 2 * LOWEST) & (seen.peak > threshold * level)).any())
+    threshold = float(ndtri(0.5 * SCREEN / bins.count.sum())) ** 2
+    return bool((used & (bins.first >= 2 * LOWEST_LINE) & (bins.peak > threshold * level)).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +102,7 @@ class Periodogram:
                 near = self.power[max(k - round(COMPANY), 0) : k + round(COMPANY) + 1]
                 if self.power[k] > threshold * max(float(np.median(near)) / math.log(2), 1.0):
                     kept.append(k)
-            if len(kept) == MOST:
+            if len(kept) == MAX_LINES:
                 break
         return np.array(kept, dtype=np.int64)
 
@@ -126,7 +126,7 @@ class Periodogram:
         return Wave((k + best) / n, abs(turned), float(np.angle(turned)), error)
 
 
-def periodogram(y: FloatArray, seen: BinnedSpectrum, level: FloatArray) -> Periodogram:
+def periodogram(y: FloatArray, bins: BinnedSpectrum, level: FloatArray) -> Periodogram:
     """Periodogram of samples without their mean, NaN if missing, and the noise level in the bins of their spectrum."""
     from scipy.fft import rfft
 
@@ -136,8 +136,8 @@ def periodogram(y: FloatArray, seen: BinnedSpectrum, level: FloatArray) -> Perio
     weighted = np.where(window > 0, y, 0.0) * window
     square = float(window @ window)
     # coefficient k of the cosine transform of `seen.size` samples is at k / (2 size) periods a sample
-    at = np.arange(n // 2 + 1) * (2.0 * seen.size / n)
-    everywhere = level[np.clip(np.searchsorted(seen.first, at, side="right") - 1, 0, level.size - 1)]
+    at = np.arange(n // 2 + 1) * (2.0 * bins.size / n)
+    everywhere = level[np.clip(np.searchsorted(bins.first, at, side="right") - 1, 0, level.size - 1)]
     power = np.abs(rfft(weighted)) ** 2 / (square * everywhere)
     return Periodogram(power, weighted, float(window.sum()), square, everywhere)
 
@@ -150,21 +150,21 @@ def waves_of(
     `y` are samples without their mean, NaN where they are lost; `seen` is the spectrum of those that are there, and
     `level` the power of the noise in its bins.
     """
-    found: list[Wave] = []
+    waves: list[Wave] = []
     n = y.size
     f = np.arange(n // 2 + 1) / n
-    used = (f * n >= LOWEST) & (f >= band[0]) & (f <= band[1]) & (f < 0.5 - 2 / n)
-    for _ in range(ROUNDS):
+    used = (f * n >= LOWEST_LINE) & (f >= band[0]) & (f <= band[1]) & (f < 0.5 - 2 / n)
+    for _ in range(LINE_ROUNDS):
         power = periodogram(y, seen, level)
-        peaks = power.peaks(used)[: MOST - len(found)]
+        peaks = power.peaks(used)[: MAX_LINES - len(waves)]
         if not peaks.size:
             break
         new = [power.wave(int(k)) for k in peaks]
         for wave in new:
             y -= wave.values(n)
-        found += new
-    f = np.array([wave.frequency for wave in found])
-    steady = (np.sum(np.abs(f[:, None] - f) * n < COMPANY, axis=1) <= NEIGHBOURS) & (f.size < MOST)
+        waves += new
+    f = np.array([wave.frequency for wave in waves])
+    steady = (np.sum(np.abs(f[:, None] - f) * n < COMPANY, axis=1) <= NEIGHBOURS) & (f.size < MAX_LINES)
     for i in np.flatnonzero(~steady):
-        y += found[i].values(n)
-    return [found[i] for i in np.flatnonzero(steady)], y
+        y += waves[i].values(n)
+    return [waves[i] for i in np.flatnonzero(steady)], y

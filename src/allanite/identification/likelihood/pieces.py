@@ -96,7 +96,7 @@ pieces are read by themselves."""
 SPLIT = 0.5
 """Frequency between the parts, over that at which white rate and angle noise are alike."""
 
-HIGHEST = 0.5
+HIGHEST_SPLIT = 0.5
 """The same, over half the sampling rate, at most."""
 
 CLEAR = 0.5
@@ -105,7 +105,7 @@ CLEAR = 0.5
 LENGTHS = 24
 """Lengths of pieces, at most, for which expectations of slow noise are computed."""
 
-GRID = 24
+RESPONSE_GRID = 24
 """Frequencies, evenly in the logarithm and again evenly, at which the lower part's response is computed."""
 
 
@@ -226,7 +226,9 @@ class PieceReading(Portable):
     def _lower(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Frequencies, and the power of the lower part there under white rate and angle noise."""
         omega = np.unique(
-            np.append(np.geomspace(np.pi / self.size, self.split, GRID), np.linspace(0, self.split, GRID))
+            np.append(
+                np.geomspace(np.pi / self.size, self.split, RESPONSE_GRID), np.linspace(0, self.split, RESPONSE_GRID)
+            )
         )
         kept = self.length >= self.least
         powers = np.zeros((2, omega.size))
@@ -244,11 +246,11 @@ class PieceReading(Portable):
         return float((weight @ level) ** 2 / (weight.sum() * (weight @ level**2)))
 
 
-FEWEST = 5
+FEWEST_FREQUENCIES = 5
 """Different frequencies, an eighth of an octave apart, that pieces need to tell white rate from angle noise beside slow
 noise; shorter ones are joined only, which is exact, if less efficient."""
 
-REACH = 2.0
+FARTHEST_RATIO = 2.0
 """Root of Q^2 / N^2, over the length of the piece in which a reading lies on average, beyond which N is not seen."""
 
 
@@ -261,7 +263,7 @@ def pieces(y: FloatArray, gaps: "Gaps", edges_of: Callable[[int], IntArray]) -> 
     ratio = _ratio(y, lengths)
     if ratio is None or ratio * 2 * gaps.at.size / gaps.size < WEIGHT:
         return None
-    split = min(SPLIT / np.sqrt(ratio), HIGHEST * np.pi)
+    split = min(SPLIT / np.sqrt(ratio), HIGHEST_SPLIT * np.pi)
     level = [float(a[0] + ratio * b[0]) for a, b in (low_powers(int(L), ratio, split, np.zeros(1)) for L in length)]
     noise, used = np.cumsum((times * level)[::-1])[::-1], np.cumsum((times * length)[::-1])[::-1]
     least = int(length[np.argmin(noise / used.astype(np.float64) ** 2)])
@@ -319,11 +321,11 @@ def _ratio(y: FloatArray, lengths: IntArray) -> float | None:
         at.append(np.tile(np.arange(2, L + 1, 2) / (L + 1), here.size))
         squares.append((d**2).ravel())
     x, power = np.concatenate(at), np.concatenate(squares)
-    most = (REACH * float(lengths @ lengths) / float(lengths.sum())) ** 2
+    most = (FARTHEST_RATIO * float(lengths @ lengths) / float(lengths.sum())) ** 2
     if not power.any():  # each piece is constant
         return most
     octave = np.unique(np.floor(-8 * np.log2(x)), return_inverse=True)[1].ravel()
-    if octave.max() + 1 < FEWEST:
+    if octave.max() + 1 < FEWEST_FREQUENCIES:
         return None
     count = np.bincount(octave).astype(np.float64)
     angle = np.bincount(octave, 4 * np.sin(np.pi / 2 * x) ** 2) / count

@@ -48,7 +48,7 @@ def edges_of(n: int) -> IntArray:
 LONG_RECORD = 1 << 20
 """Points from which the cache does not hold a transform."""
 
-SHORT = 1 << 16
+SHORT_TRANSFORM = 1 << 16
 """Points up to which a transform of any size is fast enough."""
 
 PRIME = 256
@@ -97,7 +97,7 @@ def easy_size(n: int) -> int:
     def easy(size: int) -> bool:
         return bool(_rows(size)) if size >= LONG_RECORD else pow(math.factorial(PRIME), size.bit_length(), size) == 0
 
-    return n if n < SHORT else next(size for size in range(n, 0, -1) if easy(size))
+    return n if n < SHORT_TRANSFORM else next(size for size in range(n, 0, -1) if easy(size))
 
 
 def _rows(n: int) -> int:
@@ -109,19 +109,19 @@ def _rows(n: int) -> int:
     return next((P for P in range(math.isqrt(half), least, -1) if half % P == 0), 0)
 
 
-BLOCKS = 4096
+WARM_UP_BLOCKS = 4096
 """Blocks of samples in which a warm-up with gaps is taken."""
 
-LOWEST = 8
+DRIFT_COEFFICIENTS = 8
 """Coefficients that tell of the drift, which is the same in all pieces, and of a ramp."""
 
-FEWEST = 24
+FEWEST_BINS = 24
 """Bins that a fit needs."""
 
 LONG_GAP, MAX_LONG_GAPS = 0.05, 8
 """Share of the samples that a long gap lost at least; number of long gaps, at most."""
 
-ROUNDING = (4 * float(np.finfo(np.float64).eps)) ** 2
+ROUNDING_SHARE = (4 * float(np.finfo(np.float64).eps)) ** 2
 """Share of the mean power that rounding leaves in a bin: one of a periodic record without noise may else have none."""
 
 
@@ -208,8 +208,8 @@ class BinnedSpectrum(Portable):
         return np.concatenate([x for x, _ in rules]), np.concatenate([w for _, w in rules]), starts
 
     @cached_property
-    def known(self) -> dict[tuple[str, tuple[float, ...]], FloatArray]:
-        """Columns that were made before, by symbol and shape."""
+    def known(self) -> dict[str, FloatArray]:
+        """Columns that were made before, by symbol."""
         return {}
 
     @cached_property
@@ -218,7 +218,7 @@ class BinnedSpectrum(Portable):
         count = self.count.astype(np.float64)
         if self.pieces is not None:
             low = self.pieces.low
-            count[LOWEST:low] *= self.pieces.even
+            count[DRIFT_COEFFICIENTS:low] *= self.pieces.even
             count[low:] = self.pieces.told[low:]
         return count
 
@@ -236,11 +236,11 @@ class BinnedSpectrum(Portable):
         for low, high in masks:
             above, below = self.frequency(self.first + self.count - 1) > low, self.frequency(self.first) < high
             used &= ~(above & below)
-        if used.sum() < FEWEST:
+        if used.sum() < FEWEST_BINS:
             raise DataError(
                 say(
                     "the masks leave {bins} of the spectrum, fewer than {fewest}: leave out less",
-                    bins=say_count(int(used.sum()), "{count} bin", "{count} bins"), fewest=FEWEST,
+                    bins=say_count(int(used.sum()), "{count} bin", "{count} bins"), fewest=FEWEST_BINS,
                 )
             )  # fmt: skip
         return used
@@ -251,19 +251,11 @@ class BinnedSpectrum(Portable):
         if not 0 <= low < high:
             raise UsageError(f"a band is two frequencies in Hz, low < high, not {low:g},{high:g}", choice="band")
         inside = (self.frequency(self.first) >= low) & (self.frequency(self.first + self.count - 1) <= high)
-        if inside.sum() < FEWEST:
-            raise DataError(
-                say(
-                    "the band {low:g} to {high:g} Hz contains {bins} of the spectrum, fewer than {fewest}; the "
-                    "spectrum extends from {least:.3g} to {most:g} Hz",
-                    low=low,
-                    high=high,
-                    bins=say_count(int(inside.sum()), "{count} bin", "{count} bins"),
-                    fewest=FEWEST,
-                    least=self.rate / (2 * self.size),
-                    most=self.rate / 2,
-                )
-            )
+        if inside.sum() < FEWEST_BINS:
+            raise DataError(say("the band {low:g} to {high:g} Hz contains {bins} of the spectrum, fewer than "
+                                "{fewest}; the spectrum extends from {least:.3g} to {most:g} Hz",
+                                low=low, high=high, bins=say_count(int(inside.sum()), "{count} bin", "{count} bins"),
+                                fewest=FEWEST_BINS, least=self.rate / (2 * self.size), most=self.rate / 2))  # fmt: skip
         return np.asarray(inside)
 
 
@@ -275,35 +267,35 @@ def spectrum(record: Record, *, detrend: bool) -> BinnedSpectrum:
     """
     from allanite.kernels.cosine import binned
 
-    y, gaps, left = joined(record)
+    y, gaps, places = joined(record)
     y, gaps = y[: (fast := easy_size(y.size))], gaps.first(fast)
-    left = None if left is None else left[:fast]
+    places = None if places is None else places[:fast]
     most = float(np.abs(y).max(initial=0.0))
-    slope = slope_of(y, left) if detrend else 0.0
-    if left is not None:
-        y -= slope * (left - left.mean())
+    slope = slope_of(y, places) if detrend else 0.0
+    if places is not None:
+        y -= slope * (places - places.mean())
     how, above = pieces(y, gaps, edges_of), None
-    if how is not None and left is not None:
+    if how is not None and places is not None:
         y, kept, *above = apart(y, gaps, how)
-        left = left[kept]
-        gaps = gaps_between(left)
+        places = places[kept]
+        gaps = gaps_between(places)
     n = y.size
-    ramp = transformed(left) if left is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
-    blocks = min(n, BLOCKS)
+    ramp = transformed(places) if places is not None else ramp_coefficients(np.arange(1.0, min(SINGLE, n - 1) + 1), n)
+    blocks = min(n, WARM_UP_BLOCKS)
     middle = ((np.arange(blocks) + 0.5) * (n / blocks)).astype(np.int64)
-    times = np.empty(0) if left is None else left[middle].astype(np.float64)
-    c = cosine_transform(y, 0.0 if left is not None else slope)
-    del left, y
+    times = np.empty(0) if places is None else places[middle].astype(np.float64)
+    c = cosine_transform(y, 0.0 if places is not None else slope)
+    del places, y
     edges = edges_of(n) if how is None else how.edges
     power, peak, peak_at, even, odd = binned(c, edges)
     if not power.max() > 0:
         raise DataError(say("{channel!r} never changes: there is no noise to identify", channel=record.name))
-    if slope and power.mean() < ROUNDING * most**2:
+    if slope and power.mean() < ROUNDING_SHARE * most**2:
         raise DataError(say("{channel!r} is a straight line: there is no noise to identify", channel=record.name))
     if how is not None and above:
         for values, better in zip((power, peak), above, strict=True):
             values[how.low :] = better[how.low :]
-    np.maximum(power, ROUNDING * float(power.mean()), out=power)
+    np.maximum(power, ROUNDING_SHARE * float(power.mean()), out=power)
     first, count, at, factor = edges[:-1], np.diff(edges), peak_at.astype(np.int64), record.rate_factor
     return BinnedSpectrum(
         n, record.rate, first, count, power, peak, at, even, odd, ramp, slope, gaps, factor, times, how,
@@ -318,25 +310,25 @@ def _rounding(record: Record) -> float:
     return grid(record.values[np.isfinite(record.values)])[1] ** 2 / 12
 
 
-def transformed(left: IntArray) -> FloatArray:
+def transformed(places: IntArray) -> FloatArray:
     """The lowest coefficients of a ramp with gaps."""
-    return cosine_transform(left - left.mean())[1 : SINGLE + 1]
+    return cosine_transform(places - places.mean())[1 : SINGLE + 1]
 
 
-def slope_of(y: FloatArray, left: IntArray | None) -> float:
+def slope_of(y: FloatArray, places: IntArray | None) -> float:
     """The slope of y between the means of its first and last thirds, in the unit per sample.
 
     Near enough that a strong ramp, less this one, does not leak upwards.
     """
     third = y.size // 3
-    apart = y.size - third if left is None else float(left[-third:].mean() - left[:third].mean())
+    apart = y.size - third if places is None else float(places[-third:].mean() - places[:third].mean())
     return float(y[-third:].mean() - y[:third].mean()) / apart
 
 
-def less_slope(y: FloatArray, left: IntArray) -> float:
+def less_slope(y: FloatArray, places: IntArray) -> float:
     """Take the ramp of `slope_of` out of y, and return its slope."""
-    slope = slope_of(y, left)
-    y -= slope * (left - left.mean())
+    slope = slope_of(y, places)
+    y -= slope * (places - places.mean())
     return slope
 
 

@@ -33,13 +33,9 @@ def likelihood(spectrum: BinnedSpectrum, symbols: Sequence[str]) -> Likelihood:
     ends = 2 if spectrum.pieces is None else 0
     return Likelihood(
         S=np.column_stack([np.zeros((spectrum.first.size, 0)), *(table_column(symbol, spectrum) for symbol in noise)]),
-        power=spectrum.power,
-        count=spectrum.told,
-        UU=UU,
-        Uc=Uc,
-        W=np.outer(np.arange(UU.shape[1]) < ends, 2 * edge),
+        power=spectrum.power, count=spectrum.told, UU=UU, Uc=Uc, W=np.outer(np.arange(UU.shape[1]) < ends, 2 * edge),
         flat=np.arange(UU.shape[1]) >= ends,
-    )
+    )  # fmt: skip
 
 
 def with_warm_up(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, tau: float) -> Likelihood:
@@ -59,24 +55,17 @@ def warm_up_direction(spectrum: BinnedSpectrum, tau: float) -> Pair:
         values = np.exp(-spectrum.times / tau)
         lowest = np.asarray(dct(values, norm="ortho")[1 : SINGLE + 1]) * math.sqrt(spectrum.size / values.size)
         return in_bins(spectrum, lowest)
-    left = math.exp(-spectrum.size / tau)
+    remaining = math.exp(-spectrum.size / tau)
     smooth = decay_coefficients(spectrum.first + (spectrum.count - 1) / 2, spectrum.size, tau)
-    return smooth * (1 - left), smooth * (1 + left)
-
-
-def with_steps(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, at: Sequence[float]) -> Likelihood:
-    """A likelihood of the bins `used` with steps of any size, at these samples, as loose directions."""
-    return _with_directions(part, spectrum, used, [in_bins(spectrum, step_coefficients(spectrum.size, j)) for j in at])
+    return smooth * (1 - remaining), smooth * (1 + remaining)
 
 
 def _with_directions(part: Likelihood, spectrum: BinnedSpectrum, used: BoolArray, more: Sequence[Pair]) -> Likelihood:
     UU, Uc = directions_of(spectrum, bool(part.flat.any()), more)
     at = np.full(len(more), np.count_nonzero(~part.flat))
-    found = replace(
-        part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
-        flat=np.insert(part.flat, at, True),
-    )  # fmt: skip
-    return found.trusted(part.count / found.count)
+    wider = replace(part, count=spectrum.told[used], UU=UU[used], Uc=Uc[used], W=np.insert(part.W, at, 0.0, axis=0),
+                    flat=np.insert(part.flat, at, True))  # fmt: skip
+    return wider.trusted(part.count / wider.count)
 
 
 def directions_of(spectrum: BinnedSpectrum, with_ramp: bool, more: Sequence[Pair] = ()) -> Pair:
@@ -153,12 +142,11 @@ def column(row: NoiseTerm, spectrum: BinnedSpectrum) -> FloatArray:
     return np.asarray(mean)
 
 
-def table_column(symbol: str, spectrum: BinnedSpectrum, shape: tuple[float, ...] = ()) -> FloatArray:
-    """The same of a row of `TERMS`, in its own shape (in samples) or another one; it is made once."""
-    if (symbol, shape) not in spectrum.known:
-        row = TERMS[symbol]
-        spectrum.known[symbol, shape] = column(row.shaped(shape, 1.0) if shape and row.shaped else row, spectrum)
-    return spectrum.known[symbol, shape]
+def table_column(symbol: str, spectrum: BinnedSpectrum) -> FloatArray:
+    """The same of a row of `TERMS`; it is made once."""
+    if symbol not in spectrum.known:
+        spectrum.known[symbol] = column(TERMS[symbol], spectrum)
+    return spectrum.known[symbol]
 
 
 def gain_of(row: str, cutoff: float, spectrum: BinnedSpectrum) -> FloatArray:

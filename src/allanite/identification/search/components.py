@@ -10,14 +10,15 @@ criterion: what is not claimed takes part in the laws of the others.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
+from allanite.identification.likelihood.whittle import column
 from allanite.terms import TERMS
 
 from .frame import LOWEST_CUTOFF, Frame
@@ -57,7 +58,7 @@ what it leaves open."""
 PERIODS = 32
 """Periods of a resonance in a record, at least: of fewer its peak is not resolved."""
 
-HIGHEST = 3.1
+HIGHEST_RESONANCE = 3.1
 """Frequency of a resonance, radians a sample, at most: just below half the sampling rate."""
 
 EXPONENTS = (0.7, 1.6)
@@ -65,6 +66,9 @@ EXPONENTS = (0.7, 1.6)
 
 SHORTEST_WARM_UP, LONGEST_WARM_UP = 0.001, 0.37
 """Shares of the record from which a warm-up is looked for, and up to which it differs from a ramp with a parabola."""
+
+INSIDE = 1.05
+"""Factor by which what is tried first stays inside its bounds."""
 
 SIZES = (0.004, 6.0)
 """Least and greatest size of a factor, RMS of the logarithm of the power."""
@@ -158,11 +162,6 @@ def _noise_slope(frame: Frame, part: Part) -> FloatArray:
 
 def power_law(frame: Frame, part: Part) -> FloatArray:
     """Power of noise of density f^-a behind the averaging over each sample."""
-    from dataclasses import replace
-    from functools import partial
-
-    from allanite.identification.likelihood.whittle import column
-
     assert frame.flicker is not None  # noqa: S101 - the part stands in its place
     row = replace(TERMS[frame.powers[frame.flicker]], dct=partial(_power_law, a=part.shape[0]))
     return frame.remembered(("exponent", part.shape), lambda: column(row, frame.spectrum)[frame.used])
@@ -231,7 +230,7 @@ def _resonance_slope(frame: Frame, part: Part) -> FloatArray:
 
 def _resonance_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:
     quality = (QUALITIES[0], BROAD) if part.shape[1] < BROAD else (BROAD, QUALITIES[1])
-    return [(2 * np.pi * PERIODS / frame.size, HIGHEST), quality]
+    return [(2 * np.pi * PERIODS / frame.size, HIGHEST_RESONANCE), quality]
 
 
 def _filter_bounds(frame: Frame, part: Part) -> list[tuple[float, float]]:

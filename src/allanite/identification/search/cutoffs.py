@@ -19,9 +19,10 @@ from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, Part
 from .estimates import Answer
-from .fitting import Fitted, fitted, place_of, refined, refined_values, sizes_inside, values_of
+from .fitting import Fitted, fitted, place_of, refined_values, sizes_inside, values_of
 from .frame import LOWEST_CUTOFF, starts_of
 from .laws import Entry
+from .refining import refined
 
 HALF = 0.5
 """Power at the cut-off, over that at low frequencies: -3 dB, a definition."""
@@ -33,13 +34,13 @@ exactly are described by the nearest (`benchmarks/check_settings.py`)."""
 CLOSE = 0.005
 """Step in the logarithm of a cut-off at which the lowest one that a record admits is known."""
 
-BROAD = 5.0
+BROAD_SHAPE = 5.0
 """Quality of a resonance up to which it may describe the shape of a filter instead of vibration."""
 
-NEAR = 16.0
+SHAPE_RATIO = 16.0
 """Ratio of the cut-off and a frequency up to which power that differs may be due to the shape of the filter."""
 
-GRID = 2048
+CUTOFF_GRID = 2048
 """Frequencies up to half the sampling rate at which the cut-off of the samples is looked for."""
 
 
@@ -89,8 +90,8 @@ def cutoffs_of(f: Fitted) -> tuple[float, float]:
     part = f.state.filter
     assert part is not None  # noqa: S101 - asked of models with a filter
     cutoff = part.shape[0]
-    x = np.arange(1, GRID + 1) / (2 * GRID)
-    several = (cutoff, _halved(x, FILTERS[part.label].gain(x, cutoff)), halved(f, cutoff / NEAR))
+    x = np.arange(1, CUTOFF_GRID + 1) / (2 * CUTOFF_GRID)
+    several = (cutoff, _halved(x, FILTERS[part.label].gain(x, cutoff)), halved(f, cutoff / SHAPE_RATIO))
     return min(several), min(max(c for c in several if math.isfinite(c)), FILTERS[part.label].widest)
 
 
@@ -104,7 +105,7 @@ def halved(f: Fitted, lowest: float) -> float:
     apart[: len(frame.powers)] = frame.slow
     inside = [p for p in f.state if COMPONENTS[p.name].inside]
     apart[len(frame.powers) : sizes_inside(frame, f.state)] = [_slower(p, lowest) for p in inside]
-    loud = [p.shape[1] > BROAD for p in f.state.of("resonance")]
+    loud = [p.shape[1] > BROAD_SHAPE for p in f.state.of("resonance")]
     apart[apart.size - len(loud) :] = loud
     power = f.m - f.likelihood.S[:, apart] @ f.theta[apart]
     x = frame.centre / (2 * frame.size)
@@ -129,12 +130,8 @@ def _halved(x: FloatArray, gain: FloatArray) -> float:
 
 def errors_of(f: Fitted, part: Part) -> FloatArray:
     """Standard errors of the logarithms of the shape of a part, everything else unknown."""
-    H, active = f.information
-    at = int(active.sum()) + place_of(f.state, part)
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    C = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
-    k = refined_values(part)
-    return np.sqrt(np.maximum(np.diag(C)[at : at + k], 0.0))
+    at = int(np.count_nonzero(f.theta > 0)) + place_of(f.state, part)
+    return np.sqrt(np.maximum(np.diag(f.covariance)[at : at + refined_values(part)], 0.0))
 
 
 def quantile_of(w: FloatArray, centre: FloatArray, spread: FloatArray, p: float) -> float:

@@ -1,6 +1,7 @@
 """What a fit says besides its numbers: the filter, vibration and undescribed power in it, and rivals of its terms."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from allanite.core.arrays import BoolArray, FloatArray, IntArray
 from allanite.core.estimate import Estimate
 from allanite.core.fit import Component
 from allanite.core.kinds import title_of
-from allanite.core.model import Term
+from allanite.core.model import Term, coefficient_factor
 from allanite.core.validity import LowPass, Scope
 from allanite.identification.likelihood.filters import FILTERS
 from allanite.identification.likelihood.spectrum import WELL_KNOWN, surroundings
@@ -18,17 +19,18 @@ from allanite.terms import TERMS
 from .components import CLAIMED, COMPONENTS, LONGEST_MARKOV, Part
 from .cutoffs import errors_of, quantile_of
 from .estimates import Answer, shaped_terms
-from .fitting import Fitted, factor_basis, fitted, refined
+from .fitting import Fitted, factor_basis, fitted
 from .frame import Frame
-from .laws import Entry, weights_of
+from .laws import Entry, law_of, weights_of
+from .refining import refined
 
-VISIBLE = 2.0
+VISIBLE_DEVIATE = 2.0
 """Standard deviations by which a factor must differ from 1 to be said."""
 
 LOUD = 0.5
 """Share of the power from which vibration, or what nothing describes, hides the terms."""
 
-ENDS = 3.84
+RISE_AT_LIMITS = 3.84
 """Rise of the value at the 95 % limits."""
 
 
@@ -51,18 +53,9 @@ def scope_of(
     high = spectrum.first[last] + spectrum.count[last] - 0.5
     band = asked or (low, spectrum.rate / 2 if last == used.size - 1 else float(spectrum.frequency(high)))
     misfit, within = misfit_of(answer)
-    return Scope(
-        choice=choice,
-        band=band,
-        masks=masks,
-        filter=low_pass(answer),
-        misfit=misfit,
-        within=within,
-        frequency=spectrum.frequency(spectrum.first + (spectrum.count - 1) / 2),
-        level=level,
-        remarks=(),
-        disturbed=disturbed(f),
-    )
+    return Scope(choice=choice, band=band, masks=masks, filter=low_pass(answer), misfit=misfit, within=within,
+                 frequency=spectrum.frequency(spectrum.first + (spectrum.count - 1) / 2), level=level, remarks=(),
+                 disturbed=disturbed(f))  # fmt: skip
 
 
 def bare_power(answer: Answer) -> FloatArray:
@@ -96,10 +89,8 @@ def low_pass(answer: Answer) -> LowPass | None:
     low, high = (quantile_of(w / w.sum(), centre, spread, p) for p in (0.025, 0.975))
     rate, widest = answer.scale.rate, FILTERS[part.label].widest
     c = part.shape[0]
-    return LowPass(
-        part.label, FILTERS[part.label].title, c * rate, min(math.exp(low), c) * rate,
-        max(math.exp(min(high, math.log(widest))), c) * rate, rate,
-    )  # fmt: skip
+    return LowPass(part.label, FILTERS[part.label].title, c * rate, min(math.exp(low), c) * rate,
+                   max(math.exp(min(high, math.log(widest))), c) * rate, rate)  # fmt: skip
 
 
 def _cutoff(e: Entry) -> tuple[float, float]:
@@ -116,17 +107,15 @@ def misfit_of(answer: Answer) -> tuple[float, float]:
     if not factors or weights_of(answer.entries).get("factor", 0.0) < CLAIMED:
         return 0.0, 0.0
     u, error = factor_of(f)
-    beyond = np.maximum(np.abs(u) - VISIBLE * error, 0.0)
+    beyond = np.maximum(np.abs(u) - VISIBLE_DEVIATE * error, 0.0)
     return max(p.shape[2] for p in factors), float(np.expm1(min(beyond.max(), 20.0)))
 
 
 def factor_of(f: Fitted) -> tuple[FloatArray, FloatArray]:
     """The logarithm u of the factors of a fit in the bins, and its standard error."""
     A = factor_basis(f.frame, f.state)
-    H, _ = f.information
     k = f.v.size
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    C = (np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size))[-k:, -k:]
+    C = f.covariance[-k:, -k:]
     return A @ f.v, np.sqrt(np.maximum(np.einsum("bi,ij,bj->b", A, C, A), 0.0))
 
 
@@ -174,7 +163,7 @@ def _span(f: Fitted, part: Part) -> tuple[float, float]:
         return centre * (1 - min(half, 0.9)), min(centre * (1 + half), rate / 2)
     if part.name == "factor":
         u, error = factor_of(f)
-        runs = _runs(f.frame, np.abs(u) > VISIBLE * error)
+        runs = _runs(f.frame, np.abs(u) > VISIBLE_DEVIATE * error)
         return (min(a for a, _ in runs), max(b for _, b in runs)) if runs else (0.0, rate / 2)
     if part.name == "filter":
         return part.shape[0] * rate, max(rate / 2, part.shape[0] * rate)
@@ -191,10 +180,8 @@ def _words(answer: Answer, f: Fitted, part: Part) -> str:  # noqa: PLR0911 - one
     if part.name == "floor":
         return say("white noise behind the filter")
     if part.name == "resonance":
-        return say(
-            "vibration at {frequency:.3g} Hz (quality {quality:.2g})",
-            frequency=part.shape[0] * rate / (2 * math.pi), quality=part.shape[1],
-        )  # fmt: skip
+        return say("vibration at {frequency:.3g} Hz (quality {quality:.2g})",
+                   frequency=part.shape[0] * rate / (2 * math.pi), quality=part.shape[1])  # fmt: skip
     if part.name == "noise":
         term = Term(part.label, 0.0, answer.scale.signal, answer.scale.shape(part.label, part.shape))
         return say("{term} with {shape}", term=TERMS[part.label].title, shape=term.shape_words)
@@ -212,7 +199,7 @@ def _factor_words(f: Fitted) -> str:
     u, error = factor_of(f)
     spans = []
     for sign in (1, -1):
-        for a, b in _runs(f.frame, sign * u > VISIBLE * error):
+        for a, b in _runs(f.frame, sign * u > VISIBLE_DEVIATE * error):
             first = f.frame.spectrum.frequency(f.frame.centre)
             inside = (first >= a) & (first <= b)
             at = float(np.max(sign * u[inside])) * sign
@@ -226,56 +213,44 @@ def _factor_words(f: Fitted) -> str:
 
 def notes_of(answer: Answer, estimates: dict[str, Estimate]) -> list[str]:
     """Two explanations of one record, and which terms others could replace."""
-    notes: list[str] = []
-    frame, scale = answer.result.frame, answer.scale
-    for symbol, e in estimates.items():
-        if symbol not in frame.powers or not e.claimed:
-            continue
-        from .laws import law_of
+    return [*_two_explanations(answer, estimates), *_undecided(answer, estimates), *_no_walk(answer, estimates)]
 
+
+def _two_explanations(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
+    frame, scale = answer.result.frame, answer.scale
+    for symbol in (s for s, e in estimates.items() if s in frame.powers and e.claimed):
         law = law_of(answer.entries, frame.powers.index(symbol))
         if law is not None and law.modes:
-            unit, values = _in_sheet(answer, symbol, law.modes)
-            notes.append(
-                say(
-                    "{symbol}: two explanations of the record, {first} or {second} {unit}; a longer record would "
-                    "decide",
-                    symbol=symbol, first=f"{values[0]:.3g}", second=f"{values[1]:.3g}", unit=unit,
-                )
-            )  # fmt: skip
+            unit = scale.signal.sheet[TERMS[symbol].power]
+            size = coefficient_factor(symbol, unit, scale.signal)
+            first, second = (f"{scale.coefficient(symbol, root) / size:.3g}" for root in law.modes)
+            yield say("{symbol}: two explanations of the record, {first} or {second} {unit}; a longer record would "
+                      "decide", symbol=symbol, first=first, second=second, unit=unit)  # fmt: skip
+
+
+def _undecided(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
+    """That something drifts, but none of the terms that do is claimed."""
+    frame = answer.result.frame
     slow = [frame.powers[i] for i in np.flatnonzero(frame.slow)]
-    names = [s for s in (*slow, "GM") if s in estimates or s == "GM"]
-    claimed = any(estimates[s].claimed for s in names if s in estimates)
+    names = [s for s in slow if s in estimates] + ["GM"]
     drifting = (e.f.theta[: len(frame.powers)][frame.slow].any() or e.f.state.of("noise") for e in answer.entries)
     weight = sum(e.weight for e, drifts in zip(answer.entries, drifting, strict=True) if drifts)
-    if not claimed and weight >= CLAIMED and slow:
-        likely = [s for s in names if _weight_of(answer, s) > 1 - CLAIMED]
-        if likely:
-            notes.append(
-                say(
-                    "the bias drifts, but the record does not decide between {terms}: a longer record would",
-                    terms=join(", ", [f"{s} ({title_of(s, scale.signal)})" for s in likely]),
-                )
-            )
-    walk = next((s for s in slow if TERMS[s].slope > 0), None)
+    likely = [s for s in names if _weight_of(answer, s) > 1 - CLAIMED]
+    if slow and likely and weight >= CLAIMED and not any(estimates[s].claimed for s in names if s in estimates):
+        yield say("the bias drifts, but the record does not decide between {terms}: a longer record would",
+                  terms=join(", ", [f"{s} ({title_of(s, answer.scale.signal)})" for s in likely]))  # fmt: skip
+
+
+def _no_walk(answer: Answer, estimates: dict[str, Estimate]) -> Iterator[str]:
+    """That a random walk may as well be slow Gauss-Markov noise."""
+    frame = answer.result.frame
+    walks = (s for s, slow in zip(frame.powers, frame.slow.tolist(), strict=True) if slow and TERMS[s].slope > 0)
+    walk = next(walks, None)
     if walk and walk in estimates and estimates[walk].claimed and "GM" not in frame.asked:
         least = least_time_constant(answer, frame.powers.index(walk))
         if least is not None:
-            notes.append(
-                say(
-                    "{walk} may as well be Gauss-Markov noise with a time constant of more than {time:.2g} s",
-                    walk=walk, time=least / scale.rate,
-                )
-            )  # fmt: skip
-    return notes
-
-
-def _in_sheet(answer: Answer, symbol: str, roots: tuple[float, ...]) -> tuple[str, list[float]]:
-    from allanite.core.model import coefficient_factor
-
-    unit = answer.scale.signal.sheet[TERMS[symbol].power]
-    size = coefficient_factor(symbol, unit, answer.scale.signal)
-    return unit, [answer.scale.coefficient(symbol, root) / size for root in roots]
+            yield say("{walk} may as well be Gauss-Markov noise with a time constant of more than {time:.2g} s",
+                      walk=walk, time=least / answer.scale.rate)  # fmt: skip
 
 
 def _weight_of(answer: Answer, symbol: str) -> float:
@@ -298,17 +273,17 @@ def least_time_constant(answer: Answer, walk: int) -> float | None:
     with_walk = refined(fitted(frame, f.state, None, f, f.v), 2).value
     times = np.geomspace(LONGEST_MARKOV * frame.size, 30.0, 24)
     values = [fitted(frame, f.state.having(Part("noise", "GM", (T,))), free).value for T in times.tolist()]
-    return min((T for T, value in zip(times.tolist(), values, strict=True) if value < with_walk + ENDS), default=None)
+    return min(
+        (T for T, value in zip(times.tolist(), values, strict=True) if value < with_walk + RISE_AT_LIMITS), default=None
+    )
 
 
 def lost_freedom(f: Fitted, cell: IntArray, cells: int) -> float:
     """Degrees of freedom that sizes and shapes take of the cells: the trace of their hat matrix."""
-    H, active = f.information
+    active = f.theta > 0
     m, h = f.m, f.trusted.count / 2
     Z = np.column_stack((f.likelihood.S[:, active], f.slopes.T)) / m[:, None] * np.sqrt(h)[:, None]
     nu = np.bincount(cell, h, cells)
     T = np.zeros((cells, Z.shape[1]))
     np.add.at(T, cell, Z * np.sqrt(h / nu[cell])[:, None])
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    inverse = np.linalg.pinv(H / np.outer(size, size), hermitian=True) / np.outer(size, size)
-    return float(np.einsum("ci,ij,cj->", T, inverse, T))
+    return float(np.einsum("ci,ij,cj->", T, f.covariance, T))

@@ -9,29 +9,30 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Averaged, Estimate, averaged
-from allanite.core.limits import Remembered, Stored, quantile
+from allanite.core.limits import NormalMixture, Remembered, Stored, quantile
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.units import Signal
-from allanite.identification.likelihood.law import RampLimits, Subset, ThetaProfile
+from allanite.identification.likelihood.law import Subset, ThetaProfile
 from allanite.phrases.phrase import say
 from allanite.terms import TERMS
 
 from .components import CLAIMED, Part
-from .fitting import Fitted, fitted, place_of, refined, resized, values_of, with_values
-from .laws import Entry, Law, column_of, law_of
+from .fitting import Fitted, fitted, place_of, values_of, with_values
+from .laws import Entry, Law, column_of, law_of, noise_part
+from .refining import refined, resized
 from .search import Searched
 
 TWO_SIDED = 1.96
 """Standard errors from an estimate to its 95 % limits."""
 
-NODES, PRIOR = 12, 0.0
+PROFILE_NODES, PRIOR = 12, 0.0
 """Models along the profile of the slowest noise, at most, and the power of the coefficient in its prior."""
 
 STATES = 3
 """States over which a ramp is averaged, the heaviest."""
 
-LEAST = 1e-3
+LEAST_NODE_WEIGHT = 1e-3
 """Weight of a model, over that of the heaviest, below which it is omitted."""
 
 BEGUN = 0.5
@@ -128,10 +129,14 @@ class Answer(Portable):
 
     def nodes(self, beside: tuple[Term, ...]) -> Averaged:
         """Models along the profile of that noise, all terms free, with what stands `beside` it."""
-        thetas, weight = ThetaProfile(self.everything, self.slowest).weighted(NODES, PRIOR)
+        thetas, weight = ThetaProfile(self.everything, self.slowest).weighted(PROFILE_NODES, PRIOR)
         along = [(*self.scale.terms(_with_sizes(self.full, theta)), *beside) for theta in thetas]
         # beside resonances and white noise behind a filter none of the terms need be there
-        kept = [(Model(t), float(w)) for t, w in zip(along, weight, strict=True) if t and w > LEAST * weight.max()]
+        kept = [
+            (Model(t), float(w))
+            for t, w in zip(along, weight, strict=True)
+            if t and w > LEAST_NODE_WEIGHT * weight.max()
+        ]
         kept = kept or [(Model((*self.scale.terms(self.shown), *beside)), 1.0)]
         return averaged([m for m, _ in kept], [w for _, w in kept])
 
@@ -190,12 +195,9 @@ def law_of_term(symbol: str, answer: Answer) -> tuple[Law | None, tuple[float, .
     return law_of([Entry(f, 1.0)], column_of(f, label, number) or 0), _shape_in(f, label, number), False
 
 
-def _part_in(f: Fitted, label: str, number: int) -> Part:
-    return [p for p in f.state.of("noise") if p.label == label][number]
-
-
 def _shape_in(f: Fitted, label: str, number: int) -> tuple[float, ...]:
-    return _part_in(f, label, number).shape
+    part = noise_part(f, label, number)
+    return part.shape if part else ()
 
 
 def noise_estimate(symbol: str, answer: Answer) -> Estimate:
@@ -219,7 +221,7 @@ def noise_estimate(symbol: str, answer: Answer) -> Estimate:
         return plain
     f = next(f for _, _, f in law.parts)
     parts = f.state.of("noise")
-    own = next(p for p in parts if p.shape == shape) if any(p.shape == shape for p in parts) else parts[0]
+    own = next((part for part in parts if part.shape == shape), parts[0])
     ends = Remembered(ShapeLimits(f, own, scale, symbol))
     return replace(plain, shape=scale.shape(symbol, own.shape), shape_limits=ends)
 
@@ -255,13 +257,13 @@ def profile_ends(f: Fitted, part: Part, which: int, drop: float) -> tuple[float,
         start = fitted(f.frame, with_values(best.state, moved), None, best, best.v)
         return refined(start, 4, held=held, settled=EXACT).value - best.value - drop
 
-    return _end(excess, x[at], -1.0, math.log(SHORTEST)), _end(excess, x[at], 1.0, math.log(f.frame.size))
+    return _end(excess, x[at], -1.0, math.log(LEAST_SHAPE)), _end(excess, x[at], 1.0, math.log(f.frame.size))
 
 
 EXACT = 1e-3
 """Gain in 2 L that ends the rounds of scoring where limits are read off: 0.1 % of a standard error."""
 
-SHORTEST = 1e-4
+LEAST_SHAPE = 1e-4
 """Value of a shape, samples or radians a sample, at which its lower limit is given up."""
 
 
@@ -298,12 +300,9 @@ def ramp_estimate(symbol: str, answer: Answer) -> Estimate:
     if not answer.result.frame.plain.flat.any():  # the band excludes the frequencies of a ramp
         return _absent(symbol, scale, Stored(math.inf), Stored((-math.inf, math.inf)))
     ramps = [(w, _ramp_law(f, answer, size)) for w, f in _heaviest(answer)]
-    ramp = RampLimits(
-        np.concatenate([r.centre for _, r in ramps]), np.concatenate([r.spread for _, r in ramps]),
-        np.concatenate([w * r.weight for w, r in ramps]),
-    )  # fmt: skip
-    value = float(ramp.weight @ ramp.centre)
-    error = math.sqrt(float(ramp.weight @ (ramp.spread**2 + (ramp.centre - value) ** 2)))
+    ramp = NormalMixture(np.concatenate([r.centre for _, r in ramps]), np.concatenate([r.spread for _, r in ramps]),
+                         np.concatenate([w * r.weight for w, r in ramps]))  # fmt: skip
+    value, error = ramp.value, ramp.error
     limits, upper = Remembered(ramp), Remembered(ramp.upper)
     low, high = limits(0.95)
     if low <= 0 <= high:
@@ -327,12 +326,12 @@ def _heaviest(answer: Answer) -> list[tuple[float, Fitted]]:
     return [(total[k] / whole, resized(first[k], np.ones(first[k].theta.size, dtype=bool))) for k in kinds]
 
 
-def _ramp_law(f: Fitted, answer: Answer, size: float) -> RampLimits:
+def _ramp_law(f: Fitted, answer: Answer, size: float) -> NormalMixture:
     slopes = [TERMS[s].slope for s in f.frame.powers] or [0.0]
     thetas, weight = ThetaProfile(subset_of(f), int(np.argmax(slopes))).weighted()
     along = [f.trusted.directions(theta)[:2] for theta in thetas]
     centre = size * (np.array([eta[-1] for eta, _ in along]) + answer.scale.slope)
-    return RampLimits(centre, size * np.sqrt([V[-1, -1] for _, V in along]), weight)
+    return NormalMixture(centre, size * np.sqrt([V[-1, -1] for _, V in along]), weight)
 
 
 def _begins(answer: Answer, slope: float) -> bool:
@@ -346,12 +345,9 @@ def _begins(answer: Answer, slope: float) -> bool:
 
 
 def _absent(
-    symbol: str,
-    scale: Scale,
-    upper: Callable[[float], float],
-    limits: Callable[[float], tuple[float, float]],
+    symbol: str, scale: Scale, upper: Callable[[float], float], limits: Callable[[float], tuple[float, float]],
     median: float | None = None,
-) -> Estimate:
+) -> Estimate:  # fmt: skip
     highest = upper(0.95) if math.isfinite(upper(0.95)) else None
     return Estimate(symbol, scale.signal, None, None, "absent", highest, "whittle", limits, limits, median)
 
@@ -363,10 +359,8 @@ def observable(estimate: Estimate, band: tuple[float, float], half: float, *, fi
     if edge and not estimate.claimed and filtered:
         reason = say("the filter hides the frequencies where it would be visible")
     elif edge and band[1] < SHOWS_ANGLE * half:
-        reason = say(
-            "the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
-            frequency=band[1],
-        )
+        reason = say("the band, which ends at {frequency:.3g} Hz, excludes the frequencies where it would be visible",
+                     frequency=band[1])  # fmt: skip
     elif band[0] > 0 and not estimate.claimed and estimate.upper in (None, 0.0, math.inf):
         reason = say(
             "the band begins at {frequency:.3g} Hz, above the frequencies where it would be visible", frequency=band[0]

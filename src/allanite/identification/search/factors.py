@@ -17,7 +17,7 @@ from allanite.core.arrays import FloatArray
 KNOT = 1.0
 """Distance of the knots, octaves."""
 
-FINE = (1.0, 0.5, 0.25, 0.1, 0.0)
+TOP_KNOTS = (1.0, 0.5, 0.25, 0.1, 0.0)
 """Knots below half the sampling rate, octaves: there gains have zeros."""
 
 LENGTH = math.log(2)
@@ -26,10 +26,10 @@ LENGTH = math.log(2)
 JUMPS = 4.0
 """Length of the exponential correlation of `step above`, octaves of coefficients: an order that jumps."""
 
-ROUNDING = 1e-12
+ADDED_VARIANCE = 1e-12
 """What is added to a covariance so that it has a root."""
 
-SLOW = 6
+SLOWEST_OCTAVE = 6
 """Octave of the coefficient index below which no factor begins: what is slow has noise terms and a time constant."""
 
 KINDS = ("all", "above", "step above", "between")
@@ -48,7 +48,7 @@ class Splines:
     @cached_property
     def knots(self) -> FloatArray:
         """With the ends repeated, in octaves."""
-        inner = np.concatenate((np.arange(0.0, self.top - 1.5, KNOT), self.top - np.array(FINE)))
+        inner = np.concatenate((np.arange(0.0, self.top - 1.5, KNOT), self.top - np.array(TOP_KNOTS)))
         return np.concatenate(([0.0] * 3, inner, [self.top] * 3))
 
     @cached_property
@@ -81,7 +81,9 @@ class Splines:
         places: list[Place] = [("all", 0.0, top)]
         places += [(kind, top - float(k), top) for kind in ("above", "step above") for k in above]
         places += [
-            ("between", float(a), float(b)) for a in range(SLOW, whole) for b in range(a + 2, min(a + 5, whole) + 1)
+            ("between", float(a), float(b))
+            for a in range(SLOWEST_OCTAVE, whole)
+            for b in range(a + 2, min(a + 5, whole) + 1)
         ]
         return places
 
@@ -103,5 +105,5 @@ def _root(place: Place, octaves: tuple[float, ...]) -> FloatArray:
     C = C * np.outer(size, size)
     some = np.flatnonzero(np.diag(C) > 1e-10)
     L = np.zeros((at.size, some.size))
-    L[some] = np.linalg.cholesky(C[np.ix_(some, some)] + ROUNDING * np.eye(some.size))
+    L[some] = np.linalg.cholesky(C[np.ix_(some, some)] + ADDED_VARIANCE * np.eye(some.size))
     return L

@@ -21,6 +21,7 @@ import numpy as np
 from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.likelihood import Likelihood
+from allanite.identification.likelihood.whittle import step_power
 
 from .components import ANGLE, BEHIND, COMPONENTS, STEP, Part
 from .frame import Frame, leak
@@ -28,18 +29,6 @@ from .state import State
 
 SHAPE_ERRORS = np.array([0.01, 0.03, 0.1, 0.3])
 """Errors of the shapes of resonances that are tried, RMS of their own power in each bin."""
-
-FARTHEST = 0.5
-"""Step in the logarithm of a shape, at most: a factor of 1.6."""
-
-HALVINGS, ROUNDS, SETTLED = 4, 8, 0.03
-"""Times that a step is cut to a third; rounds of scoring, at most; gain in 2 L that ends them."""
-
-AT_END = 1e-6
-"""Distance from the end of its range, in the logarithm, within which a shape that tends outwards stays."""
-
-DAMPING = 1e-3
-"""Share of its information that is added to a shape's, at first."""
 
 STEEPEST = 25.0
 """Logarithm of a factor, at most: beyond it nothing is left to multiply."""
@@ -117,6 +106,14 @@ class Fitted(Portable):
             at = int(active.sum()) + place_of(self.state, through)
             H[at, at] += self.frame.told(through.label, through.shape[0])[2] / 2
         return H, active
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Covariance of what the information is of; what the record does not distinguish shares it."""
+        H, _ = self.information
+        size = np.sqrt(np.maximum(np.diag(H), 1e-300))
+        units = np.outer(size, size)
+        return np.asarray(np.linalg.pinv(H / units, hermitian=True) / units)
 
     def _wide(self, rows: FloatArray) -> FloatArray:
         """Rows of the bins as columns of the bins and the finite directions."""
@@ -201,18 +198,11 @@ def likelihood_of(frame: Frame, state: State, v: FloatArray) -> Likelihood:
     W[:, : part.W.shape[1]] = part.W * mean
     if white and frame.white is not None:
         W[~part.flat, frame.white] += white
-    explained = part._explained(S, W)
+    explained = part.explained(S, W)
     rounding = frame.spectrum.rounding
     if rounding and through is not None:
-        explained = _adding(explained, rounding * (1 - gain))
+        explained = explained.adding(rounding * (1 - gain))
     return explained
-
-
-def _adding(part: Likelihood, added: FloatArray) -> Likelihood:
-    """The same data with known power beside the columns."""
-    wider = replace(part, added=added)
-    wider.__dict__.update(data=part.data, _smooth=part._smooth)
-    return wider
 
 
 def _power(frame: Frame, part: Part) -> FloatArray:
@@ -248,13 +238,11 @@ def fitted(
     if state.of("step"):
         part = _stepped(frame, state, part, theta)
         theta, _ = part.minimise(may, theta)
-    return _valued(frame, state, may, theta, v, part, start.error if start is not None else 0.03)
+    return valued(frame, state, may, theta, v, part, start.error if start is not None else 0.03)
 
 
 def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray | None = None) -> Likelihood:
     """Steps have known power above the lowest coefficients, once their sizes are known."""
-    from allanite.identification.likelihood.whittle import step_power
-
     steps = state.of("step")
     if not steps or theta is None:
         return part
@@ -262,10 +250,10 @@ def _stepped(frame: Frame, state: State, part: Likelihood, theta: FloatArray | N
     at = int(np.count_nonzero(~part.flat))
     size = eta[at : at + len(steps)]
     known = step_power(frame.spectrum, [p.shape[0] for p in steps], size)[frame.used]
-    return _adding(part, np.broadcast_to(part.added, known.shape) + known)
+    return part.adding(np.broadcast_to(part.added, known.shape) + known)
 
 
-def _valued(  # noqa: PLR0917 - what a fit is made of
+def valued(  # noqa: PLR0917 - what a fit is made of
     frame: Frame, state: State, may: BoolArray, theta: FloatArray, v: FloatArray, part: Likelihood, error: float
 ) -> Fitted:
     """A fit with its value; where there are resonances, with the best error of their shapes and the sizes beside it."""
@@ -349,103 +337,3 @@ def slopes(f: Fitted) -> FloatArray:
             rows += list(theta[outer] * row.slope(frame, part))
             outer += 1
     return np.vstack((np.array(rows).reshape(-1, frame.count.size), (basis * f.inside[:, None]).T))
-
-
-def refined(
-    f: Fitted, rounds: int = ROUNDS, *, only: int = 0, held: BoolArray | None = None, settled: float = SETTLED
-) -> Fitted:
-    """The best shapes near those of a fit: Fisher scoring of sizes and shapes together, with step halving.
-
-    With `only` of its last shapes alone; `held` shapes stay as they are, shape (values,).
-    """
-    x = values_of(f.state)
-    moving = np.ones(x.size + f.v.size, dtype=bool)
-    if only:
-        moving[: x.size - only] = False
-    if held is not None:
-        moving[: x.size] &= ~held
-    low, high = bounds_of(f.frame, f.state)
-    moving[: x.size] &= low < high
-    if not moving.any():
-        return f
-    damping = DAMPING
-    for _ in range(rounds):
-        dx, dv = _step(f, moving, damping)
-        stuck = ((x < low + AT_END) & (dx < 0)) | ((x > high - AT_END) & (dx > 0))
-        if stuck.any():  # the others as if these stayed, which they do
-            dx, dv = _step(f, np.concatenate((moving[: x.size] & ~stuck, moving[x.size :])), damping)
-        better = None
-        for _ in range(HALVINGS):
-            state = with_values(f.state, np.clip(x + dx, low, high))
-            tried = fitted(f.frame, state, f.free, f, f.v + dv)
-            if tried.value < f.value:
-                better = tried
-                break
-            dx, dv, damping = dx / 3, dv / 3, min(damping * 4, 1.0)
-        if better is None:
-            break
-        gain, f, x = f.value - better.value, better, values_of(better.state)
-        damping = max(damping / 4, 1e-6)
-        if gain < settled:
-            break
-    return f
-
-
-def _step(f: Fitted, moving: BoolArray, damping: float) -> tuple[FloatArray, FloatArray]:
-    """Step of Fisher scoring of the shapes and v, the active sizes following."""
-    H, active = f.information
-    a, k = int(active.sum()), f.v.size
-    power, m, h = f.completed
-    Z = np.column_stack((f.likelihood.columns[active].T, f._wide(f.slopes)))
-    g = (Z / m[:, None]).T @ (h * (power / m - 1))
-    if k:
-        g[-k:] -= f.v
-    through = f.state.filter
-    if through is not None:
-        g[a + place_of(f.state, through)] -= f.frame.told(through.label, through.shape[0])[1] / 2
-    some = np.concatenate((np.ones(a, dtype=bool), moving))
-    H, g = H[np.ix_(some, some)], g[some]
-    size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-    move = np.linalg.solve(H / np.outer(size, size) + damping * np.eye(size.size), g / size) / size
-    full = np.zeros(moving.size)
-    full[moving] = move[a:]
-    x = moving.size - k
-    largest = max(float(np.abs(full[:x]).max(initial=0.0)) / FARTHEST, 1e-12)
-    if k:
-        largest = max(largest, float(np.abs(factor_basis(f.frame, f.state) @ full[x:]).max()) / 2.0)
-    full = full / max(largest, 1.0)
-    return full[:x], full[x:]
-
-
-def resized(f: Fitted, free: BoolArray) -> Fitted:
-    """The same state and shapes with other terms free."""
-    may = admissible(f.frame, f.state, free, f.theta.size)
-    start = np.where(may, np.maximum(f.theta, 0.0), 0.0)
-    theta, _ = f.trusted.minimise(may, start if (start > 0).any() else None)
-    again = _valued(f.frame, f.state, may, theta, f.v, f.likelihood, f.error)
-    return refined(again, 3) if f.v.size else again
-
-
-def pruned(f: Fitted) -> Fitted:
-    """The subset of the powers with the least score: one after the other is left out."""
-    P = len(f.frame.powers)
-    best = _dropping(f)
-    while best.free[:P].sum() > 1:
-        tries = []
-        for i in np.flatnonzero(best.free[:P]):
-            less = best.free.copy()
-            less[i] = False
-            if (admissible(f.frame, f.state, less, less.size) == less).all():
-                tries.append(resized(best, less))
-        if not tries or (least := min(tries, key=lambda t: t.score)).score >= best.score:
-            break
-        best = _dropping(least)
-    return best
-
-
-def _dropping(f: Fitted) -> Fitted:
-    """The same without the terms whose size is zero, which costs nothing."""
-    P = len(f.frame.powers)
-    free = f.free.copy()
-    free[:P] &= f.theta[:P] > 0
-    return replace(f, free=admissible(f.frame, f.state, free, free.size))

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -28,17 +28,20 @@ from allanite.terms import TERMS, WHITE
 
 from .factors import Splines
 
-POINTS, MOST_POINTS = 0.11, 16
+POINTS_OVER_QUALITY, MOST_POINTS = 0.11, 16
 """Frequencies in a bin of 1/16 octave at which the power of a resonance is computed, over its quality, and at most."""
 
 LOW = 64
 """Coefficients of the lowest frequencies, which tell of steps and of a warm-up (`bins.SINGLE`)."""
 
-REMEMBERED = 4000
+MAX_REMEMBERED = 4000
 """Arrays of one spectrum that are kept, at most: some 20 MB."""
 
 EDGES_GRID = 0.01
 """Step in the logarithm of a cut-off at which the noise at the edges of a record is computed; it changes as little."""
+
+
+T = TypeVar("T")
 
 
 class Common(NamedTuple):
@@ -93,9 +96,7 @@ class Frame(Portable):
 
     def behind(self, *common: Common) -> "Frame":
         """The same spectrum behind filters of several channels, with what is known of it."""
-        same = replace(self, common=common)
-        same.__dict__.update({key: value for key, value in vars(self).items() if key != "common"})
-        return same
+        return replace(self, common=common)
 
     def told(self, row: str, cutoff: float) -> tuple[float, float, float]:
         """What other channels tell of a filter; see `Common.told`."""
@@ -167,27 +168,24 @@ class Frame(Portable):
         pieces = self.spectrum.pieces
         return bool(self.used[0]) and (pieces is None or pieces.low > 0)
 
-    @cached_property
+    @property
     def plain(self) -> Likelihood:
         """The likelihood of the powers and ramps in the bins that are read."""
         # without the directions of which no bin knows: a ramp, where each piece is read by itself
-        return likelihood(self.spectrum, [*self.powers, *self.ramps]).only(self.used)
+        return self.remembered("plain", lambda: likelihood(self.spectrum, [*self.powers, *self.ramps]).only(self.used))
 
     def beside(self, more: tuple[tuple[str, float], ...]) -> Likelihood:
         """The same with more loose directions: ("step", sample) or ("warm-up", time constant in samples)."""
         if not more:
             return self.plain
-        key = ("beside", more)
-        if key not in self.known:
-            UU, Uc = directions_of(self.spectrum, bool(self.ramps), [self._direction(*each) for each in more])
-            plain = likelihood(self.spectrum, [*self.powers, *self.ramps])
-            at = np.full(len(more), np.count_nonzero(~plain.flat))
-            part = replace(
-                plain, UU=UU, Uc=Uc, W=np.insert(plain.W, at, 0.0, axis=0), flat=np.insert(plain.flat, at, True)
-            )
-            self.known[key] = part.only(self.used)
-        result: Likelihood = self.known[key]
-        return result
+        return self.remembered(("beside", more), lambda: self._beside(more))
+
+    def _beside(self, more: tuple[tuple[str, float], ...]) -> Likelihood:
+        UU, Uc = directions_of(self.spectrum, bool(self.ramps), [self._direction(*each) for each in more])
+        plain = likelihood(self.spectrum, [*self.powers, *self.ramps])
+        at = np.full(len(more), np.count_nonzero(~plain.flat))
+        part = replace(plain, UU=UU, Uc=Uc, W=np.insert(plain.W, at, 0.0, axis=0), flat=np.insert(plain.flat, at, True))
+        return part.only(self.used)
 
     def _direction(self, name: str, value: float) -> Pair:
         if name == "warm-up":
@@ -201,13 +199,13 @@ class Frame(Portable):
             lambda: column(TERMS[symbol].shaped(shape, 1.0), self.spectrum)[self.used],  # type: ignore[misc]
         )
 
-    def remembered(self, key: Any, computed: Callable[[], FloatArray]) -> FloatArray:
-        """An array that is computed once, as long as there are not too many."""
+    def remembered(self, key: Any, computed: Callable[[], T]) -> T:
+        """What is computed once, as long as there is not too much of it."""
         if key not in self.known:
-            if len(self.known) > REMEMBERED:
+            if len(self.known) > MAX_REMEMBERED:
                 self.known.clear()
             self.known[key] = computed()
-        result: FloatArray = self.known[key]
+        result: T = self.known[key]
         return result
 
     def table(self, symbol: str) -> FloatArray:
@@ -226,35 +224,31 @@ class Frame(Portable):
     def cosines(self, quality: float) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Cosines at the frequencies of a resonance, at twice these, and squares of the sine, shape (bins, points).
 
-        The mean over a bin of a peak that is as wide as `POINTS` says has an error below 0.1 %.
+        The mean over a bin of a peak that is as wide as `POINTS_OVER_QUALITY` says has an error below 0.1 %.
         """
-        points = next((k for k in (1, 2, 4, 8) if k > POINTS * quality), MOST_POINTS)
-        key = ("cosines", points)
-        if key not in self.known:
+        points = next((k for k in (1, 2, 4, 8) if k > POINTS_OVER_QUALITY * quality), MOST_POINTS)
+
+        def computed() -> tuple[FloatArray, FloatArray, FloatArray]:
             inside = (np.arange(points) + 0.5) / points
             first, count = self.spectrum.first[self.used], self.spectrum.count[self.used]
             cosine = np.cos(np.pi / self.size * (first[:, None] + count[:, None] * inside - 0.5))
-            self.known[key] = (cosine, 2 * cosine * cosine - 1, 1 - cosine * cosine)
-        result: tuple[FloatArray, FloatArray, FloatArray] = self.known[key]
-        return result
+            return cosine, 2 * cosine * cosine - 1, 1 - cosine * cosine
 
-    @cached_property
+        return self.remembered(("cosines", points), computed)
+
+    @property
     def splines(self) -> Splines:
         """The splines of what no component describes."""
-        return Splines(self.centre, math.log2(self.size))
+        return self.remembered("splines", lambda: Splines(self.centre, math.log2(self.size)))
 
-    @cached_property
+    @property
     def log_gains(self) -> tuple[list[tuple[str, float]], FloatArray]:
         """Rows and cut-offs of filters that are tried first, and the logarithms of their gains, shape (tries, bins)."""
         tries = [(row, float(c)) for row in FILTERS for c in starts_of(row)]
-        return tries, np.log([self.gain(*each) for each in tries])
+        return tries, self.remembered("log gains", lambda: np.log([self.gain(*each) for each in tries]))
 
 
-def frame_of(
-    spectrum: BinnedSpectrum,
-    symbols: Sequence[str],
-    used: BoolArray,
-) -> Frame:
+def frame_of(spectrum: BinnedSpectrum, symbols: Sequence[str], used: BoolArray) -> Frame:
     """The frame of a spectrum for the terms that were asked for."""
     noise = [s for s in symbols if TERMS[s].scatters and TERMS[s].waveform is None]
     ramps = tuple(s for s in symbols if TERMS[s].scatters and TERMS[s].waveform is not None)

@@ -15,7 +15,6 @@ from allanite.core.limits import Remembered
 from allanite.core.model import Model, Term
 from allanite.core.plain import Portable
 from allanite.core.record import Record
-from allanite.core.units import Signal
 from allanite.core.validity import Band, Finding, Scope
 from allanite.identification.checks.goodness import cells_of, goodness
 from allanite.identification.likelihood.law import correlation
@@ -26,15 +25,18 @@ from allanite.prepare.gaps import known_rates, refusal
 from allanite.prepare.rounding import rounding_of
 from allanite.terms import TERMS
 
+from .bias_moves import warm_ups_of
 from .components import CLAIMED, COMPONENTS, Part
 from .cutoffs import cutoff_law
 from .describing import components_of, lost_freedom, loud_in, notes_of, scope_of
 from .estimates import Answer, Scale, noise_estimate, observable, ramp_estimate, subset_of
-from .fitting import Fitted
+from .fitting import Fitted, fitted
 from .frame import Frame, frame_of
 from .laws import entries_of, weights_of
-from .moves import MOVES, Move, filters, floors, less, markov, resonances, warm_ups_of
+from .local import Move
+from .moves import MOVES, filters, floors, less, markov, resonances
 from .pooling import Together, behind
+from .refining import pruned
 from .search import Searched, search, shows_white
 from .slow import (
     RESONANCES,
@@ -54,7 +56,7 @@ SMOOTH: tuple[Move, ...] = (less, floors, markov, filters)
 MOST_ASKED = 2
 """Terms with a shape that are looked for together."""
 
-SHOWN = 1e-3
+LEAST_SHOWN = 1e-3
 """Weight of a model from which it takes part in the expected power that is tested."""
 
 
@@ -95,27 +97,21 @@ def whittle(record: Record, symbols: Sequence[str], band: Band = "auto", **optio
 
 
 def pending(
-    record: Record,
-    symbols: Sequence[str],
-    band: Band = "auto",
-    *,
-    masks: Sequence[tuple[float, float]] = (),
-    lines: bool = True,
-    rival: bool = False,
-) -> Pending:
+    record: Record, symbols: Sequence[str], band: Band = "auto", *, masks: Sequence[tuple[float, float]] = (),
+    lines: bool = True, rival: bool = False,
+) -> Pending:  # fmt: skip
     """The search in a record without its sinusoids."""
     why = refusal(record)
     if why:
         raise DataError(say("{channel}: {reason}", channel=record.name or say("the record"), reason=why))
-    taken, rest = _without_lines(record, symbols, band, masks) if lines else ((), record)
-    bins = spectrum(rest, detrend=deterministic(symbols))
-    # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
-    moves = (
-        tuple(m for m in moves_for(band, rival=rival) if m is not resonances) if rounding_of(record).sparse else None
-    )
-    return pending_of(
-        bins, (record.name, record.signal), symbols, band, masks=masks, rival=rival, taken=taken, moves=moves
-    )  # fmt: skip
+    bins, taken = spectrum(record, detrend=deterministic(symbols)), tuple[Line, ...]()
+    if lines:
+        bins, taken = _without_lines(record, bins, symbols, band, masks)
+    moves = None
+    if rounding_of(record).sparse:
+        # what rounding without dither adds follows the signal: no vibration, nor anything else that is to be described
+        moves = tuple(move for move in moves_for(band, rival=rival) if move is not resonances)
+    return pending_of(bins, record, symbols, band, masks=masks, rival=rival, taken=taken, moves=moves)
 
 
 def deterministic(symbols: Sequence[str]) -> bool:
@@ -131,34 +127,22 @@ def explaining(record: Record, symbols: Sequence[str]) -> Fit | None:
 
 
 def pending_of(
-    bins: BinnedSpectrum,
-    channel: tuple[str, Signal],
-    symbols: Sequence[str],
-    band: Band = "auto",
-    *,
-    masks: Sequence[tuple[float, float]] = (),
-    rival: bool = False,
-    taken: tuple[Line, ...] = (),
+    bins: BinnedSpectrum, like: Record, symbols: Sequence[str], band: Band = "auto", *,
+    masks: Sequence[tuple[float, float]] = (), rival: bool = False, taken: tuple[Line, ...] = (),
     moves: Sequence[Move] | None = None,
-) -> Pending:
-    """The search in a spectrum, of a channel of this name and signal; `taken` are sinusoids removed before."""
-    name, signal = channel
+) -> Pending:  # fmt: skip
+    """The search in the spectrum of a record, or of a stream of such; `taken` are sinusoids removed before."""
     bins = bins.near_one()  # so that no unit and no size of a record changes a digit
     result = searched(bins, symbols, band, masks, rival=rival, moves=moves)
-    scale = Scale(signal, bins.rate, bins.unit_factor, bins.slope)
+    scale = Scale(like.signal, bins.rate, bins.unit_factor, bins.slope)
     automatic = band == "auto" and rival and not masks and moves is None
-    return Pending(result, scale, tuple(symbols), name, band, masks, automatic, taken)
+    return Pending(result, scale, tuple(symbols), like.name, band, masks, automatic, taken)
 
 
 def searched(
-    bins: BinnedSpectrum,
-    symbols: Sequence[str],
-    band: Band,
-    masks: Sequence[tuple[float, float]] = (),
-    *,
-    rival: bool,
-    moves: Sequence[Move] | None = None,
-) -> Searched:
+    bins: BinnedSpectrum, symbols: Sequence[str], band: Band, masks: Sequence[tuple[float, float]] = (), *,
+    rival: bool, moves: Sequence[Move] | None = None,
+) -> Searched:  # fmt: skip
     """The search in a spectrum for what a user asked for."""
     choice, asked = _frequencies(band)
     frame = frame_of(bins, [s for s in symbols if TERMS[s].scatters], bins.read(asked, masks))
@@ -214,36 +198,31 @@ def shapes_of(frame: Frame, symbol: str) -> list[Part]:
 
 def _best_of(frame: Frame, parts: list[Part], beside: State, most: int = 3) -> list[Part]:
     """The parts of a grid beside a state of the least value."""
-    from .fitting import fitted
-
     fits = [(fitted(frame, beside.having(part)).value, i) for i, part in enumerate(parts)]
     return [parts[i] for _, i in sorted(fits)[:most]]
 
 
 def _without_lines(
-    record: Record, symbols: Sequence[str], band: Band, masks: Sequence[tuple[float, float]]
-) -> tuple[tuple[Line, ...], Record]:
-    """The sinusoids of a record and the rest of it; the record itself if there are none."""
-    from .fitting import fitted, pruned
-
-    bins = spectrum(record, detrend=deterministic(symbols))
+    record: Record, bins: BinnedSpectrum, symbols: Sequence[str], band: Band, masks: Sequence[tuple[float, float]]
+) -> tuple[BinnedSpectrum, tuple[Line, ...]]:
+    """The spectrum of a record without its sinusoids, and these; its own spectrum if there are none."""
     asked = _frequencies(band)[1]
     frame = frame_of(bins, [s for s in symbols if TERMS[s].scatters], bins.read(asked, masks))
     if not frame.powers:
-        return (), record
+        return bins, ()
     level = _level(pruned(fitted(frame, State())))
     if not suspected(bins, level, frame.used):
-        return (), record
+        return bins, ()
     # between the lobes of a filter the noise is low, and what is at their tops is no line
     level = _level(searched(bins, symbols, band, masks, rival=True, moves=SMOOTH).best)
     if not suspected(bins, level, frame.used):
-        return (), record
+        return bins, ()
     rates = known_rates(record)
     mean = float(np.nanmean(rates))
     low, high = (0.0, record.rate / 2) if asked is None else asked
     waves, _ = waves_of(rates - mean, bins, level, (low / record.rate, high / record.rate))
     if not waves:
-        return (), record
+        return bins, ()
     scale = [bins.unit_factor / float(np.sinc(wave.frequency)) for wave in waves]
     lines = tuple(
         Line(wave.frequency * record.rate, wave.amplitude * s, wave.error * s, wave.phase, record.signal)
@@ -253,11 +232,9 @@ def _without_lines(
     total = np.sum([wave.values(record.size) for wave in waves], axis=0)
     if record.kind == "angle":
         total = np.concatenate(([0.0], np.cumsum(total)))
-    return tuple(sorted(lines, key=lambda line: line.frequency)), record.with_values(
-        record.values - total,
-        say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed"),
-        start=record.start,
-    )
+    removed = say_count(len(waves), "{count} sinusoid removed", "{count} sinusoids removed")
+    rest = record.with_values(record.values - total, removed, start=record.start)
+    return spectrum(rest, detrend=bins.detrended), tuple(sorted(lines, key=lambda line: line.frequency))
 
 
 def _level(f: Fitted) -> FloatArray:
@@ -294,24 +271,14 @@ def _concluded(
         findings.append(crowded_finding())
     model = _model(estimates, answer)
     deterministic_terms = tuple(t for t in model if t.row.waveform is not None and t.row.scatters)
-    return Fit(
-        estimates=tuple(estimates.values()),
-        method="whittle",
-        signal=answer.scale.signal,
-        name=name,
-        model=Model((*model, *(line.term for line in taken))),
-        goodness=_goodness(answer, taken),
-        correlation=_correlation(list(estimates), answer.shown),
-        notes=(*(f.what for f in findings), *notes_of(answer, estimates)),
-        lines=taken,
-        rivals=Remembered(partial(alternatives, answer)),
-        nodes=Remembered(partial(answer.nodes, deterministic_terms)),
-        scope=scope,
-        findings=tuple(findings),
-        warm_up=warm.term if warm else None,
-        components=components_of(answer),
-        cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None,
-    )
+    return Fit(estimates=tuple(estimates.values()), method="whittle", signal=answer.scale.signal, name=name,
+               model=Model((*model, *(line.term for line in taken))), goodness=_goodness(answer, taken),
+               correlation=_correlation(list(estimates), answer.shown),
+               notes=(*(f.what for f in findings), *notes_of(answer, estimates)), lines=taken,
+               rivals=Remembered(partial(alternatives, answer)),
+               nodes=Remembered(partial(answer.nodes, deterministic_terms)), scope=scope, findings=tuple(findings),
+               warm_up=warm.term if warm else None, components=components_of(answer),
+               cutoff=Remembered(cutoff_law(answer)) if choice == "auto" else None)  # fmt: skip
 
 
 def _estimates(answer: Answer, scope: Scope, warm: WarmUp | None) -> dict[str, Estimate]:
@@ -349,13 +316,14 @@ def _correlation(shown: Sequence[str], f: Fitted) -> FloatArray:
 def _goodness(answer: Answer, taken: tuple[Line, ...]) -> Goodness:
     """Goodness of fit, once, of the averaged model: it refuses, and it never chooses."""
     f = answer.best
-    heavy = [e for e in answer.entries if e.weight > SHOWN]
+    heavy = [e for e in answer.entries if e.weight > LEAST_SHOWN]
     m = np.sum([e.weight * e.f.m for e in heavy], axis=0) / sum(e.weight for e in heavy)
     power = f.completed[0][: m.size]
     cell, bounds = cells_of(f.frame.spectrum, f.frame.used)
     lost = lost_freedom(f, cell, bounds.size - 1)
-    powers = power, m, f.trusted.count
-    return goodness(f.frame.spectrum, powers, f.frame.used, lost=lost, loud=loud_in(f), taken=taken)
+    return goodness(
+        f.frame.spectrum, f.frame.used, power=power, m=m, count=f.trusted.count, lost=lost, loud=loud_in(f), taken=taken
+    )
 
 
 def alternatives(answer: Answer) -> tuple[Alternative, ...]:

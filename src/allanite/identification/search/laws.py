@@ -20,12 +20,13 @@ from allanite.core.arrays import BoolArray, FloatArray
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.law import Subset, traced
 
-from .components import CLAIMED, COMPONENTS
-from .fitting import Fitted, admissible, resized, sizes_inside
-from .moves import REACH
+from .components import CLAIMED, COMPONENTS, Part
+from .fitting import Fitted, admissible, column_of_part
+from .local import REACH
+from .refining import resized
 from .search import Searched
 
-HELD = 0.985
+TRACED_SHARE = 0.985
 """Share of all weight that the entries have whose profiles are traced: the heaviest."""
 
 LEAST_WEIGHT = 1e-4
@@ -37,14 +38,11 @@ MEMBERS = 8
 POINTS = 1001
 """Values of a coefficient at which its law is tabulated."""
 
-FAR = 5.0
+FARTHEST_DEVIATE = 5.0
 """Deviates to which a profile is continued."""
 
 WIDEST = 30.0
 """Factor by which unknown shapes widen a profile, at most: beyond it the coefficient is not known at all."""
-
-SLIGHT = 1e-6
-"""Share of the largest size at which a size that was zero starts."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,14 +182,14 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
     if not chosen or weight <= 0:
         return None
     cumulative = np.cumsum([e.weight / weight for e in chosen])
-    heavy = chosen[: int(np.searchsorted(cumulative, HELD)) + 1]
+    heavy = chosen[: int(np.searchsorted(cumulative, TRACED_SHARE)) + 1]
     profiles = [_profile(e.f, which) for e in heavy]
     low, high = min(r[0] for r, _ in profiles), max(r[-1] for r, _ in profiles)
     root = np.linspace(low, high, POINTS)
     density, parts = np.zeros(POINTS), []
     share = sum(e.weight for e in heavy)
     for e, (r, d) in zip(heavy, profiles, strict=True):
-        deviate = np.interp(root, r, d, left=-2 * FAR, right=2 * FAR)
+        deviate = np.interp(root, r, d, left=-2 * FARTHEST_DEVIATE, right=2 * FARTHEST_DEVIATE)
         own = np.exp(-0.5 * deviate**2)
         density += e.weight / share * own / max(own.sum(), 1e-300)  # its own weight, however wide it is
         parts.append((e.weight / share, math.sqrt(max(float(e.f.theta[which]), 0.0)), e.f))
@@ -200,21 +198,21 @@ def law_of(entries: Sequence[Entry], which: int, having: Sequence[bool] | None =
 
 
 def _profile(f: Fitted, which: int) -> tuple[FloatArray, FloatArray]:
-    """Values of the root and their signed deviates, the shapes unknown, continued to `FAR` but not below zero."""
+    """Values of the root, signed deviates with unknown shapes, continued as far as `FARTHEST_DEVIATE`, above zero."""
     trace = traced(Subset(f.trusted, f.free, f.theta, f.trusted.value(f.theta)), which)
     root, deviate = trace.root, trace.deviate / stretch(f, which)
     if root.size < 2:
-        return np.array([0.0, max(2 * root[0], 1e-300)]), np.array([0.0, FAR])
+        return np.array([0.0, max(2 * root[0], 1e-300)]), np.array([0.0, FARTHEST_DEVIATE])
     ends = []
     for i, j, sign in ((0, 1, -1.0), (-1, -2, 1.0)):
         slope = abs(root[i] - root[j]) / max(abs(deviate[i] - deviate[j]), 1e-3)
-        ends.append(root[i] + sign * slope * max(FAR - abs(deviate[i]), 0.0))
+        ends.append(root[i] + sign * slope * max(FARTHEST_DEVIATE - abs(deviate[i]), 0.0))
     low, high = max(ends[0], 0.0), ends[1]
     if low < root[0]:
         slope = (root[1] - root[0]) / max(deviate[1] - deviate[0], 1e-3)
         root, deviate = np.append(low, root), np.append(deviate[0] - (root[0] - low) / max(slope, 1e-300), deviate)
     if high > root[-1]:
-        root, deviate = np.append(root, high), np.append(deviate, max(FAR, deviate[-1]))
+        root, deviate = np.append(root, high), np.append(deviate, max(FARTHEST_DEVIATE, deviate[-1]))
     return root, deviate
 
 
@@ -227,15 +225,13 @@ def weights_of(entries: Sequence[Entry]) -> dict[str, float]:
     }
 
 
+def noise_part(f: Fitted, symbol: str, number: int = 0) -> Part | None:
+    """The `number`-th noise of a symbol in a fit by its time constant; None if there are not so many."""
+    parts = [part for part in f.state.of("noise") if part.label == symbol]
+    return parts[number] if number < len(parts) else None
+
+
 def column_of(f: Fitted, symbol: str, number: int = 0) -> int | None:
-    """The place of the size of a noise term with a shape in a fit: the `number`-th of its symbol by time constant."""
-    at = len(f.frame.powers)
-    for part in f.state:
-        if COMPONENTS[part.name].inside:
-            if part.name == "noise" and part.label == symbol:
-                if number == 0:
-                    return at
-                number -= 1
-            at += 1
-    assert at == sizes_inside(f.frame, f.state)  # noqa: S101
-    return None
+    """The place of its size."""
+    part = noise_part(f, symbol, number)
+    return None if part is None else column_of_part(f.state, f.frame, part)

@@ -1,60 +1,36 @@
-"""The neighbours of a state: what may be added, left out or exchanged, judged first by one step of scoring.
-
-The gain of a direction c of the expected power, from the score b = sum nu/2 c (I/m - 1) / m and its information G with
-all sizes and shapes projected out, is b^2 / G in 2 L. It costs one product of matrices for all candidates at a time;
-those that could not come within `REACH` of the best state are not fitted. Far from a fit one step is no guide, and the
-candidates themselves are fitted.
-"""
+"""The neighbours of a state: what may be added, left out or exchanged, each judged first by one step of scoring."""
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator
 
 import numpy as np
 
-from allanite.core.arrays import BoolArray, FloatArray
+from allanite.core.arrays import FloatArray
 from allanite.identification.likelihood.filters import FILTERS
-from allanite.identification.likelihood.whittle import Pair, step_coefficients, warm_up_direction
 
+from .bias_moves import steps, warm_ups
 from .components import (
     AT_BOUND,
     BROAD,
     COMPONENTS,
-    FACTORS,
     HIDING,
+    INSIDE,
     LEAST_MARKOV,
     LONGEST_MARKOV,
-    LONGEST_WARM_UP,
     PERIODS,
     QUICKEST_MARKOV,
-    SHORTEST_WARM_UP,
-    SIZES,
     Part,
     cost_of,
 )
-from .factors import SLOW
-from .fitting import Fitted, column_of_part, factor_basis, fitted, refined
-from .frame import LOW, Frame
+from .fitting import Fitted, fitted
+from .local import CANDIDATES, FAR, Local, Move
 from .state import State
 
-REACH = 8.0
-"""States up to this above the least score are kept: a weight of e^-4."""
+PER_DECADE, PROMISING = 4, 2
+"""Time constants a decade that are tried, and how many of them are fitted."""
 
-FAR = 60.0
-"""Gain in 2 L above which one step is no guide."""
-
-PER_DECADE, INSIDE = 4, 1.05
-"""Time constants a decade that are tried, and the factor by which they stay inside their bounds."""
-
-PLACES, FINE = 512, 61
-"""Places at which a step is looked for, and places between the neighbours of the best."""
-
-QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)
+TRIED_QUALITIES = (2.5, 6.0, 15.0, 40.0, 120.0)
 """Qualities with which resonances are looked for."""
-
-CANDIDATES = 3
-"""Candidates of a row that are fitted, at most."""
 
 MISSED = 40.0
 """Rise of the value by one step above which a part is not left out, or its numerator exchanged: what is refined beside
@@ -65,90 +41,6 @@ EQUAL = 0.5
 
 BINS = 8
 """Bins that stand out at which resonances are looked for."""
-
-FACTOR_SIZES = np.array([0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64, 1.28, 2.56])
-"""Sizes of a factor that are tried, RMS of the logarithm of the power."""
-
-CHANCE = 6.0
-"""Standard deviations of a bin's power above which a residual is a misfit."""
-
-SHORT, LEAST_EVIDENCE = 4.0, 1.5
-"""Evidence for a factor, in 2 L, from which it is fitted: so much below its price, where it weighs e^-1 of the state
-without it, and at least so much, as a factor of no size has none."""
-
-WIDE_SIZES, MANY = (0.64, 2.56), 14
-"""Sizes of a factor that are fitted where one step is no guide, and rounds of scoring of these fits: each
-divides the power by e^2 at most."""
-
-WARM_UPS = 11
-"""Time constants of a warm-up that are tried, from a hundredth of the record on."""
-
-
-@dataclass(frozen=True, eq=False)
-class Local:
-    """A fit as one step of scoring knows it."""
-
-    f: Fitted
-
-    @cached_property
-    def over(self) -> FloatArray:
-        """Residuals; those beyond chance count by their logarithm: far from a fit their squares would decide."""
-        r = self.f.residual
-        return np.where(np.abs(r) * np.sqrt(self.h) > CHANCE, self.logs, r)
-
-    @cached_property
-    def logs(self) -> FloatArray:
-        """Logarithms of the power over the expected one."""
-        return np.asarray(np.log1p(np.maximum(self.f.residual, -1 + 1e-9)))
-
-    @cached_property
-    def h(self) -> FloatArray:
-        """Half the counts."""
-        return self.f.trusted.count / 2
-
-    @cached_property
-    def _own(self) -> tuple[FloatArray, FloatArray]:
-        """Directions of the sizes and shapes, relative to m, and the root of their inverse information."""
-        f = self.f
-        H, active = f.information
-        Z = np.column_stack((f.likelihood.S[:, active], f.slopes.T)) / f.m[:, None]
-        size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-        values, vectors = np.linalg.eigh(H / np.outer(size, size))
-        root = vectors / np.sqrt(np.maximum(values, 1e-9)) / size[:, None]
-        return Z, root
-
-    def projected(self, C: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Scores and informations of directions, relative to m, shape (k, bins): b (k,), G (k, k) by its rows."""
-        Z, root = self._own
-        rest = (C * self.h) @ Z @ root
-        return C @ (self.h * self.over), rest
-
-    def gains(self, C: FloatArray, *, signed: bool = False) -> FloatArray:
-        """Gains of directions, shape (k,)."""
-        b, rest = self.projected(C)
-        G = np.maximum((C * C) @ self.h - (rest * rest).sum(axis=1), 1e-9 * ((C * C) @ self.h) + 1e-300)
-        gain = b * b / G
-        return gain if signed else np.where(b > 0, gain, 0.0)
-
-    def loss(self, part: Part) -> float:
-        """What the value would rise by without a part whose size is a column, by one step; 0 for others."""
-        f = self.f
-        which = column_of_part(f.state, f.frame, part)
-        if which is None or f.theta[which] <= 0:
-            return 0.0
-        H, active = f.information
-        at = int(active[:which].sum())
-        size = np.sqrt(np.maximum(np.diag(H), 1e-300))
-        variance = np.linalg.pinv(H / np.outer(size, size), hermitian=True)[at, at] / size[at] ** 2
-        return float(f.theta[which] ** 2 / max(variance, 1e-300))
-
-    def able(self, gain: float, cost: float) -> bool:
-        """Whether a candidate may come within reach of the best state."""
-        return gain > cost - REACH
-
-
-Move = Callable[[Local], Iterator[State | Fitted]]
-"""From a fit to the states beside it that are worth fitting, or to their fits where these are known already."""
 
 
 def less(at: Local) -> Iterator[State]:
@@ -224,17 +116,17 @@ def _acting(f: Fitted) -> FloatArray:
     return np.asarray(f.likelihood.S[:, 0] / np.maximum(bare, 1e-300) / f.m)
 
 
-def _promising(at: Local, parts: list[Part], C: FloatArray, *, signed: bool = False, most: int = 2) -> Iterator[State]:
+def _promising(at: Local, parts: list[Part], C: FloatArray) -> Iterator[State]:
     """The best parts by one step; by a fit of each where that is no guide."""
-    state, gain = at.f.state, at.gains(C, signed=signed)
+    state, gain = at.f.state, at.gains(C)
     able = [i for i in np.argsort(-gain) if at.able(float(gain[i]), cost_of(parts[i], at.f.frame))]
     if not able:
         return
     if gain[able[0]] > FAR:
         tries = [fitted(at.f.frame, state.having(part), None, None) for part in parts]
-        yield from (f.state for f in sorted(tries, key=lambda f: f.value)[:most])
+        yield from (f.state for f in sorted(tries, key=lambda f: f.value)[:PROMISING])
         return
-    for i in able[:most]:
+    for i in able[:PROMISING]:
         yield state.having(parts[i])
 
 
@@ -285,7 +177,7 @@ def peaks(at: Local) -> list[tuple[float, Part]]:
         return []
     parts = [
         Part("resonance", label, (float(np.pi / frame.size * frame.centre[i]), q))
-        for i in places for q in QUALITIES for label in ("flat", "high-pass")
+        for i in places for q in TRIED_QUALITIES for label in ("flat", "high-pass")
     ]  # fmt: skip
     power = COMPONENTS["resonance"].power
     assert power is not None  # noqa: S101 - its row has one
@@ -321,163 +213,11 @@ def resonances(at: Local) -> Iterator[State]:
         )
 
 
-def _apart(one: Part, other: Part) -> bool:
+def _apart(part: Part, other: Part) -> bool:
     """Whether two resonances differ."""
-    ratio = one.shape[1] / other.shape[1]
-    return abs(math.log(one.shape[0] / other.shape[0])) > 0.08 or not 1 / 3 < ratio < 3
-
-
-def _both(pair: Pair) -> FloatArray:
-    """Coefficients of even and of odd index."""
-    return pair[0] + pair[1]
-
-
-def _lowest(at: Local) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """The lowest coefficients, their standard deviations, and an orthonormal basis of what is loose in them."""
-    frame = at.f.frame
-    k = min(LOW, frame.count.size)
-    c, root = (frame.spectrum.even + frame.spectrum.odd)[:k], np.sqrt(at.f.m[:k])
-    loose = [step_coefficients(frame.size, p.shape[0])[:k] for p in at.f.state.of("step")]
-    loose += [_both(warm_up_direction(frame.spectrum, p.shape[0]))[:k] for p in at.f.state.of("warm-up")]
-    if frame.ramps:
-        ramp = np.zeros(k)
-        ramp[: min(k, frame.spectrum.ramp.size)] = frame.spectrum.ramp[:k]
-        loose.append(ramp)
-    Q = np.linalg.qr((np.array(loose) / root).T)[0] if loose else np.zeros((k, 0))
-    return c / root, root, Q
-
-
-def steps(at: Local) -> Iterator[State]:
-    """One more step of the bias, where it gains most beside those of the state and a ramp."""
-    frame, state = at.f.frame, at.f.state
-    if not frame.able_to_step or len(state.of("step")) >= COMPONENTS["step"].most:
-        return
-    y, root, Q = _lowest(at)
-    apart = frame.size / (PLACES + 1)
-    places, gain = apart * np.arange(1, PLACES + 1), np.zeros(1)
-    for _ in range(2):
-        D = step_coefficients(frame.size, places)[:, : y.size] / root
-        D = D - D @ Q @ Q.T
-        gain = (D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)
-        best = float(places[int(gain.argmax())])
-        places = best + apart * np.linspace(-1, 1, FINE + 2)[1:-1]
-        places = places[(places > 1) & (places < frame.size - 1)]
-    if at.able(float(gain.max()), COMPONENTS["step"].cost(frame.size)):
-        yield state.having(Part("step", "", (best,)))
-
-
-def warm_ups_of(frame: Frame) -> list[Part]:
-    """Warm-ups that are tried first."""
-    return [
-        Part("warm-up", "", (tau,))
-        for tau in (frame.size * np.geomspace(1 / 100, LONGEST_WARM_UP / INSIDE, WARM_UPS)).tolist()
-    ]
-
-
-def _tuned_warm_up(f: Fitted, rest: State, part: Part) -> State:
-    """The state with the best time constant near that of a warm-up."""
-    from scipy.optimize import minimize_scalar
-
-    n = f.frame.size
-    low, high = max(part.shape[0] / 2, SHORTEST_WARM_UP * n), min(part.shape[0] * 2, LONGEST_WARM_UP * n)
-
-    def value(x: float) -> float:
-        return fitted(f.frame, rest.having(Part("warm-up", "", (math.exp(x),))), f.free).value
-
-    best = minimize_scalar(value, bounds=(math.log(low), math.log(high)), method="bounded", options={"xatol": 2e-3})
-    return rest.having(Part("warm-up", "", (math.exp(float(best.x)),)))
-
-
-def warm_ups(at: Local) -> Iterator[State]:
-    """A warm-up, or the one of the state with another time constant."""
-    frame, state = at.f.frame, at.f.state
-    if not frame.able_to_warm_up:
-        return
-    n, own, steps_ = frame.size, state.of("warm-up"), state.of("step")
-    if steps_ and not own:  # steps near the start, that fall like a warm-up
-        bare = state.lacking(*steps_)
-        tries = [(fitted(frame, bare.having(part)).value, i) for i, part in enumerate(warm_ups_of(frame))]
-        yield _tuned_warm_up(at.f, bare, warm_ups_of(frame)[min(tries)[1]])
-    rest = state.lacking(*own)
-    if own:
-        yield _tuned_warm_up(at.f, rest, own[0])
-        return
-    y, root, Q = _lowest(at)
-    taus = n * np.geomspace(1 / 100, LONGEST_WARM_UP / INSIDE, WARM_UPS)
-    D = np.array([_both(warm_up_direction(frame.spectrum, float(tau)))[: y.size] for tau in taus]) / root
-    D = D - D @ Q @ Q.T
-    gain = (D @ y) ** 2 / np.maximum((D**2).sum(axis=1), 1e-9)
-    if at.able(float(gain.max()), COMPONENTS["warm-up"].cost(n)):
-        yield _tuned_warm_up(at.f, rest, Part("warm-up", "", (float(taus[int(gain.argmax())]),)))
+    ratio = part.shape[1] / other.shape[1]
+    return abs(math.log(part.shape[0] / other.shape[0])) > 0.08 or not 1 / 3 < ratio < 3
 
 
 MOVES: tuple[Move, ...] = (less, exchanged, floors, steps, warm_ups, markov, exponents, resonances, filters)
 """All ways from a state to its neighbours. Their order decides nothing."""
-
-
-def factors(at: Local) -> Iterator[State | Fitted]:
-    """What no component describes: by the evidence of one step, and by a fit of each where that is no guide."""
-    frame, state = at.f.frame, at.f.state
-    if frame.white is None or len(state.of("factor")) >= COMPONENTS["factor"].most:
-        return
-    splines, taken = frame.splines, {(p.label, *p.shape[:2]) for p in state.of("factor")}
-    base = splines.B.T * (at.f.inside / at.f.m)
-    b, rest = at.projected(base)
-    G = (base * at.h) @ base.T - rest @ rest.T
-    ranked = []
-    for place in splines.places:
-        if place not in taken:
-            L = splines.root(place)
-            size, vectors = np.linalg.eigh(L.T @ G @ L)
-            size, y = np.maximum(size, 0.0), (vectors.T @ (L.T @ b)) ** 2
-            t2 = FACTOR_SIZES[:, None] ** 2
-            gain = (t2 * y / (1 + t2 * size)).sum(axis=1) - np.log1p(t2 * size).sum(axis=1)
-            best = int(gain.argmax())
-            if gain[best] > max(FACTORS[place[0]] - SHORT, LEAST_EVIDENCE):
-                ranked.append((float(gain[best]) - FACTORS[place[0]], place, float(FACTOR_SIZES[best])))
-    ranked.sort(key=lambda each: -each[0])
-    if not ranked:
-        return
-    tries = [
-        state.having(Part("factor", place[0], (place[1], place[2], size))) for _, place, size in ranked[:CANDIDATES]
-    ]
-    if ranked[0][0] > FAR and not taken:
-        wide = [p for p in splines.places if p[0] != "between" and p not in taken]
-        parts = [Part("factor", p[0], (p[1], p[2], size)) for p in wide for size in WIDE_SIZES]
-        each = sorted((_raised(at, part) for part in parts), key=lambda f: f.score)[: 2 * CANDIDATES]
-        yield from sorted((refined(f, MANY) for f in each), key=lambda f: f.score)[:CANDIDATES]
-    yield from tries
-
-
-def _raised(at: Local, part: Part) -> Fitted:
-    """The fit beside a factor that begins where it fits the logarithms of the residuals best."""
-    state = at.f.state.having(part)
-    A = factor_basis(at.f.frame, state) * (at.f.inside / at.f.m)[:, None]
-    v = np.linalg.solve(np.eye(A.shape[1]) + (A * at.h[: A.shape[0], None]).T @ A, A.T @ (at.h[: A.shape[0]] * at.logs))
-    return fitted(at.f.frame, state, v=np.asarray(v, dtype=np.float64))
-
-
-def neighbours(part: Part) -> Iterator[Part]:
-    """A factor with another size, or a place beside its own."""
-    low, high, size = part.shape
-    for other in (size / 2, size / 2**0.5, size * 2**0.5, size * 2):
-        if SIZES[0] < other < SIZES[1]:
-            yield part._replace(shape=(low, high, other))
-
-
-def places_beside(part: Part, top: float) -> Iterator[Part]:
-    """The same beginning or ending elsewhere."""
-    low, high, size = part.shape
-    step = 0.5 if "above" in part.label else 1.0
-    if part.label == "all":
-        return
-    for a, b in ((low - step, high), (low + step, high), (low, high - step), (low, high + step)):
-        if ("above" in part.label and b != high) or a < SLOW:
-            continue
-        if 0 <= a < b - 1 and b <= top + 1e-9 and (a <= top - 1e-9):
-            yield part._replace(shape=(a, b, size))
-
-
-def unread_start(used: BoolArray) -> bool:
-    """Whether the lowest bins are not read."""
-    return not bool(used[0])

@@ -23,9 +23,11 @@ from allanite.identification.likelihood.filters import FILTERS
 
 from .components import COMPONENTS, ODDS, Part
 from .cutoffs import errors_of
-from .fitting import Fitted, fitted, pruned, refined
+from .fitting import Fitted, fitted
 from .frame import LOWEST_CUTOFF, Common, Frame
-from .moves import REACH, less
+from .local import REACH
+from .moves import less
+from .refining import pruned, refined
 from .search import Searched, search
 from .state import State
 
@@ -41,25 +43,25 @@ BASES = 2
 STARTS = 6
 """States of a channel that are tried behind the filter in common, at most."""
 
-SAME = 3.0
+SAME_ERRORS = 3.0
 """Standard errors within which the cut-offs of two channels are one start."""
 
 WHOLE = 0.2
 """Distance of a cut-off, in its logarithm, from that of a whole length that is tried beside it: half from 2 to 3."""
 
-NEAR = 4.0
+NEAR_ERRORS = 4.0
 """Standard errors of the common cut-off within which it is looked for."""
 
-FINE = 0.05
+FINE_ERRORS = 0.05
 """Standard errors to which it is found: 0.0025 in the score."""
 
 LEAST_ERROR = 5e-4
 """Standard error of the logarithm of a cut-off, at least: a moving average changes its slope at whole lengths."""
 
-ROUNDS, FOLLOWING = 3, 1
+FOLLOWING_ROUNDS, FOLLOWING = 3, 1
 """Rounds in which the other shapes follow a filter, and its cut-off."""
 
-GRID = 13
+SCAN_POINTS = 13
 """Cut-offs at which the summed score is known."""
 
 RIVALS, NEXT = 4.0, 1.0
@@ -109,7 +111,7 @@ class Behind:
         errors = [errors_of(f, f.state.filter)[0] for f in (self.fits[j] for j in channels) if f.state.filter]
         error = max(float(np.sum(np.array(errors) ** -2.0)) ** -0.5, LEAST_ERROR)
         x, low, high = (math.log(c) for c in (self.cutoff, LOWEST_CUTOFF, FILTERS[self.row].widest))
-        return max(x - NEAR * error, low), min(x + NEAR * error, high)
+        return max(x - NEAR_ERRORS * error, low), min(x + NEAR_ERRORS * error, high)
 
 
 def in_common(results: Sequence[Searched]) -> dict[int, tuple[Common, ...]]:
@@ -147,7 +149,7 @@ class Scan:
     @staticmethod
     def of(b: Behind, members: Sequence[int], over: float) -> "Scan":
         """The scores around the best cut-off, other shapes following a little."""
-        at = np.linspace(*b.ends(members), GRID)
+        at = np.linspace(*b.ends(members), SCAN_POINTS)
         scores = [
             [_behind(b.fits[j], b.row, math.exp(x), FOLLOWING).score for x in at.tolist()] for j in members
         ]  # fmt: skip
@@ -159,7 +161,7 @@ class Scan:
         from scipy.interpolate import CubicSpline
 
         total = self.scores.sum(axis=0)
-        x = np.linspace(self.at[0], self.at[-1], 20 * GRID)
+        x = np.linspace(self.at[0], self.at[-1], 20 * SCAN_POINTS)
         w = np.exp((total.min() - CubicSpline(self.at, total)(x)) / 2)
         return x, w / w.sum() * math.exp(-self.over / 2)
 
@@ -196,7 +198,7 @@ def _starts(results: Sequence[Searched], row: str) -> Iterator[float]:
     groups: list[tuple[float, float]] = []  # information, and the centre
     for error, x in sorted(own):
         w = 1 / max(error, 1e-6) ** 2
-        i = next((i for i, (v, y) in enumerate(groups) if abs(x - y) < SAME * math.hypot(error, v**-0.5)), None)
+        i = next((i for i, (v, y) in enumerate(groups) if abs(x - y) < SAME_ERRORS * math.hypot(error, v**-0.5)), None)
         if i is None:
             groups.append((w, x))
         else:
@@ -250,7 +252,7 @@ def _evaluated(results: Sequence[Searched], alone: Sequence[float], row: str, cu
     for result in results:
         frame = _fixed(result.frame, row, cutoff)
         states = [base.having(Part("filter", row, (cutoff,))) for base in bases(result, BASES)]
-        tries = [pruned(refined(fitted(frame, s), ROUNDS)) for s in states if s.admitted(frame)]
+        tries = [pruned(refined(fitted(frame, s), FOLLOWING_ROUNDS)) for s in states if s.admitted(frame)]
         fits.append(min(tries, key=lambda f: f.score))
     return Behind(row, cutoff, fits, _total(fits, alone))
 
@@ -275,7 +277,7 @@ def _best_cutoff(b: Behind, alone: Sequence[float]) -> Behind:
 
     members = [j for j, f in enumerate(b.fits) if f.score < alone[j] + APART] or range(len(b.fits))
     ends = b.ends(members)
-    fine = FINE * (ends[1] - ends[0]) / (2 * NEAR)
+    fine = FINE_ERRORS * (ends[1] - ends[0]) / (2 * NEAR_ERRORS)
     minimize_scalar(total, bounds=ends, method="bounded", options={"xatol": fine, "maxiter": 20})
     return min(known.values(), key=lambda each: each.total)
 

@@ -13,10 +13,12 @@ import numpy as np
 from allanite.core.plain import Portable
 from allanite.identification.likelihood.spectrum import WELL_KNOWN
 
-from .components import Part
-from .fitting import Fitted, factor_basis, fitted, pruned, refined
+from .factor_moves import factors, nearest, neighbours, places_beside
+from .fitting import Fitted, factor_basis, fitted, refined_values
 from .frame import Frame
-from .moves import MOVES, REACH, Local, Move, factors, neighbours, places_beside, resonances
+from .local import REACH, Local, Move
+from .moves import MOVES, resonances
+from .refining import pruned, refined
 from .state import State, alike
 
 EXPANDED = (4.0, 1.0)
@@ -145,11 +147,7 @@ def _bare(f: Fitted) -> list[Fitted]:
 
 
 def _follow(
-    result: Searched,
-    start: Fitted,
-    ways: Sequence[Move],
-    done: dict[object, float],
-    moves: Sequence[Move] = (),
+    result: Searched, start: Fitted, ways: Sequence[Move], done: dict[object, float], moves: Sequence[Move] = ()
 ) -> None:
     """Expand a start and then the best that each way from it leads to, whatever the others gain.
 
@@ -210,28 +208,19 @@ def _beside(result: Searched, f: Fitted, moves: Sequence[Move]) -> list[Fitted]:
 
 
 def _first(frame: Frame, f: Fitted, state: State) -> Fitted:
-    """A neighbour, its shapes refined a little: alone at first where they are many."""
-    g = fitted(frame, state)
-    new = [p for p in state if p not in f.state.parts]
-    if len(new) == 1 and new[0].name == "resonance" and len(f.state.of("resonance")) > 0:
-        g = _alone(g, new[0])
+    """A neighbour, its shapes refined a little; beside other resonances that of a new one alone at first."""
+    g, new = fitted(frame, state), [p for p in state if p not in f.state.parts]
+    if len(new) == 1 and new[0].name == "resonance" and f.state.of("resonance"):
+        held = [p != new[0] for p in state for _ in range(refined_values(p))]
+        g = refined(g, FIRST, held=np.array(held, dtype=bool))
     return refined(g, FIRST)
-
-
-def _alone(f: Fitted, part: Part) -> Fitted:
-    """The shape of one part refined, the others held."""
-    from .fitting import refined_values
-
-    held = [p != part for p in f.state for _ in range(refined_values(p))]
-    return refined(f, FIRST, held=np.array(held, dtype=bool))
 
 
 def _as_high(f: Fitted, state: State) -> Fitted:
     """A state with other factors, that begins with as nearly the same power as these allow."""
     A, h = factor_basis(f.frame, state), f.trusted.count[: f.m.size] / 2
-    u = factor_basis(f.frame, f.state) @ f.v
-    v = np.linalg.solve(np.eye(A.shape[1]) + (A * h[:, None]).T @ A, A.T @ (h * u))
-    return fitted(f.frame, state, f.free, f, np.asarray(v, dtype=np.float64))
+    v = nearest(A, h, factor_basis(f.frame, f.state) @ f.v)
+    return fitted(f.frame, state, f.free, f, v)
 
 
 def _tuned(f: Fitted) -> Fitted:

@@ -8,20 +8,19 @@ import numpy as np
 
 from allanite.core.arrays import FloatArray
 from allanite.core.estimate import WEAK, Estimate
-from allanite.core.limits import Remembered, quantile
+from allanite.core.limits import NormalMixture, Remembered, quantile
 from allanite.core.model import Term, coefficient_factor
 from allanite.core.plain import Portable
 from allanite.core.units import convert
 from allanite.core.validity import Finding
-from allanite.identification.likelihood.law import RampLimits
 from allanite.phrases.phrase import join, longest_without, say, spelled
 from allanite.terms import TERMS, WHITE
 
+from .bias_moves import PLACES
 from .components import COMPONENTS, Part
-from .estimates import Answer
+from .estimates import Answer, profile_ends
 from .fitting import Fitted, column_of_part, fitted
 from .laws import law_of
-from .moves import PLACES
 
 RESONANCES = COMPONENTS["resonance"].most
 """Vibrations in a record, at most: one that has so many is not described by them."""
@@ -32,10 +31,10 @@ HARMLESS = 2.0
 USABLE = 0.75
 """Share of the record that may be cut off."""
 
-REACH = 12.0
+HIGHEST_RISE = 12.0
 """Rise of the value up to which time constants of a warm-up are looked at."""
 
-NODES = 24
+TIME_CONSTANTS = 24
 """Time constants over which the size of a warm-up is averaged."""
 
 
@@ -104,33 +103,22 @@ class WarmUp(Portable):
         size, error = (convert(value, signal.unit, unit) for value in self.size)
         usable, cut = self.until <= USABLE * self.duration, self.f.frame.spectrum.cut
         remedy = (
-            say(
-                "cut it off ({option})",
-                option=spelled(f"--from {cut + self.until:g}", f"prepare.trim(recording, {cut + self.until:g})"),
-            )
+            say("cut it off ({option})",
+                option=spelled(f"--from {cut + self.until:g}", f"prepare.trim(recording, {cut + self.until:g})"))
             if usable
             else (
-                say(
-                    "record again, starting at least {seconds:.3g} s after switching on: too little would remain if it "
-                    "were cut off",
-                    seconds=self.until,
-                )
+                say("record again, starting at least {seconds:.3g} s after switching on: too little would remain if "
+                    "it were cut off", seconds=self.until)
             )
-        )
+        )  # fmt: skip
         return Finding(
             "warm-up",
-            say(
-                "the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with "
-                "a time constant of {tau:.3g} s",
-                size=size,
-                error=error,
-                unit=unit,
-                tau=self.tau,
-            ),
+            say("the sensor warms up: its bias starts {size:+.3g} ± {error:.2g} {unit} from where it settles, with "
+                "a time constant of {tau:.3g} s", size=size, error=error, unit=unit, tau=self.tau),
             say("the coefficients are those of the noise without it; K and R are less certain"),
             remedy,
             (cut, cut + min(self.until, self.duration)),
-        )
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,13 +147,13 @@ class WarmUpProfile(Portable):
         return (self.ends(quantile((1 + level) / 2) ** 2),)
 
     @cached_property
-    def size(self) -> RampLimits:
+    def size(self) -> NormalMixture:
         """The law of the size: normal at a time constant, averaged over these."""
-        low, high = self.ends(REACH)
-        nodes = [self.warm.at(tau) for tau in np.geomspace(low, high, NODES).tolist()]
+        low, high = self.ends(HIGHEST_RISE)
+        nodes = [self.warm.at(tau) for tau in np.geomspace(low, high, TIME_CONSTANTS).tolist()]
         excess, amplitude, error = np.array(nodes).T
         weight: FloatArray = np.exp(-0.5 * (excess - excess.min()))
-        return RampLimits(-amplitude, error, weight / weight.sum())
+        return NormalMixture(-amplitude, error, weight / weight.sum())
 
 
 def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estimate:
@@ -175,13 +163,11 @@ def warm_up_estimate(symbol: str, warm: WarmUp | None, answer: Answer) -> Estima
         return Estimate(symbol, signal, None, None, "absent", None, "whittle")
     along = WarmUpProfile(warm)
     law, value = along.size, -warm.size[0]
-    error = math.sqrt(float(law.weight @ (law.spread**2 + (law.centre - value) ** 2)))
+    error = law.error_of(value)
     status = "identified" if error <= WEAK * abs(value) else "weak"
     limits = Remembered(law)
-    return Estimate(
-        symbol, signal, value, error, status, law.upper(0.95), "whittle", limits, limits, value,
-        shape=(warm.tau,), shape_limits=Remembered(along),
-    )  # fmt: skip
+    return Estimate(symbol, signal, value, error, status, law.upper(0.95), "whittle", limits, limits, value,
+                    shape=(warm.tau,), shape_limits=Remembered(along))  # fmt: skip
 
 
 def steps_finding(answer: Answer, f: Fitted) -> Finding:
@@ -199,40 +185,31 @@ def steps_finding(answer: Answer, f: Fitted) -> Finding:
         "steps",
         say("the bias steps: {steps}", steps=join(", ", each)),
         say("the coefficients are those of the noise between the steps"),
-        say(
-            "analyze the parts between the steps ({choice})",
-            choice=longest_without(zip(time - apart, time + apart, strict=True), span),
-        ),
+        say("analyze the parts between the steps ({choice})",
+            choice=longest_without(zip(time - apart, time + apart, strict=True), span)),
         (float(time[0]), float(time[0])),
-    )
+    )  # fmt: skip
 
 
 def hidden_finding() -> Finding:
     """The finding that vibration, or what nothing describes, leaves no frequency to the noise of the sensor."""
-    return Finding(
-        "vibration",
-        say("vibration has more power than the white noise of the sensor at all frequencies"),
-        say("what it leaves of the noise cannot be checked"),
-        say("record at rest, on a quiet base"),
-        fatal=True,
-    )
+    return _vibration(say("vibration has more power than the white noise of the sensor at all frequencies"))
 
 
 def crowded_finding() -> Finding:
     """The finding that a record has as many vibrations as are looked for, so that more may stand in the terms."""
-    return Finding(
-        "vibration",
-        say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES),
-        say("what it leaves of the noise cannot be checked"),
-        say("record at rest, on a quiet base"),
-        fatal=True,
+    return _vibration(
+        say("vibration at {count} or more frequencies, or one that changes its frequency", count=RESONANCES)
     )
+
+
+def _vibration(what: str) -> Finding:
+    harm = say("what it leaves of the noise cannot be checked")
+    return Finding("vibration", what, harm, say("record at rest, on a quiet base"), fatal=True)
 
 
 def exponent_finding(answer: Answer, f: Fitted) -> Finding:
     """The finding that the bias drift is not flicker."""
-    from .estimates import profile_ends
-
     part, scale = f.state.of("exponent")[0], answer.scale
     a = part.shape[0]
     low, high = profile_ends(f, part, 0, quantile(0.975) ** 2)
@@ -250,16 +227,11 @@ def exponent_finding(answer: Answer, f: Fitted) -> Finding:
         begins = say("below {frequency:.2g} Hz", frequency=min(corner, scale.rate / 2))
     return Finding(
         "flicker exponent",
-        say(
-            "{where} the power spectral density falls as f^-{exponent:.2f} ({low:.2f} to {high:.2f}), not as f^-1",
-            where=begins,
-            exponent=a,
-            low=low,
-            high=high,
-        ),
+        say("{where} the power spectral density falls as f^-{exponent:.2f} ({low:.2f} to {high:.2f}), not as f^-1",
+            where=begins, exponent=a, low=low, high=high),
         harm,
         say("read the noise at the averaging times of interest off the Allan deviation"),
-    )
+    )  # fmt: skip
 
 
 def under(a: float, estimate: Estimate) -> Estimate:

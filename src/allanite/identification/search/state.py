@@ -119,11 +119,11 @@ def _rounded(part: Part) -> tuple[int, ...]:
     return tuple(round(math.log(max(x, 1e-9)) / step) for x, step in zip(part.shape, grain, strict=False))
 
 
-def alike(one: State, other: State) -> bool:
+def alike(state: State, other: State) -> bool:
     """Whether two states are the same but for less than the grain of their shapes."""
-    if len(one.parts) != len(other.parts):
+    if len(state.parts) != len(other.parts):
         return False
-    for p, q in zip(one, other, strict=True):
+    for p, q in zip(state, other, strict=True):
         if p[:2] != q[:2]:
             return False
         steps = zip(p.shape, q.shape, COMPONENTS[p.name].grain, strict=False)

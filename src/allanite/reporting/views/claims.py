@@ -4,9 +4,8 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from allanite.claims.claim import ClaimedNoise
+from allanite.claims.claim import CUTOFF, RATE, SETTINGS, ClaimedNoise
 from allanite.claims.result import NOT_SHOWN, OUTCOMES, UNCLAIMED, CheckedTerm, ClaimCheck
-from allanite.claims.settings import CUTOFF, RATE, SETTINGS
 from allanite.core.readings import MINIMUM
 from allanite.core.units import Signal
 from allanite.phrases.phrase import Phrase, join, say

@@ -6,13 +6,13 @@ limits change with the few windows that are left.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from allanite.core.arrays import FloatArray, IntArray
-from allanite.core.curve import Law
+from allanite.core.curve import DerivedLaw, Law
 from allanite.statistics.grids import part_of
 from allanite.statistics.table import CurvePoints
 
@@ -26,23 +26,10 @@ EVEN, AT_THE_END = 100, 30
 """Points of a longer one: evenly in the logarithm, and in its last half, by windows left."""
 
 
-@dataclass(frozen=True, eq=False)
-class SparseLaw:
-    """The law of many points, from that of a few."""
-
-    points: CurvePoints
-    few: Law
-
-    def __call__(self, level: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Degrees of freedom and limits over the variance; see `Curve`."""
-        edf, low, high = self.few(level)
-        return _between(self.points, edf), _between(self.points, low), _between(self.points, high)
-
-
 def sparse_law(points: CurvePoints, law: Callable[[CurvePoints], Law]) -> Law:
     """A law of many points, from that of a few."""
     few = _at_nodes(points)
-    return law(points) if few.m.size == points.m.size else SparseLaw(points, law(few))
+    return law(points) if few.m.size == points.m.size else DerivedLaw((law(few),), partial(_between, points))
 
 
 def sparse(points: CurvePoints, function: Callable[[CurvePoints], FloatArray]) -> FloatArray:
