@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from allanite.core.arrays import FloatArray
+from allanite.core.choices import described
 from allanite.core.curve import Curve
 from allanite.core.encoding import finite, plain
 from allanite.core.fit import Fit, chance
@@ -201,19 +202,10 @@ class Pair(ComparedChannel):
         return super().to_dict(level) | {"p": finite(self.p)}
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class ComparisonSettings(ComparisonChoices, Value):
-    """What is held against what.
-
-    Attributes
-    ----------
-    against : tuple of str, optional
-        Channels of the second recording that are compared with those of the first.
-    part : float, optional
-        Length of the beginning of one recording that is held against the rest, s.
-    pool : bool
-        Whether two recordings are pooled, not compared.
-    """
+    """What is held against what."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from allanite.core.choices import described
 from allanite.core.errors import DataError, UsageError
 from allanite.phrases.phrase import join, say, spelled
 from allanite.study.results import rejected
@@ -18,29 +19,10 @@ INFLATED, SIZED = 1e6, 1e15
 """The largest inflation, and the largest rate, Hz, or time, s, of an export; the smallest ones are their inverse."""
 
 
+@described
 @dataclass(frozen=True)
 class How(ExportChoices):
-    """Choices of an export.
-
-    Attributes
-    ----------
-    axis : str
-        A name in `POLICIES`.
-    inflate : float
-    rate : float or None
-        Sampling rate, Hz, of fits and models that do not know it.
-    filter_rate : float or None
-        Rate of the filter's steps, Hz, if it is neither the target's own nor the sampling rate.
-    unexplained : bool
-        Whether coefficients are used although no model explains the record.
-    cover : (low, high), bool, optional
-        Averaging times, s, between which the noise is covered; True: from 1 s to what the record resolves; None: where
-        a filter would be over-confident.
-    from_curve : bool
-        Whether upper bounds read off the measured curve are used where there are no coefficients.
-    partial : bool
-        Whether fields may be missing that the target needs.
-    """
+    """Choices of an export; with `partial`, fields may be missing that the target needs."""
 
     partial: bool = False
 

@@ -8,6 +8,7 @@ from allanite.core.choices import DURATION as DURATION
 from allanite.core.choices import INSTANT as INSTANT
 from allanite.core.choices import MODEL as MODEL
 from allanite.core.choices import choice as choice
+from allanite.core.choices import described as described
 from allanite.core.choices import separated as separated
 from allanite.core.correction import Correction as Correction
 from allanite.core.curve import Curve as Curve

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from allanite.core.choices import described
 from allanite.core.curve import Curve
 from allanite.core.encoding import read_key, read_plain
 from allanite.core.errors import DataError, UsageError, unfit
@@ -40,21 +41,10 @@ def ways() -> str:
     return spelled("--model, --sensor or --datasheet", "model, sensor or datasheet")
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class NoiseSettings(NoiseChoices, Value):
-    """The source of the noise if there is no recording.
-
-    Attributes
-    ----------
-    model : str, optional
-        Terms as `Model` reads them.
-    sensor : str, optional
-        Or a name in `SENSORS`.
-    datasheet : str, optional
-        Or a name in `DATASHEETS`, followed by accelerometer if it is not its gyro that is meant.
-    unexplained : bool
-        Whether the best model of a recording is used although it does not explain the record.
-    """
+    """The source of the noise if there is no recording."""
 
     identifies: ClassVar[bool] = False
     """Whether the options of the identification also apply to a given model."""
@@ -86,6 +76,7 @@ class NoiseSettings(NoiseChoices, Value):
         return ("rate", *(IDENTIFYING if self.identifies else ()))
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class PlanSettings(PlanChoices, NoiseSettings):
     """Choices of a plan: `durations` in s, `accuracy` as a share, `ramp` as for `plan`."""
@@ -93,19 +84,10 @@ class PlanSettings(PlanChoices, NoiseSettings):
     durations: tuple[float, ...] = DURATIONS
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class SelfCheckSettings(CheckChoices, NoiseSettings):
-    """Choices of a check.
-
-    Attributes
-    ----------
-    duration, samples : float, int, optional
-        Length of the simulated records, given by one of the two; by default that of the recording.
-    records, seed : int
-        Number of records to simulate, and the seed of the random number generator.
-    max_bias, min_coverage, max_false, max_missed : float, optional
-        Limits as shares, see `SelfCheck.exceeded`.
-    """
+    """Choices of a check; limits as shares, see `SelfCheck.exceeded`."""
 
     identifies: ClassVar[bool] = True
 
@@ -118,6 +100,7 @@ class SelfCheckSettings(CheckChoices, NoiseSettings):
         return {name: value for name, value in named.items() if value is not None}
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class StateSpaceSettings(StateSpaceChoices, NoiseSettings):
     """Choices of a state space: `ripple` as a share, `turn_on` with its unit, others as for `state_space`."""

@@ -19,6 +19,7 @@ from allanite.core.choices import (
     choice,
     choices_of,
     demand_choices,
+    described,
     named,
     pieces,
 )
@@ -78,31 +79,21 @@ def _facts(lines: tuple[str, ...]) -> tuple[str, ...]:
     return lines
 
 
+@described
 @dataclass(frozen=True)
 class Recipe:
-    """Every choice of an analysis as plain data.
+    """Every choice of an analysis as plain data; what describes a file is taken from it where it is None.
 
     Attributes
     ----------
-    rate, unit, kind, scale, channels, time, dtype, columns, offset, sincos
-        What a file contains, as for `read`; None takes it from the file. `unit` by sensor or column, as
-        ``{"gyro": "deg/s", "ax": "g"}``, is kept as the text ``"gyro=deg/s,ax=g"``.
-    average, exclude, start, until, quiet_window, outliers, motion, memory
-        Which samples are used. `average`: means over so many seconds replace the samples, before anything else.
-        `exclude`: pairs of seconds after the first sample, or ``"100..160,300..310"``, between which samples are
-        missing. `outliers`: "mark" excludes them everywhere, "keep" uses them everywhere; by default they are excluded
-        from the fit only. `motion`: "mark" leaves out the seconds in which the sensor moves, in all channels of its
-        body; "refuse", the default, analyzes no record that moves for more than 2 % of the time. `memory`: what a
-        record may take, as ``"1GB"``, beyond which it is read in parts; by default half of the memory available.
-    statistic, taus
-        The curve, as for `deviation`.
-    terms, method, ranges, band, mask, level
-        The identification, as for `identify`, and the confidence level, 0 to 1. `ranges`: averaging times, s, of each
-        term's line for method "piecewise". `mask`: pairs of frequencies, Hz, or ``"0.4..2.1,19..20"``, between which
-        the fit does not read the spectrum.
-    device, to, about
-        What is shown: likely causes of each term in a device of `DEVICES`; units of the coefficients; facts for the
-        header of the report, as ``"serial=SN-12"``.
+    unit : str or dict, optional
+        Unit of the samples; by sensor or column, as ``{"gyro": "deg/s", "ax": "g"}``, which is kept as the text
+        ``"gyro=deg/s,ax=g"``.
+    exclude, mask : str or pairs of numbers, optional
+        Seconds after the first sample between which samples are missing, and frequencies, Hz, between which the fit
+        does not read the spectrum, as ``"100..160,300..310"``.
+    device : str, optional
+        Likely causes of each term in a device of `DEVICES` are shown.
     """
 
     # fmt: off

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, ClassVar
 
+from allanite.core.choices import described
 from allanite.core.curve import Curve, Surface
 from allanite.core.display_units import readable_unit
 from allanite.core.errors import DataError, UsageError
@@ -38,23 +39,10 @@ from .settings import DensityChoices, DeviationChoices, LengthChoices, WindowCho
 Result = Curve | Spectrum | Surface
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class Deviations(DeviationChoices, Value):
-    """Statistics over averaging time.
-
-    Attributes
-    ----------
-    statistic : tuple of str
-        Names in `STATISTICS`.
-    taus, m, join, divisor, edf, power_law, threads
-        As for `deviation`.
-    bias : str, optional
-        As for `deviation`; of several statistics, for those that have this correction.
-    intervals : bool
-        Whether to compute confidence intervals, for which the noise is identified.
-    to : str, optional
-        Unit of the values; by default the data-sheet unit.
-    """
+    """Statistics over averaging time; of `bias`, those statistics take it that have this correction."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "statistic", tuple(statistic_named(name).name for name in self.statistic))
@@ -114,6 +102,7 @@ class Deviations(DeviationChoices, Value):
         return (STRIDES,)
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class Densities(DensityChoices, Value):
     """A power spectral density; `fit` also identifies the noise and draws its terms.
@@ -168,6 +157,7 @@ class Densities(DensityChoices, Value):
         )  # fmt: skip
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class Windows(WindowChoices, Value):
     """A statistic in sliding windows of the record; attributes as for `dynamic`."""

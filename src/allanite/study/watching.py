@@ -6,6 +6,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
+from allanite.core.choices import described
 from allanite.core.errors import AllaniteError, DataError, UsageError
 from allanite.core.record import Record, Recording
 from allanite.core.validity import Finding
@@ -37,6 +38,7 @@ AT_ONCE = ("moving", "outliers", "stuck", "clipped", "missing samples")
 """Findings that are said as soon as they are made in the last minute."""
 
 
+@described
 @dataclass(frozen=True)
 class WatchSettings(WatchChoices):
     """How to watch: seconds between reports, until the end, and without data until the end; baud rate; accuracy wanted.

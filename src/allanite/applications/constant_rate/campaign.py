@@ -32,6 +32,7 @@ from allanite.extending import (
     Source,
     UsageError,
     Value,
+    described,
     each_channel,
     open_recording,
     provenance_of,
@@ -51,6 +52,7 @@ FEWEST = 20
 """Intervals of a measuring time below which its scatter says little."""
 
 
+@described
 @dataclass(frozen=True, repr=False)
 class RateSettings(RateChoices, Value):
     """What is measured of a recording.
@@ -59,20 +61,12 @@ class RateSettings(RateChoices, Value):
     ----------
     experiment : ExperimentSettings
         Intervals, methods, target; its `reference` is overruled by `latitude`.
-    noise : Model or None
-        The noise; identified if it is not given.
     signal : Signal or None
         The kind of sensor that `reference` and `bias` are of, if they are given.
     latitude : float or None
         Degrees. For a vertical axis the earth's rate is the reference, for a horizontal one north is found.
-    horizontal : bool
-        Whether the axis is horizontal.
-    turned, near : float
-        Degrees: from the first position to the second, and the approximate heading.
     position_method : str
         Estimator of the whole record, for north and the bias.
-    durations : tuple of float
-        Measuring times for the accuracy against time, s; none if empty.
     """
 
     experiment: ExperimentSettings = field(default_factory=ExperimentSettings)
