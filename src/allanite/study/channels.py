@@ -42,7 +42,7 @@ Result = TypeVar("Result")
 
 
 def open_recording(
-    source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None
+    source: Source, recipe: Recipe, *, along: Sequence[str] = (), progress: Progress | None = None, fits: bool = False
 ) -> Recording:
     """The part of a recording selected by the recipe.
 
@@ -52,6 +52,8 @@ def open_recording(
     along : sequence of str
         Other columns of the file to read as the last channels; their outliers are not marked.
     progress : callable, optional, as for `each_channel`
+    fits : bool
+        Whether it is known that memory suffices.
 
     Raises
     ------
@@ -60,7 +62,7 @@ def open_recording(
     UsageError
         An option is wrong, or a required one is missing.
     """
-    whole = whole_recording(source, recipe, along=along, progress=progress)
+    whole = whole_recording(source, recipe, along=along, progress=progress, fits=fits)
     if recipe.average is not None:
         whole = averaged(whole, recipe.average)
     whole = excluded(whole, demand_pieces(recipe.exclude) if recipe.exclude else ())
@@ -79,6 +81,7 @@ def whole_recording(
     along: Sequence[str] = (),
     otherwise: Sequence[str] = (),
     progress: Progress | None = None,
+    fits: bool = False,
 ) -> Recording:
     """A recording before anything is selected; `otherwise` is that of `read`, the rest as for `open_recording`."""
     if isinstance(source, Record | Recording):
@@ -89,7 +92,8 @@ def whole_recording(
     tell = progress or (lambda what, fraction: None)
     tell("reading", 0.0)
     options = recipe.to_dict(READING) | {"along": tuple(along) or None, "otherwise": otherwise}
-    demand_memory(source, recipe.memory, recipe.to_dict(READING))
+    if not fits:
+        demand_memory(source, recipe.memory, recipe.to_dict(READING))
     # less of a job than is completed when its first channel begins
     return read(source, **options, progress=lambda share: tell(f"reading, {100 * share:.0f} %", 0.04 * share))
 
@@ -263,7 +267,7 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
             if progress is not None:
                 progress("done", 1.0)
             return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
-    recording = open_recording(source, recipe, progress=progress)
+    recording = open_recording(source, recipe, progress=progress, fits=keeping is not None)
     channels = [(one.name, (one,)) for one in recording]
     results = each_channel(
         channels, work, refused, findings=recording.findings, begin=begin, doing=doing, demand=demand,

@@ -44,8 +44,8 @@ def test_a_relative_path_stays_as_given(write, monkeypatch):
 @rows("name", READERS)
 def test_table_of_formats(name):
     assert reader_named(name).TITLE
-    assert not reader_named(name).sniff(b"", "")
-    assert not reader_named(name).sniff(b"\x00\x01\x02" * 100, ".bin")
+    assert not READERS[name].sniff(b"", "")
+    assert not READERS[name].sniff(b"\x00\x01\x02" * 100, ".bin")
 
 
 def test_import_is_cheap():

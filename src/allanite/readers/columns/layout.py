@@ -4,8 +4,8 @@ import csv
 import re
 from collections import Counter
 from dataclasses import dataclass
-from itertools import accumulate
-from typing import NamedTuple
+from functools import cached_property
+from itertools import accumulate, chain, islice
 
 from allanite.core.errors import DataError
 from allanite.phrases.phrase import say, say_count
@@ -17,12 +17,24 @@ MISSING = frozenset(("", "nan", "null", "na", "n/a", "#n/a", "-nan", "none", "1.
 _NUMBER = re.compile(r"[-+]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?|nan|inf|infinity)", re.IGNORECASE)
 
 
-class Row(NamedTuple):
-    """A line of the file: its number from 1, its offset, its cells."""
+@dataclass
+class Row:
+    """A line of the file: its number from 1, its offset, its text, delimiter and decimal sign."""
 
     line: int
     offset: int
-    cells: list[str]
+    text: str
+    style: tuple[str, str]
+
+    @cached_property
+    def cells(self) -> list[str]:
+        """Its cells."""
+        return cells(self.text, self.style[0])
+
+    @cached_property
+    def has_number(self) -> bool:
+        """Whether a cell is a number."""
+        return any(is_number(cell, self.style[1]) for cell in self.cells)
 
 
 def is_number(cell: str, decimal: str = ".") -> bool:
@@ -56,13 +68,11 @@ def decoded(raw: bytes) -> str:
         return raw.decode("latin-1")
 
 
-def has_number(row: Row, decimal: str) -> bool:
-    """Whether a row contains a number."""
-    return any(is_number(cell, decimal) for cell in row.cells)
-
-
 HEAD = 1 << 17
 """Bytes at the beginning of a file from which its layout is determined."""
+
+JUDGED_ROWS, FEW_ROWS = 200, 600
+"""Rows by which the columns are judged, and rows of which all are looked at for them."""
 
 MARKS = ("#", "%", "//", ";")
 """Prefixes of comment lines; a semicolon is not one if it is the delimiter."""
@@ -116,9 +126,10 @@ def find(data: bytes) -> Layout:
     # a line with a word is not one of numbers
     worded = ((n, text) for n, _, text in lines if any(map(str.isalpha, _LETTER.findall(text))))
     rated = [line for line in worded if preamble.statement(*line, decimal)]
-    lines = [line for line in lines if line[0] not in dict(rated)]
+    stating = {number for number, _ in rated}
+    lines = [line for line in lines if line[0] not in stating]
     comments = [(number, text) for number, _, text in lines if text.startswith(marks)]
-    rows = [Row(n, at, cells(text, delimiter)) for n, at, text in lines if text and not text.startswith(marks)]
+    rows = [Row(*line, (delimiter, decimal)) for line in lines if line[2] and not line[2].startswith(marks)]
     first, text = _first_row(rows, decimal)
     names, units, notes = _named(rows[: first + 1], comments, delimiter, decimal)
     if not any(names) and _numbered(rows[first], rows[first + 1 :]):
@@ -143,7 +154,7 @@ def find(data: bytes) -> Layout:
 def _style_of(texts: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign of all but comments, among which lines of cells between semicolons may be."""
     plain = [text for text in texts if not text.startswith(MARKS)]
-    return style([*plain[:1], *plain[-200:]] or [text for text in texts if not text.startswith(MARKS[:3])])
+    return style([*plain[:1], *plain[-JUDGED_ROWS:]] or [text for text in texts if not text.startswith(MARKS[:3])])
 
 
 def marks_of(delimiter: str) -> tuple[str, ...]:
@@ -159,8 +170,15 @@ def numbered_lines(data: bytes) -> list[tuple[int, int, str]]:
         raw = raw[:-1]
     starts = accumulate((len(line) for line in raw), initial=0)
     # a tab at either end is an empty cell, unless all lines have it
-    texts = (decoded(line).strip(" \r\n") for line in raw)
+    texts = (line.strip(" \r\n") for line in _decoded_lines(raw))
     return [(i, at, text if text.strip() else "") for i, (at, text) in enumerate(zip(starts, texts, strict=False), 1)]
+
+
+def _decoded_lines(lines: list[bytes]) -> list[str]:
+    try:
+        return [line.decode("utf-8") for line in lines]
+    except UnicodeDecodeError:
+        return list(map(decoded, lines))
 
 
 def style(lines: list[str]) -> tuple[str, str]:
@@ -179,24 +197,38 @@ def style(lines: list[str]) -> tuple[str, str]:
 
 def _first_row(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
     """Index of the first row of numbers, and the positions of the columns of words."""
-    numbers = [has_number(row, decimal) for row in rows]
-    numeric = [row for row, has in zip(rows, numbers, strict=True) if has]
-    if not numeric:
-        seen = say("it contains only comments or blank lines")
-        seen = say("its first line is {text!r}", text=rows[0].cells[0][:40]) if rows else seen
-        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=seen))
-    width, text = _columns(numeric[len(numeric) // 2 :][:200], decimal)
+    width, text = _columns(_judged(rows), decimal)
 
     def fits(row: Row) -> bool:
         checked = (cell for i, cell in enumerate(row.cells) if i not in text and cell.lower() not in MISSING)
         return all(is_number(cell, decimal) for cell in checked)
 
-    wide = [has and len(row.cells) == width for row, has in zip(rows, numbers, strict=True)]
-    first = next((i for i, row in enumerate(rows) if wide[i] and fits(row)), wide.index(True))
+    def wide(row: Row) -> bool:
+        return row.has_number and len(row.cells) == width
+
+    wide_rows = (i for i, row in enumerate(rows) if wide(row))
+    first = next(wide_rows)
+    first = next((i for i in chain((first,), wide_rows) if fits(rows[i])), first)
     # a row with numbers directly above, without a header between, is damaged, not a preamble: refused by name later
-    while first and wide[first - 1]:
+    while first and wide(rows[first - 1]):
         first -= 1
     return first, text
+
+
+def _judged(rows: list[Row]) -> list[Row]:
+    """The rows by which the columns are judged, from the middle of those with numbers; refused if there are none."""
+    first = next((i for i, row in enumerate(rows) if row.has_number), None)
+    if first is None:
+        shown = say("it contains only comments or blank lines")
+        shown = say("its first line is {text!r}", text=rows[0].cells[0][:40]) if rows else shown
+        raise DataError(say("no rows of numbers were found ({seen}); a text file needs one row per sample", seen=shown))
+    # below the first row with numbers nearly all have some: few are looked at
+    middle = first + (len(rows) - first) // 2
+    numeric = list(islice((row for row in rows[middle:] if row.has_number), JUDGED_ROWS))
+    if len(rows) > FEW_ROWS and len(numeric) == JUDGED_ROWS:
+        return numeric
+    numeric = [row for row in rows if row.has_number]
+    return numeric[len(numeric) // 2 :][:JUDGED_ROWS]
 
 
 def _columns(rows: list[Row], decimal: str) -> tuple[int, frozenset[int]]:
@@ -221,7 +253,7 @@ def _named(
 ) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
     """Names, units and notes from the lines above the first row of numbers, which is the last of `rows`."""
     above, width = rows[:-1], len(rows[-1].cells)
-    worded = [row for row in above[-2:] if not has_number(row, decimal)]
+    worded = [row for row in above[-2:] if not row.has_number]
     blank = ("",) * width
     units = blank
     # the second of two lines of words may be one of units

@@ -22,21 +22,15 @@ from allanite.readers.columns.column import FileColumn, some
 from allanite.readers.columns.lines import HEAD, Parts
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
+from allanite.readers.sandbox.process import Process, demand_size, worded
 from allanite.readers.sandbox.source import head_of
+
+from .registry import ZSTD
 
 TITLE = "ROS bags .bag, .db3 and .mcap (needs rosbags)"
 
-_MAGIC = (b"#ROSBAG V", b"\x89MCAP0\r\n", b"SQLite format 3\0")
-_PACKED = b"\x28\xb5\x2f\xfd"
-
 _AXIS = re.compile(r"(?:.*\.)?(angular_velocity|linear_acceleration)\.([xyz])")
 _LETTERS = {"angular_velocity": "g", "linear_acceleration": "a"}
-
-
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the first bytes, or the name, are those of a bag."""
-    return head.startswith((*_MAGIC, _PACKED)) or suffix in (".bag", ".db3", ".mcap")
 
 
 def read(path: str, options: Options) -> Recording:
@@ -87,15 +81,13 @@ def _blocks(topic: "_Topic", path: str, rows: int) -> Iterator[dict[str, NDArray
 
 
 def _demand_bag(path: str) -> None:
-    head = head_of(path)
-    if head.startswith(_PACKED) and not os.path.isdir(path):
+    if head_of(path).startswith(ZSTD) and not os.path.isdir(path):
         raise DataError(
             say(
                 "the file is compressed with zstd; of a ROS 2 bag, give the folder that holds it and its "
                 "metadata.yaml; unpack any other file with zstd -d"
             )
         )
-    demand_start(head, (*_MAGIC, _PACKED), say("a ROS bag"))
 
 
 @dataclass(frozen=True)

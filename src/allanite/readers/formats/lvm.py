@@ -24,7 +24,7 @@ from allanite.readers.sandbox.process import worded
 
 TITLE = "LabVIEW measurement text .lvm"
 
-_MAGIC, _END = b"LabVIEW Measurement", "***End_of_Header***"
+_END = "***End_of_Header***"
 _SEPARATORS = {"tab": "\t", "comma": ","}
 
 Header = dict[str, list[str]]
@@ -52,11 +52,6 @@ class _Segment:
     names: list[str]
     rows: list[str]
     line: int
-
-
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the first line is that of a LabVIEW measurement file."""
-    return head.removeprefix(b"\xef\xbb\xbf").startswith(_MAGIC)
 
 
 def read(path: str, options: Options) -> Recording:

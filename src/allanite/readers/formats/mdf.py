@@ -13,24 +13,15 @@ from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import some
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
-from allanite.readers.sandbox.source import head_of
+from allanite.readers.sandbox.process import Process, demand_size, worded
 
 TITLE = "ASAM MDF 3 and 4 .mf4 (needs asammdf)"
-
-_MAGIC = (b"MDF     ", b"UnFinMF ")
 
 Item = Mapping[str, Any]
 
 
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the signature is that of an MDF file, or the name."""
-    return head.startswith(_MAGIC) or suffix in (".mf4", ".mdf")
-
-
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, or of several with the same time stamps; formulas of the file are not evaluated."""
-    demand_start(head_of(path), _MAGIC, say("an MDF file"))
     with Process("mdf", path, options.progress) as process:
         with worded():
             # the channels with common time stamps, named after the first group that has them

@@ -20,16 +20,10 @@ from allanite.readers.sandbox.process import demand_size, worded
 
 TITLE = "Apache Parquet .parquet"
 
-_MAGIC = b"PAR1"
 BUFFER = 1 << 20
 """Bytes of a column that are read ahead; without it a whole row group would be."""
 
 _UNIT_NAMES = (b"unit", b"units", b"Unit", b"Units")
-
-
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the first bytes, or else the name, are those of a Parquet file."""
-    return head.startswith(_MAGIC) or suffix in (".parquet", ".pq")
 
 
 def read(path: str, options: Options) -> Recording:

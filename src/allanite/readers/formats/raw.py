@@ -17,11 +17,6 @@ from allanite.readers.options import Options
 TITLE = "raw binary (give its dtype)"
 
 
-def sniff(head: bytes, suffix: str) -> bool:
-    """Never: any bytes may be numbers."""
-    return False
-
-
 def read(path: str, options: Options) -> Recording:
     """The channels of rows of binary numbers."""
     row, offset, count = _layout(path, options)

@@ -11,24 +11,15 @@ from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
-from allanite.readers.sandbox.source import head_of
+from allanite.readers.sandbox.process import Process, demand_size, worded
 
 TITLE = "LabVIEW TDMS (needs npTDMS)"
-
-_MAGIC = b"TDSm"
 
 Item = Mapping[str, Any]
 
 
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the signature is that of a TDMS segment, or the name."""
-    return head.startswith(_MAGIC) or suffix == ".tdms"
-
-
 def read(path: str, options: Options) -> Recording:
     """The channels of a group, with units and time step from the properties of the channels."""
-    demand_start(head_of(path), (_MAGIC,), say("a TDMS file"))
     with Process("tdms", path, options.progress) as process:
         with worded():
             # the channels of a group with one length and time step; if there are several, each has a number

@@ -17,12 +17,10 @@ from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import FileColumn, some
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
-from allanite.readers.sandbox.process import Process, demand_size, demand_start, worded
-from allanite.readers.sandbox.source import head_of
+from allanite.readers.sandbox.process import Process, demand_size, worded
 
 TITLE = "PX4 flight log .ulg (needs pyulog)"
 
-_MAGIC = b"ULog\x01\x12\x35"
 _XYZ, _THREE = ("x", "y", "z"), ("[0]", "[1]", "[2]")
 _STAMPS = ("timestamp_sample", "timestamp")
 _WHOLE = 0.02
@@ -61,14 +59,8 @@ _BATCHES: Mapping[str, str] = {"sensor_gyro_fifo": "rad/s", "sensor_accel_fifo":
 """Topics with several samples in a message, and the unit of their scale factor."""
 
 
-def sniff(head: bytes, suffix: str) -> bool:
-    """Whether the signature is that of a ULog file, or the name."""
-    return head.startswith(_MAGIC) or suffix == ".ulg"
-
-
 def read(path: str, options: Options) -> Recording:
     """The channels of a topic of a PX4 log; with several instances of a topic, each is ``topic/0``, ``topic/1``."""
-    demand_start(head_of(path), (_MAGIC,), say("a PX4 log"))
     with Process("ulog", path, options.progress) as process:
         with worded():
             found = [_topic(item, process) for item in process.said["datasets"]]
