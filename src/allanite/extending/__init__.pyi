@@ -83,6 +83,7 @@ from allanite.study.channels import Source as Source
 from allanite.study.channels import each_channel as each_channel
 from allanite.study.channels import open_recording as open_recording
 from allanite.study.channels import run as run
+from allanite.study.channels import run_together as run_together
 from allanite.study.channels import whole_recording as whole_recording
 from allanite.study.job import Job as Job
 from allanite.study.job import provenance_of as provenance_of

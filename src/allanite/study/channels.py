@@ -268,14 +268,61 @@ def run(  # noqa: PLR0913 - each has a default but those that make the job
                 progress("done", 1.0)
             return kind(results, recipe, findings, (*notes, *in_parts_too), provenance)
     recording = open_recording(source, recipe, progress=progress, fits=keeping is not None)
-    channels = [(one.name, (one,)) for one in recording]
+
+    def made(results: tuple[Any, ...], recipe: Recipe, findings: tuple[Finding, ...], *rest: Any) -> Result:
+        named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
+        return kind(results, recipe, (*findings, *drift_findings(recording, recipe, named)), *rest)
+
+    return run_together(
+        made, (recording,), recipe, work, refused, begin=begin, doing=doing, demand=demand, progress=progress
+    )
+
+
+def run_together(  # noqa: PLR0913 - each has a default but those that make the job
+    kind: Callable[..., Result],
+    recordings: Sequence[Recording],
+    recipe: Recipe,
+    work: Callable[[Inspected], Any],
+    refused: Callable[[Inspected, str], Any],
+    *,
+    channels: Sequence[tuple[str, tuple[Record, ...]]] | None = None,
+    findings: Sequence[Finding] | None = None,
+    notes: Sequence[str] = (),
+    look: Callable[[Record], Quality] = inspect,
+    begin: Begin | None = None,
+    doing: str = "analyzing",
+    demand: bool = True,
+    progress: Progress | None = None,
+) -> Result:
+    """Process the channels of recordings that are open, as `run` those of one source.
+
+    Parameters
+    ----------
+    kind, work, refused, look, begin, doing, demand, progress
+        As for `run` and `each_channel`.
+    recordings : sequence of Recording
+    channels : sequence of (name, records), optional
+        By default those of the first recording, with the records of the same name of the others.
+    findings : sequence of Finding, optional
+        By default those of all recordings.
+    notes : sequence of str
+        What was assumed beside the notes of the recordings.
+
+    Raises
+    ------
+    DataError
+        No channel can be processed.
+    """
+    first, *others = recordings
+    if channels is None:
+        channels = [(record.name, (record, *(other[record.name] for other in others))) for record in first]
+    found = tuple(finding for recording in recordings for finding in recording.findings)
+    told = found if findings is None else tuple(findings)
     results = each_channel(
-        channels, work, refused, findings=recording.findings, begin=begin, doing=doing, demand=demand,
-        progress=progress,
-    )  # fmt: skip
-    named = [name for name, result in zip(recording.channels, results, strict=True) if not result.refusal]
-    findings = (*recording.findings, *drift_findings(recording, recipe, named))
-    return kind(results, recipe, findings, recording.notes, provenance_of(recording))
+        channels, work, refused, findings=told, look=look, begin=begin, doing=doing, demand=demand, progress=progress
+    )
+    assumed = dict.fromkeys((*(note for recording in recordings for note in recording.notes), *notes))
+    return kind(results, recipe, told, tuple(assumed), provenance_of(*recordings))
 
 
 def _demand_result(channels: Sequence[Inspected], results: Sequence[Any]) -> None:

@@ -33,10 +33,9 @@ from allanite.extending import (
     UsageError,
     Value,
     described,
-    each_channel,
     open_recording,
-    provenance_of,
     public,
+    run_together,
     say,
     spelled,
     written,
@@ -204,15 +203,8 @@ def measure_rates(
     """
     recipe, settings = (recipe or Recipe()).but(choices), settings or RateSettings()
     recordings = [open_recording(s, recipe, progress=progress) for s in (source, second) if s is not None]
-    first = recordings[0]
-    groups = [(name, tuple(recording[name] for recording in recordings)) for name in first.channels]
-    findings = tuple(finding for recording in recordings for finding in recording.findings)
-    work = partial(_measured, recipe=recipe, settings=settings)
-    channels = each_channel(
-        groups, work, RateChannel.refused, findings=findings, doing="measuring", demand=True, progress=progress
-    )
-    notes = tuple(dict.fromkeys(note for recording in recordings for note in recording.notes))
-    return RateStudy(channels, recipe, findings, notes, provenance_of(*recordings), settings)
+    kind, work = partial(RateStudy, settings=settings), partial(_measured, recipe=recipe, settings=settings)
+    return run_together(kind, recordings, recipe, work, RateChannel.refused, doing="measuring", progress=progress)
 
 
 def _measured(seen: Inspected, recipe: Recipe, settings: RateSettings) -> RateChannel:

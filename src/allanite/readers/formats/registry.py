@@ -19,11 +19,14 @@ from allanite.readers.sandbox.process import demand_start
 
 
 class FormatReader(Protocol):
-    """A format that can be read: its name, and its reader."""
+    """A format that can be read: its name, and its reader; and of a plugin a test of the first bytes and suffix."""
 
     @property
     def TITLE(self) -> str:
         """Name of the format."""
+
+    def sniff(self, head: bytes, suffix: str, /) -> bool:
+        """Whether the first bytes and the suffix of a file look like it."""
 
     def read(self, path: str, options: Options, /) -> Recording:
         """The channels of a file; `DataError` if it is damaged, `UsageError` if required information is missing."""
