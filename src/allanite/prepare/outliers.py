@@ -137,11 +137,12 @@ def treated(record: Record, choice: str) -> Record:
     return marked(record, outliers(record)) if choice == "mark" else record
 
 
-def demand_choice(choice: str) -> None:
+def demand_choice(choice: str) -> str:
     """Refuse an unknown choice for outliers."""
     if choice not in CHOICES:
         known = "; ".join(f"{name!r}: {meaning}" for name, meaning in CHOICES.items())
         raise UsageError(f"unknown choice for outliers {choice!r}; known choices: {known}")
+    return choice
 
 
 def _off(y: FloatArray, limit: float, part: int) -> tuple[IntArray, FloatArray, bool]:

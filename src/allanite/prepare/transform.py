@@ -47,10 +47,11 @@ PASSES = 4
 """How often motion is looked for, each time without what was found before."""
 
 
-def demand_motion(word: str) -> None:
+def demand_motion(word: str) -> str:
     """Refuse an unknown choice for motion."""
     if word not in MOTION:
         raise UsageError(f"motion must be {' or '.join(map(repr, MOTION))}, not {word!r}")
+    return word
 
 
 def mark_motion(records: Sequence[Record]) -> tuple[Record, ...]:

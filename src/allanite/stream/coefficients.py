@@ -21,8 +21,9 @@ from allanite.core.fit import Fit
 from allanite.core.limits import Remembered
 from allanite.core.model import ModelLike, model_of
 from allanite.core.plain import Portable
+from allanite.core.ranges import demand_band
 from allanite.core.record import SHORTEST
-from allanite.core.validity import Band, demand_band
+from allanite.core.validity import Band
 from allanite.identification.likelihood.spectrum import (
     ROUNDING,
     SINGLE,

@@ -4,7 +4,6 @@ import os
 import stat
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from allanite.core.choices import (
@@ -26,6 +25,7 @@ from allanite.core.choices import (
 from allanite.core.errors import UsageError, unfit
 from allanite.core.files import reason
 from allanite.core.names import demand_name
+from allanite.core.ranges import demand_band, demand_level
 
 from .settings import grid
 
@@ -33,15 +33,33 @@ if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
 
-def _checked(where: str) -> Callable[[Any], Any]:
-    """The value, unless a function refuses it; it is imported then, since the help reads these rows and no more."""
+# these are imported when a value is given, since the help reads the rows and no more
 
-    def demand(value: Any) -> Any:
-        module, _, name = where.rpartition(".")
-        getattr(import_module(f"allanite.{module}"), name)(value)
-        return value
 
-    return demand
+def _outliers(choice: str) -> str:
+    from allanite.prepare.outliers import demand_choice
+
+    return demand_choice(choice)
+
+
+def _motion(word: str) -> str:
+    from allanite.prepare.transform import demand_motion
+
+    return demand_motion(word)
+
+
+def _memory(size: str) -> str:
+    from allanite.readers.parts import bytes_of
+
+    bytes_of(size)
+    return size
+
+
+def _device(name: str) -> str:
+    from allanite.interpretation.devices import device
+
+    device(name)
+    return name
 
 
 def _stated(key: str) -> Callable[[Any], Any]:
@@ -139,13 +157,13 @@ class Recipe:
         "TIME", "Use the most stationary window of this length.", kind=INSTANT, group="selecting", parts=())
     outliers: str | None = choice(
         "WORD", "mark: exclude everywhere; keep: use everywhere.", told="exclude from the fit only", group="selecting",
-        demand=_checked("prepare.outliers.demand_choice"))
+        demand=_outliers)
     motion: str | None = choice(
         "WORD", "mark: leave out the seconds in which the sensor moves; refuse: no analysis beyond 2 % of them.",
-        told="refuse; of a live stream mark", group="selecting", demand=_checked("prepare.transform.demand_motion"))
+        told="refuse; of a live stream mark", group="selecting", demand=_motion)
     memory: str | None = choice(
         "SIZE", "Memory that a record may take, e.g. 1GB; a larger one is read in parts.",
-        told="half of what is available", group="selecting", demand=_checked("readers.parts.bytes_of"))
+        told="half of what is available", group="selecting", demand=_memory)
     statistic: str = choice("NAME", "Statistic of the curve.", default="oadev", group="curve",
         synonyms=("stat", "type"))
     taus: str | tuple[float, ...] = grid("log")
@@ -159,15 +177,15 @@ class Recipe:
         group="identifying", parts=())
     band: str | tuple[float, float] = choice(
         "BAND", "Frequencies to fit: auto (detects filters and disturbed bands), all, or LO,HI in Hz.", kind=BAND,
-        default="auto", group="identifying", synonyms=("frequencies",), demand=_checked("core.validity.demand_band"))
+        default="auto", group="identifying", synonyms=("frequencies",), demand=demand_band)
     mask: str | tuple[tuple[float, float], ...] | None = choice(
         "HZ..HZ,...", "Frequencies that the fit leaves out, beside those it finds: 0.4..2.1,19..20.", kind=pieces("Hz"),
         group="identifying")
     level: float = choice("", "Confidence level of intervals.", default=0.95, group="identifying",
-        synonyms=("confidence", "ci"), demand=_checked("core.limits.demand_level"))
+        synonyms=("confidence", "ci"), demand=demand_level)
     device: str | None = choice(
         "NAME", "Likely causes of each term in it: stabilizer, mscsg, rlg, fog, mems, accelerometer.", group="showing",
-        demand=_checked("interpretation.devices.device"))
+        demand=_device)
     to: tuple[str, ...] | None = choice(
         "UNIT,...", "Units of the coefficients: deg/s, ug/sqrt(Hz), ...", told="those of data sheets", group="showing",
         demand=_units_shown)
