@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say, spelled
-from allanite.readers.columns import headers, streams
+from allanite.readers.columns import headers
 from allanite.readers.columns.arrays import numbers
 from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.containers import Stream, any_inertial, arranged_stream, mean_rate, stream_recording
 from allanite.readers.columns.lines import HEAD, Parts
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
@@ -40,7 +41,7 @@ def read(path: str, options: Options) -> Recording:
         with worded():
             topics = [_topic(item) for item in process.said["topics"]]
             found = [_stream(topic, [other.name for other in topics], path, process) for topic in topics]
-        return streams.recording(found, options)
+        return stream_recording(found, options)
 
 
 def parts(path: str, options: Options) -> Parts:
@@ -50,7 +51,7 @@ def parts(path: str, options: Options) -> Parts:
         topics = [_topic(item) for item in process.said["topics"]]
     names = [topic.name for topic in topics]
     found = {stream.name: (stream, topic) for topic in topics for stream in (_stream(topic, names, path),)}
-    stream, table, options = streams.arranged([one for one, _ in found.values()], options)
+    stream, table, options = arranged_stream([one for one, _ in found.values()], options)
     topic = found[stream.name][1]
     order = [*list(topic.units)[1:], next(iter(topic.units))]
 
@@ -113,7 +114,7 @@ class _Topic:
         """2 if some numbers have the unit of an inertial sensor, 1 if some have its name, otherwise 0."""
         if any(map(headers.inertial, self.units.values())):
             return 2
-        return int(streams.inertial(name.rpartition(".")[2] for name in self.units))
+        return int(any_inertial(name.rpartition(".")[2] for name in self.units))
 
     @property
     def called(self) -> dict[str, str]:
@@ -131,7 +132,7 @@ def _topic(said: Mapping[str, Any]) -> _Topic:
     return _Topic(*about, dtype, units, tuple(said["left"]), tuple(said.get("beside", ())), str(said["why"]))
 
 
-def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | None = None) -> streams.Stream:
+def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | None = None) -> Stream:
     """The stream of a topic, with its type in the name if messages of several types have the same topic.
 
     Without a process its table is that of the first messages.
@@ -143,12 +144,12 @@ def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | N
         demand_size(topic.count * topic.dtype.itemsize, process.path, f"topic {topic.name!r}")
         return _table(topic, _ordered(process.fields(f"{topic.name} ({topic.type})", topic.count, topic.dtype)))
 
-    return streams.Stream(
+    return Stream(
         topic.name if names.count(topic.name) == 1 else f"{topic.name}/{topic.type}",
         topic.count,
         (*topic.units, *topic.called.values()),
         load,
-        streams.mean_rate(topic.count, topic.span),
+        mean_rate(topic.count, topic.span),
         topic.fits,
         topic.type,
         topic.why,

@@ -15,7 +15,7 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES
 from allanite.readers.columns.column import some
-from allanite.readers.columns.datasets import Dataset, arranged, rated, recording
+from allanite.readers.columns.containers import Dataset, arranged_datasets, rated
 from allanite.readers.columns.lines import HEAD, Parts, Rows, columns_of
 from allanite.readers.columns.table import KEY
 from allanite.readers.options import Options
@@ -29,7 +29,9 @@ def contained(form: str, path: str, options: Options, *, transposed: bool = Fals
     """The channels of a file that `sandbox.worker` opens; with `transposed`, its arrays are transposed."""
     with Process(form, path, options.progress, NAMES) as process:
         found = _listed(process, transposed=transposed)
-        return recording(rated(found, process.said["numbers"]), options, _left(process), process.said["description"])
+        numbers, text = process.said["numbers"], process.said["description"]
+        table, options, _ = arranged_datasets(rated(found, numbers), options, _left(process), text)
+        return table.recording(options)
 
 
 def contained_parts(form: str, path: str, options: Options) -> Parts | None:
@@ -52,7 +54,7 @@ def contained_parts(form: str, path: str, options: Options) -> Parts | None:
             return next(source(dataset, HEAD, stack))
 
     found = [replace(dataset, load=partial(first_rows, dataset)) for dataset in found]
-    table, options, family = arranged(rated(found, numbers), options, notes, text)
+    table, options, family = arranged_datasets(rated(found, numbers), options, notes, text)
     shapes = {dataset.shape[0] for dataset in family}
     if len(shapes) > 1 or any(len(d.shape) == 2 and d.shape[0] < d.shape[1] for d in family):
         return None

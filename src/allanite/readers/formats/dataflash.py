@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say
-from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.containers import Stream, mean_rate, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import demand_size, worded
@@ -252,15 +252,15 @@ def read(path: str, options: Options) -> Recording:
     with worded():
         said = units(log)
         found = [stream for kind in log.kinds for stream in _streams(log, kind, said.get(kind.number, {}))]
-    return streams.recording([*_batches(log), *found], options, log.notes)
+    return stream_recording([*_batches(log), *found], options, log.notes)
 
 
-def _streams(log: Log, kind: Kind, said: Units) -> Iterator[streams.Stream]:
+def _streams(log: Log, kind: Kind, said: Units) -> Iterator[Stream]:
     """A stream for each instance of a kind of message."""
     names = tuple(kind.dtype.names or ())
     if not _inertial(names):
         if not kind.name.startswith("ISB") and names:
-            yield streams.Stream(kind.name, kind.count, names, lambda: _table(kind, log.rows(kind), said), fits=False)
+            yield Stream(kind.name, kind.count, names, lambda: _table(kind, log.rows(kind), said), likely=False)
         return
     rows = log.rows(kind)
     instances = np.unique(rows["I"]) if "I" in names else [None]
@@ -270,8 +270,8 @@ def _streams(log: Log, kind: Kind, said: Units) -> Iterator[streams.Stream]:
         name = kind.name if instance is None else f"{kind.name}/{instance}"
         stamp = next((field for field in ("TimeUS", "SampleUS", "TimeMS") if field in names), None)
         span = 0 if stamp is None or not own.size else int(own[stamp][-1]) - int(own[stamp][0])
-        rate = streams.mean_rate(own.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
-        yield streams.Stream(name, own.size, names, partial(_table, kind, own, said, lost), rate)
+        rate = mean_rate(own.size, span * (1e-3 if stamp == "TimeMS" else 1e-6))
+        yield Stream(name, own.size, names, partial(_table, kind, own, said, lost), rate)
 
 
 def _inertial(names: tuple[str, ...]) -> bool:
@@ -299,7 +299,7 @@ def _table(kind: Kind, rows: Rows, said: Units, lost: int = 0) -> FileTable:
     return FileTable(tuple(made), notes=tuple(notes))
 
 
-def _batches(log: Log) -> Iterator[streams.Stream]:
+def _batches(log: Log) -> Iterator[Stream]:
     """A stream for each sensor that was sampled in batches."""
     heads, parts = named(log, "ISBH"), named(log, "ISBD")
     needed = {"N", "type", "instance", "mul", "smp_cnt", "SampleUS", "smp_rate"}
@@ -317,7 +317,7 @@ def _batches(log: Log) -> Iterator[streams.Stream]:
         if own.any():
             sensor, unit = _BATCH[number]
             sizes = about["smp_cnt"][own].astype(np.int64) - 32 * samples["seqno"][own].astype(np.int64)
-            yield streams.Stream(
+            yield Stream(
                 f"ISBD/{sensor}{instance}",
                 int(sizes.clip(0, 32).sum()),
                 ("SampleUS", "x", "y", "z"),

@@ -8,9 +8,9 @@ import numpy as np
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import some
+from allanite.readers.columns.containers import Stream, any_inertial, mean_rate, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import Process, demand_size, worded
@@ -36,7 +36,7 @@ def read(path: str, options: Options) -> Recording:
             left = [str(name) for name in process.said["left"]]
         said = say("left out, no numbers, or numbers converted by a formula: {names}", names=some(left))
         notes = [said] if left else []
-        return streams.recording(found, options, notes)
+        return stream_recording(found, options, notes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +51,12 @@ class _Group:
         """Number of samples."""
         return int(self.items[0]["length"])
 
-    def stream(self, name: str) -> streams.Stream:
+    def stream(self, name: str) -> Stream:
         """The stream that loads them."""
-        rate = streams.mean_rate(self.length, float(self.items[0]["span"]))
+        rate = mean_rate(self.length, float(self.items[0]["span"]))
         names = tuple(str(item["name"]) for item in self.items)
-        fits = streams.inertial(names, (str(item["unit"]) for item in self.items))
-        return streams.Stream(name, self.length, names, self.table, rate, fits)
+        fits = any_inertial(names, (str(item["unit"]) for item in self.items))
+        return Stream(name, self.length, names, self.table, rate, fits)
 
     def table(self) -> FileTable:
         """Time stamps and samples."""

@@ -13,7 +13,7 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, split, turned, turned_note
 from allanite.readers.columns.column import FileColumn
-from allanite.readers.columns.datasets import WIDEST
+from allanite.readers.columns.containers import WIDEST
 from allanite.readers.columns.lines import HEAD, Parts, Rows
 from allanite.readers.columns.table import KEY, FileTable, described, keys, restored
 from allanite.readers.options import Options

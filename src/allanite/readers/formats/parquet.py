@@ -12,7 +12,7 @@ from allanite.core.record import Recording
 from allanite.phrases.phrase import say
 from allanite.readers.columns.arrays import RATE_NAMES, column, is_number, of_arrow
 from allanite.readers.columns.column import FileColumn, headed
-from allanite.readers.columns.datasets import WIDEST
+from allanite.readers.columns.containers import WIDEST
 from allanite.readers.columns.lines import HEAD, Parts
 from allanite.readers.columns.table import KEY, FileTable, described, restored, with_units
 from allanite.readers.options import Options

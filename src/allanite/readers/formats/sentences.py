@@ -15,7 +15,8 @@ import numpy as np
 from allanite.core.errors import DataError
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say, say_count
-from allanite.readers.columns import parse, streams
+from allanite.readers.columns import parse
+from allanite.readers.columns.containers import Stream, any_inertial, stream_recording
 from allanite.readers.columns.layout import Layout, is_number
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
@@ -66,16 +67,16 @@ def read(path: str, options: Options) -> Recording:
     """The channels of the sentences of one name; those with a wrong checksum are gaps."""
     with worded():
         kinds, bad = _sorted(Path(path).read_bytes())
-        found = list[streams.Stream]()
+        found = list[Stream]()
         for name, kind in kinds.items():
             right = [fields for fields in kind.fields if fields is not None]
             widths = [fields.count(",") + 1 for fields in right]
             width = int(np.bincount(widths).argmax()) if max(widths) < 1000 else max(widths)
             names = _FIELDS.get(name, ())
             names = names if len(names) == width else ("",) * width
-            load, fits = partial(_table, name, kind, names), streams.inertial(names)
+            load, fits = partial(_table, name, kind, names), any_inertial(names)
             if len(kind.fields) > 1:
-                found.append(streams.Stream(name, len(right), names, load, fits=fits))
+                found.append(Stream(name, len(right), names, load, likely=fits))
     if not found:
         raise DataError(say("no sentence has a valid checksum; {count} are damaged", count=bad))
     notes = [
@@ -85,7 +86,7 @@ def read(path: str, options: Options) -> Recording:
             "{count} sentences have a wrong checksum or are incomplete, and are left out",
         )
     ]
-    return streams.recording(found, options, notes if bad else [])
+    return stream_recording(found, options, notes if bad else [])
 
 
 def _sorted(data: bytes) -> tuple[dict[str, _Kind], int]:

@@ -7,8 +7,8 @@ import numpy as np
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import say
-from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
+from allanite.readers.columns.containers import Stream, any_inertial, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import Process, demand_size, worded
@@ -28,15 +28,15 @@ def read(path: str, options: Options) -> Recording:
                 length = int(item["shape"][0])
                 if np.dtype(str(item["fields"][0][1])).kind in "iufM" and length > 1:
                     groups.setdefault((str(item["group"]), length, float(item["step"])), []).append(item)
-            names, found = [group for group, _, _ in groups], list[streams.Stream]()
+            names, found = [group for group, _, _ in groups], list[Stream]()
             for (group, length, step), own in groups.items():
                 number = sum(stream.name.startswith(f"{group}/") for stream in found) + 1
                 name = f"{group}/{number}" if names.count(group) > 1 else group
                 load = _Loader(own, process, length, step)
                 columns = tuple(str(item["name"]) for item in own)
-                fits = streams.inertial(columns, (str(item["unit"]) for item in own))
-                found.append(streams.Stream(name, length, columns, load, 1 / step if step > 0 else None, fits))
-        return streams.recording(found, options)
+                fits = any_inertial(columns, (str(item["unit"]) for item in own))
+                found.append(Stream(name, length, columns, load, 1 / step if step > 0 else None, fits))
+        return stream_recording(found, options)
 
 
 class _Loader:

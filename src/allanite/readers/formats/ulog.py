@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from allanite.core.record import Recording
 from allanite.phrases.phrase import Phrase, say, say_count
-from allanite.readers.columns import streams
 from allanite.readers.columns.arrays import column
 from allanite.readers.columns.column import FileColumn, some
+from allanite.readers.columns.containers import Stream, mean_rate, stream_recording
 from allanite.readers.columns.table import FileTable
 from allanite.readers.options import Options
 from allanite.readers.sandbox.process import Process, demand_size, worded
@@ -74,10 +74,10 @@ def read(path: str, options: Options) -> Recording:
             )
             damaged = say("the log is damaged in places; the messages there are left out")
             notes = [note for note, holds in ((lost, drops), (damaged, process.said["damaged"])) if holds]
-        return streams.recording(found, options, notes)
+        return stream_recording(found, options, notes)
 
 
-def _topic(item: Mapping[str, Any], process: Process) -> streams.Stream:
+def _topic(item: Mapping[str, Any], process: Process) -> Stream:
     name, count = str(item["path"]), int(item["shape"][0])
     kinds = {str(field): np.dtype(str(kind)) for field, kind, _ in item["fields"]}
     topic, batches = name.rpartition("/")[0], "samples" in kinds and "scale" in kinds
@@ -89,8 +89,8 @@ def _topic(item: Mapping[str, Any], process: Process) -> streams.Stream:
         return process.load(name, (count,), dtype)
 
     span = float(item["span"]) * 1e-6
-    rate, fits = streams.mean_rate(count, span), topic in _TOPICS or topic in _BATCHES
-    return streams.Stream(name, count, tuple(kinds), lambda: build(topic, list(kinds), fetch), rate, fits)
+    rate, fits = mean_rate(count, span), topic in _TOPICS or topic in _BATCHES
+    return Stream(name, count, tuple(kinds), lambda: build(topic, list(kinds), fetch), rate, fits)
 
 
 def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) -> FileTable:
