@@ -60,12 +60,12 @@ class Feed:
     def take(self, seconds: float) -> bytes:
         """What came, b"" if nothing does for so long; the error with which it ended."""
         try:
-            found = self.pieces.get(timeout=seconds)
+            piece = self.pieces.get(timeout=seconds)
         except queue.Empty:
             return b""
-        if isinstance(found, Exception):
-            raise found
-        return found
+        if isinstance(piece, Exception):
+            raise piece
+        return piece
 
     def close(self) -> list[bytes]:
         """Stop taking; what came and was not taken yet."""
@@ -77,10 +77,10 @@ class Feed:
         return rest + self._rest()
 
     def _rest(self) -> list[bytes]:
-        found = []
+        pieces = []
         while not self.pieces.empty():
-            found.append(self.pieces.get_nowait())
-        return [piece for piece in found if isinstance(piece, bytes)]
+            pieces.append(self.pieces.get_nowait())
+        return [piece for piece in pieces if isinstance(piece, bytes)]
 
     def _run(self) -> None:
         while not self.closing:
@@ -131,10 +131,10 @@ def _datagrams(target: str) -> Tap:
     def take(seconds: float) -> bytes:
         line.settimeout(seconds)
         try:
-            found = line.recv(PIECE)
+            datagram = line.recv(PIECE)
         except TimeoutError:
             return b""
-        return found if found.endswith(b"\n") else found + b"\n"  # a datagram holds whole lines
+        return datagram if datagram.endswith(b"\n") else datagram + b"\n"  # a datagram holds whole lines
 
     return Tap(take, line.close)
 
@@ -155,10 +155,10 @@ def _line(target: str, baud: int) -> Tap:
         ready, _, _ = select.select([port.fd], [], [], seconds)
         if not ready:
             return b""
-        found = os.read(port.fd, PIECE)
-        if not found:
+        data = os.read(port.fd, PIECE)
+        if not data:
             raise OSError("the device is gone")
-        return found
+        return data
 
     return Tap(take, port.close)
 
@@ -167,12 +167,12 @@ def _file(target: str) -> Tap:
     file = open(target, "rb")  # noqa: SIM115 - closed by the one who takes from it
 
     def take(seconds: float) -> bytes:
-        found = file.read(PIECE)
-        if not found:
+        data = file.read(PIECE)
+        if not data:
             time.sleep(seconds)
             if os.stat(target).st_size < file.tell():
                 raise DataError(say("{target!r} became shorter while it was watched", target=target))
-        return found
+        return data
 
     return Tap(take, file.close, live=False)
 
@@ -269,11 +269,11 @@ class Spool:
             Path(self.path).unlink(missing_ok=True)
 
     def _write(self, lines: list[bytes]) -> None:
-        left = memoryview(b"\n".join((*lines, b"")) if lines else b"")
-        size = self._size + len(left)
+        unwritten = memoryview(b"\n".join((*lines, b"")) if lines else b"")
+        size = self._size + len(unwritten)
         try:
-            while left:
-                left = left[self._file.write(left) :]
+            while unwritten:
+                unwritten = unwritten[self._file.write(unwritten) :]
         except OSError:
             self._file.truncate(self._size)
             self._file.seek(self._size)

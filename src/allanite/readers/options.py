@@ -144,16 +144,16 @@ def parts_of(unit: str) -> tuple[tuple[str, str], ...]:
     """
     if "=" not in unit:
         return ()
-    found = [tuple(word.strip() for word in part.partition("=")[::2]) for part in unit.split(",")]
-    for key, value in found:
+    pairs = [tuple(word.strip() for word in part.partition("=")[::2]) for part in unit.split(",")]
+    for key, value in pairs:
         if not key or not value:
             example = spelled("--unit gyro=deg/s,accel=g", "unit='gyro=deg/s,accel=g'")
             raise UsageError(f"{unit!r} does not give each sensor or column a unit; for example {example}")
-    names = [KINDS_OF_SENSORS.get(key.lower(), key) for key, _ in found]
+    names = [KINDS_OF_SENSORS.get(key.lower(), key) for key, _ in pairs]
     again = next((name for i, name in enumerate(names) if name in names[:i]), None)
     if again is not None:
         raise UsageError(f"{unit!r} gives {again} two units; give it one")
-    return tuple(zip(names, (latin(value) for _, value in found), strict=True))
+    return tuple(zip(names, (latin(value) for _, value in pairs), strict=True))
 
 
 def _demand_units(options: Options) -> None:

@@ -92,14 +92,14 @@ def _of_machine() -> int:
 
 def _of_group() -> int:
     """What the control group of a container leaves; what the system caches of files is given back."""
-    left = UNKNOWN
+    free = UNKNOWN
     for limit, used, cached in GROUPS:
         most = next((int(line) for line in _lines(limit) if line.isdigit()), UNKNOWN)
         if most < UNKNOWN:
             lines = _lines(limit.parent / "memory.stat")
             kept = next((int(line.split()[1]) for line in lines if line.startswith(cached)), 0)
-            left = min(left, most - int(_lines(used)[0]) + kept)
-    return left
+            free = min(free, most - int(_lines(used)[0]) + kept)
+    return free
 
 
 def _of_addresses() -> int:
@@ -171,13 +171,13 @@ class PartsReader:
         stamps = self._stamp_places()
         wanted = list(dict.fromkeys((*stamps, *signals)))
         at_once = rows or max(AT_ONCE // len(wanted), AT_ONCE // 16)
-        for found in self.parts.blocks(wanted, at_once):
-            held = dict(zip(wanted, found, strict=True))
+        for values in self.parts.blocks(wanted, at_once):
+            held = dict(zip(wanted, values, strict=True))
             clock = [self._stamps([held[i] for i in stamps], stamps)] if stamps else []
             yield from self.clock.pieces([*clock, *(held[i] for i in signals)])
 
     def _place(self, position: int) -> int:
-        return next(i for i, one in enumerate(self.parts.head.columns) if one.position == position)
+        return next(i for i, column in enumerate(self.parts.head.columns) if column.position == position)
 
     def _stamp_places(self) -> list[int]:
         """The columns that the clock is made of: one, or seconds and their fractions."""
@@ -189,7 +189,7 @@ class PartsReader:
         if clock.header == head[first].header:
             return [first]
         rest = clock.header.removeprefix(f"{head[first].header} + ")
-        return [first, next(i for i, one in enumerate(head) if one.header == rest)]
+        return [first, next(i for i, column in enumerate(head) if column.header == rest)]
 
     def _stamps(self, found: list[NDArray[Any]], places: list[int]) -> NDArray[Any]:
         heads = [self.parts.head.columns[i] for i in places]
@@ -202,13 +202,13 @@ class PartsReader:
 
 def whole_findings(reader: PartsReader) -> tuple[Finding, ...]:
     """Findings about the clock of the whole file, and that a counter without time stamps is not looked at."""
-    found = reader.sense.findings(reader.clock.beat())
+    findings = reader.sense.findings(reader.clock.beat())
     signals = [signal.column for signal in reader.sense.signals]
-    counter = counting(one for one in reader.sense.columns if one not in signals)
+    counter = counting(column for column in reader.sense.columns if column not in signals)
     if counter is None or reader.clock.stamped:
-        return found
+        return findings
     what = say("{column} may count samples, which is not looked at when a file is read in parts", column=counter.label)
-    return (*found, Finding("counter", what, say("samples that are missing by it are joined as if there were none")))
+    return (*findings, Finding("counter", what, say("samples that are missing by it are joined as if there were none")))
 
 
 @contextmanager
@@ -225,12 +225,12 @@ def opened(path: Any, memory: str | None, choices: Mapping[str, Any]) -> Iterato
         yield None
         return
     options = _options(choices)
-    found = _found(path, file, member, (options, limit))
-    if found is None:
+    reader = _found(path, file, member, (options, limit))
+    if reader is None:
         demand_memory(path, memory, choices)
-    elif found.need <= limit:
-        found = None
-    yield found
+    elif reader.need <= limit:
+        reader = None
+    yield reader
 
 
 def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> None:
@@ -247,10 +247,10 @@ def demand_memory(path: Any, memory: str | None, choices: Mapping[str, Any]) -> 
     need, limit = needed(size_of(file) // CHARACTERS), allowed(memory, 1.0)
     if need <= limit:
         return
-    found = _found(path, file, member, (_options(choices), limit))
-    need = need if found is None else found.need
+    reader = _found(path, file, member, (_options(choices), limit))
+    need = need if reader is None else reader.need
     if need > limit:
-        what = say("this job is") if found else say("this format is")
+        what = say("this job is") if reader else say("this format is")
         raise UsageError(_refused(named(path, os.fspath(path)), need, limit, what))
 
 

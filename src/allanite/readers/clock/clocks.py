@@ -115,14 +115,14 @@ def _by_name(columns: list[FileColumn]) -> tuple[FileColumn | None, str]:
         return (clocks[0][1], "") if clocks else (None, "")
     judged = [(steadiness(column.values), rank, i, column) for i, (rank, column) in enumerate(clocks)]
     best = min(judged, key=lambda item: (item[0].trouble, item[1], round(item[0].scatter, 1), item[2]))
-    said = join(
+    candidates = join(
         ", ", (say("{column} {quality}", column=column.label, quality=how.words) for how, _, _, column in judged)
     )
     return best[3], say(
         "{column} is used as the clock, of {count} candidates in the file: {candidates}",
         column=best[3].label,
         count=len(clocks),
-        candidates=said,
+        candidates=candidates,
     )
 
 

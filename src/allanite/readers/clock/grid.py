@@ -97,7 +97,7 @@ class Pace(NamedTuple):
 
     interval: float
     shift: Places
-    left: FloatArray
+    residual: FloatArray
 
     @property
     def bursts(self) -> bool:
@@ -119,22 +119,22 @@ def pace(elapsed: FloatArray, rows: Places, slack: float) -> Pace:
     for usual in (float(np.quantile(steps, share)) for share in (0.5, 0.1)):
         typical = steps[(steps > 0.4 * usual) & (steps < 1.6 * usual)]
         guesses.append(float(typical.mean()) if typical.size else usual)
-    found = [_refined(near, where, guess, slack) for guess in guesses if guess > 0]
+    paces = [_refined(near, where, guess, slack) for guess in guesses if guess > 0]
     floor = resolution(steps) / math.sqrt(12)
-    shortest = min(found, key=lambda one: _length(one, where, floor))
+    shortest = min(paces, key=lambda one: _length(one, where, floor))
     return _refined(elapsed, rows, shortest.interval, slack)
 
 
 def _length(found: Pace, rows: Places, floor: float) -> float:
     """For a description of the time stamps: the deviation beyond their rounding, and the occupied grid points."""
-    interval, shift, left = found
+    interval, shift, residual = found
     lost, count = int(shift[-1]), int(rows[-1] - rows[0])
     # any time stamps fit a grid of their own last digit; one step is then no more frequent than two
     if lost > 0.4 * (count + lost) and np.bincount(np.clip(np.diff(rows + shift), 0, 9)).argmax() != 1:
         return math.inf
-    off = np.where(np.diff(shift, prepend=0) < 0, 1.0, np.clip(left, -1, 1))
-    residual = max(interval * float(np.sqrt(np.square(off).mean())), floor, 1e-9 * interval)
-    return math.log(residual) + math.log(max(count + lost, 1))
+    off = np.where(np.diff(shift, prepend=0) < 0, 1.0, np.clip(residual, -1, 1))
+    scatter = max(interval * float(np.sqrt(np.square(off).mean())), floor, 1e-9 * interval)
+    return math.log(scatter) + math.log(max(count + lost, 1))
 
 
 def _refined(elapsed: FloatArray, rows: Places, interval: float, slack: float) -> Pace:

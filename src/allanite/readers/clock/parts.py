@@ -77,9 +77,9 @@ class Clock:
             return settled(self.head, SampleGrid(trouble=self._trouble), 0)
         interval = self.interval if self.parts == 1 else self.elapsed / self.place
         lost = (self._lost(interval),) if self._holes.count else ()
-        found = (*self._damage.findings(self.head.column.label), *lost,
-                 *(self._words(*one) for one in self._found.values()), *self._drift())  # fmt: skip
-        return settled(self.head, SampleGrid(interval, findings=found), self._holes.lost)
+        findings = (*self._damage.findings(self.head.column.label), *lost,
+                 *(self._words(*counted) for counted in self._found.values()), *self._drift())  # fmt: skip
+        return settled(self.head, SampleGrid(interval, findings=findings), self._holes.lost)
 
     @property
     def history(self) -> tuple[str, ...]:
@@ -115,10 +115,10 @@ class Clock:
         first = grid.rows is None or not grid.rows.size or int(grid.rows[0]) == 0
         if not grid.trouble and not first:
             grid = replace(grid, trouble=say("rows are out of order over more than a part of the file"))
-        for one in grid.findings:
-            if one.name != "missing samples":
-                before, count = self._found.get(one.name, (self._at(one), 0))
-                self._found[one.name] = (before, count + 1)
+        for defect in grid.findings:
+            if defect.name != "missing samples":
+                before, count = self._found.get(defect.name, (self._at(defect), 0))
+                self._found[defect.name] = (before, count + 1)
         if grid.trouble:
             self._trouble = say("from row {row} on: {what}", row=self.rows + 1, what=grid.trouble)
             self.beat()  # an error, unless the rate is given

@@ -65,19 +65,19 @@ def beat(sources: ClockSources, rate: float | None, repeated: Callable[[], NDArr
 
     `repeated` marks rows with the same samples as the row before, shape (n - 1,).
     """
-    seen = stamped(sources, rate)
-    if isinstance(seen, Beat):
-        return seen
-    elapsed = seconds_since(seen.stamps, seen.unit)
+    clock = stamped(sources, rate)
+    if isinstance(clock, Beat):
+        return clock
+    elapsed = seconds_since(clock.stamps, clock.unit)
     where = None if sources.counter is None else places(sources.counter)
     grid = None
     if where is not None and elapsed[-1] > 0 and np.isfinite(elapsed[-1]):
         grid = counted_grid(sources.counter, float(elapsed[-1]) / int(where[-1]))
-    grid = grid or fit(elapsed, seen.column.label, repeated)
-    if grid.trouble and not seen.given and not elapsed.any():
+    grid = grid or fit(elapsed, clock.column.label, repeated)
+    if grid.trouble and not clock.given and not elapsed.any():
         return Beat(questions=(say("{trouble} and give no rate: {advice}", trouble=grid.trouble, advice=_ask()),))
-    findings = (*seen.damage.findings(seen.column.label), *grid.findings)
-    return settled(seen, replace(grid, findings=findings), grid.lost)
+    findings = (*clock.damage.findings(clock.column.label), *grid.findings)
+    return settled(clock, replace(grid, findings=findings), grid.lost)
 
 
 def stamped(sources: ClockSources, rate: float | None) -> Stamped | Beat:
@@ -160,8 +160,8 @@ def settled(seen: Stamped, grid: SampleGrid, lost: int) -> Beat:
     if given is None and _apart(measured, stated, NOMINAL):
         differing = (_contradiction(measured, stated or 0.0, seen.sources.stated_source),)
     origin = seen.stamps[0] if grid.rows is None else seen.stamps[grid.rows[0]]
-    said = (*seen.first, *seen.again, *notes)
-    return Beat(given or measured, float(origin) * unit_of(seen.unit).factor, said, (), grid,
+    assumed = (*seen.first, *seen.again, *notes)
+    return Beat(given or measured, float(origin) * unit_of(seen.unit).factor, assumed, (), grid,
                 (*seen.against, *differing))  # fmt: skip
 
 

@@ -148,8 +148,8 @@ def fit(elapsed: FloatArray, label: str, repeated: Callable[[], NDArray[np.bool_
             "data",
             row=first + 1,
         )
-        found = finding("duplicate time stamps", what, consequence=say("each is used once"))
-        return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(found, *grid.findings))
+        duplicate = finding("duplicate time stamps", what, consequence=say("each is used once"))
+        return replace(grid, rows=rows if grid.rows is None else rows[grid.rows], findings=(duplicate, *grid.findings))
     return _reversed(stamps) if stamps.steps.min() < 0 else _forward(stamps)
 
 
@@ -169,10 +169,10 @@ def _reversed(stamps: Stamps) -> SampleGrid:
     grid = None if ordered.steps.min() < 0.3 * float(np.median(ordered.steps)) else _forward(ordered)
     doubtful = {"jitter", "bursty time stamps", "coarse time stamps"}
     # the grid may show that this order is right
-    if grid is not None and not grid.trouble and doubtful.isdisjoint(found.name for found in grid.findings):
-        said = say("sorted, they are evenly spaced: the rows were out of order and have been sorted by time")
-        found = finding("reversed time stamps", what, consequence=said, remedy=say("check the logger"))
-        return replace(grid, rows=order, findings=(found, *grid.findings))
+    if grid is not None and not grid.trouble and doubtful.isdisjoint(defect.name for defect in grid.findings):
+        sorted_rows = say("sorted, they are evenly spaced: the rows were out of order and have been sorted by time")
+        reversed_stamps = finding("reversed time stamps", what, consequence=sorted_rows, remedy=say("check the logger"))
+        return replace(grid, rows=order, findings=(reversed_stamps, *grid.findings))
     if stamps.mean > 0 and -stamps.steps.min() < 10 * stamps.mean and np.abs(stamps.departure).max() < 20:
         return SampleGrid(stamps.mean, findings=(finding("reversed time stamps", what),))
     why = say("{what}: a clock that was set, two recordings in one file, or rows out of order", what=what)
@@ -188,8 +188,8 @@ def _forward(stamps: Stamps) -> SampleGrid:
     if np.abs(stamps.departure).max() <= EVEN and stamps.steps.max() < (1 + EVEN) * mean:
         return even
     rows = np.arange(stamps.elapsed.size)
-    found = pace(stamps.elapsed, rows, EVEN)
-    if found.bursts or float((np.abs(found.left) > EVEN).mean()) > 0.05:
+    fitted = pace(stamps.elapsed, rows, EVEN)
+    if fitted.bursts or float((np.abs(fitted.residual) > EVEN).mean()) > 0.05:
         steady = 1 / BURSTY < mean / float(np.median(stamps.steps)) < BURSTY
         long = PAUSE * float(np.quantile(stamps.steps, 0.99))
         if steady or stamps.steps.max() <= long:
@@ -197,10 +197,10 @@ def _forward(stamps: Stamps) -> SampleGrid:
         # the samples missing in pauses that bursts do not explain
         kept = pace(stamps.elapsed, rows, long / mean)
         return _with_losses(stamps, kept.interval, rows + kept.shift, (*again, bursty(stamps, kept.interval)))
-    places = rows + found.shift
-    wander = drift(stamps, stamps.elapsed / found.interval - places)
-    scatter = tuple(one for one in unsteady(stamps, found.left, found.interval) if one.name == "jitter")
-    return _with_losses(stamps, found.interval, places, (*again, *scatter, *wander))
+    places = rows + fitted.shift
+    wander = drift(stamps, stamps.elapsed / fitted.interval - places)
+    scatter = tuple(defect for defect in unsteady(stamps, fitted.residual, fitted.interval) if defect.name == "jitter")
+    return _with_losses(stamps, fitted.interval, places, (*again, *scatter, *wander))
 
 
 def _in_ticks(stamps: Stamps) -> SampleGrid:
@@ -217,9 +217,9 @@ def _in_ticks(stamps: Stamps) -> SampleGrid:
         return SampleGrid(
             findings=(finding("coarse time stamps", what),), trouble=say("{what}: too coarse for the rate", what=what)
         )
-    found = pace(elapsed[changes], changes, 1 + EVEN)
+    fitted = pace(elapsed[changes], changes, 1 + EVEN)
     each = f"{elapsed.size / (changes.size + 1):.3g}"
-    if stamps.resolution > 0.5 * found.interval and not found.bursts:
+    if stamps.resolution > 0.5 * fitted.interval and not fitted.bursts:
         coarse = finding(
             "coarse time stamps",
             say(
@@ -234,14 +234,14 @@ def _in_ticks(stamps: Stamps) -> SampleGrid:
             "bursty time stamps",
             say("bursty time stamps in {column}: groups of {each} equal ones", column=label, each=each),
         )
-    if found.bursts or float((np.abs(found.left) > 1 + EVEN).mean()) > 0.05:
+    if fitted.bursts or float((np.abs(fitted.residual) > 1 + EVEN).mean()) > 0.05:
         span = float(elapsed[changes[-1]] - elapsed[changes[0]])
         return SampleGrid(span / int(changes[-1] - changes[0]), findings=(coarse,))
     ahead = np.zeros(elapsed.size, dtype=np.int64)
-    ahead[changes] = np.diff(found.shift, prepend=0)
+    ahead[changes] = np.diff(fitted.shift, prepend=0)
     places = np.arange(elapsed.size) + np.cumsum(ahead)
-    wander = drift(stamps, elapsed[changes] / found.interval - places[changes])
-    return _with_losses(stamps, found.interval, places, (coarse, *wander))
+    wander = drift(stamps, elapsed[changes] / fitted.interval - places[changes])
+    return _with_losses(stamps, fitted.interval, places, (coarse, *wander))
 
 
 def _with_losses(stamps: Stamps, interval: float, places: Places, found: tuple[Finding, ...]) -> SampleGrid:

@@ -60,11 +60,11 @@ def headed(values: NDArray[Any], position: int, header: str, *, unit: str = "", 
     >>> column.name, column.unit, column.label
     ('gx', 'deg/s', "column 'gx [deg/s]'")
     """
-    name, said = headers.split(header)
+    name, stated = headers.split(header)
     if unit:
         unit = unit.strip("[](){} ")
-        name, said, header = header.strip(), unit.strip(), f"{header.strip()} [{unit}]".strip()
-    return FileColumn(values, position, name or f"column {position}", said, header=header.strip(), text=text)
+        name, stated, header = header.strip(), unit.strip(), f"{header.strip()} [{unit}]".strip()
+    return FileColumn(values, position, name or f"column {position}", stated, header=header.strip(), text=text)
 
 
 def unique(columns: tuple[FileColumn, ...]) -> tuple[FileColumn, ...]:
@@ -90,9 +90,9 @@ def lookup(columns: tuple[FileColumn, ...], key: str, choice: str = "channels") 
         return column
     names = [f"{column.position}: {column.header or column.name}" for column in columns]
     meant = nearest(wanted, [column.name for column in columns])
-    said = f"did you mean {meant}? Columns" if meant else "columns"
+    known = f"did you mean {meant}? Columns" if meant else "columns"
     cure = (wanted, meant) if meant else ("", "")
-    raise UsageError(f"no column {key!r}; {said}: {some(names, 30)}", choice=choice, cure=cure)
+    raise UsageError(f"no column {key!r}; {known}: {some(names, 30)}", choice=choice, cure=cure)
 
 
 def some(names: Sequence[str], most: int = 20) -> Phrase:

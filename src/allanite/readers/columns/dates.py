@@ -49,8 +49,8 @@ def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool 
     import pyarrow.compute as pc
 
     text = pc.utf8_trim_whitespace(words)
-    found = pc.extract_regex(pc.if_else(pc.equal(text, ""), None, text), rf"^(?:{pattern})$")
-    wrong = pc.and_(pc.and_(pc.is_valid(text), pc.not_equal(text, "")), pc.is_null(found))
+    fields = pc.extract_regex(pc.if_else(pc.equal(text, ""), None, text), rf"^(?:{pattern})$")
+    wrong = pc.and_(pc.and_(pc.is_valid(text), pc.not_equal(text, "")), pc.is_null(fields))
     if pc.any(wrong).as_py():
         row = pc.index(wrong, True).as_py()
         raise DataError(
@@ -65,19 +65,19 @@ def parsed(words: Any, pattern: str, label: str, first: int = 0, american: bool 
     def part(name: str) -> Values:
         if f"<{name}>" not in pattern:
             return np.zeros(len(words), dtype=np.int64)
-        field = pc.struct_field(found, name)
+        field = pc.struct_field(fields, name)
         if name == "f":
             field = pc.utf8_rpad(field, 9, "0")
         return np.asarray(pc.fill_null(pc.if_else(pc.equal(field, ""), "0", field), "0").cast(pa.int64()))
 
-    empty = np.asarray(pc.is_null(found))
+    empty = np.asarray(pc.is_null(fields))
     days = _days(part("y"), part("m"), part("d"), label, american) if "<y>" in pattern else None
     if "<H>" not in pattern:
         assert days is not None  # noqa: S101 - a pattern has a date, a time, or both
         return np.where(empty, np.datetime64("NaT", "D"), days)
     hours = part("H")
     if "<p>" in pattern:  # of the twelve-hour clock
-        letter = pc.fill_null(pc.utf8_lower(pc.struct_field(found, "p")), "")
+        letter = pc.fill_null(pc.utf8_lower(pc.struct_field(fields, "p")), "")
         after, before = (np.asarray(pc.equal(letter, which)) for which in "pa")
         hours = np.asarray(np.where(after | before, hours % 12 + 12 * after, hours))
     time = (((hours * 60 + part("M")) * 60 + part("S")) * 10**9 + part("f")).astype("timedelta64[ns]")
@@ -91,8 +91,8 @@ def is_american(words: Any, pattern: str) -> bool:
     import pyarrow as pa
     import pyarrow.compute as pc
 
-    found = pc.extract_regex(pc.utf8_trim_whitespace(words), rf"^(?:{pattern})$")
-    return int(pc.max(pc.struct_field(found, "m").cast(pa.int64())).as_py() or 0) > 12
+    fields = pc.extract_regex(pc.utf8_trim_whitespace(words), rf"^(?:{pattern})$")
+    return int(pc.max(pc.struct_field(fields, "m").cast(pa.int64())).as_py() or 0) > 12
 
 
 def _days(year: Values, month: Values, day: Values, label: str, american: bool | None) -> Values:

@@ -122,8 +122,8 @@ def encoding_of(chunks: Callable[[], Iterable[bytes]]) -> tuple[str, str]:
             size += len(lines[-1])
         if size >= _JUDGED:
             break
-    found = _encoding(b"\n".join(dict.fromkeys(lines)))
-    return found.codec, found.name
+    encoding = _encoding(b"\n".join(dict.fromkeys(lines)))
+    return encoding.codec, encoding.name
 
 
 def decoded(chunks: Iterable[bytes], codec: str, name: str) -> Iterator[bytes]:
@@ -158,20 +158,20 @@ def whole_lines(chunks: Iterable[bytes]) -> Iterator[bytes]:
 def _encoding(lines: bytes) -> _Encoding:
     """The only encoding in which the lines are plausible, or the only one with words that such files have."""
     plausible = list[tuple[_Encoding, str]]()
-    for one in _ENCODINGS:
+    for encoding in _ENCODINGS:
         with suppress(UnicodeDecodeError):
-            text = lines.decode(one.codec)
-            if one.plausible(text):
-                plausible.append((one, text))
-    telling = [one for one, text in plausible if one.words and one.words.search(text)]
-    fitting = [one for one, _ in plausible]
+            text = lines.decode(encoding.codec)
+            if encoding.plausible(text):
+                plausible.append((encoding, text))
+    telling = [encoding for encoding, text in plausible if encoding.words and encoding.words.search(text)]
+    fitting = [encoding for encoding, _ in plausible]
     for some in (fitting, telling):
         if len(some) == 1:
             return some[0]
     what = (
-        "may be " + " or ".join(one.name for one in telling or fitting)
+        "may be " + " or ".join(encoding.name for encoding in telling or fitting)
         if fitting
-        else "is neither " + ", ".join(one.name for one in _ENCODINGS[:-1]) + f" nor {_ENCODINGS[-1].name}"
+        else "is neither " + ", ".join(encoding.name for encoding in _ENCODINGS[:-1]) + f" nor {_ENCODINGS[-1].name}"
     )
     sample = next((line for line in lines.splitlines() if line.strip()), b"")[:40]
     raise DataError(

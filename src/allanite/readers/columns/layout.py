@@ -185,8 +185,8 @@ def style(lines: list[str]) -> tuple[str, str]:
     """Delimiter and decimal sign: those that make the largest share of the cells numbers, and then the most numbers."""
 
     def score(style: tuple[str, str]) -> tuple[float, int]:
-        found = [is_number(cell, style[1]) for line in lines for cell in cells(line, style[0]) if cell]
-        return (sum(found) / max(1, len(found)), sum(found))
+        numbers = [is_number(cell, style[1]) for line in lines for cell in cells(line, style[0]) if cell]
+        return (sum(numbers) / max(1, len(numbers)), sum(numbers))
 
     best = max(_STYLES, key=score)
     # mixed tabs and blanks: if blanks give as many cells in every line, header included, no cell is empty or contains
@@ -271,10 +271,10 @@ def _named(
         return named, units, _passed(passed, above[0]) + unnamed
     commented = [(number, text) for number, text in comments if number < rows[-1].line][-1:]
     for number, text in commented:
-        said = _commented(text, width, delimiter, decimal)
-        if said is not None:
+        header = _commented(text, width, delimiter, decimal)
+        if header is not None:
             return (
-                said,
+                header,
                 blank,
                 (*_passed(len(above), rows[0]), say("column names from the comment on line {number}", number=number)),
             )

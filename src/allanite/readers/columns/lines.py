@@ -126,14 +126,14 @@ class Rows:
     def _numbers(self, file: Any, place: tuple[int, int], shape: tuple[int, ...]) -> NDArray[Any]:
         """So many numbers from a place on."""
         begin, count = place
-        found = np.empty(count, self.dtype)
-        data, filled = found.view(np.uint8).reshape(-1).data, 0
+        part = np.empty(count, self.dtype)
+        data, filled = part.view(np.uint8).reshape(-1).data, 0
         file.seek(self.offset + begin * self.dtype.itemsize)
         while filled < len(data) and (more := file.readinto(data[filled:])):
             filled += more
         if filled < len(data):
             raise DataError(f"the file ends in the middle of its numbers, at byte {file.tell()}")
-        return found.reshape(shape)
+        return part.reshape(shape)
 
 
 def columns_of(rows: NDArray[Any]) -> list[NDArray[Any]]:

@@ -38,10 +38,10 @@ def with_angles(recording: Recording, pairs: int, kind: str) -> Recording:
     """The recording whose first 2 `pairs` records, sine and cosine in turn, are replaced by their angles."""
     records, notes, findings = [], list(recording.notes), list(recording.findings)
     for sine, cosine in zip(*(islice(recording.records, i, 2 * pairs, 2) for i in (0, 1)), strict=True):
-        angle, found, note = angle_of(sine, cosine, kind)
+        angle, defects, note = angle_of(sine, cosine, kind)
         records.append(angle)
         notes.append(note)
-        findings += found
+        findings += defects
     others = recording.records[2 * pairs :]
     return replace(recording, records=(*records, *others), notes=tuple(notes), findings=tuple(findings))
 
@@ -60,14 +60,14 @@ def angle_of(sine: Record, cosine: Record, kind: str = "value") -> tuple[Record,
     s, c = (np.asarray(record.values, dtype=np.float64) for record in (sine, cosine))
     name = f"angle {sine.name} {cosine.name}"
     size = np.hypot(s, c)
-    there, findings = _loud(size, sine, name)
-    wrapped = np.arctan2(s[there], c[there])
+    loud, findings = _loud(size, sine, name)
+    wrapped = np.arctan2(s[loud], c[loud])
     values = np.full(s.size, np.nan)
-    values[there] = _unwrapped(wrapped, there, sine.rate, name)
-    found, note = _errors(values[there], size[there], name)
+    values[loud] = _unwrapped(wrapped, loud, sine.rate, name)
+    errors, note = _errors(values[loud], size[loud], name)
     history = (*sine.history, say("angle of sine {sine!r} and cosine {cosine!r}", sine=sine.name, cosine=cosine.name))
     angle = Record(values, sine.rate, "rad", kind, name=name, start=sine.start, history=history)
-    return angle, findings + found, note
+    return angle, findings + errors, note
 
 
 def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Finding]]:
@@ -89,9 +89,9 @@ def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Fin
                 usual=usual,
             )
         )
-    there = np.flatnonzero(known & ~wrong)
+    loud = np.flatnonzero(known & ~wrong)
     if not count:
-        return there, []
+        return loud, []
     what = say_count(
         count,
         "{name}: {count} sample without the amplitude of sine and cosine, the first at {start:.6g} s",
@@ -99,7 +99,7 @@ def _loud(size: FloatArray, sine: Record, name: str) -> tuple[IntArray, list[Fin
         name=name,
         start=int(wrong.argmax()) / sine.rate,
     )
-    return there, [Finding("amplitude", what, say("they are treated as missing"))]
+    return loud, [Finding("amplitude", what, say("they are treated as missing"))]
 
 
 def _unwrapped(wrapped: FloatArray, there: IntArray, rate: float, name: str) -> FloatArray:

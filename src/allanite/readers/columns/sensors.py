@@ -67,8 +67,8 @@ def apart(columns: list[FileColumn], by: Turns) -> tuple[list[list[FileColumn]],
             values = column.values[rows]
             if values.dtype.kind == "f" and np.all(np.isnan(values)):
                 continue
-            said = f"{name} {column.header or column.name}"
-            group.append(replace(column, values=values, name=f"{name} {column.name}", header=said, position=position))
+            header = f"{name} {column.header or column.name}"
+            group.append(replace(column, values=values, name=f"{name} {column.name}", header=header, position=position))
         groups.append(group)
     label = columns[by.place].label
     sizes = join(
@@ -110,7 +110,7 @@ def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...
         for k in range(1, width)
     }
     result = [replace(column, name=names.get(column.position, column.name)) for column in named]
-    said = join(
+    places = join(
         ", ",
         (
             say("{position} (always {number})", position=columns[i].position, number=number)
@@ -119,7 +119,8 @@ def between(columns: list[FileColumn]) -> tuple[list[FileColumn], tuple[str, ...
     )
     return result, (
         say(
-            "columns {columns} are used as ids of sensors, and the columns after each are named after it", columns=said
+            "columns {columns} are used as ids of sensors, and the columns after each are named after it",
+            columns=places,
         ),
     )
 
@@ -169,14 +170,14 @@ def joined(columns: tuple[FileColumn, ...], options: Options) -> tuple[tuple[Fil
         stamps = _added(seconds.values, column.values, size)
         if stamps is None:
             continue
-        said = {"seconds": seconds.label, "fraction": column.label}
+        labels = {"seconds": seconds.label, "fraction": column.label}
         if not stamps.size:
-            notes.append(say("{seconds} and {fraction} are not joined: the latter is not a part of a second", **said))
+            notes.append(say("{seconds} and {fraction} are not joined: the latter is not a part of a second", **labels))
             continue
         stem = seconds.name[: len(stem)].strip() or "time"
         clock = replace(seconds, values=stamps, name=stem, unit="ns", header=f"{seconds.header} + {column.header}")
         columns = tuple(clock if c is seconds else c for c in columns if c is not column)
-        notes.append(say("{seconds} and {fraction} are joined to one clock in ns", **said))
+        notes.append(say("{seconds} and {fraction} are joined to one clock in ns", **labels))
     return columns, tuple(notes)
 
 
@@ -199,13 +200,13 @@ def _added(seconds: NDArray[Any], parts: NDArray[Any], size: int) -> NDArray[np.
 def _ending(column: FileColumn, units: re.Pattern[str]) -> tuple[str, str]:
     """A name without the unit at its end and the signs between, and the unit; both are empty if there is none."""
     name = column.name.strip().lower()
-    found = units.search(name)
-    if found is None:
+    ending = units.search(name)
+    if ending is None:
         return "", ""
-    end = found.start()
+    end = ending.start()
     while end and not (name[end - 1].isascii() and name[end - 1].isalnum()):
         end -= 1
-    return name[:end], found[1]
+    return name[:end], ending[1]
 
 
 def _whole(values: NDArray[Any]) -> NDArray[np.int64] | None:

@@ -20,10 +20,10 @@ def stride(records: Sequence[Record]) -> tuple[int, int]:
     """First row with a sample, and the distance of such rows: 1 unless all channels have samples in every k-th only."""
     if any(complete(record.values) for record in records):
         return 0, 1
-    there = np.flatnonzero(np.logical_or.reduce([np.isfinite(record.values) for record in records]))
-    step = int(np.gcd.reduce(np.diff(there))) if there.size > 1 else 1
-    filled = there.size >= FEWEST and there.size * step > FILLED * len(records[0].values)
-    return (int(there[0]), step) if step > 1 and filled else (0, 1)
+    sampled = np.flatnonzero(np.logical_or.reduce([np.isfinite(record.values) for record in records]))
+    step = int(np.gcd.reduce(np.diff(sampled))) if sampled.size > 1 else 1
+    filled = sampled.size >= FEWEST and sampled.size * step > FILLED * len(records[0].values)
+    return (int(sampled[0]), step) if step > 1 and filled else (0, 1)
 
 
 def thinned(records: Sequence[Record], first: int, step: int) -> tuple[Record, ...]:
@@ -73,11 +73,11 @@ def straightened(data: bytes) -> tuple[bytes, tuple[str, ...]]:
     names = all(not is_number(row[0], decimal) for row in rows)
     body = "\n".join(map(";".join, zip(*rows, strict=True)))
     length = len(rows[0]) - names
-    said = say("the line of {length} numbers is used as one channel", length=length)
+    note = say("the line of {length} numbers is used as one channel", length=length)
     if len(rows) > 1:
-        said = say("the {count} lines of {length} numbers are used as channels", count=len(rows), length=length)
+        note = say("the {count} lines of {length} numbers are used as channels", count=len(rows), length=length)
     comments = "".join(line + "\n" for line in lines if line.startswith(MARKS[:3]))
-    return (comments + body + "\n").encode(), (said,)
+    return (comments + body + "\n").encode(), (note,)
 
 
 def without_checksums(data: bytes) -> bytes:

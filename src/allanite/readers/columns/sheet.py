@@ -38,16 +38,16 @@ class FileSheet:
         """
         column = lookup(self.columns, key)
         column.demand_numbers()
-        said = given or column.unit
-        if not said and unit != "1":
+        stated = given or column.unit
+        if not stated and unit != "1":
             raise UsageError(
                 f"the unit of {column.label} is unknown: write it in the header as in '{column.name} [deg]', or "
                 f"pass {spelled('--unit deg', 'given=deg')}"
             )
-        size, wanted = unit_of(said or "1"), unit_of(unit)
+        size, wanted = unit_of(stated or "1"), unit_of(unit)
         # the difference of a cosine is a number, but may also be written as a small angle
         if size.dimension != wanted.dimension and not (unit == "1" and size.dimension == unit_of("rad").dimension):
-            raise UnitError(f"{column.label} is in {said!r}, which cannot be converted to {unit!r}")
+            raise UnitError(f"{column.label} is in {stated!r}, which cannot be converted to {unit!r}")
         return np.asarray(column.values, dtype=np.float64) * (size.factor / wanted.factor)
 
 

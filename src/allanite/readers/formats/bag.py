@@ -39,20 +39,20 @@ def read(path: str, options: Options) -> Recording:
     _demand_bag(path)
     with Process("bag", path, options.progress) as process:
         with worded():
-            topics = [_topic(item) for item in process.said["topics"]]
-            found = [_stream(topic, [other.name for other in topics], path, process) for topic in topics]
-        return stream_recording(found, options)
+            topics = [_topic(item) for item in process.contents["topics"]]
+            streams = [_stream(topic, [other.name for other in topics], path, process) for topic in topics]
+        return stream_recording(streams, options)
 
 
 def parts(path: str, options: Options) -> Parts:
     """The messages of one topic, which are decoded one part after the other."""
     _demand_bag(path)
     with Process("bag", path) as process, worded():
-        topics = [_topic(item) for item in process.said["topics"]]
+        topics = [_topic(item) for item in process.contents["topics"]]
     names = [topic.name for topic in topics]
-    found = {stream.name: (stream, topic) for topic in topics for stream in (_stream(topic, names, path),)}
-    stream, table, options = arranged_stream([one for one, _ in found.values()], options)
-    topic = found[stream.name][1]
+    streams = {stream.name: (stream, topic) for topic in topics for stream in (_stream(topic, names, path),)}
+    stream, table, options = arranged_stream([stream for stream, _ in streams.values()], options)
+    topic = streams[stream.name][1]
     order = [*list(topic.units)[1:], next(iter(topic.units))]
 
     def blocks(wanted: Sequence[int], rows: int) -> Iterator[list[NDArray[Any]]]:
@@ -95,7 +95,7 @@ def _demand_bag(path: str) -> None:
 class _Topic:
     """A topic: type, number of messages, seconds between the first and the last, and names and units of its columns.
 
-    `dtype` is the type of a row, `left` are the fields that are not read, `beside` the files of definitions used, and
+    `dtype` is the type of a row, `unread` are the fields that are not read, `beside` the files of definitions used, and
     `why` says why there are no columns.
     """
 
@@ -105,7 +105,7 @@ class _Topic:
     span: float
     dtype: np.dtype[Any]
     units: dict[str, str]
-    left: tuple[str, ...]
+    unread: tuple[str, ...]
     beside: tuple[str, ...]
     why: str
 
@@ -124,12 +124,12 @@ class _Topic:
         return axes | {name: "seq" for name in self.units if name.endswith("header.seq")}
 
 
-def _topic(said: Mapping[str, Any]) -> _Topic:
-    columns = [(str(name), str(kind), str(unit)) for name, kind, unit in said["columns"]]
+def _topic(item: Mapping[str, Any]) -> _Topic:
+    columns = [(str(name), str(kind), str(unit)) for name, kind, unit in item["columns"]]
     dtype = np.dtype([(name, kind) for name, kind, _ in columns])
-    about = (str(said["topic"]), str(said["type"]), max(0, int(said["count"])), float(said["span"]))
+    about = (str(item["topic"]), str(item["type"]), max(0, int(item["count"])), float(item["span"]))
     units = {name: unit for name, _, unit in columns}
-    return _Topic(*about, dtype, units, tuple(said["left"]), tuple(said.get("beside", ())), str(said["why"]))
+    return _Topic(*about, dtype, units, tuple(item["left"]), tuple(item.get("beside", ())), str(item["why"]))
 
 
 def _stream(topic: _Topic, names: Sequence[str], path: str, process: Process | None = None) -> Stream:
@@ -161,7 +161,7 @@ def _ordered(values: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     received = next(iter(values.values()))
     if np.any(received[1:] < received[:-1]):
         order = np.argsort(received, kind="stable")
-        values = {name: one[order] for name, one in values.items()}
+        values = {name: column[order] for name, column in values.items()}
     return values
 
 
@@ -179,6 +179,6 @@ def _table(topic: _Topic, values: dict[str, NDArray[Any]]) -> FileTable:
     notes = (
         (units, say("{units} by the definition of the message", units=units)),
         (topic.beside, say("defined by {files} beside the bag", files=", ".join(topic.beside))),
-        (topic.left, say("left out, no signal or of no fixed number: {left}", left=some(topic.left))),
+        (topic.unread, say("left out, no signal or of no fixed number: {left}", left=some(topic.unread))),
     )
     return FileTable(tuple(columns), notes=tuple(note for names, note in notes if names))

@@ -26,17 +26,17 @@ def read(path: str, options: Options) -> Recording:
         with worded():
             # the channels with common time stamps, named after the first group that has them
             groups: dict[str, list[Item]] = {}
-            for item in process.said["datasets"]:
+            for item in process.contents["datasets"]:
                 groups.setdefault(str(item["clock"]) or f"group {item['group']}", []).append(item)
             titles = [str(own[0]["title"]) for own in groups.values()]
-            found = []
+            streams = []
             for title, own in zip(titles, groups.values(), strict=True):
                 name = title if title and titles.count(title) == 1 else f"group {own[0]['group']}"
-                found.append(_Group(tuple(own), process).stream(name))
-            left = [str(name) for name in process.said["left"]]
-        said = say("left out, no numbers, or numbers converted by a formula: {names}", names=some(left))
-        notes = [said] if left else []
-        return stream_recording(found, options, notes)
+                streams.append(_Group(tuple(own), process).stream(name))
+            names = [str(name) for name in process.contents["left"]]
+        omitted = say("left out, no numbers, or numbers converted by a formula: {names}", names=some(names))
+        notes = [omitted] if names else []
+        return stream_recording(streams, options, notes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -119,8 +119,8 @@ def _members(path: str) -> list[tuple[str, NDArray[Any]]]:
             claimed = 0
             with archive.open(member) as stream:
                 if member.filename.endswith(".npy"):
-                    one = form.read_magic(stream) == (1, 0)
-                    shape, _, dtype = (form.read_array_header_1_0 if one else form.read_array_header_2_0)(stream)
+                    short = form.read_magic(stream) == (1, 0)
+                    shape, _, dtype = (form.read_array_header_1_0 if short else form.read_array_header_2_0)(stream)
                     # objects are refused below
                     claimed = 0 if dtype.hasobject else math.prod(shape) * max(1, dtype.itemsize)
             if claimed > member.file_size:

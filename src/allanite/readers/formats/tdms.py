@@ -24,19 +24,19 @@ def read(path: str, options: Options) -> Recording:
         with worded():
             # the channels of a group with one length and time step; if there are several, each has a number
             groups: dict[tuple[str, int, float], list[Item]] = {}
-            for item in process.said["datasets"]:
+            for item in process.contents["datasets"]:
                 length = int(item["shape"][0])
                 if np.dtype(str(item["fields"][0][1])).kind in "iufM" and length > 1:
                     groups.setdefault((str(item["group"]), length, float(item["step"])), []).append(item)
-            names, found = [group for group, _, _ in groups], list[Stream]()
+            names, streams = [group for group, _, _ in groups], list[Stream]()
             for (group, length, step), own in groups.items():
-                number = sum(stream.name.startswith(f"{group}/") for stream in found) + 1
+                number = sum(stream.name.startswith(f"{group}/") for stream in streams) + 1
                 name = f"{group}/{number}" if names.count(group) > 1 else group
                 load = _Loader(own, process, length, step)
                 columns = tuple(str(item["name"]) for item in own)
                 fits = any_inertial(columns, (str(item["unit"]) for item in own))
-                found.append(Stream(name, length, columns, load, 1 / step if step > 0 else None, fits))
-        return stream_recording(found, options)
+                streams.append(Stream(name, length, columns, load, 1 / step if step > 0 else None, fits))
+        return stream_recording(streams, options)
 
 
 class _Loader:

@@ -63,9 +63,9 @@ def read(path: str, options: Options) -> Recording:
     """The channels of a topic of a PX4 log; with several instances of a topic, each is ``topic/0``, ``topic/1``."""
     with Process("ulog", path, options.progress) as process:
         with worded():
-            found = [_topic(item, process) for item in process.said["datasets"]]
+            streams = [_topic(item, process) for item in process.contents["datasets"]]
             # what the log says about its own losses
-            drops = [float(milliseconds) for milliseconds in process.said["dropouts"]]
+            drops = [float(milliseconds) for milliseconds in process.contents["dropouts"]]
             lost = say_count(
                 len(drops),
                 "the log reports a dropout of its writer, of {total:.4g} s",
@@ -73,8 +73,8 @@ def read(path: str, options: Options) -> Recording:
                 total=sum(drops) / 1e3,
             )
             damaged = say("the log is damaged in places; the messages there are left out")
-            notes = [note for note, holds in ((lost, drops), (damaged, process.said["damaged"])) if holds]
-        return stream_recording(found, options, notes)
+            notes = [note for note, holds in ((lost, drops), (damaged, process.contents["damaged"])) if holds]
+        return stream_recording(streams, options, notes)
 
 
 def _topic(item: Mapping[str, Any], process: Process) -> Stream:
@@ -107,10 +107,10 @@ def _plain(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) ->
     notes = list[Phrase]()
     for signal in signals:
         if signal.over in fields:
-            integrated, said = _integrated(signal, columns, rows)
-            columns, notes = columns | integrated, notes + said
-    left = [field for field in fields if field not in (*columns, *beside)]
-    notes += [say("left out, not used of the table: {fields}", fields=some(left))] if left else []
+            integrated, remarks = _integrated(signal, columns, rows)
+            columns, notes = columns | integrated, notes + remarks
+    unused = [field for field in fields if field not in (*columns, *beside)]
+    notes += [say("left out, not used of the table: {fields}", fields=some(unused))] if unused else []
     return FileTable(tuple(columns.values()), notes=tuple(notes))
 
 
@@ -165,5 +165,5 @@ def _batched(topic: str, fields: list[str], fetch: Callable[[list[str]], Rows]) 
         counts = np.column_stack([rows[name] for name in names[:most]]).astype(np.float64)
         values = (counts * rows["scale"].astype(np.float64)[:, np.newaxis])[used]
         columns.append(FileColumn(values, place, axis, _BATCHES[topic], header=axis))
-    said = say("{number} messages with up to {most} samples each", number=len(rows), most=int(count.max(initial=0)))
-    return FileTable(tuple(columns), notes=(said,))
+    batches = say("{number} messages with up to {most} samples each", number=len(rows), most=int(count.max(initial=0)))
+    return FileTable(tuple(columns), notes=(batches,))

@@ -206,9 +206,9 @@ class Walk:
             "offsets": offsets,
             "itemsize": self.rows.shape[1],
         }
-        found = self.rows.reshape(-1).view(np.dtype(about))
+        numbers = self.rows.reshape(-1).view(np.dtype(about))
         for name in self.places:
-            values = found[name]
+            values = numbers[name]
             if values.dtype.names:
                 values = values["s"].astype(np.int64) * 1_000_000_000 + values["ns"]
             out[name][where] = values

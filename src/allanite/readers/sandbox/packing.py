@@ -66,9 +66,9 @@ class _Streams:
                 self._decoder = self._begun()
             elif self._decoder.needs_input and not (fresh := self._file.read(_BLOCK)):
                 raise EOFError("the end is missing")
-            found: bytes = self._decoder.decompress(fresh, size)
-            if found:
-                return found
+            content: bytes = self._decoder.decompress(fresh, size)
+            if content:
+                return content
 
 
 PACKINGS = (

@@ -150,7 +150,7 @@ _TIMEOUTS = (9, 24)
 
 
 class Process:
-    """A running worker that looks for `names`; in a ``with`` statement, `said` lists the contents of the file.
+    """A running worker that looks for `names`; in a ``with`` statement, `contents` are those of the file.
 
     `progress` is called with the share, 0 to 1, that has been read.
     """
@@ -185,14 +185,14 @@ class Process:
 
     def __enter__(self) -> "Process":
         try:
-            self.said: dict[str, Any] = {SHARE: 0.0}
+            self.contents: dict[str, Any] = {SHARE: 0.0}
             with self._deadline(self._wait):
-                while SHARE in self.said:
-                    self._tell(self.said[SHARE])
+                while SHARE in self.contents:
+                    self._tell(self.contents[SHARE])
                     line = self._stdout.readline(1 << 24)
                     if not line.endswith(b"\n"):
                         raise self._broken("while reading its structure")
-                    self.said = dict(json.loads(line))
+                    self.contents = dict(json.loads(line))
         except BaseException:
             self.__exit__()
             raise
@@ -274,9 +274,9 @@ class Process:
         """Why the worker ended, as text: its last message, or how it died."""
         code = self._process.wait()
         self._errors.seek(0)
-        said = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
+        lines = self._errors.read()[-4000:].decode("utf-8", "replace").strip().splitlines()
         died = "it ended early" if code >= 0 else "it took too long" if -code in _TIMEOUTS else f"signal {-code}"
-        reason = re.sub(r"^[\w.]+(Error|Exception): ", "", said[-1])[:200] if said else died
+        reason = re.sub(r"^[\w.]+(Error|Exception): ", "", lines[-1])[:200] if lines else died
         if reason.startswith(LIMIT):
             return DataError(reason)
         return DataError(

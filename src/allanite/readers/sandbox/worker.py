@@ -47,8 +47,8 @@ def main() -> None:
         pass  # the parent limits what it requests and how long it waits, on every system
     _allow(int(sys.argv[5]) / FORMATS[form])
     try:
-        said, load = opened(path, most, names)
-        _send([json.dumps(said).encode() + b"\n"])
+        contents, load = opened(path, most, names)
+        _send([json.dumps(contents).encode() + b"\n"])
         for line in sys.stdin:
             request = json.loads(line)
             size, blocks = load(request["path"], request["fields"])

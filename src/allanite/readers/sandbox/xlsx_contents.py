@@ -24,12 +24,12 @@ def opened(path: str, most: int, names: dict[str, Any]) -> tuple[dict[str, Any],
     count = len(book.worksheets)
     sheets = {sheet.title: _lines(sheet, (i, count)) for i, sheet in enumerate(book.worksheets)}
     texts = {title: "\n".join((*lines, "")).encode() for title, lines in sheets.items()}
-    said = [
+    listed = [
         {"path": title, "size": len(texts[title]), "rows": len(lines), "head": "\n".join(lines[:HEAD])[:20_000]}
         for title, lines in sheets.items()
         if lines
     ]
-    return {"datasets": said}, lambda where, fields: (len(texts[where]), [texts[where]])
+    return {"datasets": listed}, lambda where, fields: (len(texts[where]), [texts[where]])
 
 
 class _Lines(list[str]):
